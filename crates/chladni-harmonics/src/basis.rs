@@ -1,0 +1,110 @@
+//! The harmonic basis and the transform to and from it.
+
+use rayon::prelude::*;
+
+/// What was checked about a [`Basis`] after it was solved.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Certificate {
+    /// The number of eigenvalues below every slice boundary, by Sylvester's law of inertia,
+    /// equals the number of pairs found there: none is missed, none doubled.
+    pub inertia_counts_match: bool,
+    /// max over k ≥ 1 of ‖S h − λ M h‖ / ‖S h‖.
+    pub max_relative_residual: f64,
+    /// max |HᵀMH − I|.
+    pub max_orthogonality_error: f64,
+}
+
+/// The first K generalised eigenpairs S h = λ M h of a shape (core.md: H_k, λ_k, a).
+///
+/// Vertices are the N operator vertices: welded and referenced. Units are those of the
+/// frame it was solved in; see [`Body`](crate::Body).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basis {
+    /// λ_k, K values, ascending; 0 once per component.
+    pub eigenvalues: Vec<f64>,
+    /// H, N×K, column-major: harmonic k is `vectors[k·N .. (k+1)·N]`. HᵀMH = I.
+    pub vectors: Vec<f64>,
+    /// a(v), N lumped areas; positive.
+    pub mass: Vec<f64>,
+    /// How far the pairs can be trusted.
+    pub certificate: Certificate,
+}
+
+impl Basis {
+    /// N, the number of operator vertices.
+    pub fn vertices(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// K, the number of harmonics.
+    pub fn harmonics(&self) -> usize {
+        self.eigenvalues.len()
+    }
+
+    /// H_k, N values. Panics if `k ≥ K`.
+    pub fn harmonic(&self, k: usize) -> &[f64] {
+        let n = self.vertices();
+        &self.vectors[k * n..(k + 1) * n]
+    }
+
+    /// The harmonic transform f̃_k = Σ_v a(v) H_k(v) f(v) of one scalar signal (N values).
+    pub fn transform(&self, signal: &[f64]) -> Vec<f64> {
+        assert_eq!(signal.len(), self.vertices(), "one value per operator vertex");
+        let weighted: Vec<f64> = signal.iter().zip(&self.mass).map(|(f, a)| f * a).collect();
+        (0..self.harmonics())
+            .into_par_iter()
+            .map(|k| self.harmonic(k).iter().zip(&weighted).map(|(h, f)| h * f).sum())
+            .collect()
+    }
+
+    /// The harmonic transform of a signal of three channels, such as positions.
+    pub fn transform3(&self, signal: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        assert_eq!(signal.len(), self.vertices(), "one value per operator vertex");
+        let weighted: Vec<[f64; 3]> =
+            signal.iter().zip(&self.mass).map(|(f, a)| f.map(|c| c * a)).collect();
+        (0..self.harmonics())
+            .into_par_iter()
+            .map(|k| {
+                let mut sum = [0.0; 3];
+                for (h, f) in self.harmonic(k).iter().zip(&weighted) {
+                    for c in 0..3 {
+                        sum[c] += h * f[c];
+                    }
+                }
+                sum
+            })
+            .collect()
+    }
+
+    /// Σ_k H_k(v) c_k over the first `coefficients.len()` ≤ K harmonics, N values.
+    pub fn synthesize(&self, coefficients: &[f64]) -> Vec<f64> {
+        assert!(coefficients.len() <= self.harmonics(), "at most K coefficients");
+        let mut signal = vec![0.0; self.vertices()];
+        signal.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
+            let first = chunk * 1024;
+            for (k, &c) in coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+                let h = &self.harmonic(k)[first..first + out.len()];
+                out.iter_mut().zip(h).for_each(|(f, h)| *f += h * c);
+            }
+        });
+        signal
+    }
+
+    /// Σ_k H_k(v) C_k of three channels.
+    pub fn synthesize3(&self, coefficients: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        assert!(coefficients.len() <= self.harmonics(), "at most K coefficients");
+        let mut signal = vec![[0.0; 3]; self.vertices()];
+        signal.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
+            let first = chunk * 1024;
+            for (k, c) in coefficients.iter().enumerate().filter(|(_, c)| **c != [0.0; 3]) {
+                let h = &self.harmonic(k)[first..first + out.len()];
+                for (f, h) in out.iter_mut().zip(h) {
+                    for i in 0..3 {
+                        f[i] += h * c[i];
+                    }
+                }
+            }
+        });
+        signal
+    }
+}

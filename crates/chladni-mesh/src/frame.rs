@@ -1,0 +1,64 @@
+//! The working frame: centred, uniformly scaled into [-1, 1]³.
+
+use crate::TriMesh;
+
+/// The similarity between a file's coordinates and the working frame:
+/// `working = (file − center) · scale`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Area-weighted centroid, in file units.
+    pub center: [f64; 3],
+    /// Working units per file unit; positive and finite.
+    pub scale: f64,
+}
+
+impl Frame {
+    /// The frame of `mesh`: its area-weighted centroid goes to the origin and its farthest
+    /// coordinate to ±1. A mesh of no extent keeps scale 1.
+    pub fn of(mesh: &TriMesh) -> Self {
+        // Offsets from a vertex keep the sums accurate where the mesh lies far from the origin.
+        let Some(&origin) = mesh.positions.first() else { return Self { center: [0.0; 3], scale: 1.0 } };
+        let at = |v: u32| {
+            let p = mesh.positions[v as usize];
+            [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
+        };
+        let mut area = 0.0;
+        let mut moment = [0.0; 3];
+        for &[a, b, c] in &mesh.triangles {
+            let (pa, pb, pc) = (at(a), at(b), at(c));
+            let u: [f64; 3] = std::array::from_fn(|i| pb[i] - pa[i]);
+            let v: [f64; 3] = std::array::from_fn(|i| pc[i] - pa[i]);
+            let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+            let twice_area = n[0].hypot(n[1]).hypot(n[2]);
+            area += twice_area;
+            for i in 0..3 {
+                moment[i] += twice_area * (pa[i] + pb[i] + pc[i]) / 3.0;
+            }
+        }
+        let center: [f64; 3] =
+            std::array::from_fn(|i| origin[i] + if area > 0.0 { moment[i] / area } else { 0.0 });
+        let mut extent = 0.0_f64;
+        for &v in mesh.triangles.iter().flatten() {
+            for i in 0..3 {
+                extent = extent.max((mesh.positions[v as usize][i] - center[i]).abs());
+            }
+        }
+        let scale = 1.0 / extent;
+        Self { center, scale: if scale.is_finite() && scale > 0.0 { scale } else { 1.0 } }
+    }
+
+    /// A point of the file in the working frame.
+    pub fn to_working(&self, point: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|i| (point[i] - self.center[i]) * self.scale)
+    }
+
+    /// A point of the working frame in the file's coordinates.
+    pub fn to_file(&self, point: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|i| point[i] / self.scale + self.center[i])
+    }
+
+    /// A displacement (no centre) of the working frame in the file's units.
+    pub fn displacement_to_file(&self, displacement: [f64; 3]) -> [f64; 3] {
+        displacement.map(|d| d / self.scale)
+    }
+}

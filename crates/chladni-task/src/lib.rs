@@ -1,0 +1,26 @@
+//! Long work that can be watched, stopped, and never leaves half a file behind.
+//!
+//! ```
+//! use chladni_task::Task;
+//!
+//! let task = Task::new();
+//! let stage = task.stage("summing", 10);
+//! let mut sum = 0;
+//! for i in 0..10 {
+//!     task.check()?; // Err(Cancelled) as soon as somebody calls task.cancel()
+//!     sum += i;
+//!     stage.advance(1);
+//! }
+//! assert_eq!(sum, 45);
+//! assert_eq!(task.progress().done, 10);
+//! # Ok::<(), chladni_task::Cancelled>(())
+//! ```
+//!
+//! Not guaranteed: progress is advisory. Counts from parallel workers may arrive in any
+//! order, and a stage may end before its total is reached.
+
+mod atomic_file;
+mod progress;
+
+pub use atomic_file::{write_atomic, write_atomic_with};
+pub use progress::{Cancelled, Progress, Stage, Task};

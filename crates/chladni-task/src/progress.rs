@@ -1,0 +1,111 @@
+//! The handle that long work reports to and is cancelled through.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The work was cancelled through its [`Task`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+/// What a [`Task`] is doing at this moment.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// Name of the current stage, empty before the first.
+    pub stage: String,
+    /// Steps done in this stage.
+    pub done: u64,
+    /// Steps this stage expects; 0 where the number is not known.
+    pub total: u64,
+}
+
+impl Progress {
+    /// Share of the stage that is done, in [0, 1]; `None` where the total is not known.
+    pub fn fraction(&self) -> Option<f64> {
+        (self.total > 0).then(|| (self.done as f64 / self.total as f64).min(1.0))
+    }
+}
+
+/// Progress and cancellation of one piece of long work. Clones share one state, so that a
+/// window keeps one while a worker thread holds another.
+#[derive(Clone, Debug, Default)]
+pub struct Task {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    cancelled: AtomicBool,
+    done: AtomicU64,
+    total: AtomicU64,
+    stage: Mutex<String>,
+}
+
+impl Task {
+    /// A task that nobody has cancelled yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Begins a stage of `total` steps (0 where the number is not known) and resets the count.
+    pub fn stage(&self, name: &str, total: u64) -> Stage<'_> {
+        *self.shared.stage.lock().unwrap_or_else(PoisonError::into_inner) = name.to_owned();
+        self.shared.done.store(0, Ordering::Relaxed);
+        self.shared.total.store(total, Ordering::Relaxed);
+        Stage { task: self }
+    }
+
+    /// Asks the work to stop at its next [`check`](Self::check).
+    pub fn cancel(&self) {
+        self.shared.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether [`cancel`](Self::cancel) was called.
+    pub fn is_cancelled(&self) -> bool {
+        self.shared.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// `Err(Cancelled)` once the task was cancelled; call it between steps of long work.
+    pub fn check(&self) -> Result<(), Cancelled> {
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
+    /// A snapshot for whoever draws the progress bar.
+    pub fn progress(&self) -> Progress {
+        Progress {
+            stage: self.shared.stage.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+            done: self.shared.done.load(Ordering::Relaxed),
+            total: self.shared.total.load(Ordering::Relaxed),
+        }
+    }
+}
+
+/// The current stage of a [`Task`]; any thread may advance it.
+#[derive(Debug)]
+pub struct Stage<'a> {
+    task: &'a Task,
+}
+
+impl Stage<'_> {
+    /// Counts `steps` more as done.
+    pub fn advance(&self, steps: u64) {
+        self.task.shared.done.fetch_add(steps, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clones_share_cancellation_and_progress() {
+        let task = Task::new();
+        let worker = task.clone();
+        let stage = worker.stage("solving", 4);
+        stage.advance(3);
+        assert_eq!(task.progress(), Progress { stage: "solving".into(), done: 3, total: 4 });
+        assert_eq!(task.progress().fraction(), Some(0.75));
+        task.cancel();
+        assert_eq!(worker.check(), Err(Cancelled));
+    }
+}
