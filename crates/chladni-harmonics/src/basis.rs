@@ -60,8 +60,7 @@ impl Basis {
     /// The harmonic transform of a signal of three channels, such as positions.
     pub fn transform3(&self, signal: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(signal.len(), self.vertices(), "one value per operator vertex");
-        let weighted: Vec<[f64; 3]> =
-            signal.iter().zip(&self.mass).map(|(f, a)| f.map(|c| c * a)).collect();
+        let weighted: Vec<[f64; 3]> = signal.iter().zip(&self.mass).map(|(f, a)| f.map(|c| c * a)).collect();
         (0..self.harmonics())
             .into_par_iter()
             .map(|k| {
