@@ -1,0 +1,65 @@
+//! The command line: one file per command, each with its arguments and its `run`.
+
+mod failure;
+mod terminal;
+
+use clap::{Parser, Subcommand};
+
+pub use failure::Failure;
+pub use terminal::Terminal;
+
+/// Plays the natural vibrations of 3D shapes.
+///
+/// Without a command the window opens.
+#[derive(Parser)]
+#[command(name = "chladni", version, about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    /// Draw no progress bars.
+    #[arg(long, global = true)]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {}
+
+/// Runs the program with the process's own arguments.
+pub fn main() -> std::process::ExitCode {
+    std::process::ExitCode::from(run(std::env::args_os()))
+}
+
+/// Runs one command line, first the program's name, and returns its exit code:
+/// 0 done, 2 bad input or arguments, 1 anything else.
+pub fn run<I, T>(arguments: I) -> u8
+where
+    I: IntoIterator<Item = T>,
+    T: Into<std::ffi::OsString> + Clone,
+{
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are not errors; clap knows which stream each belongs to.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(1);
+        }
+    };
+    let terminal = Terminal::new(cli.quiet);
+    let done = match cli.command {
+        Some(command) => command.run(&terminal),
+        None => Ok(()),
+    };
+    match done {
+        Ok(()) => 0,
+        Err(failure) => {
+            terminal.error(&failure);
+            failure.exit_code()
+        }
+    }
+}
+
+impl Command {
+    fn run(self, _terminal: &Terminal) -> Result<(), Failure> {
+        match self {}
+    }
+}
