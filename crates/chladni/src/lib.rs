@@ -10,3 +10,4 @@
 //! with any version. What scripts may rely on are the command line, the files and the exit codes.
 
 pub mod cli;
+pub mod studio;

@@ -1,0 +1,94 @@
+//! Long work beside the window: it reports progress, can be cancelled, and never blocks a frame.
+
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use chladni_task::{Progress, Task};
+
+/// One piece of work on its own thread.
+#[derive(Debug)]
+pub struct Job<T> {
+    label: String,
+    task: Task,
+    result: Receiver<T>,
+}
+
+/// What has become of a [`Job`].
+#[derive(Debug)]
+pub enum Outcome<T> {
+    /// Still at work.
+    Running,
+    /// Done; the result is handed out once.
+    Done(T),
+    /// The thread ended without a result: a bug in the work, to be shown as such.
+    Lost,
+}
+
+impl<T: Send + 'static> Job<T> {
+    /// Starts `work` and repaints `ctx` when it is done.
+    pub fn start(
+        label: impl Into<String>,
+        ctx: &egui::Context,
+        work: impl FnOnce(&Task) -> T + Send + 'static,
+    ) -> Self {
+        let (task, (sender, result)) = (Task::new(), channel());
+        let (worker, ctx) = (task.clone(), ctx.clone());
+        std::thread::spawn(move || {
+            // Nobody listens any more when the window dropped the job; that is how it is abandoned.
+            let _ = sender.send(work(&worker));
+            ctx.request_repaint();
+        });
+        Self { label: label.into(), task, result }
+    }
+
+    /// Looks, without waiting, whether the result is there.
+    pub fn poll(&self) -> Outcome<T> {
+        match self.result.try_recv() {
+            Ok(value) => Outcome::Done(value),
+            Err(TryRecvError::Empty) => Outcome::Running,
+            Err(TryRecvError::Disconnected) => Outcome::Lost,
+        }
+    }
+}
+
+impl<T> Job<T> {
+    /// What the work is called in the window.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        self.task.progress()
+    }
+
+    /// Asks it to stop; its result then tells that it was cancelled.
+    pub fn cancel(&self) {
+        self.task.cancel();
+    }
+}
+
+impl<T> Drop for Job<T> {
+    fn drop(&mut self) {
+        self.task.cancel();
+    }
+}
+
+/// Draws progress and a cancel button. Repaints by itself while shown.
+pub fn show_progress<T>(ui: &mut egui::Ui, job: &Job<T>) {
+    let progress = job.progress();
+    ui.horizontal(|ui| {
+        ui.spinner();
+        ui.label(job.label());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.button("Cancel").clicked() {
+                job.cancel();
+            }
+        });
+    });
+    let bar = match progress.fraction() {
+        Some(share) => egui::ProgressBar::new(share as f32).text(progress.stage),
+        None => egui::ProgressBar::new(0.0).text(progress.stage),
+    };
+    ui.add(bar.desired_height(14.0));
+    ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
+}

@@ -1,0 +1,279 @@
+//! The window: a bar to switch between its rooms, and what the rooms share.
+//!
+//! Rooms read their engines' state and emit actions; only the engines change state.
+
+mod icon;
+mod job;
+mod notices;
+mod room;
+mod settings;
+mod shortcut;
+mod start;
+mod theme;
+
+use std::path::PathBuf;
+
+use eframe::egui_wgpu::RenderState;
+use egui::Key;
+
+use icon::Icon;
+use notices::Notices;
+use room::{Room, Shared};
+use settings::Settings;
+use shortcut::Shortcut;
+
+/// Why the window did not open.
+#[derive(Debug, thiserror::Error)]
+pub enum StudioError {
+    /// No display, no usable graphics driver, or the window system refused.
+    #[error("the window cannot open: {0}; 'chladni --help' lists what works without one")]
+    Window(#[from] eframe::Error),
+}
+
+const SWITCH_ROOM: Shortcut = Shortcut::command(Key::Tab, "Next workspace");
+const HELP: Shortcut = Shortcut::key(Key::F1, "Show all keys");
+const ZOOM_IN: Shortcut = Shortcut::command(Key::Plus, "Larger text and controls");
+const ZOOM_OUT: Shortcut = Shortcut::command(Key::Minus, "Smaller text and controls");
+const FULL_SCREEN: Shortcut = Shortcut::key(Key::F11, "Full screen");
+const WINDOW_KEYS: [Shortcut; 5] = [HELP, SWITCH_ROOM, ZOOM_IN, ZOOM_OUT, FULL_SCREEN];
+
+/// Opens the window on the start screen, or on `files` where some are given, and returns when
+/// it is closed.
+pub fn open(files: Vec<PathBuf>) -> Result<(), StudioError> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("Chladni")
+        .with_app_id("chladni")
+        .with_inner_size([1320.0, 820.0])
+        .with_min_inner_size([900.0, 600.0]);
+    let options = eframe::NativeOptions { viewport, wgpu_options: wgpu_options(), ..Default::default() };
+    eframe::run_native(
+        "chladni",
+        options,
+        Box::new(move |creation| Ok(Box::new(Studio::new(creation, Settings::default_path(), files)?))),
+    )?;
+    Ok(())
+}
+
+/// The whole window.
+pub struct Studio {
+    gpu: RenderState,
+    settings: Settings,
+    settings_path: Option<PathBuf>,
+    saved_settings: Settings,
+    notices: Notices,
+    rooms: Vec<Box<dyn Room>>,
+    /// The room on screen; `None` is the start screen.
+    current: Option<usize>,
+    cheat_sheet: bool,
+    closing: bool,
+}
+
+/// The device is missing where the window was made without wgpu.
+#[derive(Debug, thiserror::Error)]
+#[error("no graphics device: install a Vulkan driver (lavapipe, package mesa-vulkan-drivers, needs no card)")]
+struct NoDevice;
+
+impl Studio {
+    /// Builds the window's state. `settings_path` is where preferences are kept, `None` to keep none.
+    ///
+    /// Fails where eframe offers no wgpu device.
+    pub fn new(
+        creation: &eframe::CreationContext<'_>,
+        settings_path: Option<PathBuf>,
+        files: Vec<PathBuf>,
+    ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
+        let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
+        let mut notices = Notices::default();
+        let settings = match settings_path.as_deref().map(Settings::load) {
+            Some(Ok(settings)) => settings,
+            Some(Err(error)) => {
+                notices.warn(format!("Preferences could not be read, defaults are used: {error}"));
+                Settings::default()
+            }
+            None => Settings::default(),
+        };
+        theme::install(&creation.egui_ctx);
+        creation.egui_ctx.set_zoom_factor(settings.zoom);
+        let mut studio = Self {
+            gpu,
+            saved_settings: settings.clone(),
+            settings,
+            settings_path,
+            notices,
+            rooms: Vec::new(),
+            current: None,
+            cheat_sheet: false,
+            closing: false,
+        };
+        if !files.is_empty() {
+            studio.open_files(&creation.egui_ctx, &files);
+        }
+        Ok(studio)
+    }
+
+    fn open_files(&mut self, ctx: &egui::Context, files: &[PathBuf]) {
+        let index = self.current.unwrap_or(0);
+        self.current = Some(index);
+        self.with_room(ctx, index, |room, shared| room.open(files, shared));
+    }
+
+    fn with_room<R>(
+        &mut self,
+        ctx: &egui::Context,
+        index: usize,
+        act: impl FnOnce(&mut dyn Room, &mut Shared<'_>) -> R,
+    ) -> Option<R> {
+        let room = self.rooms.get_mut(index)?;
+        let mut shared = Shared {
+            ctx: ctx.clone(),
+            gpu: &self.gpu,
+            notices: &mut self.notices,
+            settings: &mut self.settings,
+        };
+        Some(act(room.as_mut(), &mut shared))
+    }
+
+    fn handle_keys(&mut self, ctx: &egui::Context) {
+        if HELP.pressed(ctx) {
+            self.cheat_sheet = !self.cheat_sheet;
+        }
+        if SWITCH_ROOM.pressed(ctx) && !self.rooms.is_empty() {
+            self.current = Some(self.current.map_or(0, |room| (room + 1) % self.rooms.len()));
+        }
+        if ZOOM_IN.pressed(ctx) {
+            self.settings.zoom = (self.settings.zoom * 1.1).min(3.0);
+        }
+        if ZOOM_OUT.pressed(ctx) {
+            self.settings.zoom = (self.settings.zoom / 1.1).max(0.5);
+        }
+        if FULL_SCREEN.pressed(ctx) {
+            let full = ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
+            ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!full));
+        }
+    }
+
+    fn top_bar(&mut self, ui: &mut egui::Ui) {
+        egui::Panel::top("top bar").exact_size(42.0).show(ui, |ui| {
+            ui.horizontal_centered(|ui| {
+                let palette = theme::palette(ui);
+                let home = ui
+                    .add(
+                        egui::Button::new(
+                            egui::RichText::new("Chladni").size(16.0).strong().color(palette.accent),
+                        )
+                        .frame(false),
+                    )
+                    .on_hover_text("Start screen");
+                if home.clicked() {
+                    self.current = None;
+                }
+                ui.add_space(theme::GAP_LARGE);
+                for (index, room) in self.rooms.iter().enumerate() {
+                    let label = icon::label(room.icon(), room.name());
+                    if ui.selectable_label(self.current == Some(index), label).clicked() {
+                        self.current = Some(index);
+                    }
+                }
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    self.window_buttons(ui)
+                });
+            });
+        });
+    }
+
+    fn window_buttons(&mut self, ui: &mut egui::Ui) {
+        if ui.button(icon::text(Icon::Keyboard)).on_hover_text(HELP.tooltip(ui.ctx())).clicked() {
+            self.cheat_sheet = !self.cheat_sheet;
+        }
+        let (mark, tip) =
+            if self.settings.light { (Icon::Moon, "Dark theme") } else { (Icon::Sun, "Light theme") };
+        if ui.button(icon::text(mark)).on_hover_text(tip).clicked() {
+            self.settings.light = !self.settings.light;
+        }
+    }
+
+    fn save_settings(&mut self) {
+        if self.settings == self.saved_settings {
+            return;
+        }
+        if let Some(path) = &self.settings_path
+            && let Err(error) = self.settings.save(path)
+        {
+            self.notices.warn(format!("{}: preferences could not be kept: {error}", path.display()));
+        }
+        self.saved_settings = self.settings.clone();
+    }
+
+    /// Asks before unsaved work is lost.
+    fn handle_close(&mut self, ctx: &egui::Context) {
+        let unsaved: Vec<String> = self.rooms.iter().filter_map(|room| room.unsaved()).collect();
+        if ctx.input(|input| input.viewport().close_requested()) && !unsaved.is_empty() && !self.closing {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.closing = true;
+        }
+        if !self.closing {
+            return;
+        }
+        egui::Modal::new(egui::Id::unique("close")).show(ctx, |ui| {
+            ui.heading("Close without saving?");
+            for line in &unsaved {
+                ui.label(line);
+            }
+            ui.add_space(theme::GAP);
+            ui.horizontal(|ui| {
+                if ui.button("Keep working").clicked() {
+                    self.closing = false;
+                }
+                if ui.button("Close and lose changes").clicked() {
+                    self.rooms.clear();
+                    ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+                }
+            });
+        });
+    }
+}
+
+impl eframe::App for Studio {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        self.handle_keys(&ctx);
+        let theme = if self.settings.light { egui::Theme::Light } else { egui::Theme::Dark };
+        ctx.set_theme(theme);
+        if (ctx.zoom_factor() - self.settings.zoom).abs() > 1e-3 {
+            ctx.set_zoom_factor(self.settings.zoom);
+        }
+        let dropped: Vec<PathBuf> =
+            ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
+        if !dropped.is_empty() {
+            self.open_files(&ctx, &dropped);
+        }
+        self.top_bar(ui);
+        match self.current {
+            Some(index) => {
+                self.with_room(&ctx, index, |room, shared| room.show(ui, shared));
+            }
+            None => self.start_screen(ui),
+        }
+        let groups: Vec<(&str, &[Shortcut])> = std::iter::once(("Window", &WINDOW_KEYS[..]))
+            .chain(self.current.and_then(|i| self.rooms.get(i)).map(|room| (room.name(), room.shortcuts())))
+            .collect();
+        shortcut::show_cheat_sheet(&ctx, &mut self.cheat_sheet, &groups);
+        self.notices.show(&ctx);
+        self.save_settings();
+        self.handle_close(&ctx);
+    }
+}
+
+/// eframe asks for default limits only; a basis of a large shape needs what the adapter has.
+fn wgpu_options() -> eframe::egui_wgpu::WgpuConfiguration {
+    use eframe::{egui_wgpu, wgpu};
+    let mut options = egui_wgpu::WgpuConfiguration::default();
+    if let egui_wgpu::WgpuSetup::CreateNew(setup) = &mut options.wgpu_setup {
+        setup.device_descriptor = std::sync::Arc::new(|adapter: &wgpu::Adapter| wgpu::DeviceDescriptor {
+            label: Some("chladni"),
+            required_limits: adapter.limits(),
+            ..Default::default()
+        });
+    }
+    options
+}

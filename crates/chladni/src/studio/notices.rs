@@ -1,0 +1,100 @@
+//! Short messages in the corner: what was done, what went wrong. Errors stay until they are read.
+
+use std::time::{Duration, Instant};
+
+use super::icon::{self, Icon};
+
+use super::theme;
+
+/// How long a message that is no error stays.
+const LINGER: Duration = Duration::from_secs(6);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Done,
+    Warning,
+    Error,
+}
+
+#[derive(Debug)]
+struct Notice {
+    kind: Kind,
+    text: String,
+    since: Instant,
+}
+
+/// The messages on screen, newest last.
+#[derive(Debug, Default)]
+pub struct Notices {
+    shown: Vec<Notice>,
+}
+
+impl Notices {
+    /// Something the user asked for is done.
+    pub fn done(&mut self, text: impl Into<String>) {
+        self.push(Kind::Done, text.into());
+    }
+
+    /// It went on, but not quite as asked.
+    pub fn warn(&mut self, text: impl Into<String>) {
+        self.push(Kind::Warning, text.into());
+    }
+
+    /// It failed; the text says what, where and why.
+    pub fn error(&mut self, text: impl Into<String>) {
+        self.push(Kind::Error, text.into());
+    }
+
+    fn push(&mut self, kind: Kind, text: String) {
+        self.shown.retain(|notice| notice.text != text);
+        self.shown.push(Notice { kind, text, since: Instant::now() });
+        if self.shown.len() > 5 {
+            self.shown.remove(0);
+        }
+    }
+
+    /// Draws the messages over everything else.
+    pub fn show(&mut self, ctx: &egui::Context) {
+        self.shown.retain(|notice| notice.kind == Kind::Error || notice.since.elapsed() < LINGER);
+        if self.shown.is_empty() {
+            return;
+        }
+        ctx.request_repaint_after(Duration::from_millis(500));
+        let mut closed = None;
+        egui::Area::new(egui::Id::unique("notices"))
+            .anchor(egui::Align2::RIGHT_BOTTOM, [-theme::GAP_LARGE, -theme::GAP_LARGE - 24.0])
+            .order(egui::Order::Foreground)
+            .show(ctx, |ui| {
+                for (index, notice) in self.shown.iter().enumerate() {
+                    if show_notice(ui, notice) {
+                        closed = Some(index);
+                    }
+                }
+            });
+        if let Some(index) = closed {
+            self.shown.remove(index);
+        }
+    }
+}
+
+/// Draws one message; true when its close button was clicked.
+fn show_notice(ui: &mut egui::Ui, notice: &Notice) -> bool {
+    let palette = theme::palette(ui);
+    let (mark, color) = match notice.kind {
+        Kind::Done => (Icon::CircleCheck, palette.good),
+        Kind::Warning => (Icon::TriangleAlert, palette.warning),
+        Kind::Error => (Icon::OctagonAlert, palette.error),
+    };
+    egui::Frame::popup(ui.style())
+        .fill(palette.card)
+        .show(ui, |ui| {
+            ui.set_max_width(420.0);
+            ui.horizontal(|ui| {
+                ui.label(egui::RichText::new(icon::text(mark)).color(color).size(18.0));
+                ui.add(egui::Label::new(&notice.text).wrap().selectable(true));
+                ui.small_button(icon::text(Icon::X)).on_hover_text("Close this message").clicked()
+            })
+            .inner
+        })
+        .inner
+}

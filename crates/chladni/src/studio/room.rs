@@ -1,0 +1,46 @@
+//! What a workspace of the window is, and what all of them share.
+
+use std::path::PathBuf;
+
+use super::icon::Icon;
+use super::notices::Notices;
+use super::settings::Settings;
+use super::shortcut::Shortcut;
+
+/// One workspace: the caricature studio or the music gallery.
+pub trait Room {
+    /// Its name in the switch at the top.
+    fn name(&self) -> &'static str;
+
+    /// Its icon in the switch.
+    fn icon(&self) -> Icon;
+
+    /// One sentence on the start screen that says what can be done here.
+    fn invitation(&self) -> &'static str;
+
+    /// What the keyboard does here.
+    fn shortcuts(&self) -> &'static [Shortcut];
+
+    /// Draws the room below the top bar and handles its input.
+    fn show(&mut self, ui: &mut egui::Ui, shared: &mut Shared<'_>);
+
+    /// Takes files that were dropped on the window or chosen in a dialog.
+    fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>);
+
+    /// Something unsaved that closing the window would lose; `None` when all is safe.
+    fn unsaved(&self) -> Option<String> {
+        None
+    }
+}
+
+/// What rooms may use of the window around them.
+pub struct Shared<'a> {
+    /// The context, to start jobs and ask for repaints.
+    pub ctx: egui::Context,
+    /// Device, queue and texture registry of the window.
+    pub gpu: &'a eframe::egui_wgpu::RenderState,
+    /// Messages to the user.
+    pub notices: &'a mut Notices,
+    /// Preferences and recent files.
+    pub settings: &'a mut Settings,
+}

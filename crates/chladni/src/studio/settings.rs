@@ -1,0 +1,104 @@
+//! What the window remembers between runs.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+/// Recent files that the start screen shows at most.
+const RECENT: usize = 8;
+
+/// Preferences and recent files: a small text file in the user's configuration folder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Light instead of dark.
+    pub light: bool,
+    /// UI scale in [0.5, 3]; 1 is the system's own.
+    pub zoom: f32,
+    /// Harmonics solved for a newly opened shape.
+    pub harmonics: usize,
+    /// Projects and shapes, most recent first.
+    pub recent: Vec<PathBuf>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { light: false, zoom: 1.0, harmonics: 512, recent: Vec::new() }
+    }
+}
+
+impl Settings {
+    /// Where the settings of this user live; `None` where the system knows no home folder.
+    pub fn default_path() -> Option<PathBuf> {
+        let folders = directories::ProjectDirs::from("", "", "chladni")?;
+        Some(folders.config_dir().join("settings.toml"))
+    }
+
+    /// Reads `path`. A missing file gives the defaults; a damaged one is an error that says why.
+    pub fn load(path: &Path) -> io::Result<Self> {
+        let text = match std::fs::read_to_string(path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Self::default()),
+            Err(error) => return Err(error),
+        };
+        let settings: Self = toml::from_str(&text).map_err(io::Error::other)?;
+        Ok(settings.bounded())
+    }
+
+    /// Writes `path`, whole or not at all, making its folder where it is missing.
+    pub fn save(&self, path: &Path) -> io::Result<()> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        let text = toml::to_string_pretty(self).map_err(io::Error::other)?;
+        chladni_task::write_atomic(path, text.as_bytes())
+    }
+
+    /// Puts `path` first among the recent files.
+    pub fn remember(&mut self, path: &Path) {
+        self.recent.retain(|known| known != path);
+        self.recent.insert(0, path.to_owned());
+        self.recent.truncate(RECENT);
+    }
+
+    /// A file edited by hand may hold anything.
+    fn bounded(mut self) -> Self {
+        self.zoom = if self.zoom.is_finite() { self.zoom.clamp(0.5, 3.0) } else { 1.0 };
+        self.harmonics = self.harmonics.clamp(2, 4096);
+        self.recent.truncate(RECENT);
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recent_files_are_unique_and_few() {
+        let mut settings = Settings::default();
+        for i in 0..20 {
+            settings.remember(Path::new(&format!("{}.chladni", i % 12)));
+        }
+        assert_eq!(settings.recent.len(), RECENT);
+        assert_eq!(settings.recent[0], Path::new("7.chladni"));
+        settings.remember(Path::new("5.chladni"));
+        assert_eq!(settings.recent.len(), RECENT);
+        assert_eq!(settings.recent[0], Path::new("5.chladni"));
+    }
+
+    #[test]
+    fn settings_survive_a_restart_and_damage_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("chladni/settings.toml");
+        assert_eq!(Settings::load(&path).unwrap(), Settings::default());
+        let settings = Settings { light: true, zoom: 1.25, ..Settings::default() };
+        settings.save(&path).unwrap();
+        assert_eq!(Settings::load(&path).unwrap(), settings);
+        std::fs::write(&path, "zoom = inf\n").unwrap();
+        assert_eq!(Settings::load(&path).unwrap().zoom, 1.0);
+        std::fs::write(&path, "zoom = [").unwrap();
+        assert!(Settings::load(&path).is_err());
+    }
+}

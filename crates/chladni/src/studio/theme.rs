@@ -1,0 +1,170 @@
+//! One look for the whole window: colours, type scale, spacing. Dark and light.
+
+use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, Vec2};
+
+/// Small gap, between an icon and its label.
+pub const GAP_SMALL: f32 = 4.0;
+/// Gap between controls.
+pub const GAP: f32 = 8.0;
+/// Gap between groups of controls.
+pub const GAP_LARGE: f32 = 16.0;
+/// Width of a panel of controls.
+pub const PANEL_WIDTH: f32 = 292.0;
+
+/// The colours that egui has no name for.
+#[derive(Clone, Copy, Debug)]
+pub struct Palette {
+    /// The one accent: brass, as of the plates that Chladni bowed.
+    pub accent: Color32,
+    /// The accent where it fills an area behind text.
+    pub accent_fill: Color32,
+    /// Text on `accent_fill`.
+    pub on_accent: Color32,
+    /// Behind the 3D view.
+    pub stage: Color32,
+    /// Raised cards and group backgrounds.
+    pub card: Color32,
+    /// Lines between things.
+    pub line: Color32,
+    /// Text that may be overlooked.
+    pub weak: Color32,
+    /// All is well.
+    pub good: Color32,
+    /// Worth a look.
+    pub warning: Color32,
+    /// Something is wrong.
+    pub error: Color32,
+}
+
+const DARK: Palette = Palette {
+    accent: Color32::from_rgb(226, 166, 70),
+    accent_fill: Color32::from_rgb(206, 146, 52),
+    on_accent: Color32::from_rgb(24, 18, 8),
+    stage: Color32::from_rgb(23, 24, 28),
+    card: Color32::from_rgb(38, 40, 46),
+    line: Color32::from_rgb(54, 57, 65),
+    weak: Color32::from_rgb(152, 153, 158),
+    good: Color32::from_rgb(112, 190, 134),
+    warning: Color32::from_rgb(232, 178, 84),
+    error: Color32::from_rgb(238, 112, 100),
+};
+
+const LIGHT: Palette = Palette {
+    accent: Color32::from_rgb(150, 92, 6),
+    accent_fill: Color32::from_rgb(196, 132, 34),
+    on_accent: Color32::from_rgb(255, 255, 255),
+    stage: Color32::from_rgb(226, 225, 221),
+    card: Color32::from_rgb(255, 255, 254),
+    line: Color32::from_rgb(214, 211, 204),
+    weak: Color32::from_rgb(104, 103, 99),
+    good: Color32::from_rgb(34, 120, 66),
+    warning: Color32::from_rgb(150, 92, 0),
+    error: Color32::from_rgb(180, 42, 34),
+};
+
+/// The palette of the theme that `ui` is drawn in.
+pub fn palette(ui: &egui::Ui) -> Palette {
+    if ui.visuals().dark_mode { DARK } else { LIGHT }
+}
+
+/// Type scale: a title on the start screen.
+pub fn title() -> TextStyle {
+    TextStyle::Name("title".into())
+}
+
+/// Sets fonts and both themes once, when the window opens.
+pub fn install(ctx: &egui::Context) {
+    let mut fonts = egui::FontDefinitions::default();
+    super::icon::install(&mut fonts);
+    ctx.set_fonts(fonts);
+    ctx.all_styles_mut(|style| {
+        style.text_styles = [
+            (title(), FontId::new(30.0, FontFamily::Proportional)),
+            (TextStyle::Heading, FontId::new(17.0, FontFamily::Proportional)),
+            (TextStyle::Body, FontId::new(13.5, FontFamily::Proportional)),
+            (TextStyle::Button, FontId::new(13.5, FontFamily::Proportional)),
+            (TextStyle::Small, FontId::new(11.5, FontFamily::Proportional)),
+            (TextStyle::Monospace, FontId::new(12.5, FontFamily::Monospace)),
+        ]
+        .into();
+        let spacing = &mut style.spacing;
+        spacing.item_spacing = Vec2::new(GAP, 6.0);
+        spacing.button_padding = Vec2::new(9.0, 5.0);
+        spacing.interact_size = Vec2::new(32.0, 26.0);
+        spacing.slider_width = 150.0;
+        spacing.slider_rail_height = 4.0;
+        spacing.window_margin = Margin::same(14);
+        spacing.menu_margin = Margin::same(6);
+        spacing.icon_spacing = 6.0;
+        style.interaction.tooltip_delay = 0.35;
+    });
+    ctx.style_mut_of(Theme::Dark, |style| {
+        visuals(&mut style.visuals, &DARK, Surface { base: 0x1c, panel: 0x20, control: 0x2f, text: 0xe9 });
+    });
+    ctx.style_mut_of(Theme::Light, |style| {
+        visuals(&mut style.visuals, &LIGHT, Surface { base: 0xff, panel: 0xf4, control: 0xe6, text: 0x1d });
+    });
+}
+
+/// Grey levels of the surfaces; a touch of blue in the dark and of yellow in the light keeps them alive.
+struct Surface {
+    base: u8,
+    panel: u8,
+    control: u8,
+    text: u8,
+}
+
+fn visuals(visuals: &mut egui::Visuals, palette: &Palette, surface: Surface) {
+    let dark = visuals.dark_mode;
+    let grey = |level: u8| {
+        if dark {
+            Color32::from_rgb(level, level.saturating_add(1), level.saturating_add(4))
+        } else {
+            Color32::from_rgb(level, level.saturating_sub(1), level.saturating_sub(4))
+        }
+    };
+    let step =
+        |level: u8, by: i16| grey((i16::from(level) + if dark { by } else { -by }).clamp(0, 255) as u8);
+    let text = grey(surface.text);
+    visuals.panel_fill = grey(surface.panel);
+    visuals.window_fill = grey(surface.panel);
+    visuals.extreme_bg_color = grey(surface.base.saturating_sub(if dark { 8 } else { 0 }));
+    visuals.faint_bg_color = step(surface.panel, 5);
+    visuals.window_stroke = Stroke::new(1.0, palette.line);
+    visuals.window_corner_radius = CornerRadius::same(10);
+    visuals.menu_corner_radius = CornerRadius::same(8);
+    visuals.window_shadow = Shadow {
+        offset: [0, 8],
+        blur: 28,
+        spread: 0,
+        color: Color32::from_black_alpha(if dark { 120 } else { 50 }),
+    };
+    visuals.popup_shadow = visuals.window_shadow;
+    visuals.hyperlink_color = palette.accent;
+    visuals.warn_fg_color = palette.warning;
+    visuals.error_fg_color = palette.error;
+    visuals.weak_text_color = Some(palette.weak);
+    visuals.selection.bg_fill = palette.accent_fill.gamma_multiply(if dark { 0.55 } else { 0.45 });
+    visuals.selection.stroke = Stroke::new(1.0, text);
+    visuals.slider_trailing_fill = true;
+    visuals.handle_shape = egui::style::HandleShape::Circle;
+    visuals.interact_cursor = Some(egui::CursorIcon::PointingHand);
+    let widgets = &mut visuals.widgets;
+    let looks = [
+        (&mut widgets.noninteractive, 0, palette.line, text),
+        (&mut widgets.inactive, 0, Color32::TRANSPARENT, text),
+        (&mut widgets.hovered, 10, palette.line, text),
+        (&mut widgets.active, 18, palette.accent, text),
+        (&mut widgets.open, 8, palette.line, text),
+    ];
+    for (look, raise, stroke, text) in looks {
+        look.bg_fill = step(surface.control, raise);
+        look.weak_bg_fill = step(surface.control, raise);
+        look.bg_stroke = Stroke::new(1.0, stroke);
+        look.fg_stroke = Stroke::new(1.2, text);
+        look.corner_radius = CornerRadius::same(6);
+        look.expansion = 0.0;
+    }
+    widgets.noninteractive.bg_fill = grey(surface.panel);
+    widgets.noninteractive.weak_bg_fill = grey(surface.panel);
+}
