@@ -1,7 +1,45 @@
-//! The natural vibrations of a mesh.
+//! The natural vibrations of a mesh: its Laplacian, the first K harmonics of it, certified,
+//! and the transform to and from them.
+//!
+//! ```
+//! use chladni_harmonics::{BasisSettings, Body};
+//! use chladni_mesh::TriMesh;
+//! use chladni_task::Task;
+//!
+//! // A regular tetrahedron, wherever and however large it is.
+//! let mesh = TriMesh {
+//!     positions: vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]],
+//!     triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
+//!     ..TriMesh::default()
+//! };
+//! let body = Body::build(&mesh, &BasisSettings::new(4), &Task::new())?;
+//! let basis = &body.basis;
+//! assert_eq!(basis.harmonics(), 4);
+//! assert!(basis.certificate.inertia_counts_match);
+//! // A signal equals the sum of all its harmonics.
+//! let back = basis.synthesize3(&basis.transform3(&body.positions));
+//! assert!((back[2][1] - body.positions[2][1]).abs() < 1e-12);
+//! # Ok::<(), chladni_harmonics::HarmonicsError>(())
+//! ```
+//!
+//! Not guaranteed: the harmonics of equal eigenvalues span the right space, but are one of
+//! many orthonormal choices in it; the same mesh, K and version of this crate give the same
+//! choice on the same machine, another version or processor may give another.
 
 mod basis;
 mod body;
+mod build;
+mod cache;
+mod eigen;
+mod error;
+mod operator;
+mod settings;
+mod sparse;
 
 pub use basis::{Basis, Certificate};
 pub use body::Body;
+pub use cache::BasisCache;
+pub use error::HarmonicsError;
+pub use operator::Operator;
+pub use settings::{BasisSettings, BuildReport, BuildSeconds};
+pub use sparse::SymmetricSparse;

@@ -1,0 +1,154 @@
+//! Bases kept on the disk, so that a shape is solved once.
+
+use std::fs;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use chladni_task::write_atomic_with;
+
+use crate::operator::Surface;
+use crate::{Basis, BasisSettings, Certificate};
+
+/// Raised whenever the same mesh and settings would give another basis.
+const VERSION: u32 = 1;
+const MAGIC: &[u8; 16] = b"chladni basis  1";
+
+/// A folder of solved bases.
+///
+/// An entry is named by a BLAKE3 hash of the welded surface, the settings and the version of
+/// the solver, and ends in a hash of its own bytes: a damaged entry is solved again, never
+/// trusted. Entries appear whole or not at all, so processes may share the folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BasisCache {
+    folder: PathBuf,
+}
+
+impl BasisCache {
+    /// A cache in `folder`, which is made when the first entry is written.
+    pub fn new(folder: impl Into<PathBuf>) -> Self {
+        Self { folder: folder.into() }
+    }
+
+    /// The cache in the user's own cache folder, `None` where the system names none.
+    pub fn of_user() -> Option<Self> {
+        let folders = directories::ProjectDirs::from("", "", "chladni")?;
+        Some(Self::new(folders.cache_dir().join("bases")))
+    }
+
+    /// Where the entries lie.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    pub(crate) fn entry(&self, surface: &Surface, settings: &BasisSettings) -> Entry {
+        let mut hash = blake3::Hasher::new();
+        hash.update(&VERSION.to_le_bytes());
+        hash.update(&(settings.harmonics as u64).to_le_bytes());
+        hash.update(&[u8::from(settings.whole_clusters)]);
+        hash.update(&(surface.positions.len() as u64).to_le_bytes());
+        hash.update(bytemuck::cast_slice(&surface.positions));
+        hash.update(bytemuck::cast_slice(&surface.triangles));
+        Entry { path: self.folder.join(format!("{}.basis", hash.finalize().to_hex())) }
+    }
+}
+
+/// The file of one basis.
+pub(crate) struct Entry {
+    path: PathBuf,
+}
+
+/// Fixed-size start of an entry; then eigenvalues, mass, vectors (f64, native order) and the
+/// BLAKE3 hash of all that comes before it.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Header {
+    magic: [u8; 16],
+    vertices: u64,
+    harmonics: u64,
+    inertia_counts_match: u64,
+    cuts_cluster: u64,
+    max_relative_residual: f64,
+    max_orthogonality_error: f64,
+}
+
+impl Entry {
+    /// The basis and whether it cuts a cluster; `None` where there is no entry; a warning
+    /// where there is one that cannot be used.
+    pub(crate) fn read(&self, vertices: usize) -> Result<Option<(Basis, bool)>, String> {
+        let mut file = match fs::File::open(&self.path) {
+            Ok(file) => file,
+            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(e) => return Err(format!("{}: {e}", self.path.display())),
+        };
+        let length = file.metadata().map(|m| m.len()).unwrap_or(0);
+        read_entry(&mut file, length, vertices).map(Some).map_err(|reason| {
+            format!("damaged cache entry {} was solved again: {reason}", self.path.display())
+        })
+    }
+
+    /// Writes the entry whole; a warning where that fails.
+    pub(crate) fn write(&self, basis: &Basis, cuts_cluster: bool) -> Result<(), String> {
+        let told = |e: io::Error| format!("the basis was not cached: {}: {e}", self.path.display());
+        if let Some(folder) = self.path.parent() {
+            fs::create_dir_all(folder).map_err(told)?;
+        }
+        let header = Header {
+            magic: *MAGIC,
+            vertices: basis.vertices() as u64,
+            harmonics: basis.harmonics() as u64,
+            inertia_counts_match: u64::from(basis.certificate.inertia_counts_match),
+            cuts_cluster: u64::from(cuts_cluster),
+            max_relative_residual: basis.certificate.max_relative_residual,
+            max_orthogonality_error: basis.certificate.max_orthogonality_error,
+        };
+        write_atomic_with(&self.path, |file| {
+            let mut hash = blake3::Hasher::new();
+            for part in [
+                bytemuck::bytes_of(&header),
+                bytemuck::cast_slice(&basis.eigenvalues),
+                bytemuck::cast_slice(&basis.mass),
+                bytemuck::cast_slice(&basis.vectors),
+            ] {
+                hash.update(part);
+                file.write_all(part)?;
+            }
+            file.write_all(hash.finalize().as_bytes())
+        })
+        .map_err(told)
+    }
+}
+
+fn read_entry(file: &mut fs::File, length: u64, vertices: usize) -> Result<(Basis, bool), String> {
+    let mut hash = blake3::Hasher::new();
+    let mut header: Header = bytemuck::Zeroable::zeroed();
+    read_part(file, bytemuck::bytes_of_mut(&mut header), &mut hash)?;
+    let (n, k) = (header.vertices, header.harmonics);
+    let values = k.checked_mul(n).and_then(|v| v.checked_add(k)).and_then(|v| v.checked_add(n));
+    let expected = values.and_then(|v| v.checked_mul(8)).and_then(|b| b.checked_add(size_of::<Header>() as u64 + 32));
+    if header.magic != *MAGIC || n != vertices as u64 || expected != Some(length) {
+        return Err("its head does not fit".into());
+    }
+    let (n, k) = (n as usize, k as usize);
+    // The file has this length, so the buffers are no larger than it.
+    let (mut eigenvalues, mut mass, mut vectors) = (vec![0.0; k], vec![0.0; n], vec![0.0; n * k]);
+    for part in [&mut eigenvalues, &mut mass, &mut vectors] {
+        read_part(file, bytemuck::cast_slice_mut(part), &mut hash)?;
+    }
+    let mut stored = [0; 32];
+    file.read_exact(&mut stored).map_err(|e| e.to_string())?;
+    if hash.finalize() != blake3::Hash::from_bytes(stored) {
+        return Err("its checksum does not match".into());
+    }
+    let certificate = Certificate {
+        inertia_counts_match: header.inertia_counts_match == 1,
+        max_relative_residual: header.max_relative_residual,
+        max_orthogonality_error: header.max_orthogonality_error,
+    };
+    Ok((Basis { eigenvalues, vectors, mass, certificate }, header.cuts_cluster == 1))
+}
+
+fn read_part(file: &mut fs::File, bytes: &mut [u8], hash: &mut blake3::Hasher) -> Result<(), String> {
+    file.read_exact(bytes).map_err(|e| e.to_string())?;
+    hash.update(bytes);
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! The K smallest eigenpairs of S h = λ M h.
+
+mod dense;
+mod lanczos;
+
+use chladni_task::Task;
+
+use crate::{Basis, Certificate, HarmonicsError, Operator};
+
+/// Eigenpairs and what must be said about them.
+pub(crate) struct Solved {
+    pub basis: Basis,
+    pub cuts_cluster: bool,
+}
+
+/// Solves for the first `harmonics` pairs of `operator`.
+pub(crate) fn solve(
+    operator: &Operator,
+    harmonics: usize,
+    whole_clusters: bool,
+    task: &Task,
+) -> Result<Solved, HarmonicsError> {
+    let n = operator.vertices();
+    if harmonics == 0 || harmonics > n {
+        return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices: n });
+    }
+    task.check()?;
+    let _ = whole_clusters;
+    if n <= 1000 || harmonics * 4 > n {
+        dense::solve(operator, harmonics, task)
+    } else {
+        lanczos::solve(operator, harmonics, task)
+    }
+}
+
+/// Measures pairs against the operator.
+pub(crate) fn certify(operator: &Operator, eigenvalues: &[f64], vectors: &[f64], inertia: bool) -> Certificate {
+    use faer::MatRef;
+    let (n, k) = (operator.vertices(), eigenvalues.len());
+    let mut residual = 0.0_f64;
+    for (j, &lambda) in eigenvalues.iter().enumerate().skip(operator.components()) {
+        let h = &vectors[j * n..(j + 1) * n];
+        let s = operator.stiffness.times(h);
+        let norm = s.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let error: f64 = (0..n).map(|v| (s[v] - lambda * operator.mass[v] * h[v]).powi(2)).sum();
+        residual = residual.max(error.sqrt() / norm);
+    }
+    let h = MatRef::from_column_major_slice(vectors, n, k);
+    let weighted = faer::Mat::from_fn(n, k, |v, j| operator.mass[v] * h[(v, j)]);
+    let gram = h.transpose() * &weighted;
+    let mut orthogonality = 0.0_f64;
+    for j in 0..k {
+        for i in 0..k {
+            orthogonality = orthogonality.max((gram[(i, j)] - f64::from(u8::from(i == j))).abs());
+        }
+    }
+    Certificate { inertia_counts_match: inertia, max_relative_residual: residual, max_orthogonality_error: orthogonality }
+}
+
+/// The sign rule: the entry of largest magnitude (the first of equals) is positive.
+pub(crate) fn fix_signs(vectors: &mut [f64], n: usize) {
+    for h in vectors.chunks_exact_mut(n) {
+        let mut largest = 0.0_f64;
+        for &x in h.iter() {
+            if x.abs() > largest.abs() * (1.0 + 1e-6) {
+                largest = x;
+            }
+        }
+        if largest < 0.0 {
+            h.iter_mut().for_each(|x| *x = -*x);
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! What can go wrong between a mesh and its harmonics.
+
+use chladni_task::Cancelled;
+
+/// Why a mesh got no harmonic basis.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HarmonicsError {
+    /// No triangle with three different corners.
+    #[error("the mesh has no triangle with three different corners")]
+    NoTriangle,
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} names vertex {vertex}, but there are only {vertices} vertices")]
+    IndexOutOfRange {
+        /// Index of the triangle, from 0.
+        triangle: usize,
+        /// The vertex it names, from 0.
+        vertex: u32,
+        /// n, how many there are.
+        vertices: usize,
+    },
+    /// NaN or infinite coordinates, or coordinates too large to measure lengths with.
+    #[error("vertex {vertex} has coordinates that are not finite or too large to compute with")]
+    NotFinite {
+        /// Index of the vertex in the file, from 0.
+        vertex: usize,
+    },
+    /// A connected component whose triangles all have zero area.
+    #[error("a connected component of {vertices} vertices has no area (vertex {vertex} is one of them)")]
+    ZeroArea {
+        /// Size of the component, in operator vertices.
+        vertices: usize,
+        /// One vertex of the file in it, from 0.
+        vertex: usize,
+    },
+    /// K is not in 1 ..= N.
+    #[error(
+        "{harmonics} harmonics were asked for, but the mesh has {vertices} usable vertices (welded, referenced): \
+         ask for 1 to {vertices}"
+    )]
+    BadHarmonicCount {
+        /// K as asked for.
+        harmonics: usize,
+        /// N.
+        vertices: usize,
+    },
+    /// The pairs that were found did not pass their check, even after being sought again.
+    #[error("the harmonics could not be certified: {reason}")]
+    NotCertified {
+        /// Which check failed and where.
+        reason: String,
+    },
+    /// The worker threads could not be started.
+    #[error("the worker threads could not be started: {0}")]
+    Threads(String),
+    /// The work was cancelled; nothing is left behind.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

@@ -1,0 +1,175 @@
+//! From a file's mesh to the stiffness and mass of its welded surface.
+
+use chladni_mesh::{Frame, TriMesh, Weld, total_area, weld};
+
+use crate::{HarmonicsError, sparse::SymmetricSparse};
+
+/// The discrete Laplacian of a mesh in the working frame: S and a of S h = λ diag(a) h.
+#[derive(Clone, Debug)]
+pub struct Operator {
+    /// The similarity between file and working frame.
+    pub frame: Frame,
+    /// N positions in the working frame.
+    pub positions: Vec<[f64; 3]>,
+    /// Triangles over operator vertices that have three different corners.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each file vertex its operator vertex, `None` where no triangle uses it.
+    pub operator_vertex: Vec<Option<u32>>,
+    /// S, N×N, symmetric, rows sum to zero, no positive value off the diagonal. It does not
+    /// depend on the scale of the mesh.
+    pub stiffness: SymmetricSparse,
+    /// a(v), N positive areas in working units².
+    pub mass: Vec<f64>,
+    /// The connected component of each operator vertex, numbered from 0 in order of appearance.
+    pub component: Vec<u32>,
+}
+
+/// The welded surface of a mesh in the working frame, before its operator is built.
+pub(crate) struct Surface {
+    pub frame: Frame,
+    pub positions: Vec<[f64; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    pub operator_vertex: Vec<Option<u32>>,
+}
+
+impl Surface {
+    pub(crate) fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
+        let vertices = mesh.positions.len();
+        for (triangle, corners) in mesh.triangles.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
+                return Err(HarmonicsError::IndexOutOfRange { triangle, vertex, vertices });
+            }
+        }
+        // Squares of lengths must neither overflow nor vanish before the frame scales them.
+        let measurable = |x: &f64| x.is_finite() && x.abs() < 1e150;
+        if let Some(vertex) = mesh.positions.iter().position(|p| !p.iter().all(measurable)) {
+            return Err(HarmonicsError::NotFinite { vertex });
+        }
+        let Weld { mut positions, triangles, operator_vertex } = weld(mesh);
+        if triangles.is_empty() {
+            return Err(HarmonicsError::NoTriangle);
+        }
+        let frame = Frame::of(mesh);
+        for p in &mut positions {
+            *p = frame.to_working(*p);
+        }
+        Ok(Self { frame, positions, triangles, operator_vertex })
+    }
+}
+
+impl Operator {
+    /// Builds the operator of `mesh`.
+    ///
+    /// # Errors
+    /// No usable triangle, coordinates that are not finite, an index out of range, or a
+    /// component without area.
+    pub fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
+        Self::of_surface(Surface::of(mesh)?)
+    }
+
+    pub(crate) fn of_surface(surface: Surface) -> Result<Self, HarmonicsError> {
+        let Surface { frame, positions, triangles, operator_vertex } = surface;
+        let component = components(positions.len(), &triangles);
+        refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
+        let (edges, mass) = cotangent(&positions, &triangles);
+        let stiffness = SymmetricSparse::laplacian(positions.len(), &edges);
+        Ok(Self { frame, positions, triangles, operator_vertex, stiffness, mass, component })
+    }
+
+    /// N, the number of operator vertices.
+    pub fn vertices(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// The number of connected components: the multiplicity of λ = 0.
+    pub fn components(&self) -> usize {
+        self.component.iter().max().map_or(0, |c| *c as usize + 1)
+    }
+}
+
+/// The component of each vertex, numbered in order of appearance.
+fn components(vertices: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..vertices as u32).collect();
+    fn root(parent: &mut [u32], mut v: u32) -> u32 {
+        while parent[v as usize] != v {
+            parent[v as usize] = parent[parent[v as usize] as usize];
+            v = parent[v as usize];
+        }
+        v
+    }
+    for &[a, b, c] in triangles {
+        for (u, v) in [(a, b), (b, c)] {
+            let (u, v) = (root(&mut parent, u), root(&mut parent, v));
+            // The smaller index becomes the root, which keeps the numbering in order.
+            parent[u.max(v) as usize] = u.min(v);
+        }
+    }
+    let mut count = 0;
+    let mut number = vec![0; vertices];
+    for v in 0..vertices as u32 {
+        let r = root(&mut parent, v);
+        if r == v {
+            number[v as usize] = count;
+            count += 1;
+        } else {
+            number[v as usize] = number[r as usize];
+        }
+    }
+    number
+}
+
+/// A component all of whose triangles are degenerate has no Laplacian.
+fn refuse_zero_area(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    component: &[u32],
+    operator_vertex: &[Option<u32>],
+) -> Result<(), HarmonicsError> {
+    let count = component.iter().max().map_or(0, |c| *c as usize + 1);
+    // Area against the square of the longest edge, so that tiny components are not refused.
+    let mut area = vec![0.0; count];
+    let mut longest = vec![0.0_f64; count];
+    for t in triangles {
+        let c = component[t[0] as usize] as usize;
+        area[c] += total_area(positions, std::slice::from_ref(t));
+        for i in 0..3 {
+            let (p, q) = (positions[t[i] as usize], positions[t[(i + 1) % 3] as usize]);
+            longest[c] = longest[c].max((0..3).map(|x| (p[x] - q[x]).powi(2)).sum());
+        }
+    }
+    let Some(empty) = (0..count).find(|&c| area[c] <= 1e-14 * longest[c]) else { return Ok(()) };
+    let inside = |v: &Option<u32>| v.is_some_and(|v| component[v as usize] as usize == empty);
+    Err(HarmonicsError::ZeroArea {
+        vertices: component.iter().filter(|&&c| c as usize == empty).count(),
+        vertex: operator_vertex.iter().position(inside).unwrap_or_default(),
+    })
+}
+
+/// Plain cotangent weights and mixed Voronoi areas.
+fn cotangent(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
+    let mut edges = Vec::with_capacity(triangles.len() * 3);
+    let mut mass = vec![0.0; positions.len()];
+    for t in triangles {
+        let p = t.map(|v| positions[v as usize]);
+        let length2: [f64; 3] = std::array::from_fn(|i| {
+            let (a, b) = (p[(i + 1) % 3], p[(i + 2) % 3]);
+            (0..3).map(|x| (a[x] - b[x]).powi(2)).sum()
+        });
+        let area = total_area(positions, std::slice::from_ref(t)).max(1e-12 * length2.iter().sum::<f64>());
+        let cot: [f64; 3] = std::array::from_fn(|i| {
+            (length2[(i + 1) % 3] + length2[(i + 2) % 3] - length2[i]) / (4.0 * area)
+        });
+        for i in 0..3 {
+            edges.push((t[(i + 1) % 3], t[(i + 2) % 3], cot[i] / 2.0));
+        }
+        let obtuse = cot.iter().position(|c| *c < 0.0);
+        for i in 0..3 {
+            mass[t[i] as usize] += match obtuse {
+                None => (length2[(i + 1) % 3] * cot[(i + 1) % 3] + length2[(i + 2) % 3] * cot[(i + 2) % 3]) / 8.0,
+                Some(o) if o == i => area / 2.0,
+                Some(_) => area / 4.0,
+            };
+        }
+    }
+    (edges, mass)
+}

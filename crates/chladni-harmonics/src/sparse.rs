@@ -1,0 +1,91 @@
+//! Sparse symmetric matrices.
+
+/// A symmetric sparse matrix in compressed columns, both triangles stored, rows ascending in
+/// each column (so that it is its own compressed-row form).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SymmetricSparse {
+    /// Column j is entries `column_starts[j] .. column_starts[j + 1]`; n + 1 values.
+    pub column_starts: Vec<usize>,
+    /// Row of each entry.
+    pub rows: Vec<u32>,
+    /// Value of each entry.
+    pub values: Vec<f64>,
+}
+
+impl SymmetricSparse {
+    /// Sums `edges` (i, j, w), i ≠ j, as −w at (i, j) and (j, i) and +w at (i, i) and (j, j):
+    /// the weighted graph Laplacian of n vertices, whose rows sum to zero. Every diagonal
+    /// entry is present.
+    pub(crate) fn laplacian(n: usize, edges: &[(u32, u32, f64)]) -> Self {
+        let mut starts = vec![0_usize; n + 1];
+        for &(i, j, _) in edges {
+            starts[i as usize + 1] += 1;
+            starts[j as usize + 1] += 1;
+        }
+        for j in 0..n {
+            starts[j + 1] += starts[j];
+        }
+        let mut next = starts.clone();
+        let mut entries = vec![(0_u32, 0.0); edges.len() * 2];
+        for &(i, j, w) in edges {
+            for (row, column) in [(i, j), (j, i)] {
+                entries[next[column as usize]] = (row, w);
+                next[column as usize] += 1;
+            }
+        }
+        let mut matrix = Self {
+            column_starts: Vec::with_capacity(n + 1),
+            rows: Vec::with_capacity(edges.len() + n),
+            values: Vec::with_capacity(edges.len() + n),
+        };
+        matrix.column_starts.push(0);
+        for j in 0..n {
+            let column = &mut entries[starts[j]..starts[j + 1]];
+            // Stable, so that equal rows are summed in the same order above and below the diagonal.
+            column.sort_by_key(|e| e.0);
+            let first = matrix.rows.len();
+            let mut diagonal_at = None;
+            for &(row, w) in column.iter() {
+                if diagonal_at.is_none() && row as usize > j {
+                    diagonal_at = Some(matrix.rows.len());
+                    matrix.push(j as u32, 0.0);
+                }
+                if matrix.rows.len() > first && matrix.rows.last() == Some(&row) {
+                    if let Some(value) = matrix.values.last_mut() {
+                        *value -= w;
+                    }
+                } else {
+                    matrix.push(row, -w);
+                }
+            }
+            let diagonal_at = diagonal_at.unwrap_or_else(|| {
+                matrix.push(j as u32, 0.0);
+                matrix.rows.len() - 1
+            });
+            matrix.values[diagonal_at] = -matrix.values[first..].iter().sum::<f64>();
+            matrix.column_starts.push(matrix.rows.len());
+        }
+        matrix
+    }
+
+    fn push(&mut self, row: u32, value: f64) {
+        self.rows.push(row);
+        self.values.push(value);
+    }
+
+    /// n.
+    pub fn size(&self) -> usize {
+        self.column_starts.len().saturating_sub(1)
+    }
+
+    /// Rows and values of column j.
+    pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = self.column_starts[j]..self.column_starts[j + 1];
+        self.rows[range.clone()].iter().zip(&self.values[range]).map(|(&r, &v)| (r as usize, v))
+    }
+
+    /// The matrix times `x`.
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.size()).map(|j| self.column(j).map(|(i, v)| v * x[i]).sum()).collect()
+    }
+}
