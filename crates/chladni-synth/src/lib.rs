@@ -1,5 +1,47 @@
 //! Coefficients of harmonics in, deformed positions and exact normals out.
+//!
+//! Every deformation of Chladni is the same formula,
+//! x'(v) = x(v) + Σ_terms χ(v) ( Σ_k H_k(v) C_k + r(v) g ) [· n(v)], and this crate evaluates it
+//! for all items of a frame in one pass over the basis H.
+//!
+//! ```
+//! use chladni_synth::{Coefficients, CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer, Term};
+//!
+//! // A triangle with two harmonics; real ones come from `SynthModel::new(&body)`.
+//! let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let basis = [1.0, 1.0, 1.0, /* H_1 */ -1.0, 0.5, 0.5];
+//! let model = SynthModel::from_parts(&positions, &[[0, 1, 2]], &basis)?;
+//!
+//! let lift = Term {
+//!     coefficients: Coefficients::Normal(vec![0.0, 0.2]),
+//!     residual: None,
+//!     residual_gain: 0.0,
+//!     mask: None,
+//! };
+//! let mut synthesizer = CpuSynthesizer::new(model);
+//! synthesizer.synthesize(&[Item::default(), Item { terms: vec![lift] }], &FrameSettings::default())?;
+//! assert_eq!(synthesizer.positions(0)[1], [1.0, 0.0, 0.0]);
+//! assert!((synthesizer.positions(1)[1][2] - 0.1).abs() < 1e-5);
+//! # Ok::<(), chladni_synth::SynthError>(())
+//! ```
+//!
+//! What is *not* guaranteed: pictures are synthesized from a basis of 16-bit integers with
+//! sums in f32, so two backends agree to rounding and not bit for bit; the bound is in
+//! docs/synthesis.md. Exports use [`displacements_f64`], which has none of this.
 
+mod cpu;
+mod error;
+mod exact;
 mod item;
+mod model;
+mod normals;
+mod packed_basis;
+mod plan;
+mod synthesizer;
 
+pub use cpu::{CpuPath, CpuSynthesizer};
+pub use error::SynthError;
 pub use item::{Coefficients, Item, Residual, Term};
+pub use model::{SynthModel, displacements_f64};
+pub use normals::area_weighted_normals;
+pub use synthesizer::{FrameSettings, Synthesizer};

@@ -1,0 +1,100 @@
+//! The matrix product of one panel, once per instruction set.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+#[cfg(target_arch = "aarch64")]
+mod neon;
+mod portable;
+
+use std::fmt;
+
+use super::Lanes;
+use crate::packed_basis::Line;
+
+/// The instructions a product is computed with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CpuPath {
+    /// x86-64 with AVX-512F and AVX-512BW.
+    Avx512,
+    /// x86-64 with AVX2 and FMA.
+    Avx2,
+    /// AArch64.
+    Neon,
+    /// Plain Rust; present on every processor.
+    Portable,
+}
+
+impl CpuPath {
+    /// The paths that this processor has, fastest first; never empty.
+    pub fn available() -> &'static [Self] {
+        #[cfg(target_arch = "x86_64")]
+        {
+            let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+            if avx2 && is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512bw") {
+                return &[Self::Avx512, Self::Avx2, Self::Portable];
+            }
+            if avx2 {
+                return &[Self::Avx2, Self::Portable];
+            }
+        }
+        #[cfg(target_arch = "aarch64")]
+        if std::arch::is_aarch64_feature_detected!("neon") {
+            return &[Self::Neon, Self::Portable];
+        }
+        &[Self::Portable]
+    }
+
+    /// The most columns whose sums a kernel keeps in registers.
+    pub(super) fn max_width(self) -> usize {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => avx512::MAX_WIDTH,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => avx2::MAX_WIDTH,
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => neon::MAX_WIDTH,
+            _ => portable::MAX_WIDTH,
+        }
+    }
+
+    /// out_c(v) = Σ_k q_k(v) coefficients\[k\]\[c\] over the active harmonics of a panel, for
+    /// the `out.len()` columns of one block.
+    ///
+    /// The path must be an available one, which `CpuSynthesizer` sees to.
+    pub(super) fn product(self, panel: &[Line], active: &[u32], coefficients: &[f32], out: &mut [Lanes]) {
+        debug_assert_eq!(coefficients.len(), active.len() * out.len());
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => avx512::product(panel, active, coefficients, out),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => avx2::product(panel, active, coefficients, out),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => neon::product(panel, active, coefficients, out),
+            _ => portable::product(panel, active, coefficients, out),
+        }
+    }
+}
+
+impl fmt::Display for CpuPath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Avx512 => "AVX-512",
+            Self::Avx2 => "AVX2",
+            Self::Neon => "NEON",
+            Self::Portable => "portable",
+        })
+    }
+}
+
+/// Calls `$kernel::<W>` for the width that `$out` has at run time.
+macro_rules! with_width {
+    ($kernel:ident, $panel:ident, $active:ident, $coefficients:ident, $out:ident, [$($width:literal),*]) => {
+        match $out.len() {
+            $($width => $kernel::<$width>($panel, $active, $coefficients, $out),)*
+            width => unreachable!("blocks are at most MAX_WIDTH columns wide, not {width}"),
+        }
+    };
+}
+use with_width;

@@ -1,0 +1,216 @@
+//! Synthesis on the processor: SIMD kernels chosen at run time, threads by rayon.
+#![allow(unsafe_code, reason = "tasks write disjoint vertices of every item, see `rows`")]
+
+mod kernels;
+mod rows;
+
+use rayon::prelude::*;
+
+pub use kernels::CpuPath;
+
+use crate::packed_basis::PANEL;
+use crate::plan::{Plan, columns_of};
+use crate::{Coefficients, FrameSettings, Item, Residual, SynthError, SynthModel, Synthesizer, Term};
+use rows::DisjointRows;
+
+/// Vertices per task of the normals.
+const NORMALS_CHUNK: usize = 4096;
+
+/// Tasks per thread of the product: enough that a thread that was interrupted is helped out.
+const TASKS_PER_THREAD: usize = 8;
+
+/// One value per vertex of a panel.
+type Lanes = [f32; PANEL];
+
+/// The CPU backend. Works in the rayon pool it is called from; buffers are kept from frame to
+/// frame, so that a warm frame of no more items than before allocates nothing here.
+#[derive(Debug)]
+pub struct CpuSynthesizer {
+    model: SynthModel,
+    path: CpuPath,
+    plan: Plan,
+    items: usize,
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    /// Per task, the columns of one panel.
+    scratch: Vec<Lanes>,
+}
+
+impl CpuSynthesizer {
+    /// A synthesizer on the fastest path of this processor.
+    pub fn new(model: SynthModel) -> Self {
+        let path = CpuPath::available()[0];
+        Self::on_path(model, path)
+    }
+
+    /// A synthesizer on one path; `None` if this processor does not have it.
+    pub fn with_path(model: SynthModel, path: CpuPath) -> Option<Self> {
+        CpuPath::available().contains(&path).then(|| Self::on_path(model, path))
+    }
+
+    fn on_path(model: SynthModel, path: CpuPath) -> Self {
+        Self {
+            model,
+            path,
+            plan: Plan::default(),
+            items: 0,
+            positions: Vec::new(),
+            normals: Vec::new(),
+            scratch: Vec::new(),
+        }
+    }
+
+    /// The instructions in use.
+    pub fn path(&self) -> CpuPath {
+        self.path
+    }
+
+    /// N deformed positions of item `item` of the last frame; empty if there is no such item.
+    pub fn positions(&self, item: usize) -> &[[f32; 3]] {
+        self.slice(&self.positions, item)
+    }
+
+    /// N unit normals of item `item` of the last frame; empty if there is no such item.
+    pub fn normals(&self, item: usize) -> &[[f32; 3]] {
+        self.slice(&self.normals, item)
+    }
+
+    /// S·N positions, item after item.
+    pub fn all_positions(&self) -> &[[f32; 3]] {
+        &self.positions
+    }
+
+    /// S·N normals, item after item.
+    pub fn all_normals(&self) -> &[[f32; 3]] {
+        &self.normals
+    }
+
+    fn slice<'a>(&self, all: &'a [[f32; 3]], item: usize) -> &'a [[f32; 3]] {
+        let n = self.model.vertices();
+        if item < self.items { all.get(item * n..(item + 1) * n).unwrap_or_default() } else { &[] }
+    }
+}
+
+impl Synthesizer for CpuSynthesizer {
+    fn model(&self) -> &SynthModel {
+        &self.model
+    }
+
+    fn replace_model(&mut self, model: SynthModel) {
+        self.model = model;
+        self.items = 0;
+        self.positions.clear();
+        self.normals.clear();
+    }
+
+    fn items(&self) -> usize {
+        self.items
+    }
+
+    fn synthesize_positions(&mut self, items: &[Item]) -> Result<(), SynthError> {
+        let Self { model, path, plan, positions, normals, scratch, .. } = self;
+        let (basis, vertices) = (&*model.basis, model.vertices());
+        plan.lay_out(items, vertices, basis.scales(), path.max_width())?;
+        self.items = items.len();
+        positions.resize(items.len() * vertices, [0.0; 3]);
+        normals.resize(items.len() * vertices, [0.0; 3]);
+
+        let tasks = (rayon::current_num_threads() * TASKS_PER_THREAD).clamp(1, basis.panels().max(1));
+        let panels_per_task = basis.panels().div_ceil(tasks);
+        // A term without columns does not exist, but an item without terms does.
+        let columns = plan.columns().max(1);
+        scratch.resize(tasks * columns, [0.0; PANEL]);
+        let rows = DisjointRows::new(positions, vertices);
+        scratch.par_chunks_mut(columns).enumerate().for_each(|(task, columns)| {
+            let first = task * panels_per_task;
+            for panel in first..(first + panels_per_task).min(basis.panels()) {
+                for block in 0..plan.blocks {
+                    path.product(
+                        basis.panel(panel),
+                        &plan.active,
+                        plan.block(block),
+                        &mut columns[block * plan.width..][..plan.width],
+                    );
+                }
+                let start = panel * PANEL;
+                let end = (start + PANEL).min(vertices);
+                let mut column = 0;
+                for (s, item) in items.iter().enumerate() {
+                    // SAFETY: tasks take disjoint panels, and a slice is dropped before the next is claimed.
+                    let out = unsafe { rows.claim(s, start..end) };
+                    place(model, item, &columns[column..], start, out);
+                    column += item.terms.iter().map(columns_of).sum::<usize>();
+                }
+            }
+        });
+        Ok(())
+    }
+
+    fn synthesize_normals(&mut self, settings: &FrameSettings) -> Result<(), SynthError> {
+        settings.check()?;
+        let Self { model, positions, normals, .. } = self;
+        let vertices = model.vertices().max(1);
+        let items = positions.par_chunks(vertices).zip(normals.par_chunks_mut(vertices));
+        items.for_each(|(positions, normals)| {
+            normals.par_chunks_mut(NORMALS_CHUNK).enumerate().for_each(|(chunk, out)| {
+                let (rest, first) = (&model.rest_normals, chunk * NORMALS_CHUNK);
+                model.rings.gather(positions, rest, settings.normal_blending, first, out);
+            });
+        });
+        Ok(())
+    }
+}
+
+/// x' of the vertices of one panel for one item, from the columns of its terms.
+#[inline(always)]
+fn place(model: &SynthModel, item: &Item, mut columns: &[Lanes], start: usize, out: &mut [[f32; 3]]) {
+    let mut sum = [[0.0; PANEL]; 3];
+    for term in &item.terms {
+        let (own, others) = columns.split_at(columns_of(term));
+        columns = others;
+        add_term(model, term, own, start..start + out.len(), &mut sum);
+    }
+    for (i, (out, x)) in out.iter_mut().zip(&model.rest_positions[start..]).enumerate() {
+        *out = [x[0] + sum[0][i], x[1] + sum[1][i], x[2] + sum[2][i]];
+    }
+}
+
+/// Adds χ (ΣHC + r g) [· n] of one term over a range of at most a panel of vertices.
+#[inline(always)]
+fn add_term(
+    model: &SynthModel,
+    term: &Term,
+    columns: &[Lanes],
+    range: std::ops::Range<usize>,
+    sum: &mut [Lanes; 3],
+) {
+    let gain = term.residual_gain;
+    let residual = term.residual.as_ref().filter(|_| gain != 0.0);
+    let mask = term.mask.as_ref().map(|m| &m[range.clone()]);
+    match term.coefficients {
+        Coefficients::Vector(_) => {
+            for c in 0..3 {
+                let mut signal = columns[c];
+                if let Some(Residual::Vector(r)) = residual {
+                    signal.iter_mut().zip(&r[range.clone()]).for_each(|(s, r)| *s += gain * r[c]);
+                }
+                if let Some(mask) = mask {
+                    signal.iter_mut().zip(mask).for_each(|(s, m)| *s *= m);
+                }
+                sum[c].iter_mut().zip(&signal).for_each(|(sum, s)| *sum += s);
+            }
+        }
+        Coefficients::Normal(_) => {
+            let mut signal = columns[0];
+            if let Some(Residual::Normal(r)) = residual {
+                signal.iter_mut().zip(&r[range.clone()]).for_each(|(s, r)| *s += gain * r);
+            }
+            if let Some(mask) = mask {
+                signal.iter_mut().zip(mask).for_each(|(s, m)| *s *= m);
+            }
+            for (i, n) in model.rest_normals[range].iter().enumerate() {
+                (0..3).for_each(|c| sum[c][i] += signal[i] * n[c]);
+            }
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! What a synthesizer refuses, and why.
+
+/// Why a model could not be built or a frame not be synthesized.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SynthError {
+    /// The basis is not N×K for the N positions given.
+    #[error("the basis has {found} values, which is not a whole number of harmonics of {vertices} vertices")]
+    BasisShape {
+        /// N.
+        vertices: usize,
+        /// Values found.
+        found: usize,
+    },
+    /// A NaN or an infinity in what the model is built from.
+    #[error("{what} {index} is NaN or infinite")]
+    NotFinite {
+        /// "rest position" or "harmonic".
+        what: &'static str,
+        /// Which one.
+        index: usize,
+    },
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} names vertex {vertex}, but there are {vertices}")]
+    TriangleCorner {
+        /// Index of the triangle.
+        triangle: usize,
+        /// The corner it names.
+        vertex: u32,
+        /// N.
+        vertices: usize,
+    },
+    /// More coefficients than harmonics.
+    #[error("item {item}, term {term}: {found} coefficients, but there are {harmonics} harmonics")]
+    TooManyCoefficients {
+        /// Index of the item.
+        item: usize,
+        /// Index of the term in the item.
+        term: usize,
+        /// Coefficients found.
+        found: usize,
+        /// K.
+        harmonics: usize,
+    },
+    /// A coefficient or gain that is NaN or infinite.
+    #[error("item {item}, term {term}: the {what} is NaN or infinite")]
+    WeightNotFinite {
+        /// Index of the item.
+        item: usize,
+        /// Index of the term in the item.
+        term: usize,
+        /// "coefficient of harmonic k" or "residual gain".
+        what: String,
+    },
+    /// A mask or residual that does not have one value per vertex.
+    #[error("item {item}, term {term}: the {what} has {found} values, but there are {vertices} vertices")]
+    SignalLength {
+        /// Index of the item.
+        item: usize,
+        /// Index of the term in the item.
+        term: usize,
+        /// "mask" or "residual".
+        what: &'static str,
+        /// Values found.
+        found: usize,
+        /// N.
+        vertices: usize,
+    },
+    /// A vector residual beside normal coefficients, or the reverse.
+    #[error("item {item}, term {term}: the residual is not of the coefficients' form")]
+    MixedForms {
+        /// Index of the item.
+        item: usize,
+        /// Index of the term in the item.
+        term: usize,
+    },
+    /// Normal blending outside [0, 1].
+    #[error("normal blending is {0}, but must lie in [0, 1]")]
+    NormalBlending(f32),
+    /// More vertices or items than 32-bit indices reach.
+    #[error("{items} items of {vertices} vertices are too many for 32-bit indices")]
+    TooLarge {
+        /// S.
+        items: usize,
+        /// N.
+        vertices: usize,
+    },
+}

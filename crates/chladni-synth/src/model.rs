@@ -1,0 +1,112 @@
+//! What is built once per shape and read every frame.
+
+use std::sync::Arc;
+
+use chladni_harmonics::Body;
+
+use crate::normals::{Rings, area_weighted_normals};
+use crate::packed_basis::PackedBasis;
+use crate::{Item, SynthError, exact};
+
+/// A shape made ready for synthesis: rest positions and normals, rings of triangles around
+/// vertices, and the basis packed for fast reading. Cloning is cheap.
+#[derive(Clone, Debug)]
+pub struct SynthModel {
+    pub(crate) rest_positions: Arc<[[f32; 3]]>,
+    pub(crate) rest_normals: Arc<[[f32; 3]]>,
+    pub(crate) rings: Arc<Rings>,
+    pub(crate) basis: Arc<PackedBasis>,
+}
+
+impl SynthModel {
+    /// The model of a body: N operator vertices, K harmonics, working frame.
+    pub fn new(body: &Body) -> Result<Self, SynthError> {
+        Self::from_parts(&body.positions, &body.triangles, &body.basis.vectors)
+    }
+
+    /// The model of N `positions`, `triangles` over them, and an N×K column-major `basis`.
+    ///
+    /// Fails if the basis does not fit the positions, a triangle names a vertex that is not
+    /// there, or a value is NaN or infinite.
+    pub fn from_parts(
+        positions: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        basis: &[f64],
+    ) -> Result<Self, SynthError> {
+        if u32::try_from(positions.len()).is_err() {
+            return Err(SynthError::TooLarge { items: 1, vertices: positions.len() });
+        }
+        let rings = Arc::new(Rings::new(positions.len(), triangles)?);
+        let basis = Arc::new(PackedBasis::new(positions.len(), basis)?);
+        let (rest_positions, rest_normals) = rest(positions, triangles)?;
+        Ok(Self { rest_positions, rest_normals, rings, basis })
+    }
+
+    /// The same harmonics and triangles on other rest positions (N, working frame), as when a
+    /// result becomes the new shape. Shares the packed basis.
+    ///
+    /// Fails if the number of positions differs or one is NaN or infinite.
+    pub fn with_rest_positions(
+        &self,
+        positions: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, SynthError> {
+        let vertices = self.vertices();
+        if positions.len() != vertices {
+            return Err(SynthError::SignalLength {
+                item: 0,
+                term: 0,
+                what: "rest shape",
+                found: positions.len(),
+                vertices,
+            });
+        }
+        let rings = Arc::new(Rings::new(vertices, triangles)?);
+        let (rest_positions, rest_normals) = rest(positions, triangles)?;
+        Ok(Self { rest_positions, rest_normals, rings, basis: Arc::clone(&self.basis) })
+    }
+
+    /// N, the number of vertices of every item.
+    pub fn vertices(&self) -> usize {
+        self.rest_positions.len()
+    }
+
+    /// K, the number of harmonics.
+    pub fn harmonics(&self) -> usize {
+        self.basis.harmonics()
+    }
+
+    /// x(v), N rest positions.
+    pub fn rest_positions(&self) -> &[[f32; 3]] {
+        &self.rest_positions
+    }
+
+    /// n(v), N rest normals of unit length.
+    pub fn rest_normals(&self) -> &[[f32; 3]] {
+        &self.rest_normals
+    }
+
+    /// Bytes of the packed basis: what one frame reads if every harmonic has weight.
+    pub fn basis_bytes(&self) -> usize {
+        self.basis.bytes()
+    }
+}
+
+type Rest = (Arc<[[f32; 3]]>, Arc<[[f32; 3]]>);
+
+fn rest(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Rest, SynthError> {
+    if let Some(index) = positions.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+        return Err(SynthError::NotFinite { what: "rest position", index });
+    }
+    let normals = area_weighted_normals(positions, triangles)?;
+    let narrow = |p: &[f64; 3]| p.map(|c| c as f32);
+    Ok((positions.iter().map(narrow).collect(), normals.iter().map(narrow).collect()))
+}
+
+/// The displacements x' − x of one item in double precision, for exports: N values in the
+/// working frame, from the body's own basis and not the packed one.
+///
+/// Exactly zero wherever the item does nothing. Fails like [`crate::Synthesizer::synthesize`].
+pub fn displacements_f64(body: &Body, item: &Item) -> Result<Vec<[f64; 3]>, SynthError> {
+    exact::displacements(&body.positions, &body.triangles, &body.basis.vectors, item)
+}
