@@ -1,1 +1,43 @@
-//! Not built yet.
+//! The ears of the music instrument: decode, play, capture and analyse sound.
+//!
+//! ```
+//! use chladni_sound::{Spectrum, SpectrumAnalyser, SpectrumSettings};
+//!
+//! // A tone of 440 Hz that is only in the left channel.
+//! let rate_hz = 44_100;
+//! let settings = SpectrumSettings { bands: 96, ..SpectrumSettings::new(rate_hz) };
+//! let mut analyser = SpectrumAnalyser::new(settings)?;
+//! let left: Vec<f32> = (0..analyser.window_frames())
+//!     .map(|n| (std::f32::consts::TAU * 440.0 * n as f32 / rate_hz as f32).sin())
+//!     .collect();
+//! let right = vec![0.0; left.len()];
+//! let spectrum: &Spectrum = analyser.analyse(&left, &right, 1.0 / 60.0);
+//! let loudest = |bands: &[f32]| (0..bands.len()).max_by(|&a, &b| bands[a].total_cmp(&bands[b]));
+//! let band = loudest(&spectrum.mid).expect("there are 96 bands");
+//! assert!((analyser.bands_hz()[band] / 440.0).log2().abs() < 0.1);
+//! # Ok::<(), chladni_sound::SoundError>(())
+//! ```
+//!
+//! Not guaranteed: the exact samples that a lossy codec decodes to (they may change with the
+//! decoder's version), and that a tracker's beats are a listener's beats: read its confidence.
+
+mod decode;
+mod error;
+mod spectrum;
+
+pub use decode::{Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav};
+pub use error::SoundError;
+pub use spectrum::{FrontEnd, Level, Spectrum, SpectrumAnalyser, SpectrumSettings};
+
+/// The lowest sampling rate taken for real.
+pub const MIN_RATE_HZ: u32 = 1_000;
+/// The highest sampling rate taken for real.
+pub const MAX_RATE_HZ: u32 = 768_000;
+
+fn check_rate(name: &str, rate_hz: u32) -> Result<(), SoundError> {
+    if (MIN_RATE_HZ..=MAX_RATE_HZ).contains(&rate_hz) {
+        Ok(())
+    } else {
+        Err(SoundError::Rate { name: name.to_owned(), rate_hz })
+    }
+}

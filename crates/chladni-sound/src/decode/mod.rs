@@ -1,0 +1,13 @@
+//! Sound files to stereo samples, streamed or whole.
+
+mod downmix;
+mod mp4_edits;
+mod reader;
+mod resample;
+mod song;
+mod wav;
+
+pub use reader::SongReader;
+pub use resample::StereoResampler;
+pub use song::{Song, SongOptions};
+pub use wav::{WavSample, wav_bytes, write_wav};

@@ -1,0 +1,173 @@
+//! Which part of an MP4 sound track is to be heard.
+//!
+//! AAC encoders put one or two frames of priming before the sound. The container says how
+//! many in an edit list (ISO/IEC 14496-12 §8.6.6), and Apple's programs also in a comment
+//! named `iTunSMPB`. The demuxer reads neither, so the few boxes needed are read here.
+
+use std::io::{self, Read, Seek, SeekFrom};
+
+/// The audible part of the first sound track.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Audible {
+    /// Samples before the first one to be heard.
+    pub skip: u64,
+    /// How many samples are to be heard; `None` where the file does not say.
+    pub frames: Option<u64>,
+}
+
+/// No box that is read whole (headers, edit list, comment) is longer than this in sane files.
+const MAX_BOX_BYTES: u64 = 1 << 16;
+/// Sane files have a few dozen boxes on the way to these.
+const MAX_BOXES: usize = 4096;
+
+/// Finds the edit of the first sound track. `None` where the file has none or is not understood:
+/// all of it is then played.
+pub(crate) fn audible_part<R: Read + Seek + ?Sized>(source: &mut R) -> Option<Audible> {
+    let len = source.seek(SeekFrom::End(0)).ok()?;
+    let mut walk = Walk { source, boxes_left: MAX_BOXES };
+    let moov = walk.find(0..len, b"moov")?;
+    if let Some(comment) = walk.itunes_gapless(moov.clone()) {
+        return Some(comment);
+    }
+    let movie_scale = {
+        let mvhd = walk.find(moov.clone(), b"mvhd").and_then(|b| walk.bytes(b))?;
+        header_scale_and_duration(&mvhd)?.0
+    };
+    let mut from = moov.start;
+    while let Some(trak) = walk.find(from..moov.end, b"trak") {
+        from = trak.end;
+        let mdia = walk.find(trak.clone(), b"mdia")?;
+        let hdlr = walk.find(mdia.clone(), b"hdlr").and_then(|b| walk.bytes(b))?;
+        if hdlr.get(8..12) != Some(b"soun") {
+            continue;
+        }
+        let mdhd = walk.find(mdia, b"mdhd").and_then(|b| walk.bytes(b))?;
+        let (scale, media_duration) = header_scale_and_duration(&mdhd)?;
+        let edts = walk.find(trak, b"edts")?;
+        let elst = walk.find(edts, b"elst").and_then(|b| walk.bytes(b))?;
+        let (skip, edit_duration) = single_edit(&elst)?;
+        let rest = media_duration.checked_sub(skip)?;
+        // The movie's clock is often coarse (1 ms): where both agree to a tick or two, the
+        // media's own duration is the exact one.
+        let edit = (u128::from(edit_duration) * u128::from(scale) / u128::from(movie_scale)) as u64;
+        let tick = 2 * u64::from(scale).div_ceil(u64::from(movie_scale));
+        let frames = if edit == 0 || rest.abs_diff(edit) <= tick { rest } else { edit.min(rest) };
+        return Some(Audible { skip, frames: Some(frames) });
+    }
+    None
+}
+
+/// Timescale and duration of an `mvhd` or `mdhd` box.
+fn header_scale_and_duration(body: &[u8]) -> Option<(u32, u64)> {
+    let (scale_at, long) = match body.first()? {
+        0 => (12, false),
+        _ => (20, true),
+    };
+    let scale = u32_at(body, scale_at)?;
+    let duration = if long { u64_at(body, scale_at + 4)? } else { u64::from(u32_at(body, scale_at + 4)?) };
+    (scale > 0).then_some((scale, duration))
+}
+
+/// (media time, duration in the movie's clock) of an edit list with one real edit.
+fn single_edit(body: &[u8]) -> Option<(u64, u64)> {
+    let long = *body.first()? != 0;
+    let count = u32_at(body, 4)? as usize;
+    let stride = if long { 20 } else { 12 };
+    let mut edit = None;
+    for i in 0..count.min(64) {
+        let at = 8 + i * stride;
+        let (duration, media_time) = if long {
+            (u64_at(body, at)?, u64_at(body, at + 8)? as i64)
+        } else {
+            (u64::from(u32_at(body, at)?), i64::from(u32_at(body, at + 4)? as i32))
+        };
+        // A media time of −1 is a pause before the sound; music files that have one mean 0.
+        if let Ok(media_time) = u64::try_from(media_time) {
+            if edit.is_some() {
+                return None;
+            }
+            edit = Some((media_time, duration));
+        }
+    }
+    edit
+}
+
+struct Walk<'a, R: ?Sized> {
+    source: &'a mut R,
+    boxes_left: usize,
+}
+
+impl<R: Read + Seek + ?Sized> Walk<'_, R> {
+    /// The body of the first box of this kind among those in `within`.
+    fn find(&mut self, within: std::ops::Range<u64>, kind: &[u8; 4]) -> Option<std::ops::Range<u64>> {
+        let mut at = within.start;
+        while at + 8 <= within.end {
+            self.boxes_left = self.boxes_left.checked_sub(1)?;
+            let mut head = [0u8; 16];
+            self.read_at(at, &mut head[..8]).ok()?;
+            let mut size = u64::from(u32::from_be_bytes(head[..4].try_into().ok()?));
+            let mut body = 8;
+            if size == 1 {
+                self.read_at(at, &mut head).ok()?;
+                size = u64_at(&head, 8)?;
+                body = 16;
+            } else if size == 0 {
+                size = within.end - at;
+            }
+            let end = at.checked_add(size)?;
+            if size < body || end > within.end {
+                return None;
+            }
+            if &head[4..8] == kind {
+                return Some(at + body..end);
+            }
+            at = end;
+        }
+        None
+    }
+
+    fn bytes(&mut self, range: std::ops::Range<u64>) -> Option<Vec<u8>> {
+        let len = range.end - range.start;
+        if len > MAX_BOX_BYTES {
+            return None;
+        }
+        let mut bytes = vec![0; len as usize];
+        self.read_at(range.start, &mut bytes).ok()?;
+        Some(bytes)
+    }
+
+    fn read_at(&mut self, at: u64, into: &mut [u8]) -> io::Result<()> {
+        self.source.seek(SeekFrom::Start(at))?;
+        self.source.read_exact(into)
+    }
+
+    /// moov/udta/meta/ilst/----[name = iTunSMPB]/data: " 0 priming padding length …" in hex.
+    fn itunes_gapless(&mut self, moov: std::ops::Range<u64>) -> Option<Audible> {
+        let udta = self.find(moov, b"udta")?;
+        let meta = self.find(udta, b"meta")?;
+        let ilst = self.find(meta.start + 4..meta.end, b"ilst")?;
+        let mut from = ilst.start;
+        while let Some(comment) = self.find(from..ilst.end, b"----") {
+            from = comment.end;
+            let name = self.find(comment.clone(), b"name").and_then(|b| self.bytes(b));
+            if name.as_deref().and_then(|n| n.get(4..)) != Some(b"iTunSMPB") {
+                continue;
+            }
+            let data = self.find(comment, b"data").and_then(|b| self.bytes(b))?;
+            let text = std::str::from_utf8(data.get(8..)?).ok()?;
+            let fields: Vec<u64> =
+                text.split_whitespace().map_while(|f| u64::from_str_radix(f, 16).ok()).collect();
+            let (&skip, &frames) = (fields.get(1)?, fields.get(3)?);
+            return Some(Audible { skip, frames: (frames > 0).then_some(frames) });
+        }
+        None
+    }
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
+    Some(u32::from_be_bytes(bytes.get(at..at.checked_add(4)?)?.try_into().ok()?))
+}
+
+fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
+    Some(u64::from_be_bytes(bytes.get(at..at.checked_add(8)?)?.try_into().ok()?))
+}

@@ -1,0 +1,399 @@
+//! Streaming decoder: blocks of stereo at the file's own rate.
+
+use std::fs::File;
+use std::io::{self, Cursor, Read, SeekFrom};
+use std::path::Path;
+
+use symphonia::core::codecs::audio::{AudioDecoder, AudioDecoderOptions};
+use symphonia::core::errors::Error as CodecError;
+use symphonia::core::formats::probe::Hint;
+use symphonia::core::formats::{FormatOptions, FormatReader, SeekMode, SeekTo, Track, TrackType};
+use symphonia::core::io::{MediaSource, MediaSourceStream};
+use symphonia::core::meta::MetadataOptions;
+use symphonia::core::units::{TimeBase, Timestamp};
+
+use super::downmix::Downmix;
+use super::mp4_edits::{self, Audible};
+use crate::SoundError;
+
+/// Packets that may fail one after the other before the file is given up.
+const MAX_FAILURES_IN_A_ROW: u32 = 256;
+/// Decoders carry state (overlap, bit reservoir) from packet to packet: a seek decodes this
+/// much before its target and drops it.
+const PREROLL_SECS: f64 = 0.15;
+/// Every MP3 decoder is this many frames late (ISO/IEC 11172-3: polyphase filters and overlap).
+/// A LAME tag states the encoder's share as well; without one only this much is certain, and
+/// what is left before the sound is the encoder's own delay, 576 frames for LAME.
+const MP3_DECODER_DELAY: u64 = 529;
+
+/// Decodes a sound file block by block: WAV, AIFF, FLAC, MP3, Ogg Vorbis, M4A (AAC-LC, ALAC) and
+/// Matroska with any of these codecs. Mono is heard on both sides, more than two channels are
+/// mixed down (ITU-R BS.775), encoder padding is cut off where the file says how long it is. Seeking is exact to the frame
+/// (in Matroska, whose clock is coarse, to 1 ms).
+///
+/// Memory use does not depend on the song's length.
+pub struct SongReader {
+    name: String,
+    format: Box<dyn FormatReader>,
+    decoder: Box<dyn AudioDecoder>,
+    track_id: u32,
+    time_base: Option<TimeBase>,
+    rate_hz: u32,
+    channels: usize,
+    declared_frames: Option<u64>,
+    audible: Audible,
+    /// Frames of the song before the next block.
+    position: u64,
+    /// Decoded frames still to be dropped.
+    skip: u64,
+    /// After a seek: the container's frame that was asked for, until a packet tells where it
+    /// landed.
+    sought: Option<u64>,
+    interleaved: Vec<f32>,
+    stereo: Vec<f32>,
+    /// `stereo` holds a block that has not been handed out yet.
+    pending: bool,
+    failures_in_a_row: u32,
+    damaged_packets: u64,
+    cut_short: bool,
+}
+
+impl SongReader {
+    /// Opens a file.
+    pub fn open(path: &Path) -> Result<Self, SoundError> {
+        let name = path.display().to_string();
+        let unreadable = |source| SoundError::Read { name: name.clone(), source };
+        let file = File::open(path).map_err(unreadable)?;
+        if file.metadata().map_err(unreadable)?.is_dir() {
+            return Err(unreadable(io::Error::from(io::ErrorKind::IsADirectory)));
+        }
+        Self::from_source(&name, Box::new(file))
+    }
+
+    /// Reads a file that is in memory; `name` is used in messages.
+    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, SoundError> {
+        Self::from_source(name, Box::new(Cursor::new(bytes)))
+    }
+
+    fn from_source(name: &str, mut source: Box<dyn MediaSource>) -> Result<Self, SoundError> {
+        let start = look_at_start(name, source.as_mut())?;
+        let mp4 = start.get(4..8) == Some(b"ftyp");
+        let audible = if mp4 { mp4_edits::audible_part(source.as_mut()) } else { None };
+        rewind(name, source.as_mut())?;
+        let stream = MediaSourceStream::new(source, Default::default());
+        // No hint: the name of a file may lie, its first bytes do so less often.
+        let format = symphonia::default::get_probe()
+            .probe(&Hint::new(), stream, FormatOptions::default(), MetadataOptions::default())
+            .map_err(|error| unrecognised(name, &start, &error))?;
+        let opened = open_track(name, format.as_ref())?;
+        let unsaid = if opened.is_untagged_mp3 { MP3_DECODER_DELAY } else { 0 };
+        let audible = audible.unwrap_or(Audible { skip: unsaid, frames: None });
+        let mut reader = Self {
+            name: name.to_owned(),
+            format,
+            decoder: opened.decoder,
+            track_id: opened.track_id,
+            time_base: opened.time_base,
+            rate_hz: 0,
+            channels: 0,
+            declared_frames: opened.frames,
+            audible,
+            position: 0,
+            skip: audible.skip,
+            sought: None,
+            interleaved: Vec::new(),
+            stereo: Vec::new(),
+            pending: false,
+            failures_in_a_row: 0,
+            damaged_packets: 0,
+            cut_short: false,
+        };
+        // The header may be wrong about rate and channels; the first decoded block is not.
+        reader.pending = reader.decode_block()?;
+        if !reader.pending {
+            return Err(SoundError::Empty { name: name.to_owned() });
+        }
+        Ok(reader)
+    }
+
+    /// The file, as the caller named it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Frames per second.
+    pub fn rate_hz(&self) -> u32 {
+        self.rate_hz
+    }
+
+    /// Channels in the file, before they are mixed to two.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// The container's and the codec's short names, as in "wave/pcm_s16le".
+    pub fn kind(&self) -> String {
+        let container = self.format.format_info().short_name;
+        format!("{container}/{}", self.decoder.codec_info().short_name)
+    }
+
+    /// Length in frames as the header states it: a promise, not a count.
+    pub fn total_frames(&self) -> Option<u64> {
+        self.audible.frames.or(self.declared_frames)
+    }
+
+    /// Frames of the song before the block that comes next.
+    pub fn position_frames(&self) -> u64 {
+        self.position
+    }
+
+    /// Packets that could not be decoded so far and are missing from the sound.
+    pub fn damaged_packets(&self) -> u64 {
+        self.damaged_packets
+    }
+
+    /// The file ended in the middle of something.
+    pub fn is_cut_short(&self) -> bool {
+        self.cut_short
+    }
+
+    /// The next block of interleaved stereo, full scale ±1 (lossy codecs exceed it now and
+    /// then); `None` at the end. Damaged packets are left out and counted.
+    pub fn next_block(&mut self) -> Result<Option<&[f32]>, SoundError> {
+        if !self.pending && !self.decode_block()? {
+            return Ok(None);
+        }
+        self.pending = false;
+        self.position += (self.stereo.len() / 2) as u64;
+        Ok(Some(&self.stereo))
+    }
+
+    /// Goes to a frame of the song, exactly; beyond the end the next block is `None`.
+    pub fn seek(&mut self, frame: u64) -> Result<(), SoundError> {
+        self.pending = false;
+        let target = frame.saturating_add(self.audible.skip);
+        let preroll = (PREROLL_SECS * f64::from(self.rate_hz)) as u64;
+        // Some containers refuse to seek to their end or to seek at all; then reading on from the
+        // start still gets there.
+        let reached = self.seek_container(target.saturating_sub(preroll)) || self.seek_container(0);
+        if !reached {
+            let what = "cannot be rewound".to_owned();
+            return Err(SoundError::Damaged { name: self.name.clone(), what });
+        }
+        self.decoder.reset();
+        self.skip = 0;
+        self.sought = Some(target);
+        self.position = frame;
+        Ok(())
+    }
+
+    fn seek_container(&mut self, frame: u64) -> bool {
+        self.ticks_of(frame).is_some_and(|ticks| {
+            let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.track_id };
+            self.format.seek(SeekMode::Accurate, to).is_ok()
+        })
+    }
+
+    /// Ticks of the container's clock per frame of sound, as (numerator, denominator).
+    fn ticks_per_frame(&self) -> (u128, u128) {
+        self.time_base.map_or((1, 1), |base| {
+            (u128::from(base.denom.get()), u128::from(base.numer.get()) * u128::from(self.rate_hz))
+        })
+    }
+
+    fn ticks_of(&self, frame: u64) -> Option<i64> {
+        let (ticks, frames) = self.ticks_per_frame();
+        i64::try_from(u128::from(frame) * ticks / frames.max(1)).ok()
+    }
+
+    fn frame_of(&self, ticks: i64) -> u64 {
+        let (per, frames) = self.ticks_per_frame();
+        let ticks = u128::from(ticks.unsigned_abs());
+        u64::try_from((ticks * frames + per / 2) / per.max(1)).unwrap_or(u64::MAX)
+    }
+
+    /// Fills `stereo` with at least one frame; false at the end.
+    fn decode_block(&mut self) -> Result<bool, SoundError> {
+        let song_end = self.audible.frames.unwrap_or(u64::MAX);
+        self.stereo.clear();
+        while self.stereo.is_empty() {
+            let left = song_end.saturating_sub(self.position);
+            if left == 0 || !self.decode_packet(left)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Decodes one packet into `stereo`, at most `left` frames of it; false at the end.
+    fn decode_packet(&mut self, left: u64) -> Result<bool, SoundError> {
+        let packet = match self.format.next_packet() {
+            Ok(Some(packet)) => packet,
+            Ok(None) => return Ok(false),
+            Err(CodecError::IoError(error)) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                self.cut_short = true;
+                return Ok(false);
+            }
+            Err(CodecError::IoError(source)) => {
+                return Err(SoundError::Read { name: self.name.clone(), source });
+            }
+            // A chained stream begins: what follows may have other tracks.
+            Err(CodecError::ResetRequired) => {
+                let opened = open_track(&self.name, self.format.as_ref())?;
+                self.decoder = opened.decoder;
+                self.track_id = opened.track_id;
+                self.time_base = opened.time_base;
+                return Ok(true);
+            }
+            Err(error) => return self.failure(&error),
+        };
+        if packet.track_id != self.track_id {
+            return Ok(true);
+        }
+        let (rate_hz, channels) = match self.decoder.decode(&packet) {
+            Ok(decoded) => {
+                let spec = decoded.spec();
+                let shape = (spec.rate(), spec.channels().clone());
+                decoded.copy_to_vec_interleaved(&mut self.interleaved);
+                shape
+            }
+            Err(CodecError::IoError(error)) if error.kind() != io::ErrorKind::UnexpectedEof => {
+                return Err(SoundError::Read { name: self.name.clone(), source: error });
+            }
+            Err(error) => return self.failure(&error),
+        };
+        self.failures_in_a_row = 0;
+        if self.interleaved.is_empty() {
+            return Ok(true);
+        }
+        let mix = Downmix::new(&channels).ok_or_else(|| SoundError::Damaged {
+            name: self.name.clone(),
+            what: "it has no channels".into(),
+        })?;
+        crate::check_rate(&self.name, rate_hz)?;
+        if self.rate_hz == 0 {
+            (self.rate_hz, self.channels) = (rate_hz, channels.count());
+        } else if self.rate_hz != rate_hz {
+            return Err(SoundError::Damaged {
+                name: self.name.clone(),
+                what: format!("the rate changes from {} to {rate_hz} Hz on the way", self.rate_hz),
+            });
+        }
+        let frames = self.interleaved.len() / channels.count();
+        if let Some(target) = self.sought.take() {
+            // The decoder has already cut what the packet says to trim.
+            let start = packet.pts.get().saturating_add_unsigned(packet.trim_start.get()).max(0);
+            let landed = self.frame_of(start);
+            self.skip = target.saturating_sub(landed);
+            self.position += landed.saturating_sub(target);
+        }
+        let dropped = self.skip.min(frames as u64);
+        self.skip -= dropped;
+        let first = dropped as usize;
+        let last = frames.min(first.saturating_add(usize::try_from(left).unwrap_or(usize::MAX)));
+        mix.append(&self.interleaved, first..last, &mut self.stereo);
+        Ok(true)
+    }
+
+    fn failure(&mut self, error: &CodecError) -> Result<bool, SoundError> {
+        self.damaged_packets += 1;
+        self.failures_in_a_row += 1;
+        let fatal = !matches!(error, CodecError::DecodeError(_) | CodecError::IoError(_));
+        if fatal || self.failures_in_a_row >= MAX_FAILURES_IN_A_ROW {
+            return Err(SoundError::Damaged { name: self.name.clone(), what: error.to_string() });
+        }
+        Ok(true)
+    }
+}
+
+struct OpenedTrack {
+    /// An MP3 file that does not say how much its encoder put before the sound.
+    is_untagged_mp3: bool,
+    track_id: u32,
+    time_base: Option<TimeBase>,
+    frames: Option<u64>,
+    decoder: Box<dyn AudioDecoder>,
+}
+
+fn open_track(name: &str, format: &dyn FormatReader) -> Result<OpenedTrack, SoundError> {
+    let no_track = || SoundError::Unrecognised {
+        name: name.to_owned(),
+        reason: format!("a {} file without a sound track", format.format_info().long_name),
+    };
+    let track: &Track = format.default_track(TrackType::Audio).ok_or_else(no_track)?;
+    let params = track.codec_params.as_ref().and_then(|p| p.audio()).ok_or_else(no_track)?;
+    if let Some(rate_hz) = params.sample_rate {
+        crate::check_rate(name, rate_hz)?;
+    }
+    let decoder = symphonia::default::get_codecs()
+        .make_audio_decoder(params, &AudioDecoderOptions::default())
+        .map_err(|error| SoundError::UnsupportedCodec {
+            name: name.to_owned(),
+            codec: codec_name(params.codec).unwrap_or_else(|| error.to_string()),
+            advice: CONVERT,
+        })?;
+    let is_mp3 = params.codec == symphonia::core::codecs::audio::well_known::CODEC_ID_MP3;
+    Ok(OpenedTrack {
+        is_untagged_mp3: is_mp3 && track.delay.unwrap_or(0) == 0,
+        track_id: track.id,
+        time_base: track.time_base,
+        frames: track.num_frames,
+        decoder,
+    })
+}
+
+const CONVERT: &str = "convert it to FLAC, WAV, MP3, M4A (AAC-LC) or Ogg Vorbis";
+
+fn codec_name(id: symphonia::core::codecs::audio::AudioCodecId) -> Option<String> {
+    use symphonia::core::codecs::audio::well_known as known;
+    let names = [
+        (known::CODEC_ID_OPUS, "Opus"),
+        (known::CODEC_ID_SPEEX, "Speex"),
+        (known::CODEC_ID_MP1, "MPEG layer I"),
+        (known::CODEC_ID_MP2, "MPEG layer II"),
+        (known::CODEC_ID_AC3, "AC-3"),
+        (known::CODEC_ID_EAC3, "E-AC-3"),
+        (known::CODEC_ID_DCA, "DTS"),
+        (known::CODEC_ID_WMA, "Windows Media"),
+        (known::CODEC_ID_WAVPACK, "WavPack"),
+    ];
+    names.iter().find(|(known, _)| *known == id).map(|(_, name)| (*name).to_owned())
+}
+
+/// The first bytes of a source: enough to say what a file is that cannot be read.
+fn look_at_start(name: &str, source: &mut dyn MediaSource) -> Result<Vec<u8>, SoundError> {
+    let mut start = Vec::new();
+    (&mut *source)
+        .take(4096)
+        .read_to_end(&mut start)
+        .map_err(|error| SoundError::Read { name: name.to_owned(), source: error })?;
+    if start.is_empty() {
+        return Err(SoundError::Empty { name: name.to_owned() });
+    }
+    rewind(name, source)?;
+    Ok(start)
+}
+
+fn rewind(name: &str, source: &mut dyn MediaSource) -> Result<(), SoundError> {
+    source
+        .seek(SeekFrom::Start(0))
+        .map(|_| ())
+        .map_err(|error| SoundError::Read { name: name.to_owned(), source: error })
+}
+
+fn unrecognised(name: &str, start: &[u8], error: &CodecError) -> SoundError {
+    let holds = |mark: &[u8]| start.windows(mark.len()).any(|window| window == mark);
+    for (mark, codec) in [(&b"OpusHead"[..], "Opus"), (b"Speex   ", "Speex"), (b"wvpk", "WavPack")] {
+        if holds(mark) {
+            let codec = codec.to_owned();
+            return SoundError::UnsupportedCodec { name: name.to_owned(), codec, advice: CONVERT };
+        }
+    }
+    let reason = match error {
+        CodecError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            "it ends before any sound".to_owned()
+        }
+        other => other.to_string(),
+    };
+    SoundError::Unrecognised { name: name.to_owned(), reason }
+}

@@ -1,0 +1,225 @@
+//! From a window of stereo samples to the amplitudes that move a shape.
+
+use realfft::num_complex::Complex;
+use realfft::{RealFftPlanner, RealToComplex};
+use std::sync::Arc;
+
+use super::bands::{Bands, FrontEnd};
+use super::level::{Level, LevelFollower};
+use crate::SoundError;
+
+/// The interval for which the decay w is stated, in seconds: the paper analyses every 50 ms.
+const DECAY_INTERVAL_SECS: f64 = 0.05;
+
+/// What a [`SpectrumAnalyser`] is to do.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SpectrumSettings {
+    /// Rate of the samples, in Hz.
+    pub rate_hz: u32,
+    /// Samples under the window, a power of two in [256, 65536].
+    pub window_frames: usize,
+    /// Number of bands #ω, in [2, 4096].
+    pub bands: usize,
+    /// Centre of the first band, in Hz.
+    pub low_hz: f32,
+    /// Centre of the last band, in Hz; lowered to 0.45 times the rate where it exceeds that.
+    pub high_hz: f32,
+    /// How the bands lie between the two.
+    pub front_end: FrontEnd,
+    /// Decay w in [0, 1): how much of the spectrum of 50 ms ago is left.
+    pub decay: f32,
+    /// What the side is multiplied by; it is weak in most music.
+    pub side_gain: f32,
+    /// Automatic or fixed level.
+    pub level: Level,
+}
+
+impl SpectrumSettings {
+    /// The usual settings at a rate: a window of about 93 ms, 128 log bands from 40 Hz to
+    /// 16 kHz, w = ½, side × 10, automatic level.
+    pub fn new(rate_hz: u32) -> Self {
+        let window = (f64::from(rate_hz) * 0.07).max(256.0) as usize;
+        Self {
+            rate_hz,
+            window_frames: window.next_power_of_two().min(1 << 16),
+            bands: 128,
+            low_hz: 40.0,
+            high_hz: 16_000.0,
+            front_end: FrontEnd::LogBands,
+            decay: 0.5,
+            side_gain: 10.0,
+            level: Level::Auto,
+        }
+    }
+
+    fn check(&self) -> Result<(), SoundError> {
+        crate::check_rate("spectrum", self.rate_hz)?;
+        let complaint =
+            if !self.window_frames.is_power_of_two() || !(256..=1 << 16).contains(&self.window_frames) {
+                "the window must be a power of two from 256 to 65536 frames"
+            } else if !(2..=4096).contains(&self.bands) {
+                "there must be 2 to 4096 bands"
+            } else if !(self.low_hz >= 1.0 && self.low_hz < self.top_hz()) {
+                "the lowest band must lie above 1 Hz and below the highest"
+            } else if !(0.0..1.0).contains(&self.decay) {
+                "the decay must lie in [0, 1)"
+            } else if !(self.side_gain >= 0.0 && self.side_gain.is_finite()) {
+                "the side's gain must not be negative"
+            } else if matches!(self.level, Level::Fixed(gain) if !(gain >= 0.0 && gain.is_finite())) {
+                "the fixed level must not be negative"
+            } else {
+                return Ok(());
+            };
+        Err(SoundError::Setting { what: complaint.to_owned() })
+    }
+
+    fn top_hz(&self) -> f32 {
+        self.high_hz.min(0.45 * self.rate_hz as f32)
+    }
+}
+
+/// Amplitudes of the bands; 1 is a sine of full scale at fixed level 1, or the loudest band
+/// of the last two seconds at automatic level.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spectrum {
+    /// Of (left + right) / 2, one per band.
+    pub mid: Vec<f32>,
+    /// Of (left − right) / 2, times the side's gain, one per band.
+    pub side: Vec<f32>,
+}
+
+/// Turns windows of samples into spectra. What it returns is a function of the samples and times
+/// it was given and of nothing else, so that an offline render shows what was seen live.
+///
+/// [`analyse`](Self::analyse) allocates nothing.
+pub struct SpectrumAnalyser {
+    settings: SpectrumSettings,
+    bands: Bands,
+    fft: Arc<dyn RealToComplex<f32>>,
+    /// Hann window, scaled so that a unit sine on a bin has amplitude 1 there.
+    window: Vec<f32>,
+    samples: Vec<f32>,
+    bins: Vec<Complex<f32>>,
+    scratch: Vec<Complex<f32>>,
+    power: Vec<f32>,
+    /// This frame's amplitudes before decay and level.
+    fresh: Spectrum,
+    spectrum: Spectrum,
+    follower: LevelFollower,
+}
+
+impl SpectrumAnalyser {
+    /// Makes the window, the bands and the FFT plan. Errors where a setting is out of range.
+    pub fn new(settings: SpectrumSettings) -> Result<Self, SoundError> {
+        settings.check()?;
+        let n = settings.window_frames;
+        let fft = RealFftPlanner::new().plan_fft_forward(n);
+        let bands = Bands::new(
+            settings.front_end,
+            settings.bands,
+            f64::from(settings.low_hz),
+            f64::from(settings.top_hz()),
+            f64::from(settings.rate_hz),
+            n,
+        );
+        let silence = Spectrum { mid: vec![0.0; settings.bands], side: vec![0.0; settings.bands] };
+        let window = (0..n)
+            .map(|i| {
+                let phase = std::f64::consts::TAU * i as f64 / n as f64;
+                // Mean of the Hann window ½, and half of a sine's power at positive frequencies.
+                (0.5 * (1.0 - phase.cos()) * 4.0 / n as f64) as f32
+            })
+            .collect();
+        Ok(Self {
+            bands,
+            window,
+            samples: fft.make_input_vec(),
+            bins: fft.make_output_vec(),
+            scratch: fft.make_scratch_vec(),
+            power: vec![0.0; n / 2 + 1],
+            fft,
+            fresh: silence.clone(),
+            spectrum: silence,
+            follower: LevelFollower::new(),
+            settings,
+        })
+    }
+
+    /// The settings in use.
+    pub fn settings(&self) -> &SpectrumSettings {
+        &self.settings
+    }
+
+    /// How many frames [`analyse`](Self::analyse) looks at.
+    pub fn window_frames(&self) -> usize {
+        self.settings.window_frames
+    }
+
+    /// Centre of each band, in Hz.
+    pub fn bands_hz(&self) -> &[f32] {
+        &self.bands.centres_hz
+    }
+
+    /// The last spectrum.
+    pub fn spectrum(&self) -> &Spectrum {
+        &self.spectrum
+    }
+
+    /// Forgets level and decay, as after a seek or at a new song.
+    pub fn reset(&mut self) {
+        self.spectrum.mid.fill(0.0);
+        self.spectrum.side.fill(0.0);
+        self.follower = LevelFollower::new();
+    }
+
+    /// Analyses the last [`window_frames`](Self::window_frames) of `left` and `right` (fewer are
+    /// taken as preceded by silence), `dt_secs` after the window before. Let the window be centred
+    /// on the playback position where the song is known ahead, and end there where it is not.
+    ///
+    /// Mid and side are combined before the transform, which is linear: the same as combining the
+    /// complex spectra and then taking magnitudes. Then, for each band,
+    /// f ← w′ f + (1 − w′) f_new with w′ = w^(`dt_secs` / 50 ms): two steps of 25 ms do what one
+    /// of 50 ms does.
+    pub fn analyse(&mut self, left: &[f32], right: &[f32], dt_secs: f64) -> &Spectrum {
+        let dt_secs = if dt_secs.is_finite() { dt_secs.max(0.0) } else { 0.0 };
+        self.transform(left, right, 0.5);
+        self.bands.amplitudes(&self.power, &mut self.fresh.mid);
+        self.transform(left, right, -0.5);
+        self.bands.amplitudes(&self.power, &mut self.fresh.side);
+        let both = self.fresh.mid.iter().chain(&self.fresh.side);
+        let loudest = both.fold(0.0f32, |a, &b| a.max(b));
+        let gain = match self.settings.level {
+            Level::Auto => 1.0 / self.follower.follow(loudest, dt_secs),
+            Level::Fixed(gain) => gain,
+        };
+        let keep = f64::from(self.settings.decay).powf(dt_secs / DECAY_INTERVAL_SECS) as f32;
+        let side_gain = gain * self.settings.side_gain;
+        for (f, fresh, gain) in [
+            (&mut self.spectrum.mid, &self.fresh.mid, gain),
+            (&mut self.spectrum.side, &self.fresh.side, side_gain),
+        ] {
+            for (f, fresh) in f.iter_mut().zip(fresh) {
+                *f = keep * *f + (1.0 - keep) * gain * fresh;
+            }
+        }
+        &self.spectrum
+    }
+
+    /// Power of the bins of ½ left + `right_gain` · right.
+    fn transform(&mut self, left: &[f32], right: &[f32], right_gain: f32) {
+        let n = self.samples.len();
+        let have = left.len().min(right.len()).min(n);
+        let (left, right) = (&left[left.len() - have..], &right[right.len() - have..]);
+        self.samples[..n - have].fill(0.0);
+        let tail = &mut self.samples[n - have..];
+        for (((sample, l), r), w) in tail.iter_mut().zip(left).zip(right).zip(&self.window[n - have..]) {
+            let value = w * (0.5 * l + right_gain * r);
+            *sample = if value.is_finite() { value } else { 0.0 };
+        }
+        let done = self.fft.process_with_scratch(&mut self.samples, &mut self.bins, &mut self.scratch);
+        debug_assert!(done.is_ok(), "the buffers were made by this plan");
+        for (power, bin) in self.power.iter_mut().zip(&self.bins) {
+            *power = bin.norm_sqr();
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! What the ear hears at one moment: amplitudes of bands of the middle and of the side.
+
+mod analyser;
+mod bands;
+mod level;
+
+pub use analyser::{Spectrum, SpectrumAnalyser, SpectrumSettings};
+pub use bands::FrontEnd;
+pub use level::Level;

@@ -1,0 +1,325 @@
+//! Real files, made files and damaged files through the decoder.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+use std::path::Path;
+use std::process::Command;
+
+use chladni_sound::{Song, SongOptions, SongReader, SoundError, WavSample, wav_bytes, write_wav};
+use chladni_task::Task;
+use chladni_testdata::shared;
+
+fn read_bytes(name: &str, bytes: Vec<u8>) -> Result<Song, SoundError> {
+    Song::read(SongReader::from_bytes(name, bytes)?, &SongOptions::default(), &Task::new())
+}
+
+/// Two seconds of a stereo chirp that no shift leaves unchanged.
+fn chirp(rate_hz: u32) -> Song {
+    let wave = |f0: f64, slope: f64| {
+        (0..2 * rate_hz)
+            .map(|n| {
+                let t = f64::from(n) / f64::from(rate_hz);
+                (0.5 * (std::f64::consts::TAU * (f0 * t + slope * t * t)).sin()) as f32
+            })
+            .collect()
+    };
+    Song { rate_hz, left: wave(200.0, 700.0), right: wave(900.0, -150.0) }
+}
+
+/// The shift of `b` against `a` in frames, within ±`reach`, and the relative error left there.
+fn alignment(a: &[f32], b: &[f32], reach: i64) -> (i64, f64) {
+    let error_at = |shift: i64| {
+        let (mut error, mut power) = (0.0, 0.0);
+        for n in (reach as usize)..(a.len().min(b.len()).saturating_sub(reach as usize)) {
+            let (x, y) = (f64::from(a[n]), f64::from(b[(n as i64 + shift) as usize]));
+            error += (x - y).powi(2);
+            power += x * x;
+        }
+        (error / power).sqrt()
+    };
+    let errors = (-reach..=reach).map(|shift| (shift, error_at(shift)));
+    errors.min_by(|a, b| a.1.total_cmp(&b.1)).expect("at least one shift")
+}
+
+#[test]
+fn what_the_manifest_lists_is_read_as_listed() {
+    let listed = [
+        ("sample.wav", 44_100, 1, 2.800),
+        ("techno_loop.mp3", 44_100, 2, 30.720),
+        ("dubstep.flac", 44_100, 2, 6.850),
+        ("impulses_1second_22050_st.ogg", 22_050, 2, 10.0),
+        ("lmms24bit.wav", 44_100, 2, 1.712),
+        ("audacity32bit.wav", 44_100, 1, 3.0),
+        ("audacity32bit_int.wav", 44_100, 2, 0.511),
+        ("audacity24bit_level5.flac", 44_100, 1, 3.0),
+        ("4channels.wav", 44_100, 4, 5.0),
+        ("music.ogg", 44_100, 2, 69.329),
+    ];
+    for (name, rate_hz, channels, secs) in listed {
+        let Some(path) = shared(&format!("audio/{name}")) else { return };
+        let reader = SongReader::open(&path).unwrap();
+        assert_eq!((reader.rate_hz(), reader.channels()), (rate_hz, channels), "{name}");
+        let song = Song::read(reader, &SongOptions::default(), &Task::new()).unwrap();
+        assert!((song.duration_secs() - secs).abs() < 0.06, "{name}: {}", song.duration_secs());
+    }
+}
+
+#[test]
+fn four_codecs_give_one_song() {
+    let Some(wav) = shared("audio/dubstep.wav") else { return };
+    let truth = Song::open(&wav).unwrap();
+    let flac = Song::open(&wav.with_extension("flac")).unwrap();
+    assert_eq!(truth, flac);
+    // The MP3 has no LAME tag: its encoder's own delay (576 frames, 13 ms) stays.
+    for (extension, delay, most_error) in [("mp3", 576, 0.25), ("ogg", 0, 0.25)] {
+        let lossy = Song::open(&wav.with_extension(extension)).unwrap();
+        let (shift, error) = alignment(&truth.left[..60_000], &lossy.left[..60_000], 1500);
+        eprintln!(
+            "dubstep.{extension}: shifted by {shift} frames, relative error {error:.3}, {} frames",
+            lossy.frames()
+        );
+        assert!((shift - delay).abs() <= 44 && error < most_error, "{extension}: {shift} {error}");
+    }
+}
+
+#[test]
+fn left_and_right_are_never_swapped() {
+    let Some(path) = shared("audio/impulses_left_right_offset.wav") else { return };
+    let song = Song::open(&path).unwrap();
+    let first = |channel: &[f32]| channel.iter().position(|x| x.abs() > 0.3).unwrap() as f64 / 44_100.0;
+    assert!((first(&song.left) - 0.5).abs() < 0.01, "{}", first(&song.left));
+    assert!((first(&song.right) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn wav_files_come_back_as_they_were_written() {
+    let song = chirp(44_100);
+    let float = read_bytes("float.wav", wav_bytes(&song, WavSample::Float32).unwrap()).unwrap();
+    assert_eq!(float, song);
+    let int = read_bytes("int.wav", wav_bytes(&song, WavSample::Int16).unwrap()).unwrap();
+    let worst = int.left.iter().zip(&song.left).fold(0.0f32, |a, (x, y)| a.max((x - y).abs()));
+    assert!(worst <= 0.5 / 32768.0 + 1e-9, "{worst}");
+    let again = read_bytes("int.wav", wav_bytes(&int, WavSample::Int16).unwrap()).unwrap();
+    assert_eq!(again, int);
+}
+
+#[test]
+fn every_format_that_ffmpeg_writes_comes_back_in_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let song = chirp(44_100);
+    let source = folder.path().join("source.wav");
+    write_wav(&source, &song, WavSample::Float32).unwrap();
+    let formats: [(&str, &[&str], i64, f64); 12] = [
+        ("u8.wav", &["-c:a", "pcm_u8"], 0, 0.02),
+        ("s24.wav", &["-c:a", "pcm_s24le"], 0, 1e-5),
+        ("s32.wav", &["-c:a", "pcm_s32le"], 0, 1e-6),
+        ("f64.wav", &["-c:a", "pcm_f64le"], 0, 1e-6),
+        ("s16.aiff", &["-c:a", "pcm_s16be"], 0, 1e-3),
+        ("s16.flac", &["-c:a", "flac"], 0, 1e-3),
+        ("alac.m4a", &["-c:a", "alac"], 0, 1e-3),
+        ("aac.m4a", &["-c:a", "aac", "-b:a", "192k"], 0, 0.05),
+        ("lame.mp3", &["-c:a", "libmp3lame", "-b:a", "192k"], 0, 0.05),
+        ("vorbis.ogg", &["-c:a", "libvorbis", "-q:a", "6"], 0, 0.05),
+        ("flac.ogg", &["-c:a", "flac"], 0, 1e-3),
+        ("vorbis.mka", &["-c:a", "libvorbis", "-q:a", "6"], 0, 0.05),
+    ];
+    for (name, arguments, most_frames, most_error) in formats {
+        let path = folder.path().join(name);
+        if !ffmpeg(&source, arguments, &path) {
+            eprintln!("skipped {name}: ffmpeg is not here or cannot write it");
+            continue;
+        }
+        let read = Song::open(&path).unwrap_or_else(|e| panic!("{e}"));
+        let (shift, error) = alignment(&song.left, &read.left, 1300);
+        eprintln!(
+            "{name}: shifted by {shift}, relative error {error:.6}, {} frames of {}",
+            read.frames(),
+            song.frames()
+        );
+        assert!(shift.abs() <= most_frames && error <= most_error, "{name}: {shift} {error}");
+        assert!(read.frames().abs_diff(song.frames()) <= 1152, "{name}: {}", read.frames());
+        if !name.ends_with("mka") {
+            seeks_land_exactly(&path, &read);
+        }
+    }
+}
+
+fn ffmpeg(source: &Path, arguments: &[&str], target: &Path) -> bool {
+    Command::new("ffmpeg")
+        .args(["-v", "error", "-y", "-i"])
+        .arg(source)
+        .args(arguments)
+        .arg(target)
+        .output()
+        .is_ok_and(|output| output.status.success())
+}
+
+/// After a seek the samples are those that a reading from the start has there.
+fn seeks_land_exactly(path: &Path, whole: &Song) {
+    let mut reader = SongReader::open(path).unwrap();
+    for frame in [50_000usize, 0, 70_001, 31_337] {
+        reader.seek(frame as u64).unwrap();
+        let mut left = Vec::new();
+        while left.len() < 4000 {
+            let Some(block) = reader.next_block().unwrap() else { break };
+            left.extend(block.iter().step_by(2));
+        }
+        let worst = left
+            .iter()
+            .zip(&whole.left[frame..])
+            .fold(0.0f32, |a, (x, y): (&f32, &f32)| a.max((x - y).abs()));
+        assert!(left.len() >= 4000 && worst < 2e-3, "{} at {frame}: off by {worst}", path.display());
+    }
+}
+
+#[test]
+fn opus_is_refused_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("source.wav");
+    write_wav(&source, &chirp(48_000), WavSample::Int16).unwrap();
+    for name in ["x.opus", "x.mka"] {
+        let path = folder.path().join(name);
+        if !ffmpeg(&source, &["-c:a", "libopus"], &path) {
+            eprintln!("skipped {name}: no ffmpeg with libopus here");
+            return;
+        }
+        let error = Song::open(&path).expect_err("there is no Opus decoder").to_string();
+        assert!(error.contains("Opus"), "{error}");
+    }
+}
+
+#[test]
+fn empty_files_say_so() {
+    for name in ["empty.wav", "empty.ogg"] {
+        let Some(path) = shared(&format!("audio/{name}")) else { return };
+        let error = Song::open(&path).expect_err(name);
+        assert!(matches!(error, SoundError::Empty { .. }), "{name}: {error}");
+    }
+    // This one holds a single frame of padding; silence or a refusal are both right.
+    if let Some(path) = shared("audio/empty.mp3")
+        && let Ok(song) = Song::open(&path)
+    {
+        assert!(song.frames() <= 2 * 1152);
+    }
+    assert!(matches!(read_bytes("nothing", Vec::new()), Err(SoundError::Empty { .. })));
+    assert!(matches!(
+        read_bytes("text.ogg", b"this is no music at all".repeat(50)),
+        Err(SoundError::Unrecognised { .. })
+    ));
+    assert!(matches!(Song::open(Path::new("/")), Err(SoundError::Read { .. })));
+    assert!(matches!(Song::open(Path::new("no/such/file")), Err(SoundError::Read { .. })));
+}
+
+#[test]
+fn truncated_files_play_as_far_as_they_go() {
+    for name in ["dubstep.wav", "dubstep.flac", "dubstep.mp3", "dubstep.ogg"] {
+        let Some(path) = shared(&format!("audio/{name}")) else { return };
+        let bytes = std::fs::read(&path).unwrap();
+        let whole = read_bytes(name, bytes.clone()).unwrap();
+        let half = read_bytes(name, bytes[..bytes.len() / 2].to_vec()).unwrap();
+        let share = half.frames() as f64 / whole.frames() as f64;
+        assert!((0.3..0.7).contains(&share), "{name}: {share}");
+        let same = half.left.iter().zip(&whole.left).take(half.frames() / 2).all(|(a, b)| a == b);
+        assert!(same, "{name}");
+        for keep in [1, 3, 12, 40, 44, 60, 200] {
+            // Too short for any sound: an error or a few samples, never a panic.
+            if let Ok(song) = read_bytes(name, bytes[..keep].to_vec()) {
+                assert!(song.frames() < 5000);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_name_of_a_file_does_not_matter() {
+    let bytes = wav_bytes(&chirp(8_000), WavSample::Int16).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("really-a-wav.mp3");
+    std::fs::write(&path, bytes).unwrap();
+    assert_eq!(Song::open(&path).unwrap().rate_hz, 8_000);
+}
+
+/// A WAV header with these numbers and a little sound behind it.
+fn wav_header(rate_hz: u32, channels: u16, data_bytes: u32) -> Vec<u8> {
+    let mut bytes = wav_bytes(&chirp(8_000), WavSample::Int16).unwrap();
+    bytes[22..24].copy_from_slice(&channels.to_le_bytes());
+    bytes[24..28].copy_from_slice(&rate_hz.to_le_bytes());
+    bytes[28..32].copy_from_slice(&rate_hz.wrapping_mul(2 * u32::from(channels)).to_le_bytes());
+    bytes[32..34].copy_from_slice(&channels.wrapping_mul(2).to_le_bytes());
+    bytes[4..8].copy_from_slice(&data_bytes.saturating_add(36).to_le_bytes());
+    bytes[40..44].copy_from_slice(&data_bytes.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn absurd_headers_are_errors() {
+    for (rate_hz, channels) in [(0, 2), (1, 2), (u32::MAX, 2), (44_100, 0), (44_100, u16::MAX)] {
+        let error = read_bytes("absurd.wav", wav_header(rate_hz, channels, 4000));
+        assert!(error.is_err(), "{rate_hz} Hz, {channels} channels");
+    }
+}
+
+#[test]
+fn a_header_that_promises_hours_takes_no_memory() {
+    // Two and a half hours of 48 kHz stereo promised, two seconds there.
+    let song = read_bytes("promise.wav", wav_header(48_000, 2, u32::MAX - 64)).unwrap();
+    assert_eq!(song.frames(), 16_000);
+    assert!(song.left.capacity() < 100_000);
+}
+
+#[test]
+fn a_song_beyond_the_memory_allowed_is_refused() {
+    let bytes = wav_bytes(&chirp(44_100), WavSample::Int16).unwrap();
+    let options = SongOptions { max_bytes: 8 * 44_100, ..SongOptions::default() };
+    let read = |options: &SongOptions| {
+        Song::read(SongReader::from_bytes("long.wav", bytes.clone()).unwrap(), options, &Task::new())
+    };
+    assert!(matches!(read(&options), Err(SoundError::TooLong { .. })));
+    let part = SongOptions { start_secs: 0.5, duration_secs: Some(0.25), ..options };
+    let song = read(&part).unwrap();
+    assert_eq!(song.frames(), 11_025);
+    assert!((song.left[0] - chirp(44_100).left[22_050]).abs() < 1e-4);
+    let resampled = read(&SongOptions { rate_hz: Some(48_000), ..SongOptions::default() }).unwrap();
+    assert_eq!((resampled.rate_hz, resampled.frames()), (48_000, 96_000));
+}
+
+mod any_bytes {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn starts() -> impl Strategy<Value = Vec<u8>> {
+        let folder = shared("audio");
+        let mut starts: Vec<Vec<u8>> = vec![Vec::new(), wav_header(44_100, 2, 4000)];
+        if let Some(folder) = folder {
+            for name in ["dubstep.flac", "dubstep.mp3", "dubstep.ogg"] {
+                let bytes = std::fs::read(folder.join(name)).expect("the file is listed");
+                starts.push(bytes[..bytes.len().min(30_000)].to_vec());
+            }
+        }
+        proptest::sample::select(starts)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn never_panic(
+            start in starts(),
+            noise in proptest::collection::vec(any::<u8>(), 0..400),
+            flips in proptest::collection::vec((any::<u16>(), any::<u8>()), 0..40),
+        ) {
+            let mut bytes = start;
+            bytes.extend(noise);
+            let len = bytes.len();
+            for (at, value) in flips {
+                if let Some(byte) = bytes.get_mut(usize::from(at) % len.max(1)) {
+                    *byte = value;
+                }
+            }
+            if let Ok(song) = read_bytes("noise", bytes) {
+                prop_assert!(song.frames() < 100_000_000);
+                prop_assert!(song.left.iter().all(|x| x.is_finite()));
+            }
+        }
+    }
+}

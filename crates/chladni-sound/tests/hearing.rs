@@ -1,0 +1,168 @@
+//! The spectrum against tones whose amplitude is known.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+use chladni_sound::{FrontEnd, Level, Song, SongReader, SpectrumAnalyser, SpectrumSettings};
+use chladni_testdata::shared;
+
+const RATE_HZ: u32 = 44_100;
+
+fn sweep(from_hz: f64, to_hz: f64, secs: f64, amplitude: f64) -> Vec<f32> {
+    let octaves = (to_hz / from_hz).ln();
+    (0..(secs * f64::from(RATE_HZ)) as usize)
+        .map(|n| {
+            let t = n as f64 / f64::from(RATE_HZ);
+            let phase = from_hz * secs / octaves * ((octaves * t / secs).exp() - 1.0);
+            (amplitude * (std::f64::consts::TAU * phase).sin()) as f32
+        })
+        .collect()
+}
+
+/// Peak band and amplitude for each window centred on a time.
+fn peaks(settings: SpectrumSettings, left: &[f32], right: &[f32], step: usize) -> Vec<(usize, f32)> {
+    let mut analyser = SpectrumAnalyser::new(settings).unwrap();
+    let n = analyser.window_frames();
+    (0..left.len().saturating_sub(n))
+        .step_by(step)
+        .map(|at| {
+            let s = analyser.analyse(&left[at..at + n], &right[at..at + n], step as f64 / f64::from(RATE_HZ));
+            let best = (0..s.mid.len()).max_by(|&a, &b| s.mid[a].total_cmp(&s.mid[b])).unwrap();
+            (best, s.mid[best])
+        })
+        .collect()
+}
+
+fn plain(bands: usize) -> SpectrumSettings {
+    SpectrumSettings { bands, decay: 0.0, level: Level::Fixed(1.0), ..SpectrumSettings::new(RATE_HZ) }
+}
+
+#[test]
+fn a_swept_sine_keeps_its_level_and_never_jumps() {
+    let tone = sweep(40.0, 16_000.0, 20.0, 0.5);
+    for bands in [32, 64, 128, 256] {
+        let found = peaks(plain(bands), &tone, &tone, 441);
+        let db: Vec<f64> = found.iter().map(|(_, a)| 20.0 * f64::from(a / 0.5).log10()).collect();
+        let (low, high) = db.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
+        let jump = db.windows(2).fold(0.0f64, |a, w| a.max((w[1] - w[0]).abs()));
+        eprintln!("{bands} bands: level {low:.2} to {high:.2} dB, largest step in 10 ms {jump:.2} dB");
+        assert!(low > -1.5 && high < 1.5, "{bands} bands: {low} to {high} dB");
+        assert!(jump < 0.7, "{bands} bands: {jump} dB");
+        // The loudest band climbs with the tone.
+        assert!(found.windows(2).all(|w| w[1].0 + 1 >= w[0].0), "{bands} bands");
+        assert!(found[0].0 <= bands / 20 + 1 && found[found.len() - 1].0 >= bands - bands / 20 - 2);
+    }
+}
+
+#[test]
+fn the_linear_front_end_has_equal_steps() {
+    let settings = SpectrumSettings { front_end: FrontEnd::Linear, bands: 100, ..plain(100) };
+    let tone = sweep(500.0, 15_000.0, 10.0, 1.0);
+    for (_, amplitude) in peaks(settings, &tone, &tone, 4410) {
+        assert!((20.0 * amplitude.log10()).abs() < 1.5, "{amplitude}");
+    }
+}
+
+/// Pulses of a tone, as a beat has them.
+fn pulses(amplitude: f32) -> Vec<f32> {
+    (0..4 * RATE_HZ)
+        .map(|n| {
+            let t = n as f32 / RATE_HZ as f32;
+            amplitude * (-8.0 * (t % 0.5)).exp() * (std::f32::consts::TAU * 330.0 * t).sin()
+        })
+        .collect()
+}
+
+#[test]
+fn quiet_and_loud_masters_move_alike_after_three_seconds() {
+    let settings = || SpectrumSettings { bands: 64, ..SpectrumSettings::new(RATE_HZ) };
+    let after_three = |samples: &[f32]| {
+        let found = peaks(settings(), samples, samples, 735);
+        found[found.len() - 40..].to_vec()
+    };
+    let (loud, quiet) = (pulses(1.0), pulses(0.01));
+    // A song that is 40 dB quieter, and one that was loud before (4 s are 240 whole steps).
+    let mut after_loud = pulses(1.0);
+    after_loud.extend(&quiet);
+    for (name, other) in [("quiet", &quiet), ("after a loud song", &after_loud)] {
+        for ((band, a), (other_band, b)) in after_three(&loud).iter().zip(after_three(other)) {
+            assert_eq!(*band, other_band, "{name}");
+            assert!((20.0 * (a / b).log10()).abs() < 2.0, "{name}: {a} and {b}");
+        }
+    }
+}
+
+#[test]
+fn silence_stays_silent() {
+    let silence = vec![0.0; 100_000];
+    for (_, amplitude) in peaks(SpectrumSettings::new(RATE_HZ), &silence, &silence, 735) {
+        assert_eq!(amplitude, 0.0);
+    }
+}
+
+#[test]
+fn middle_and_side_are_what_they_are_called() {
+    let tone = sweep(440.0, 440.001, 0.5, 0.8);
+    let inverted: Vec<f32> = tone.iter().map(|x| -x).collect();
+    let silence = vec![0.0; tone.len()];
+    let loudest = |left: &[f32], right: &[f32]| {
+        let mut analyser = SpectrumAnalyser::new(SpectrumSettings { side_gain: 1.0, ..plain(64) }).unwrap();
+        let s = analyser.analyse(left, right, 0.05);
+        let max = |bands: &[f32]| bands.iter().fold(0.0f32, |a, &b| a.max(b));
+        (max(&s.mid), max(&s.side))
+    };
+    let close = |(mid, side): (f32, f32), true_mid: f32, true_side: f32| {
+        assert!((mid - true_mid).abs() < 0.08 && (side - true_side).abs() < 0.08, "{mid} {side}");
+    };
+    close(loudest(&tone, &tone), 0.8, 0.0);
+    close(loudest(&tone, &inverted), 0.0, 0.8);
+    close(loudest(&tone, &silence), 0.4, 0.4);
+}
+
+#[test]
+fn decay_does_not_depend_on_the_frame_rate() {
+    let tone = sweep(440.0, 440.001, 1.0, 1.0);
+    let run = |steps: u32| {
+        let mut analyser = SpectrumAnalyser::new(SpectrumSettings { decay: 0.8, ..plain(32) }).unwrap();
+        let n = analyser.window_frames();
+        for _ in 0..steps {
+            analyser.analyse(&tone[..n], &tone[..n], 0.2 / f64::from(steps));
+        }
+        analyser.spectrum().mid.iter().fold(0.0f32, |a, &b| a.max(b))
+    };
+    let (slow, fast) = (run(4), run(24));
+    assert!((slow - fast).abs() < 1e-4, "{slow} {fast}");
+    assert!(slow < 0.65 && slow > 0.5, "w = 0.8 after 4 intervals: {slow}");
+}
+
+#[test]
+fn four_codecs_have_one_spectrum() {
+    let Some(wav) = shared("audio/dubstep.wav") else { return };
+    let spectra = |extension: &str| {
+        let song = Song::read(
+            SongReader::open(&wav.with_extension(extension)).unwrap(),
+            &Default::default(),
+            &chladni_task::Task::new(),
+        )
+        .unwrap();
+        let mut analyser = SpectrumAnalyser::new(plain(64)).unwrap();
+        let n = analyser.window_frames();
+        let mut all = Vec::new();
+        // The untagged MP3 starts with its encoder's delay.
+        let delay = if extension == "mp3" { 576 } else { 0 };
+        for at in (delay..250_000).step_by(4410) {
+            all.extend_from_slice(
+                &analyser.analyse(&song.left[at..at + n], &song.right[at..at + n], 0.1).mid,
+            );
+        }
+        all
+    };
+    let truth = spectra("wav");
+    let norm = truth.iter().map(|x| f64::from(x * x)).sum::<f64>();
+    for (extension, most) in [("flac", 0.0), ("mp3", 0.05), ("ogg", 0.05)] {
+        let other = spectra(extension);
+        let off = truth.iter().zip(&other).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>();
+        let relative = (off / norm).sqrt();
+        eprintln!("{extension}: spectra differ by {relative:.4}");
+        assert!(relative <= most, "{extension}: {relative}");
+    }
+}
