@@ -32,6 +32,7 @@ mod build;
 mod cache;
 mod eigen;
 mod error;
+mod laplacian;
 mod operator;
 mod settings;
 mod sparse;

@@ -2,7 +2,8 @@
 
 use chladni_mesh::{Frame, TriMesh, Weld, total_area, weld};
 
-use crate::{HarmonicsError, sparse::SymmetricSparse};
+use crate::laplacian::laplacian;
+use crate::{HarmonicsError, SymmetricSparse};
 
 /// The discrete Laplacian of a mesh in the working frame: S and a of S h = λ diag(a) h.
 #[derive(Clone, Debug)]
@@ -71,8 +72,7 @@ impl Operator {
         let Surface { frame, positions, triangles, operator_vertex } = surface;
         let component = components(positions.len(), &triangles);
         refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
-        let (edges, mass) = cotangent(&positions, &triangles);
-        let stiffness = SymmetricSparse::laplacian(positions.len(), &edges);
+        let (stiffness, mass) = laplacian(&positions, &triangles)?;
         Ok(Self { frame, positions, triangles, operator_vertex, stiffness, mass, component })
     }
 
@@ -143,33 +143,4 @@ fn refuse_zero_area(
         vertices: component.iter().filter(|&&c| c as usize == empty).count(),
         vertex: operator_vertex.iter().position(inside).unwrap_or_default(),
     })
-}
-
-/// Plain cotangent weights and mixed Voronoi areas.
-fn cotangent(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
-    let mut edges = Vec::with_capacity(triangles.len() * 3);
-    let mut mass = vec![0.0; positions.len()];
-    for t in triangles {
-        let p = t.map(|v| positions[v as usize]);
-        let length2: [f64; 3] = std::array::from_fn(|i| {
-            let (a, b) = (p[(i + 1) % 3], p[(i + 2) % 3]);
-            (0..3).map(|x| (a[x] - b[x]).powi(2)).sum()
-        });
-        let area = total_area(positions, std::slice::from_ref(t)).max(1e-12 * length2.iter().sum::<f64>());
-        let cot: [f64; 3] = std::array::from_fn(|i| {
-            (length2[(i + 1) % 3] + length2[(i + 2) % 3] - length2[i]) / (4.0 * area)
-        });
-        for i in 0..3 {
-            edges.push((t[(i + 1) % 3], t[(i + 2) % 3], cot[i] / 2.0));
-        }
-        let obtuse = cot.iter().position(|c| *c < 0.0);
-        for i in 0..3 {
-            mass[t[i] as usize] += match obtuse {
-                None => (length2[(i + 1) % 3] * cot[(i + 1) % 3] + length2[(i + 2) % 3] * cot[(i + 2) % 3]) / 8.0,
-                Some(o) if o == i => area / 2.0,
-                Some(_) => area / 4.0,
-            };
-        }
-    }
-    (edges, mass)
 }

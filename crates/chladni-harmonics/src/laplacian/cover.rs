@@ -1,0 +1,196 @@
+//! The edge-manifold surface on which edges are flipped: the mesh itself where it is closed,
+//! edge-manifold and oriented, its tufted cover otherwise.
+
+/// Triangles glued side to side, with a length on every side and no boundary.
+///
+/// Side h = 3f + i runs from `tail[h]`, corner i of triangle f, to the next corner.
+pub(crate) struct Cover {
+    /// How often the surface is covered: 1 or 2.
+    pub sheets: usize,
+    /// The vertex each side starts from.
+    pub tail: Vec<u32>,
+    /// The side glued to each side; it runs the other way.
+    pub twin: Vec<u32>,
+    /// The length of each side, the same on both of a glued pair.
+    pub length: Vec<f64>,
+}
+
+/// The next side around the triangle of side `h`.
+pub(crate) fn next(h: u32) -> u32 {
+    if h % 3 == 2 { h - 2 } else { h + 1 }
+}
+
+/// The side before `h` around its triangle.
+pub(crate) fn previous(h: u32) -> u32 {
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
+}
+
+impl Cover {
+    /// Covers a soup of triangles with three different corners each.
+    pub(crate) fn of(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
+        let edges = Edges::of(positions.len(), triangles);
+        if edges.are_closed_and_oriented(triangles) {
+            Self::one_sheet(positions, triangles, &edges)
+        } else {
+            Self::tufted(positions, triangles, &edges)
+        }
+    }
+
+    fn one_sheet(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &Edges) -> Self {
+        let tail: Vec<u32> = triangles.iter().flatten().copied().collect();
+        let mut cover = Self { sheets: 1, twin: vec![0; tail.len()], length: vec![0.0; tail.len()], tail };
+        for sides in edges.iter() {
+            cover.glue(sides[0], sides[1], edge_length(positions, triangles, sides[0]));
+        }
+        cover
+    }
+
+    /// The tufted cover (Sharp & Crane 2020, §3): every triangle twice, front and back; around
+    /// each edge, in the order of the dihedral angle, the facing sides of neighbours are glued.
+    fn tufted(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &Edges) -> Self {
+        let m = triangles.len() as u32;
+        // The back of (a, b, c) is (a, c, b); it follows all the fronts.
+        let fronts = triangles.iter().flatten().copied();
+        let backs = triangles.iter().flat_map(|&[a, b, c]| [a, c, b]);
+        let tail: Vec<u32> = fronts.chain(backs).collect();
+        // Side 0 of the front, a → b, is side 2 of the back, b → a, and so on.
+        let back = |h: u32| 3 * (m + h / 3) + (2 - h % 3);
+        let mut cover = Self { sheets: 2, twin: vec![0; tail.len()], length: vec![0.0; tail.len()], tail };
+        let mut around = Vec::new();
+        for sides in edges.iter() {
+            around.clear();
+            radial_order(positions, triangles, sides, &mut around);
+            let length = edge_length(positions, triangles, sides[0]);
+            for i in 0..around.len() {
+                let (side, along) = around[i];
+                let (following, following_along) = around[(i + 1) % around.len()];
+                // With the edge as axis, a triangle that runs along it has its front towards
+                // growing angles, one that runs against it its back.
+                let growing = if along { side } else { back(side) };
+                let shrinking = if following_along { back(following) } else { following };
+                cover.glue(growing, shrinking, length);
+            }
+        }
+        cover
+    }
+
+    fn glue(&mut self, a: u32, b: u32, length: f64) {
+        self.twin[a as usize] = b;
+        self.twin[b as usize] = a;
+        self.length[a as usize] = length;
+        self.length[b as usize] = length;
+    }
+
+    /// Adds the least constant to all lengths that gives every triangle a slack of `factor`
+    /// mean lengths (Sharp & Crane 2020, eq. 9 and 10). Nothing changes on a sound mesh.
+    pub(crate) fn mollify(&mut self, factor: f64) {
+        let slack = factor * self.length.iter().sum::<f64>() / self.length.len().max(1) as f64;
+        let mut missing = 0.0_f64;
+        for l in self.length.as_chunks::<3>().0 {
+            for i in 0..3 {
+                missing = missing.max(slack + l[i] - l[(i + 1) % 3] - l[(i + 2) % 3]);
+            }
+        }
+        self.length.iter_mut().for_each(|l| *l += missing);
+    }
+}
+
+fn edge_length(positions: &[[f64; 3]], triangles: &[[u32; 3]], side: u32) -> f64 {
+    let (u, v) = ends(triangles, side);
+    let (p, q) = (positions[u as usize], positions[v as usize]);
+    (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The vertices a side of the soup runs between.
+fn ends(triangles: &[[u32; 3]], side: u32) -> (u32, u32) {
+    let t = triangles[side as usize / 3];
+    let i = side as usize % 3;
+    (t[i], t[(i + 1) % 3])
+}
+
+/// The sides of one edge in the order of their triangles' angle around it, each with whether
+/// it runs from the smaller to the larger vertex.
+fn radial_order(positions: &[[f64; 3]], triangles: &[[u32; 3]], sides: &[u32], order: &mut Vec<(u32, bool)>) {
+    let along = |side: u32| {
+        let (u, v) = ends(triangles, side);
+        u < v
+    };
+    if sides.len() <= 2 {
+        // One order only, up to rotation.
+        order.extend(sides.iter().map(|&s| (s, along(s))));
+        return;
+    }
+    let (u, v) = ends(triangles, sides[0]);
+    let (u, v) = (positions[u.min(v) as usize], positions[u.max(v) as usize]);
+    let axis: [f64; 3] = std::array::from_fn(|i| v[i] - u[i]);
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let length = dot(axis, axis).sqrt();
+    let axis = axis.map(|x| x / length);
+    let mut unit = [0.0; 3];
+    unit[(0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs())).unwrap_or(0)] = 1.0;
+    let x = cross(axis, unit);
+    let y = cross(axis, x);
+    let mut angles: Vec<(f64, u32)> = sides
+        .iter()
+        .map(|&side| {
+            let apex = positions[triangles[side as usize / 3][(side as usize + 2) % 3] as usize];
+            let d: [f64; 3] = std::array::from_fn(|i| apex[i] - u[i]);
+            (dot(d, y).atan2(dot(d, x)), side)
+        })
+        .collect();
+    angles.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    order.extend(angles.into_iter().map(|(_, s)| (s, along(s))));
+}
+
+/// The sides of a soup grouped by the edge they lie on.
+struct Edges {
+    /// All sides, those of one edge together, ascending.
+    sides: Vec<u32>,
+    /// Where each edge begins in `sides`, and the end.
+    starts: Vec<usize>,
+}
+
+impl Edges {
+    fn of(vertices: usize, triangles: &[[u32; 3]]) -> Self {
+        // Bucket by the smaller vertex, then order each small bucket by the larger.
+        let mut first = vec![0_usize; vertices + 1];
+        for h in 0..triangles.len() as u32 * 3 {
+            let (u, v) = ends(triangles, h);
+            first[u.min(v) as usize + 1] += 1;
+        }
+        for v in 0..vertices {
+            first[v + 1] += first[v];
+        }
+        let mut at = first.clone();
+        let mut keyed = vec![(0_u32, 0_u32); triangles.len() * 3];
+        for h in 0..triangles.len() as u32 * 3 {
+            let (u, v) = ends(triangles, h);
+            let slot = &mut at[u.min(v) as usize];
+            keyed[*slot] = (u.max(v), h);
+            *slot += 1;
+        }
+        let mut starts = Vec::with_capacity(triangles.len() * 3 / 2 + 1);
+        for v in 0..vertices {
+            let bucket = &mut keyed[first[v]..first[v + 1]];
+            bucket.sort_unstable();
+            for (i, entry) in bucket.iter().enumerate() {
+                if i == 0 || bucket[i - 1].0 != entry.0 {
+                    starts.push(first[v] + i);
+                }
+            }
+        }
+        starts.push(keyed.len());
+        Self { sides: keyed.into_iter().map(|(_, h)| h).collect(), starts }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|w| &self.sides[w[0]..w[1]])
+    }
+
+    fn are_closed_and_oriented(&self, triangles: &[[u32; 3]]) -> bool {
+        self.iter().all(|s| s.len() == 2 && ends(triangles, s[0]).0 != ends(triangles, s[1]).0)
+    }
+}

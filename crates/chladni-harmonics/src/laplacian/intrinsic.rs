@@ -1,0 +1,72 @@
+//! Angles, weights and areas of triangles that are known by their lengths alone.
+
+use super::cover::{Cover, next};
+
+/// Area, and cotangent of the angle opposite to each side, of a triangle of these lengths.
+/// A triangle that rounding has flattened counts as one of tiny area.
+pub(super) fn cotangents(length: [f64; 3]) -> (f64, [f64; 3]) {
+    let mut sorted = length;
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let [a, b, c] = sorted;
+    // Kahan's stable form of Heron's formula.
+    let product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
+    let area = (0.25 * product.max(0.0).sqrt()).max(1e-14 * a * a);
+    let square = length.map(|l| l * l);
+    let cotangent =
+        std::array::from_fn(|i| (square[(i + 1) % 3] + square[(i + 2) % 3] - square[i]) / (4.0 * area));
+    (area, cotangent)
+}
+
+/// (cot β + cot β') / 2 of every edge between two vertices, times `share`. Edges of a Delaunay
+/// cover have none below zero but for rounding, which is cut off.
+pub(super) fn cotangent_weights(cover: &Cover, share: f64) -> Vec<(u32, u32, f64)> {
+    let cotangent: Vec<f64> =
+        cover.length.as_chunks::<3>().0.iter().flat_map(|l| cotangents(*l).1).collect();
+    let mut edges = Vec::with_capacity(cover.tail.len() / 2);
+    for h in 0..cover.tail.len() {
+        let twin = cover.twin[h] as usize;
+        let (u, v) = (cover.tail[h], cover.tail[next(h as u32) as usize]);
+        // An intrinsic edge may lead from a vertex to itself; it contributes nothing.
+        if h < twin && u != v {
+            let weight = 0.5 * (cotangent[h] + cotangent[twin]) * share;
+            edges.push((u, v, weight.max(0.0)));
+        }
+    }
+    edges
+}
+
+/// The mixed Voronoi area (Meyer et al. 2003) of each vertex, times `share`: positive, and
+/// summing to the area of the surface.
+pub(super) fn mixed_voronoi_areas(cover: &Cover, vertices: usize, share: f64) -> Vec<f64> {
+    let mut mass = vec![0.0; vertices];
+    for (f, length) in cover.length.as_chunks::<3>().0.iter().enumerate() {
+        let (area, cotangent) = cotangents(*length);
+        let obtuse = cotangent.iter().position(|c| *c < 0.0);
+        for i in 0..3 {
+            // Corner i lies between sides i and i − 1 and opposite to side i + 1.
+            let (next, previous) = ((i + 1) % 3, (i + 2) % 3);
+            let part = match obtuse {
+                None => {
+                    (length[i].powi(2) * cotangent[i] + length[previous].powi(2) * cotangent[previous]) / 8.0
+                }
+                Some(o) if o == next => area / 2.0,
+                Some(_) => area / 4.0,
+            };
+            mass[cover.tail[3 * f + i] as usize] += part * share;
+        }
+    }
+    mass
+}
+
+/// A third of the area of its triangles for each vertex, times `share`.
+#[cfg(test)]
+pub(super) fn barycentric_areas(cover: &Cover, vertices: usize, share: f64) -> Vec<f64> {
+    let mut mass = vec![0.0; vertices];
+    for (f, length) in cover.length.as_chunks::<3>().0.iter().enumerate() {
+        let area = cotangents(*length).0;
+        for i in 0..3 {
+            mass[cover.tail[3 * f + i] as usize] += area / 3.0 * share;
+        }
+    }
+    mass
+}

@@ -1,0 +1,36 @@
+//! The intrinsic Delaunay Laplacian of any triangle soup (docs/laplacian.md).
+
+mod cover;
+mod flips;
+mod intrinsic;
+
+use crate::HarmonicsError;
+use crate::sparse::SymmetricSparse;
+use cover::Cover;
+
+/// Lengths are mollified so that every triangle keeps this share of the mean edge length
+/// between the sum of two sides and the third (Sharp & Crane 2020, §4.5).
+const MOLLIFY: f64 = 1e-5;
+
+/// S and a of a welded surface: no positive value off the diagonal of S, all areas positive.
+pub(crate) fn laplacian(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> Result<(SymmetricSparse, Vec<f64>), HarmonicsError> {
+    let cover = delaunay_cover(positions, triangles)?;
+    // Each sheet of the cover carries the whole surface.
+    let share = 1.0 / cover.sheets as f64;
+    let edges = intrinsic::cotangent_weights(&cover, share);
+    let mass = intrinsic::mixed_voronoi_areas(&cover, positions.len(), share);
+    Ok((SymmetricSparse::laplacian(positions.len(), &edges), mass))
+}
+
+fn delaunay_cover(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Cover, HarmonicsError> {
+    let mut cover = Cover::of(positions, triangles);
+    cover.mollify(MOLLIFY);
+    flips::flip_to_delaunay(&mut cover)?;
+    Ok(cover)
+}
+
+#[cfg(test)]
+mod tests;

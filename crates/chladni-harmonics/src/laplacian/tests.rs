@@ -1,0 +1,87 @@
+//! The operator's promises on meshes that a plain cotangent Laplacian breaks on.
+
+use super::cover::Cover;
+use super::{delaunay_cover, intrinsic, laplacian};
+
+fn promises(positions: &[[f64; 3]], triangles: &[[u32; 3]], area: f64) {
+    let (s, mass) = laplacian(positions, triangles).unwrap();
+    assert!(mass.iter().all(|a| *a > 0.0));
+    let total: f64 = mass.iter().sum();
+    assert!((total - area).abs() <= 1e-4 * area, "{total} for {area}");
+    for j in 0..s.size() {
+        let scale: f64 = s.column(j).map(|(_, v)| v.abs()).sum();
+        assert!(s.column(j).map(|(_, v)| v).sum::<f64>().abs() <= 1e-12 * scale);
+        assert!(s.column(j).all(|(i, v)| i == j || v <= 0.0));
+        for (i, v) in s.column(j) {
+            let mirrored = s.column(i).find(|(r, _)| *r == j).map(|(_, v)| v);
+            assert_eq!(mirrored, Some(v));
+        }
+    }
+}
+
+#[test]
+fn a_fan_of_three_triangles_on_one_edge() {
+    let positions = [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.5, 0.8, 0.5], [-0.5, -0.8, 0.5]];
+    let leaf = 0.5 * (0.5_f64.powi(2) + 0.8_f64.powi(2)).sqrt();
+    promises(&positions, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]], 0.5 + 2.0 * leaf);
+    // Orientation does not matter.
+    promises(&positions, &[[1, 0, 2], [0, 1, 3], [1, 0, 4]], 0.5 + 2.0 * leaf);
+}
+
+#[test]
+fn one_triangle_however_flat() {
+    promises(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]], 0.5);
+    // Obtuse: a plain cotangent Laplacian has a negative weight on the long side.
+    promises(&[[0.0; 3], [4.0, 0.0, 0.0], [2.0, 0.5, 0.0]], &[[0, 1, 2]], 1.0);
+}
+
+#[test]
+fn a_bad_diagonal_is_flipped_to_the_weights_of_the_good_one() {
+    let positions = [[0.0; 3], [3.0, -1.0, 0.0], [6.0, 0.0, 0.0], [3.0, 1.0, 0.0]];
+    let (bad, _) = laplacian(&positions, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+    let (good, _) = laplacian(&positions, &[[0, 1, 3], [1, 2, 3]]).unwrap();
+    for j in 0..4 {
+        for i in 0..4 {
+            let at = |s: &crate::SymmetricSparse| s.column(j).find(|(r, _)| *r == i).map_or(0.0, |(_, v)| v);
+            assert!((at(&bad) - at(&good)).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn a_closed_delaunay_mesh_keeps_its_plain_cotangents_in_one_sheet() {
+    let positions = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+    let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    assert_eq!(Cover::of(&positions, &triangles).sheets, 1);
+    let (s, _) = laplacian(&positions, &triangles).unwrap();
+    for (i, v) in s.column(0) {
+        // cot 60° = 1/√3.
+        let exact = if i == 0 { 3.0 } else { -1.0 } / 3.0_f64.sqrt();
+        assert!((v - exact).abs() < 1e-14);
+    }
+    // The tufted cover of the same surface, forced by turning one triangle over, agrees.
+    let turned = [[0, 2, 1], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    assert_eq!(Cover::of(&positions, &turned).sheets, 2);
+    let (t, _) = laplacian(&positions, &turned).unwrap();
+    assert!(s.values.iter().zip(&t.values).all(|(a, b)| (a - b).abs() < 1e-14));
+}
+
+#[test]
+fn covers_are_glued_in_pairs_that_run_opposite_ways_before_and_after_flips() {
+    let positions = [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.1], [-0.5, 0.8, 0.9], [-0.5, -0.8, 0.5], [2.0, 0.0, 0.0]];
+    let triangles = [[0, 1, 2], [0, 1, 3], [1, 0, 4], [2, 5, 0]];
+    let check = |cover: &Cover| {
+        for h in 0..cover.tail.len() as u32 {
+            let t = cover.twin[h as usize];
+            assert_eq!(cover.twin[t as usize], h);
+            assert_eq!(cover.tail[t as usize], cover.tail[super::cover::next(h) as usize]);
+            assert!((cover.length[t as usize] - cover.length[h as usize]).abs() < 1e-15);
+        }
+    };
+    check(&Cover::of(&positions, &triangles));
+    let flipped = delaunay_cover(&positions, &triangles).unwrap();
+    check(&flipped);
+    let areas = intrinsic::barycentric_areas(&flipped, 6, 0.5);
+    let voronoi = intrinsic::mixed_voronoi_areas(&flipped, 6, 0.5);
+    assert!((areas.iter().sum::<f64>() - voronoi.iter().sum::<f64>()).abs() < 1e-12);
+}
