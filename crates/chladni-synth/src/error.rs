@@ -84,4 +84,14 @@ pub enum SynthError {
         /// N.
         vertices: usize,
     },
+    /// Something does not fit the limits of the graphics device.
+    #[error("the {what} takes {needed} bytes, but a buffer of this graphics device holds {limit}")]
+    DeviceLimit {
+        /// What does not fit.
+        what: &'static str,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes a buffer may have.
+        limit: u64,
+    },
 }

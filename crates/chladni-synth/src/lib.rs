@@ -32,6 +32,7 @@
 mod cpu;
 mod error;
 mod exact;
+mod gpu;
 mod item;
 mod model;
 mod normals;
@@ -41,6 +42,7 @@ mod synthesizer;
 
 pub use cpu::{CpuPath, CpuSynthesizer};
 pub use error::SynthError;
+pub use gpu::{DeviceFrame, DeviceFrameBuffers};
 pub use item::{Coefficients, Item, Residual, Term};
 pub use model::{SynthModel, displacements_f64};
 pub use normals::area_weighted_normals;

@@ -1,0 +1,5 @@
+//! Synthesis on the graphics device, and where its frames lie.
+
+mod frame;
+
+pub use frame::{DeviceFrame, DeviceFrameBuffers};
