@@ -28,29 +28,35 @@ impl Rows {
 
 /// For each of `vertex_count` vertices the triangles that use it, ascending.
 pub fn vertex_triangles(vertex_count: usize, triangles: &[[u32; 3]]) -> Rows {
+    vertex_faces(vertex_count, triangles.iter().map(|t| &t[..]))
+}
+
+/// For each of `vertex_count` vertices the faces that use it, ascending, each once.
+pub(crate) fn vertex_faces<'a>(vertex_count: usize, faces: impl Iterator<Item = &'a [u32]> + Clone) -> Rows {
+    let mut last_face = vec![u32::MAX; vertex_count];
     let mut starts = vec![0_u32; vertex_count + 1];
-    for corners in triangles {
-        for v in distinct(corners) {
-            starts[v as usize + 1] += 1;
+    for (face, f) in faces.clone().zip(0_u32..) {
+        for &v in face {
+            if std::mem::replace(&mut last_face[v as usize], f) != f {
+                starts[v as usize + 1] += 1;
+            }
         }
     }
     for v in 0..vertex_count {
         starts[v + 1] += starts[v];
     }
+    last_face.fill(u32::MAX);
     let mut next = starts.clone();
     let mut items = vec![0; starts[vertex_count] as usize];
-    for (corners, t) in triangles.iter().zip(0_u32..) {
-        for v in distinct(corners) {
-            items[next[v as usize] as usize] = t;
-            next[v as usize] += 1;
+    for (face, f) in faces.zip(0_u32..) {
+        for &v in face {
+            if std::mem::replace(&mut last_face[v as usize], f) != f {
+                items[next[v as usize] as usize] = f;
+                next[v as usize] += 1;
+            }
         }
     }
     Rows { starts, items }
-}
-
-/// The corners of a triangle, each named once.
-fn distinct(&[a, b, c]: &[u32; 3]) -> impl Iterator<Item = u32> {
-    [Some(a), (b != a).then_some(b), (c != a && c != b).then_some(c)].into_iter().flatten()
 }
 
 /// For each of `vertex_count` vertices those that share an edge with it, ascending, each once.
@@ -76,39 +82,38 @@ pub fn vertex_neighbors(vertex_count: usize, triangles: &[[u32; 3]]) -> Rows {
 /// is a boundary or where more than two triangles meet.
 pub fn triangle_neighbors(triangles: &[[u32; 3]]) -> Vec<[Option<u32>; 3]> {
     let mut neighbors = vec![[None; 3]; triangles.len()];
-    let sides = sorted_half_edges(triangles);
+    let sides = sorted_half_edges(triangles.iter().map(|t| &t[..]));
     for edge in sides.chunk_by(|a, b| a.ends == b.ends) {
         if let [a, b] = edge {
-            neighbors[a.triangle as usize][a.side as usize] = Some(b.triangle);
-            neighbors[b.triangle as usize][b.side as usize] = Some(a.triangle);
+            neighbors[a.face as usize][a.side as usize] = Some(b.face);
+            neighbors[b.face as usize][b.side as usize] = Some(a.face);
         }
     }
     neighbors
 }
 
-/// One side of one triangle.
+/// One side of one face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct HalfEdge {
     /// The edge's vertices, the lesser first.
     pub ends: [u32; 2],
-    /// The triangle it belongs to.
-    pub triangle: u32,
-    /// Which side of the triangle: from corner `side` to the next.
-    pub side: u8,
-    /// Whether the triangle runs from the lesser to the greater vertex.
+    /// The face it belongs to.
+    pub face: u32,
+    /// Which side of the face: from corner `side` to the next.
+    pub side: u32,
+    /// Whether the face runs from the lesser to the greater vertex.
     pub forward: bool,
 }
 
 /// All half-edges with two different ends, sorted so that those of one edge lie together.
-pub(crate) fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
+pub(crate) fn sorted_half_edges<'a>(faces: impl Iterator<Item = &'a [u32]>) -> Vec<HalfEdge> {
     use rayon::slice::ParallelSliceMut;
-    let mut sides = Vec::with_capacity(3 * triangles.len());
-    for (corners, triangle) in triangles.iter().zip(0_u32..) {
-        for side in 0..3_u8 {
-            let (a, b) = (corners[side as usize], corners[(side as usize + 1) % 3]);
+    let mut sides = Vec::new();
+    for (corners, face) in faces.zip(0_u32..) {
+        let next = corners.iter().cycle().skip(1);
+        for ((&a, &b), side) in corners.iter().zip(next).zip(0_u32..) {
             if a != b {
-                let ends = [a.min(b), a.max(b)];
-                sides.push(HalfEdge { ends, triangle, side, forward: a < b });
+                sides.push(HalfEdge { ends: [a.min(b), a.max(b)], face, side, forward: a < b });
             }
         }
     }

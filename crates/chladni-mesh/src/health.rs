@@ -1,0 +1,277 @@
+//! What is sound and what is not about a mesh.
+
+use serde::Serialize;
+
+use crate::adjacency::{HalfEdge, Rows, sorted_half_edges, vertex_faces};
+use crate::geometry::{corners, cross, dot, doubled_area_normal, length, sub};
+use crate::weld::places;
+use crate::{TriMesh, weld};
+
+/// Counts and measures of a mesh as its file stores it, and of what welding would change.
+///
+/// Serialised with the names of the fields.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HealthReport {
+    /// Vertices in the file, used or not.
+    pub vertices: usize,
+    /// Triangles, after polygons were cut into fans.
+    pub triangles: usize,
+    /// Faces in the file, whatever their number of corners.
+    pub polygons: usize,
+    /// How the faces hang together, as stored.
+    #[serde(flatten)]
+    pub topology: Topology,
+    /// Triangles (of the fans) of no area at all, repeated corners included.
+    pub degenerate_triangles: usize,
+    /// Vertices whose position an earlier vertex has too.
+    pub duplicate_vertices: usize,
+    /// Vertices that no triangle uses.
+    pub unreferenced_vertices: usize,
+    /// Triangles on the same three vertices as an earlier one, in any order.
+    pub duplicate_triangles: usize,
+    /// Least corner of the bounding box of all used vertices, in file units.
+    pub bounds_min: [f64; 3],
+    /// Greatest corner of the bounding box of all used vertices, in file units.
+    pub bounds_max: [f64; 3],
+    /// Length of the bounding box's diagonal, in file units.
+    pub diagonal: f64,
+    /// Sum of the triangles' areas, in squared file units.
+    pub area: f64,
+    /// Enclosed volume, in cubed file units, positive where triangles face outward; `None`
+    /// unless the welded mesh is closed and evenly oriented.
+    pub volume: Option<f64>,
+    /// The mesh with coincident vertices merged, as the operator sees it.
+    pub welded: Welded,
+}
+
+/// How faces hang together: polygons as they are, not their fans, whose diagonals may fall on
+/// other edges.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Topology {
+    /// Pieces that share no vertex.
+    pub components: usize,
+    /// Connected pieces of the boundary, the edges of exactly one face.
+    pub boundary_loops: usize,
+    /// Edges of more than two faces.
+    pub nonmanifold_edges: usize,
+    /// Vertices whose faces fall into several fans that share no edge.
+    pub nonmanifold_vertices: usize,
+    /// Edges whose two faces run through them in the same direction.
+    pub misoriented_edges: usize,
+    /// Handles, summed over components; `None` unless manifold and evenly oriented.
+    pub genus: Option<usize>,
+}
+
+/// A mesh after welding.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Welded {
+    /// Operator vertices.
+    pub vertices: usize,
+    /// Triangles with three different corners.
+    pub triangles: usize,
+    /// How they hang together.
+    #[serde(flatten)]
+    pub topology: Topology,
+}
+
+impl HealthReport {
+    /// Examines `mesh`.
+    pub fn of(mesh: &TriMesh) -> Self {
+        let welded = weld(mesh);
+        let mut used = vec![false; mesh.positions.len()];
+        for &v in mesh.triangles.iter().flatten() {
+            used[v as usize] = true;
+        }
+        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for (p, _) in mesh.positions.iter().zip(&used).filter(|(_, used)| **used) {
+            for i in 0..3 {
+                bounds[0][i] = bounds[0][i].min(p[i]);
+                bounds[1][i] = bounds[1][i].max(p[i]);
+            }
+        }
+        if !bounds[0][0].is_finite() {
+            bounds = [[0.0; 3]; 2];
+        }
+        let areas =
+            mesh.triangles.iter().map(|t| 0.5 * length(doubled_area_normal(corners(&mesh.positions, t))));
+        let (mut area, mut degenerate_triangles) = (0.0, 0);
+        for a in areas {
+            area += a;
+            degenerate_triangles += usize::from(a == 0.0);
+        }
+        let faces = (0..mesh.face_count()).map(|f| mesh.face(f));
+        let welded_faces = welded_faces(mesh);
+        let welded_topology =
+            Topology::of(mesh.positions.len(), (0..welded_faces.len()).map(|f| welded_faces.row(f)));
+        let closed = welded_topology.genus.is_some() && welded_topology.boundary_loops == 0;
+        Self {
+            vertices: mesh.positions.len(),
+            triangles: mesh.triangles.len(),
+            polygons: mesh.face_count(),
+            topology: Topology::of(mesh.positions.len(), faces),
+            degenerate_triangles,
+            duplicate_vertices: duplicate_count(&mesh.positions),
+            unreferenced_vertices: used.iter().filter(|used| !**used).count(),
+            duplicate_triangles: duplicate_triangles(&mesh.triangles),
+            bounds_min: bounds[0],
+            bounds_max: bounds[1],
+            diagonal: length(sub(bounds[1], bounds[0])),
+            area,
+            volume: closed.then(|| volume(&welded.positions, &welded.triangles)),
+            welded: Welded {
+                vertices: welded.positions.len(),
+                triangles: welded.triangles.len(),
+                topology: welded_topology,
+            },
+        }
+    }
+}
+
+/// Vertices whose position an earlier vertex has too.
+pub(crate) fn duplicate_count(positions: &[[f64; 3]]) -> usize {
+    places(positions).iter().zip(0_u32..).filter(|&(&first, v)| first != v).count()
+}
+
+/// The faces over each position's first vertex, without repeated corners; those left with less
+/// than three are gone.
+fn welded_faces(mesh: &TriMesh) -> Rows {
+    let place = places(&mesh.positions);
+    let mut rows = Rows { starts: vec![0], items: Vec::new() };
+    for f in 0..mesh.face_count() {
+        let start = rows.items.len();
+        for &v in mesh.face(f) {
+            let v = place[v as usize];
+            if rows.items[start..].last() != Some(&v) {
+                rows.items.push(v);
+            }
+        }
+        while rows.items.len() > start + 1 && rows.items.last() == Some(&rows.items[start]) {
+            rows.items.pop();
+        }
+        if rows.items.len() < start + 3 {
+            rows.items.truncate(start);
+        } else {
+            rows.starts.push(rows.items.len() as u32);
+        }
+    }
+    rows
+}
+
+fn duplicate_triangles(triangles: &[[u32; 3]]) -> usize {
+    let mut sorted = triangles.to_vec();
+    sorted.iter_mut().for_each(|t| t.sort_unstable());
+    sorted.sort_unstable();
+    sorted.windows(2).filter(|pair| pair[0] == pair[1]).count()
+}
+
+/// Signed volume of a closed surface, summed about its first vertex to keep the digits.
+fn volume(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
+    let origin = positions.first().copied().unwrap_or_default();
+    let cone = |t: &[u32; 3]| {
+        let [a, b, c] = corners(positions, t).map(|p| sub(p, origin));
+        dot(a, cross(b, c)) / 6.0
+    };
+    triangles.iter().map(cone).sum()
+}
+
+impl Topology {
+    /// Examines `faces`, given by their corners, over vertices less than `vertex_count`.
+    ///
+    /// # Panics
+    /// If a face names a vertex that is not there.
+    pub fn of<'a>(vertex_count: usize, faces: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+        let sides = sorted_half_edges(faces.clone());
+        let mut pieces = Pieces::new(vertex_count);
+        let mut boundary = Pieces::new(vertex_count);
+        let (mut edges, mut nonmanifold_edges, mut misoriented_edges) = (0, 0, 0);
+        let mut used = vec![false; vertex_count];
+        let mut on_boundary = vec![false; vertex_count];
+        let mut face_count = 0;
+        for face in faces.clone() {
+            face_count += 1;
+            for &v in face {
+                used[v as usize] = true;
+                pieces.join(face[0], v);
+            }
+        }
+        for edge in sides.chunk_by(|a, b| a.ends == b.ends) {
+            edges += 1;
+            match edge {
+                [only] => {
+                    let [a, b] = only.ends;
+                    boundary.join(a, b);
+                    on_boundary[a as usize] = true;
+                    on_boundary[b as usize] = true;
+                }
+                [a, b] => misoriented_edges += usize::from(a.forward == b.forward),
+                _ => nonmanifold_edges += 1,
+            }
+        }
+        let count = |pieces: &mut Pieces, members: &[bool]| {
+            (0..vertex_count as u32).filter(|&v| members[v as usize] && pieces.root(v) == v).count()
+        };
+        let components = count(&mut pieces, &used);
+        let boundary_loops = count(&mut boundary, &on_boundary);
+        let nonmanifold_vertices = split_vertices(vertex_count, faces, &sides);
+        let vertices = used.iter().filter(|used| **used).count();
+        let sound = nonmanifold_edges == 0 && nonmanifold_vertices == 0 && misoriented_edges == 0;
+        // Euler's formula, summed over components: V − E + F = 2c − 2g − b.
+        let twice = 2 * components as i64 - boundary_loops as i64 - vertices as i64 + edges - face_count;
+        let genus = (sound && twice >= 0 && twice % 2 == 0).then_some((twice / 2) as usize);
+        Self { components, boundary_loops, nonmanifold_edges, nonmanifold_vertices, misoriented_edges, genus }
+    }
+}
+
+/// Vertices whose faces do not hang together by edges at that vertex.
+fn split_vertices<'a>(
+    vertex_count: usize,
+    faces: impl Iterator<Item = &'a [u32]> + Clone,
+    sides: &[HalfEdge],
+) -> usize {
+    let around = vertex_faces(vertex_count, faces);
+    // One set element per (vertex, face) pair: its place in `around`.
+    let place = |v: u32, face: u32| {
+        let row = around.row(v as usize);
+        around.starts[v as usize] + row.partition_point(|&f| f < face) as u32
+    };
+    let mut fans = Pieces::new(around.items.len());
+    for edge in sides.chunk_by(|a, b| a.ends == b.ends) {
+        for other in &edge[1..] {
+            for v in edge[0].ends {
+                fans.join(place(v, edge[0].face), place(v, other.face));
+            }
+        }
+    }
+    let is_split = |v: &usize| {
+        let mut members = around.starts[*v]..around.starts[v + 1];
+        let first = members.next().map(|first| fans.root(first));
+        members.any(|member| Some(fans.root(member)) != first)
+    };
+    (0..vertex_count).filter(is_split).count()
+}
+
+/// Disjoint sets (union by index, path halving).
+struct Pieces {
+    parent: Vec<u32>,
+}
+
+impl Pieces {
+    fn new(count: usize) -> Self {
+        Self { parent: (0..count as u32).collect() }
+    }
+
+    fn root(&mut self, mut v: u32) -> u32 {
+        while self.parent[v as usize] != v {
+            let grandparent = self.parent[self.parent[v as usize] as usize];
+            self.parent[v as usize] = grandparent;
+            v = grandparent;
+        }
+        v
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        // The lesser index stays root, so that every piece has a root among its members.
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+}

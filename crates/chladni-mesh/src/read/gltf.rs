@@ -1,0 +1,409 @@
+//! glTF 2.0: the triangles of a scene as one mesh.
+
+use std::sync::Arc;
+
+use super::Beside;
+use super::draft::{Draft, coordinate, vertex_index};
+use super::gltf_buffers::{Buffers, percent_decoded};
+use super::gltf_json::{Material as JsonMaterial, Node, Primitive, Root};
+use super::mtl::is_picture;
+use crate::error::Fault;
+use crate::read::{Loaded, Mended};
+use crate::{CornerUvs, Format, Material, MeshError, Texture};
+
+/// Instances of a mesh cost nothing in the file; this many vertices is where that ends.
+const MOST_VERTICES: usize = 1 << 26;
+
+/// Reads triangles, strips and fans, with or without indices, of all meshes that the scene's
+/// nodes place, in the order of a walk from the roots. Every primitive brings its own vertices,
+/// except where our own writer's `_VERTEX` attribute says which are the same. Morph targets,
+/// skins, points and lines are left out.
+pub(crate) fn read(bytes: &[u8], format: Format, beside: &Beside<'_>) -> Result<Loaded, MeshError> {
+    let read = || {
+        let (json, binary) = if format == Format::Glb { glb_chunks(bytes)? } else { (bytes, None) };
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let root: Root =
+            serde_json::from_slice(json).map_err(|error| Fault::part("JSON", error.to_string()))?;
+        let squeezed = |name: &&String| name.contains("draco") || name.contains("meshopt");
+        if let Some(extension) = root.extensions_required.iter().find(squeezed) {
+            return Err(Fault::part("extensionsRequired", format!("{extension} is not read")));
+        }
+        let buffers = Buffers::open(&root, binary, beside)?;
+        let mut scene = Scene {
+            root: &root,
+            buffers,
+            draft: Draft::default(),
+            stored: Vec::new(),
+            moved: false,
+            left_out: 0,
+        };
+        scene.materials(beside);
+        scene.walk()?;
+        Ok((scene.draft, scene.moved.then_some(scene.stored), scene.left_out))
+    };
+    let (mut draft, stored, left_out) =
+        read().map_err(|Fault { at, reason }| MeshError::Malformed { format, at, reason })?;
+    if left_out > 0 {
+        draft
+            .mended
+            .push(Mended::LeftOut(format!("{left_out} primitives of points, lines or morph targets")));
+    }
+    let mut loaded = draft.finish(format)?;
+    loaded.stored_positions = stored;
+    Ok(loaded)
+}
+
+/// The JSON chunk and the binary chunk, if any.
+fn glb_chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
+    let word = |at: usize| {
+        let raw = bytes.get(at..).and_then(|rest| rest.first_chunk::<4>());
+        raw.map(|raw| u32::from_le_bytes(*raw))
+            .ok_or_else(|| Fault::byte(bytes.len(), "the file ends in a chunk's header"))
+    };
+    let version = word(4)?;
+    if !bytes.starts_with(b"glTF") || version != 2 {
+        return Err(Fault::byte(0, "not a binary glTF file of version 2"));
+    }
+    let chunk = |at: usize, kind: &[u8; 4]| {
+        let length = word(at)? as usize;
+        if bytes.get(at + 4..at + 8) != Some(kind) {
+            return Err(Fault::byte(at + 4, format!("no {} chunk", kind.escape_ascii())));
+        }
+        let start = at + 8;
+        match start.checked_add(length).and_then(|end| bytes.get(start..end)) {
+            Some(data) => Ok(data),
+            None => Err(Fault::byte(bytes.len(), format!("the file ends inside a chunk of {length} bytes"))),
+        }
+    };
+    let json = chunk(12, b"JSON")?;
+    let next = 20 + json.len().next_multiple_of(4);
+    let binary = if next + 8 <= bytes.len() { Some(chunk(next, b"BIN\0")?) } else { None };
+    Ok((json, binary))
+}
+
+/// A column-major affine map.
+type Matrix = [[f64; 4]; 4];
+
+const IDENTITY: Matrix =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    std::array::from_fn(|c| std::array::from_fn(|r| (0..4).map(|k| a[k][r] * b[c][k]).sum()))
+}
+
+fn moved(m: &Matrix, p: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|r| m[0][r] * p[0] + m[1][r] * p[1] + m[2][r] * p[2] + m[3][r])
+}
+
+fn mirrors(m: &Matrix) -> bool {
+    let [a, b, c, _] = m;
+    let det = a[0] * (b[1] * c[2] - b[2] * c[1]) - b[0] * (a[1] * c[2] - a[2] * c[1])
+        + c[0] * (a[1] * b[2] - a[2] * b[1]);
+    det < 0.0
+}
+
+fn local_matrix(node: &Node) -> Matrix {
+    if let Some(m) = node.matrix {
+        return std::array::from_fn(|c| std::array::from_fn(|r| m[4 * c + r]));
+    }
+    let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let s = node.scale.unwrap_or([1.0; 3]);
+    let t = node.translation.unwrap_or([0.0; 3]);
+    let columns = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
+        [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ];
+    let column = |c: usize| [columns[c][0] * s[c], columns[c][1] * s[c], columns[c][2] * s[c], 0.0];
+    [column(0), column(1), column(2), [t[0], t[1], t[2], 1.0]]
+}
+
+struct Scene<'a> {
+    root: &'a Root,
+    buffers: Buffers<'a>,
+    draft: Draft,
+    /// Positions before the nodes moved them.
+    stored: Vec<[f64; 3]>,
+    moved: bool,
+    left_out: usize,
+}
+
+impl Scene<'_> {
+    fn materials(&mut self, beside: &Beside<'_>) {
+        for material in &self.root.materials {
+            let pbr = material.pbr_metallic_roughness.as_ref();
+            let factor = pbr.and_then(|pbr| pbr.base_color_factor).unwrap_or([1.0; 4]);
+            let base_color = factor.map(|c| if c.is_finite() { c.clamp(0.0, 1.0) as f32 } else { 1.0 });
+            let base_color_texture = self.texture(material, beside);
+            let name = &material.name;
+            self.draft.materials.push(Material { base_color, base_color_texture, ..Material::named(name) });
+        }
+    }
+
+    fn texture(&mut self, material: &JsonMaterial, beside: &Beside<'_>) -> Option<Texture> {
+        let index = material.pbr_metallic_roughness.as_ref()?.base_color_texture.as_ref()?.index;
+        let source = self.root.textures.get(index).and_then(|texture| texture.source);
+        let image = source.and_then(|image| self.root.images.get(image));
+        let Some(image) = image else {
+            self.draft
+                .mended
+                .push(Mended::MissingFile(format!("texture {index}"), "there is no such image".into()));
+            return None;
+        };
+        let name = match (&image.name, &image.uri) {
+            (_, Some(uri)) if !uri.starts_with("data:") => percent_decoded(uri),
+            (Some(name), _) => name.clone(),
+            _ => format!("image {index}"),
+        };
+        let bytes = match image.buffer_view {
+            Some(view) => {
+                self.buffers.view(view).map(|(data, _)| data.to_vec()).map_err(|fault| fault.reason)
+            }
+            None => Buffers::uri(image.uri.as_deref().unwrap_or_default(), beside),
+        };
+        let picture = bytes.and_then(|bytes| {
+            if is_picture(&bytes) { Ok(bytes) } else { Err("it is neither PNG nor JPEG".into()) }
+        });
+        match picture {
+            Ok(bytes) => Some(Texture { name, bytes: Arc::from(bytes) }),
+            Err(reason) => {
+                self.draft.mended.push(Mended::MissingFile(name.clone(), reason));
+                Some(Texture { name, bytes: Arc::default() })
+            }
+        }
+    }
+
+    /// Visits the scene's nodes, parents first, with a stack of its own: a file decides how
+    /// deep they are nested.
+    fn walk(&mut self) -> Result<(), Fault> {
+        let nodes = &self.root.nodes;
+        if nodes.is_empty() {
+            for mesh in 0..self.root.meshes.len() {
+                self.mesh(mesh, &IDENTITY)?;
+            }
+        }
+        let scene = self.root.scenes.get(self.root.scene.unwrap_or(0));
+        let roots = match scene {
+            Some(scene) => scene.nodes.clone(),
+            None => {
+                let mut is_child = vec![false; nodes.len()];
+                for &child in nodes.iter().flat_map(|node| &node.children) {
+                    if let Some(known) = is_child.get_mut(child) {
+                        *known = true;
+                    }
+                }
+                (0..nodes.len()).filter(|&node| !is_child[node]).collect()
+            }
+        };
+        let mut visited = vec![false; nodes.len()];
+        let mut stack: Vec<(usize, Matrix)> = roots.into_iter().rev().map(|node| (node, IDENTITY)).collect();
+        while let Some((index, parent)) = stack.pop() {
+            let Some(node) = nodes.get(index) else {
+                return Err(Fault::part(format!("nodes[{index}]"), "there is no such node"));
+            };
+            if std::mem::replace(&mut visited[index], true) {
+                return Err(Fault::part(
+                    format!("nodes[{index}]"),
+                    "is reached twice: nodes must form a tree",
+                ));
+            }
+            let matrix = product(&parent, &local_matrix(node));
+            if let Some(mesh) = node.mesh {
+                self.mesh(mesh, &matrix)?;
+            }
+            stack.extend(node.children.iter().rev().map(|&child| (child, matrix)));
+        }
+        Ok(())
+    }
+
+    fn mesh(&mut self, index: usize, matrix: &Matrix) -> Result<(), Fault> {
+        let Some(mesh) = self.root.meshes.get(index) else {
+            return Err(Fault::part(format!("meshes[{index}]"), "there is no such mesh"));
+        };
+        let start = self.stored.len();
+        let mut ids = Some(Vec::new());
+        let first_corner = self.draft.corners.len();
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let at = format!("meshes[{index}].primitives[{p}]");
+            self.left_out += usize::from(!primitive.targets.is_empty());
+            if matches!(primitive.mode, 4..=6) {
+                self.primitive(primitive, matrix, &at, &mut ids)?;
+            } else {
+                self.left_out += 1;
+            }
+        }
+        if let Some(ids) = ids.filter(|ids| !ids.is_empty()) {
+            self.rejoin(start, first_corner, &ids);
+        }
+        Ok(())
+    }
+
+    fn primitive(
+        &mut self,
+        primitive: &Primitive,
+        matrix: &Matrix,
+        at: &str,
+        ids: &mut Option<Vec<f64>>,
+    ) -> Result<(), Fault> {
+        let attribute = |name: &str| primitive.attributes.get(name).copied();
+        let Some(position) = attribute("POSITION") else {
+            return Err(Fault::part(at, "has no POSITION"));
+        };
+        let base = self.stored.len();
+        let points = self.buffers.vectors::<3>(position, at)?;
+        let count = points.len();
+        if base + count > MOST_VERTICES || self.draft.corners.len() > 6 * MOST_VERTICES {
+            return Err(Fault::part(at, format!("more than {MOST_VERTICES} vertices in all")));
+        }
+        let check = |x| coordinate(x, |reason| Fault::part(format!("{at}, accessors[{position}]"), reason));
+        for point in points {
+            let placed = moved(matrix, point);
+            for x in point.into_iter().chain(placed) {
+                check(x)?;
+            }
+            self.stored.push(point);
+            self.draft.positions.push(placed);
+        }
+        self.moved |= *matrix != IDENTITY;
+        self.colors(attribute("COLOR_0"), base, count, at)?;
+        match (attribute("_VERTEX"), ids.as_mut()) {
+            (Some(accessor), Some(ids)) => ids.extend(self.buffers.scalars(accessor, at)?),
+            _ => *ids = None,
+        }
+        let indices: Vec<u32> = match primitive.indices {
+            Some(accessor) => {
+                let check = |index: f64| vertex_index(index as i64, count, |reason| Fault::part(at, reason));
+                self.buffers.scalars(accessor, at)?.into_iter().map(check).collect::<Result<_, _>>()?
+            }
+            None => (0..count as u32).collect(),
+        };
+        let first_corner = self.draft.corners.len();
+        let first_face = self.draft.face_count();
+        self.faces(primitive.mode, &indices, base as u32, mirrors(matrix))?;
+        let material = primitive.material.filter(|&m| m < self.draft.materials.len()).map(|m| m as u32);
+        if material.is_some() && self.draft.face_materials.is_empty() {
+            self.draft.face_materials = vec![None; first_face];
+        }
+        if material.is_some() || !self.draft.face_materials.is_empty() {
+            self.draft.face_materials.resize(self.draft.face_count(), material);
+        }
+        self.uvs(primitive, base, count, first_corner, at)
+    }
+
+    fn faces(&mut self, mode: u32, indices: &[u32], base: u32, mirrored: bool) -> Result<(), Fault> {
+        let first = self.draft.corners.len();
+        match mode {
+            4 => {
+                for &[a, b, c] in indices.as_chunks().0 {
+                    self.draft.corners.extend([base + a, base + b, base + c]);
+                    self.draft.end_face();
+                }
+            }
+            5 => self.draft.push_strip(indices.iter().map(|&v| Ok(Some(base + v))))?,
+            _ => {
+                for pair in indices.get(1..).unwrap_or_default().windows(2) {
+                    self.draft.corners.extend([base + indices[0], base + pair[0], base + pair[1]]);
+                    self.draft.end_face();
+                }
+            }
+        }
+        if mirrored {
+            // A mirroring node turns its triangles inside out.
+            for [_, b, c] in self.draft.corners[first..].as_chunks_mut().0 {
+                std::mem::swap(b, c);
+            }
+        }
+        Ok(())
+    }
+
+    fn colors(&mut self, accessor: Option<usize>, base: usize, count: usize, at: &str) -> Result<(), Fault> {
+        let draft = &mut self.draft;
+        if let Some(accessor) = accessor {
+            draft.colors.resize(base, [1.0; 4]);
+            let mut mended = 0;
+            for color in self.buffers.colors(accessor, at)?.into_iter().take(count) {
+                let finite = color.iter().all(|c| c.is_finite());
+                mended += usize::from(!finite);
+                draft.colors.push(if finite { color.map(|c| c.clamp(0.0, 1.0) as f32) } else { [1.0; 4] });
+            }
+            if mended > 0 {
+                draft.mended.push(Mended::Colors(mended));
+            }
+        }
+        if !draft.colors.is_empty() {
+            draft.colors.resize(base + count, [1.0; 4]);
+        }
+        Ok(())
+    }
+
+    fn uvs(
+        &mut self,
+        primitive: &Primitive,
+        base: usize,
+        count: usize,
+        first_corner: usize,
+        at: &str,
+    ) -> Result<(), Fault> {
+        let material = primitive.material.and_then(|m| self.root.materials.get(m));
+        let texture = material.and_then(|m| m.pbr_metallic_roughness.as_ref()?.base_color_texture.as_ref());
+        let set = texture.map_or(0, |texture| texture.tex_coord);
+        let draft = &mut self.draft;
+        let first_point = draft.uvs.len();
+        if let Some(&accessor) = primitive.attributes.get(&format!("TEXCOORD_{set}")) {
+            // glTF's v runs downward.
+            let points = self.buffers.vectors::<2>(accessor, at)?;
+            draft.uvs.extend(points.into_iter().take(count).map(|[u, v]| [u, 1.0 - v]));
+        }
+        let mut bad = 0;
+        for corner in first_corner..draft.corners.len() {
+            let point = first_point + (draft.corners[corner] as usize - base);
+            let uv = match draft.uvs.get(point) {
+                Some(p) if p.iter().all(|x| x.is_finite()) => point as u32,
+                Some(_) => {
+                    bad += 1;
+                    CornerUvs::NONE
+                }
+                None => CornerUvs::NONE,
+            };
+            draft.corner_uvs.push(uv);
+        }
+        for point in &mut draft.uvs[first_point..] {
+            *point = point.map(|x| if x.is_finite() { x } else { 0.0 });
+        }
+        if bad > 0 {
+            draft.mended.push(Mended::Uvs(bad));
+        }
+        Ok(())
+    }
+
+    /// Makes one vertex of all that carry the same id, in the order of the ids. Where another
+    /// program has moved some of them apart, or the ids are none, all stays as it is.
+    fn rejoin(&mut self, start: usize, first_corner: usize, ids: &[f64]) {
+        let stored = &self.stored[start..];
+        let mut first: Vec<Option<u32>> = vec![None; stored.len()];
+        for (i, &id) in ids.iter().enumerate() {
+            let Some(seen) = (id >= 0.0 && id.fract() == 0.0).then(|| first.get_mut(id as usize)).flatten()
+            else {
+                return;
+            };
+            let known = *seen.get_or_insert(i as u32) as usize;
+            if stored.get(known) != stored.get(i) {
+                return;
+            }
+        }
+        let vertices = first.iter().take_while(|v| v.is_some()).count();
+        if ids.len() != stored.len() || first[vertices..].iter().any(Option::is_some) {
+            return;
+        }
+        let order: Vec<usize> = first[..vertices].iter().flatten().map(|&i| start + i as usize).collect();
+        let draft = &mut self.draft;
+        draft.positions.splice(start.., order.iter().map(|&i| draft.positions[i]).collect::<Vec<_>>());
+        if !draft.colors.is_empty() {
+            draft.colors.splice(start.., order.iter().map(|&i| draft.colors[i]).collect::<Vec<_>>());
+        }
+        self.stored.splice(start.., order.iter().map(|&i| self.stored[i]).collect::<Vec<_>>());
+        for v in &mut draft.corners[first_corner..] {
+            *v = start as u32 + ids[*v as usize - start] as u32;
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! A glTF file's buffers and the accessors into them.
+
+use std::borrow::Cow;
+
+use super::Beside;
+use super::gltf_json::{Accessor, Root};
+use crate::error::Fault;
+
+/// An accessor without data of its own holds zeros; this many are believed.
+const MOST_ZEROS: usize = 1 << 24;
+
+pub(crate) struct Buffers<'a> {
+    root: &'a Root,
+    data: Vec<Cow<'a, [u8]>>,
+}
+
+impl<'a> Buffers<'a> {
+    pub fn open(root: &'a Root, binary: Option<&'a [u8]>, beside: &Beside<'_>) -> Result<Self, Fault> {
+        let mut data = Vec::new();
+        for (i, buffer) in root.buffers.iter().enumerate() {
+            let at = || format!("buffers[{i}]");
+            let bytes = match (&buffer.uri, binary) {
+                (Some(uri), _) => {
+                    Cow::Owned(Self::uri(uri, beside).map_err(|reason| Fault::part(at(), reason))?)
+                }
+                (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
+                (None, _) => return Err(Fault::part(at(), "has neither a uri nor a binary chunk")),
+            };
+            if bytes.len() < buffer.byte_length {
+                let reason = format!("has {} of {} bytes", bytes.len(), buffer.byte_length);
+                return Err(Fault::part(at(), reason));
+            }
+            data.push(bytes);
+        }
+        Ok(Self { root, data })
+    }
+
+    /// The bytes behind a `data:` URI or of a file beside.
+    pub fn uri(uri: &str, beside: &Beside<'_>) -> Result<Vec<u8>, String> {
+        let Some(data) = uri.strip_prefix("data:") else {
+            let name = percent_decoded(uri);
+            return beside(&name).map_err(|reason| format!("{name}: {reason}"));
+        };
+        match data.split_once(";base64,") {
+            Some((_, text)) => base64_decoded(text).ok_or_else(|| "its data URI is not valid base64".into()),
+            None => Err("its data URI is not base64".into()),
+        }
+    }
+
+    /// The bytes of a buffer view and its stride.
+    pub fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), Fault> {
+        let at = || format!("bufferViews[{index}]");
+        let Some(view) = self.root.buffer_views.get(index) else {
+            return Err(Fault::part(at(), "there is no such buffer view"));
+        };
+        let end = view.byte_offset.checked_add(view.byte_length);
+        let data =
+            self.data.get(view.buffer).zip(end).and_then(|(data, end)| data.get(view.byte_offset..end));
+        data.map(|data| (data, view.byte_stride))
+            .ok_or_else(|| Fault::part(at(), "reaches beyond its buffer"))
+    }
+
+    /// All components of an accessor, and how many make one element.
+    fn values(&self, index: usize, used_by: &str) -> Result<(Vec<f64>, usize), Fault> {
+        let at = || format!("{used_by}, accessors[{index}]");
+        let Some(accessor) = self.root.accessors.get(index) else {
+            return Err(Fault::part(at(), "there is no such accessor"));
+        };
+        let components = match accessor.kind.as_str() {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            kind => return Err(Fault::part(at(), format!("type {kind} has no use here"))),
+        };
+        let component = Component::of(accessor).ok_or_else(|| Fault::part(at(), "unknown component type"))?;
+        let mut values = match accessor.buffer_view {
+            Some(view) => {
+                let (data, stride) = self.view(view)?;
+                let stride = stride.unwrap_or(components * component.size);
+                component
+                    .read(data, accessor.byte_offset, stride, accessor.count, components)
+                    .ok_or_else(|| Fault::part(at(), "reaches beyond its buffer view"))?
+            }
+            None if accessor.count <= MOST_ZEROS => vec![0.0; accessor.count * components],
+            None => return Err(Fault::part(at(), format!("{} elements without data", accessor.count))),
+        };
+        if let Some(sparse) = &accessor.sparse {
+            let index_type = Component {
+                kind: sparse.indices.component_type,
+                ..component.with_size(sparse.indices.component_type)
+            };
+            let (data, _) = self.view(sparse.indices.buffer_view)?;
+            let places = index_type.read(data, sparse.indices.byte_offset, index_type.size, sparse.count, 1);
+            let (data, _) = self.view(sparse.values.buffer_view)?;
+            let size = components * component.size;
+            let changed = component.read(data, sparse.values.byte_offset, size, sparse.count, components);
+            let (Some(places), Some(changed)) = (places, changed) else {
+                return Err(Fault::part(at(), "its sparse part reaches beyond its buffer view"));
+            };
+            for (place, change) in places.iter().zip(changed.chunks_exact(components)) {
+                let start = (*place as usize).saturating_mul(components);
+                match values.get_mut(start..start.saturating_add(components)) {
+                    Some(element) => element.copy_from_slice(change),
+                    None => {
+                        return Err(Fault::part(at(), "its sparse part names an element that is not there"));
+                    }
+                }
+            }
+        }
+        Ok((values, components))
+    }
+
+    /// The elements of an accessor of scalars.
+    pub fn scalars(&self, index: usize, used_by: &str) -> Result<Vec<f64>, Fault> {
+        Ok(self.vectors::<1>(index, used_by)?.into_iter().map(|[x]| x).collect())
+    }
+
+    /// The elements of an accessor of N components.
+    pub fn vectors<const N: usize>(&self, index: usize, used_by: &str) -> Result<Vec<[f64; N]>, Fault> {
+        let (values, components) = self.values(index, used_by)?;
+        if components != N {
+            let reason = format!("has {components} components per element where {N} are needed");
+            return Err(Fault::part(format!("{used_by}, accessors[{index}]"), reason));
+        }
+        Ok(values.as_chunks().0.to_vec())
+    }
+
+    /// The elements of an accessor of RGB or RGBA.
+    pub fn colors(&self, index: usize, used_by: &str) -> Result<Vec<[f64; 4]>, Fault> {
+        let (values, components) = self.values(index, used_by)?;
+        let color = |c: &[f64]| [c[0], c[1], c[2], c.get(3).copied().unwrap_or(1.0)];
+        match components {
+            3 | 4 => Ok(values.chunks_exact(components).map(color).collect()),
+            _ => Err(Fault::part(format!("{used_by}, accessors[{index}]"), "is no colour")),
+        }
+    }
+}
+
+/// A component type and how to read it.
+#[derive(Clone, Copy)]
+struct Component {
+    kind: u32,
+    size: usize,
+    normalized: bool,
+}
+
+impl Component {
+    fn of(accessor: &Accessor) -> Option<Self> {
+        let kind = accessor.component_type;
+        let sized = Self { kind, size: 0, normalized: accessor.normalized }.with_size(kind);
+        (sized.size > 0).then_some(sized)
+    }
+
+    fn with_size(self, kind: u32) -> Self {
+        let size = match kind {
+            5120 | 5121 => 1,
+            5122 | 5123 => 2,
+            5125 | 5126 => 4,
+            _ => 0,
+        };
+        Self { kind, size, normalized: self.normalized && kind != 5125 }
+    }
+
+    fn value(self, raw: &[u8]) -> f64 {
+        let mut bytes = [0; 4];
+        bytes[..raw.len().min(4)].copy_from_slice(&raw[..raw.len().min(4)]);
+        let [a, b, ..] = bytes;
+        let (value, full) = match self.kind {
+            5120 => (f64::from(a as i8), 127.0),
+            5121 => (f64::from(a), 255.0),
+            5122 => (f64::from(i16::from_le_bytes([a, b])), 32767.0),
+            5123 => (f64::from(u16::from_le_bytes([a, b])), 65535.0),
+            5125 => (f64::from(u32::from_le_bytes(bytes)), 1.0),
+            _ => (f64::from(f32::from_le_bytes(bytes)), 1.0),
+        };
+        if self.normalized { (value / full).max(-1.0) } else { value }
+    }
+
+    /// `None` where the elements reach beyond `data` or overlap each other.
+    fn read(
+        self,
+        data: &[u8],
+        offset: usize,
+        stride: usize,
+        count: usize,
+        components: usize,
+    ) -> Option<Vec<f64>> {
+        let element = components * self.size;
+        if count == 0 {
+            return Some(Vec::new());
+        }
+        if stride < element || self.size == 0 {
+            return None;
+        }
+        let end = (count - 1).checked_mul(stride)?.checked_add(element)?.checked_add(offset)?;
+        let used = data.get(offset..end)?;
+        let elements = used.chunks(stride).flat_map(|e| e[..element].chunks_exact(self.size));
+        Some(elements.map(|raw| self.value(raw)).collect())
+    }
+}
+
+/// `%20` and its like as the bytes they stand for.
+pub(crate) fn percent_decoded(uri: &str) -> String {
+    let bytes = uri.as_bytes();
+    let mut decoded = Vec::with_capacity(bytes.len());
+    let mut i = 0;
+    while i < bytes.len() {
+        let hex = bytes.get(i + 1..i + 3).and_then(|hex| std::str::from_utf8(hex).ok());
+        match hex.and_then(|hex| u8::from_str_radix(hex, 16).ok()).filter(|_| bytes[i] == b'%') {
+            Some(byte) => {
+                decoded.push(byte);
+                i += 3;
+            }
+            None => {
+                decoded.push(bytes[i]);
+                i += 1;
+            }
+        }
+    }
+    String::from_utf8_lossy(&decoded).into_owned()
+}
+
+fn base64_decoded(text: &str) -> Option<Vec<u8>> {
+    let mut decoded = Vec::with_capacity(text.len() / 4 * 3);
+    let (mut bits, mut held) = (0_u32, 0);
+    for byte in text.trim_end_matches('=').bytes() {
+        let value = match byte {
+            b'A'..=b'Z' => byte - b'A',
+            b'a'..=b'z' => byte - b'a' + 26,
+            b'0'..=b'9' => byte - b'0' + 52,
+            b'+' => 62,
+            b'/' => 63,
+            _ => return None,
+        };
+        bits = bits << 6 | u32::from(value);
+        held += 6;
+        if held >= 8 {
+            held -= 8;
+            decoded.push((bits >> held) as u8);
+            bits &= (1 << held) - 1;
+        }
+    }
+    Some(decoded)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uris_decode() {
+        assert_eq!(percent_decoded("fuze%20uv.jpg%"), "fuze uv.jpg%");
+        assert_eq!(base64_decoded("Q2hsYWRuaQ==").as_deref(), Some(&b"Chladni"[..]));
+        assert_eq!(base64_decoded("Q2hs YWRuaQ"), None);
+    }
+}

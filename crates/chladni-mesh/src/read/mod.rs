@@ -1,0 +1,139 @@
+//! From bytes to a mesh.
+
+mod draft;
+mod gltf;
+mod gltf_buffers;
+mod gltf_json;
+mod medit;
+mod mtl;
+mod obj;
+mod off;
+mod ply;
+mod ply_header;
+mod stl;
+mod text;
+
+use std::fmt;
+use std::path::Path;
+
+use crate::error::Fault;
+use crate::{Format, HealthReport, MeshError, TriMesh};
+
+/// A mesh and what had to be mended to get it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// The mesh.
+    pub mesh: TriMesh,
+    /// What was wrong with the file, and what was done about it.
+    pub mended: Vec<Mended>,
+    /// glTF only, where nodes move their meshes: the positions before that.
+    pub stored_positions: Option<Vec<[f64; 3]>>,
+}
+
+impl Loaded {
+    /// The health report of the file. Where a glTF file places meshes by nodes, its count of
+    /// duplicate vertices is that of the stored positions; all else is of the mesh as placed.
+    pub fn health(&self) -> HealthReport {
+        let mut report = HealthReport::of(&self.mesh);
+        if let Some(stored) = &self.stored_positions {
+            report.duplicate_vertices = crate::health::duplicate_count(stored);
+        }
+        report
+    }
+}
+
+/// Something in a file that was put right or left out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Mended {
+    /// The content is of another format than the name says.
+    Misnamed(Format),
+    /// This many vertex colours were not numbers, or missing, and are white now.
+    Colors(usize),
+    /// This many faces have fewer than three corners and were left out.
+    ShortFaces(usize),
+    /// This many texture coordinates were not numbers, or out of range, and were left out.
+    Uvs(usize),
+    /// Bytes after the end of what the header promises were ignored.
+    TrailingBytes(usize),
+    /// A part of the file that was left out, and why.
+    LeftOut(String),
+    /// A material library or texture that could not be read: name and reason.
+    MissingFile(String, String),
+}
+
+impl fmt::Display for Mended {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Misnamed(format) => {
+                write!(f, "read as {format}, which its content is, not as its name says")
+            }
+            Self::Colors(count) => {
+                write!(f, "{count} vertex colours were missing or not numbers: set to white")
+            }
+            Self::ShortFaces(count) => write!(f, "{count} faces have fewer than three corners: left out"),
+            Self::Uvs(count) => write!(f, "{count} texture coordinates were unusable: left out"),
+            Self::TrailingBytes(count) => write!(f, "{count} bytes after the end of the data: ignored"),
+            Self::LeftOut(what) => write!(f, "left out: {what}"),
+            Self::MissingFile(name, reason) => write!(f, "{name} could not be read ({reason}): done without"),
+        }
+    }
+}
+
+/// Files that a mesh file names (glTF buffers, material libraries, textures), by that name.
+pub(crate) type Beside<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// Reads a mesh from `bytes`.
+///
+/// Files that it refers to are not opened: a glTF file with outside buffers is an error, an
+/// OBJ's materials have only their names. [`load_mesh`] finds them.
+///
+/// # Errors
+/// [`MeshError::Malformed`] with line, byte or part; [`MeshError::NoFace`] for a well-formed
+/// file without a face.
+pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Loaded, MeshError> {
+    read_beside(bytes, format, &|_| Err("only the mesh itself was given".into()))
+}
+
+/// Reads the mesh file at `path`; its format is told by extension and content.
+///
+/// # Errors
+/// Those of [`read_mesh`], of the file system, and [`MeshError::UnknownFormat`], each inside a
+/// [`MeshError::InFile`].
+pub fn load_mesh(path: &Path) -> Result<Loaded, MeshError> {
+    load(path).map_err(|error| MeshError::InFile { path: path.to_owned(), error: Box::new(error) })
+}
+
+fn load(path: &Path) -> Result<Loaded, MeshError> {
+    let bytes = std::fs::read(path).map_err(MeshError::Io)?;
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    let format = Format::of(extension, &bytes)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let beside = |name: &str| {
+        // Names from Windows have backslashes.
+        let file = folder.join(name.replace('\\', "/"));
+        let found = std::fs::metadata(&file).map_err(|error| error.to_string())?;
+        if !found.is_file() {
+            return Err("it is not a file".to_owned());
+        }
+        std::fs::read(&file).map_err(|error| error.to_string())
+    };
+    let mut loaded = read_beside(&bytes, format, &beside)?;
+    let promised = extension.and_then(Format::from_extension);
+    if promised.is_some_and(|promised| promised != format) {
+        loaded.mended.insert(0, Mended::Misnamed(format));
+    }
+    Ok(loaded)
+}
+
+fn read_beside(bytes: &[u8], format: Format, beside: &Beside<'_>) -> Result<Loaded, MeshError> {
+    let read = match format {
+        Format::Obj => obj::read(bytes, beside),
+        Format::Ply => ply::read(bytes, beside),
+        Format::Off => off::read(bytes),
+        Format::Stl => stl::read(bytes),
+        Format::Medit => medit::read(bytes),
+        Format::Gltf | Format::Glb => return gltf::read(bytes, format, beside),
+    };
+    let draft = read.map_err(|Fault { at, reason }| MeshError::Malformed { format, at, reason })?;
+    draft.finish(format)
+}

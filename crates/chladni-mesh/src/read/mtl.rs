@@ -1,0 +1,118 @@
+//! OBJ material libraries and the pictures they name.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::Beside;
+use super::draft::Draft;
+use super::text::{Lines, words};
+use crate::appearance::linear_from_srgb;
+use crate::read::Mended;
+use crate::{Material, Texture};
+
+/// Reads library `name` into the materials that the faces of `draft` use. What cannot be read
+/// is done without and told.
+pub(crate) fn read_into(draft: &mut Draft, name: &str, beside: &Beside<'_>) {
+    let bytes = match beside(name) {
+        Ok(bytes) => bytes,
+        Err(reason) => {
+            draft.mended.push(Mended::MissingFile(name.to_owned(), reason));
+            return;
+        }
+    };
+    let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+    let mut joined = Vec::new();
+    let mut lines = Lines::new(&bytes, Some(b'#'), true);
+    let mut current = None;
+    while let Some(line) = lines.next(&mut joined) {
+        let keyword = words(line).next().unwrap_or_default();
+        let rest = String::from_utf8_lossy(line[keyword.len()..].trim_ascii()).into_owned();
+        if keyword == b"newmtl" {
+            current = draft.materials.iter().position(|material| material.name == rest);
+            continue;
+        }
+        let Some(material) = current.and_then(|i| draft.materials.get_mut(i)) else { continue };
+        if let Err(missing) = statement(material, keyword, &rest, folder, beside) {
+            draft.mended.push(missing);
+        }
+    }
+}
+
+fn statement(
+    material: &mut Material,
+    keyword: &[u8],
+    rest: &str,
+    folder: &Path,
+    beside: &Beside<'_>,
+) -> Result<(), Mended> {
+    let mut values = rest.split_ascii_whitespace().map_while(|word| word.parse::<f64>().ok());
+    match keyword {
+        b"Kd" => {
+            let color: Vec<f64> = values.by_ref().take(3).collect();
+            if let [r, g, b] = color[..]
+                && color.iter().all(|c| c.is_finite())
+            {
+                let linear = [r, g, b].map(|c| linear_from_srgb(c.clamp(0.0, 1.0)) as f32);
+                material.base_color[..3].copy_from_slice(&linear);
+            }
+        }
+        b"d" => {
+            if let Some(opacity) = values.next().filter(|d| d.is_finite()) {
+                material.base_color[3] = opacity.clamp(0.0, 1.0) as f32;
+            }
+        }
+        b"map_Kd" => {
+            let name = without_options(rest);
+            let path = folder.join(name.replace('\\', "/"));
+            let found = beside(&path.to_string_lossy()).and_then(|bytes| {
+                if is_picture(&bytes) { Ok(bytes) } else { Err("it is neither PNG nor JPEG".into()) }
+            });
+            let bytes = found.as_ref().map_or_else(|_| Arc::default(), |bytes| Arc::from(&bytes[..]));
+            material.base_color_texture = Some(Texture { name: name.to_owned(), bytes });
+            found.map_err(|reason| Mended::MissingFile(name.to_owned(), reason))?;
+        }
+        _ => material.other_statements.push(format!("{} {rest}", String::from_utf8_lossy(keyword))),
+    }
+    Ok(())
+}
+
+/// The file name of a texture statement, which may hold blanks, after options such as
+/// `-s 1 1 1`.
+fn without_options(rest: &str) -> &str {
+    let mut rest = rest.trim();
+    while rest.starts_with('-') {
+        let skip = |text: &str| {
+            let end = text.find(char::is_whitespace).unwrap_or(text.len());
+            text.len() - text[end..].trim_start().len()
+        };
+        rest = &rest[skip(rest)..];
+        // An option's arguments are numbers, `on`, `off` or a channel.
+        while let Some(word) = rest.split_ascii_whitespace().next() {
+            let argument =
+                word.parse::<f64>().is_ok() || ["on", "off", "r", "g", "b", "m", "l", "z"].contains(&word);
+            if !argument || word.len() == rest.len() {
+                break;
+            }
+            rest = &rest[skip(rest)..];
+        }
+    }
+    rest
+}
+
+/// Whether `bytes` begin like a PNG or JPEG file.
+pub(crate) fn is_picture(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89PNG\r\n\x1a\n") || bytes.starts_with(b"\xff\xd8\xff")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_before_a_name_with_blanks() {
+        assert_eq!(without_options("fuze uv.jpg"), "fuze uv.jpg");
+        assert_eq!(without_options("-s 1 1 1 -clamp on a b.png"), "a b.png");
+        assert_eq!(without_options("-s 1"), "1");
+        assert_eq!(without_options("-"), "");
+    }
+}

@@ -1,0 +1,155 @@
+//! Text files, line by line and word by word, with the line number at hand for errors.
+
+use crate::error::Fault;
+
+/// The lines of a text file that hold something, each with its number from 1. What follows
+/// `comment` on a line is dropped; a backslash at the end joins the next line where `joins`.
+pub(crate) struct Lines<'a> {
+    rest: &'a [u8],
+    number: usize,
+    comment: Option<u8>,
+    joins: bool,
+}
+
+impl<'a> Lines<'a> {
+    pub fn new(bytes: &'a [u8], comment: Option<u8>, joins: bool) -> Self {
+        let rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        Self { rest, number: 0, comment, joins }
+    }
+
+    /// The number of the line last returned, from 1.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    fn raw(&mut self) -> Option<&'a [u8]> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        self.number += 1;
+        let (line, rest) = match self.rest.iter().position(|&b| b == b'\n') {
+            Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
+            None => (self.rest, &[][..]),
+        };
+        self.rest = rest;
+        Some(line)
+    }
+
+    /// The next line that holds something, into `joined` where it goes over several.
+    pub fn next<'b>(&mut self, joined: &'b mut Vec<u8>) -> Option<&'b [u8]>
+    where
+        'a: 'b,
+    {
+        loop {
+            let mut line = self.raw()?.trim_ascii();
+            if self.joins && line.ends_with(b"\\") {
+                joined.clear();
+                while let Some(start) = line.strip_suffix(b"\\") {
+                    joined.extend_from_slice(start);
+                    joined.push(b' ');
+                    line = self.raw().unwrap_or_default().trim_ascii();
+                }
+                joined.extend_from_slice(line);
+                if !self.without_comment(joined).is_empty() {
+                    break;
+                }
+                continue;
+            }
+            let line = self.without_comment(line);
+            if !line.is_empty() {
+                return Some(line);
+            }
+        }
+        Some(self.without_comment(joined))
+    }
+
+    fn without_comment<'c>(&self, line: &'c [u8]) -> &'c [u8] {
+        let end = line.iter().position(|&b| Some(b) == self.comment).unwrap_or(line.len());
+        line[..end].trim_ascii()
+    }
+}
+
+/// The words of one line.
+pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(|b| b.is_ascii_whitespace()).filter(|word| !word.is_empty())
+}
+
+/// All words of a text file, whatever lines they stand on.
+pub(crate) struct Words<'a> {
+    rest: &'a [u8],
+    line: usize,
+    comment: Option<u8>,
+}
+
+impl<'a> Words<'a> {
+    /// Words of `bytes`, whose first line has number `line`.
+    pub fn new(bytes: &'a [u8], line: usize, comment: Option<u8>) -> Self {
+        Self { rest: bytes, line, comment }
+    }
+
+    /// The line of the word that comes next, or where the file ends.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
+    /// No more words than this can follow.
+    pub fn at_most(&self) -> usize {
+        self.rest.len() / 2 + 1
+    }
+
+    pub fn peek(&mut self) -> Option<&'a [u8]> {
+        loop {
+            match self.rest.first()? {
+                b'\n' => self.line += 1,
+                b if b.is_ascii_whitespace() => {}
+                &b if Some(b) == self.comment => {
+                    let end = self.rest.iter().position(|&b| b == b'\n').unwrap_or(self.rest.len());
+                    self.rest = &self.rest[end..];
+                    continue;
+                }
+                _ => break,
+            }
+            self.rest = &self.rest[1..];
+        }
+        let end = self.rest.iter().position(u8::is_ascii_whitespace).unwrap_or(self.rest.len());
+        Some(&self.rest[..end])
+    }
+
+    pub fn next(&mut self) -> Option<&'a [u8]> {
+        let word = self.peek()?;
+        self.rest = &self.rest[word.len()..];
+        Some(word)
+    }
+
+    /// Drops what is left of the line; returns whether that was a word or more.
+    pub fn end_line(&mut self) -> bool {
+        let end = self.rest.iter().position(|&b| b == b'\n').unwrap_or(self.rest.len());
+        let (line, rest) = self.rest.split_at(end);
+        self.rest = rest;
+        !line.trim_ascii().is_empty()
+    }
+
+    /// The next word as a number; `what` names it in the error.
+    pub fn number<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, Fault> {
+        match self.next() {
+            Some(word) => number(word, self.line, what),
+            None => Err(Fault::line(self.line, format!("the file ends where {what} should follow"))),
+        }
+    }
+}
+
+/// A word as a number; `what` names it in the error.
+pub(crate) fn number<T: std::str::FromStr>(word: &[u8], line: usize, what: &str) -> Result<T, Fault> {
+    std::str::from_utf8(word)
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .ok_or_else(|| Fault::line(line, format!("{} is not {what}", quoted(word))))
+}
+
+/// A word for an error message: short and printable, whatever bytes it has.
+pub(crate) fn quoted(word: &[u8]) -> String {
+    const LIMIT: usize = 24;
+    let shown = word.get(..LIMIT).unwrap_or(word).escape_ascii();
+    let more = if word.len() > LIMIT { "…" } else { "" };
+    format!("'{shown}{more}'")
+}
