@@ -1,0 +1,296 @@
+//! What makes a shape differ from its template, as signals and in harmonics.
+
+use std::sync::{Arc, OnceLock};
+
+use chladni_harmonics::{Basis, Body};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::transform::{analyse, synthesise};
+use crate::vector::{Vec3, add, dot, scale, sub};
+use crate::{Error, Surface};
+
+/// The three harmonic representations of a difference (section 4 of the paper).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Model {
+    /// X = x^δ: a strict morph, equation (4).
+    Coordinate,
+    /// X = ξ n: along the normal of the shape, equation (5).
+    Normal,
+    /// X = ψ x: the one scalar filter of the shape that comes closest, equation (6).
+    Distance,
+}
+
+impl Model {
+    /// All three, in the order of the paper.
+    pub const ALL: [Self; 3] = [Self::Coordinate, Self::Normal, Self::Distance];
+}
+
+impl std::fmt::Display for Model {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Coordinate => "coordinate",
+            Self::Normal => "normal",
+            Self::Distance => "distance",
+        })
+    }
+}
+
+impl std::str::FromStr for Model {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let model = Self::ALL.into_iter().find(|m| m.to_string() == text);
+        model.ok_or_else(|| Error::syntax("model", text, "must be coordinate, normal or distance"))
+    }
+}
+
+/// A shape that a layer starts from: positions and normals of the N operator vertices and, once
+/// asked for, their transform.
+#[derive(Debug)]
+pub struct Base {
+    basis: Arc<Basis>,
+    /// x(v), N, working frame.
+    pub positions: Vec<Vec3>,
+    /// n(v), N unit normals (zero where undefined).
+    pub normals: Vec<Vec3>,
+    spectrum: OnceLock<Vec<Vec3>>,
+}
+
+impl Base {
+    /// The shape whose vertices lie at `positions`, on the connectivity of `surface` and the
+    /// harmonics of `basis`.
+    pub fn new(basis: Arc<Basis>, surface: &Surface, positions: Vec<Vec3>) -> Result<Self, Error> {
+        check_count("the shape's positions", positions.len(), &basis)?;
+        check_count("the surface", surface.vertices(), &basis)?;
+        let normals = surface.normals(&positions);
+        Ok(Self { basis, positions, normals, spectrum: OnceLock::new() })
+    }
+
+    /// x̃_k, K×3.
+    pub fn spectrum(&self) -> &[Vec3] {
+        self.spectrum.get_or_init(|| analyse(&self.basis, self.basis.harmonics(), |v| self.positions[v]))
+    }
+
+    /// The harmonics all this is expressed in.
+    pub fn basis(&self) -> &Arc<Basis> {
+        &self.basis
+    }
+}
+
+/// x^r: for each operator vertex its point on the template, working frame.
+#[derive(Debug)]
+pub struct Target {
+    /// x^r(v), N.
+    pub points: Vec<Vec3>,
+    spectrum: OnceLock<Vec<Vec3>>,
+    source: Source,
+}
+
+/// Where the transform of a target comes from.
+#[derive(Debug)]
+enum Source {
+    Points(Arc<Basis>),
+    Scaled(Arc<Base>, f64),
+    LowPass(Arc<Base>, usize),
+}
+
+impl Target {
+    /// Matched points, one per operator vertex; finite.
+    pub fn new(basis: Arc<Basis>, points: Vec<Vec3>) -> Result<Self, Error> {
+        check_count("the template's points", points.len(), &basis)?;
+        if let Some(bad) = points.iter().flatten().find(|c| !c.is_finite()) {
+            return Err(Error::Range { what: "a point of the template", value: *bad, range: "finite" });
+        }
+        Ok(Self { points, spectrum: OnceLock::new(), source: Source::Points(basis) })
+    }
+
+    /// Matched points given for the n vertices of the shape's file, in the file's coordinates
+    /// (the template already aligned to the shape). Vertices that were welded take the mean.
+    pub fn from_file_points(body: &Body, points: &[Vec3]) -> Result<Self, Error> {
+        let expected = body.operator_vertex.len();
+        if points.len() != expected {
+            let what = "the template's points";
+            return Err(Error::VertexCount { what, found: points.len(), expected });
+        }
+        let mut sums = vec![[0.0; 3]; body.positions.len()];
+        let mut counts = vec![0.0; body.positions.len()];
+        for (point, v) in points.iter().zip(&body.operator_vertex) {
+            if let Some(v) = v.map(|v| v as usize).filter(|v| *v < sums.len()) {
+                sums[v] = add(sums[v], body.frame.to_working(*point));
+                counts[v] += 1.0;
+            }
+        }
+        let mean = sums.iter().zip(&counts).map(|(s, n)| scale(*s, 1.0 / n)).collect();
+        Self::new(body.basis.clone(), mean)
+    }
+
+    /// The base itself, scaled by `factor` about the origin of the working frame.
+    pub fn scaled(base: Arc<Base>, factor: f64) -> Self {
+        let points = base.positions.iter().map(|p| scale(*p, factor)).collect();
+        Self { points, spectrum: OnceLock::new(), source: Source::Scaled(base, factor) }
+    }
+
+    /// The base itself without its harmonics from `cutoff` on and without its residual.
+    pub fn low_passed(base: Arc<Base>, cutoff: usize) -> Self {
+        let mut points = vec![[0.0; 3]; base.positions.len()];
+        let spectrum = base.spectrum();
+        synthesise(&base.basis, &spectrum[..cutoff.min(spectrum.len())], &mut points, |_, low, p| *p = low);
+        Self { points, spectrum: OnceLock::new(), source: Source::LowPass(base, cutoff) }
+    }
+
+    /// x̃^r_k, K×3.
+    pub fn spectrum(&self) -> &[Vec3] {
+        self.spectrum.get_or_init(|| match &self.source {
+            Source::Points(basis) => analyse(basis, basis.harmonics(), |v| self.points[v]),
+            Source::Scaled(base, factor) => base.spectrum().iter().map(|c| scale(*c, *factor)).collect(),
+            Source::LowPass(base, cutoff) => {
+                let low = base.spectrum().iter().enumerate();
+                low.map(|(k, c)| if k < *cutoff { *c } else { [0.0; 3] }).collect()
+            }
+        })
+    }
+}
+
+/// x^δ = x^r − x of one base and one template, with everything the three models need.
+///
+/// Transforms are computed when first asked for and kept; [`prepare`](Self::prepare) computes
+/// those of several models in a single pass over H.
+#[derive(Debug)]
+pub struct Difference {
+    /// The shape x that the difference starts from.
+    pub base: Arc<Base>,
+    /// The template's points x^r.
+    pub target: Arc<Target>,
+    /// x^δ(v), N.
+    pub delta: Vec<Vec3>,
+    /// ξ(v) = ⟨x^δ(v), n(v)⟩, N.
+    pub xi: Vec<f64>,
+    delta_spectrum: OnceLock<Vec<Vec3>>,
+    xi_spectrum: OnceLock<Vec<f64>>,
+    psi: OnceLock<Psi>,
+}
+
+/// The distance-minimising filter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Psi {
+    /// ψ_k, K; 0 where the shape has no amplitude of its own.
+    pub psi: Vec<f64>,
+    /// ψ_d, the filter above K.
+    pub residual: f64,
+}
+
+/// Amplitudes ‖x̃_k‖ below this share of the largest are rounding or the error of the
+/// eigensolver, and a ratio by them means nothing.
+const NEGLIGIBLE_AMPLITUDE: f64 = 1e-8;
+
+impl Difference {
+    /// The difference between `base` and `target`, both on the same vertices.
+    pub fn new(base: Arc<Base>, target: Arc<Target>) -> Result<Self, Error> {
+        check_count("the template's points", target.points.len(), &base.basis)?;
+        let pairs = target.points.par_iter().zip(&base.positions);
+        let delta: Vec<Vec3> = pairs.map(|(r, x)| sub(*r, *x)).collect();
+        let xi = delta.par_iter().zip(&base.normals).map(|(d, n)| dot(*d, *n)).collect();
+        let (delta_spectrum, xi_spectrum, psi) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Ok(Self { base, target, delta, xi, delta_spectrum, xi_spectrum, psi })
+    }
+
+    /// Transforms all that the three models need and that is not there yet, in one pass.
+    pub fn prepare(&self) {
+        let basis = &self.base.basis;
+        let k = basis.harmonics();
+        if self.base.spectrum.get().is_none() && self.xi_spectrum.get().is_none() {
+            let (x, xi) = (&self.base.positions, &self.xi);
+            let both = analyse(basis, k, |v| [x[v][0], x[v][1], x[v][2], xi[v]]);
+            // Another thread may have been first; its values are the same.
+            let _ = self.base.spectrum.set(both.iter().map(|c| [c[0], c[1], c[2]]).collect());
+            let _ = self.xi_spectrum.set(both.iter().map(|c| c[3]).collect());
+        }
+        self.psi();
+        self.xi_spectrum();
+    }
+
+    /// x̃^δ_k = x̃^r_k − x̃_k, K×3. Correspondences are kept from layer to layer, so that a new
+    /// base costs one transform, of x.
+    pub fn delta_spectrum(&self) -> &[Vec3] {
+        self.delta_spectrum.get_or_init(|| {
+            let (r, x) = (self.target.spectrum(), self.base.spectrum());
+            r.iter().zip(x).map(|(r, x)| sub(*r, *x)).collect()
+        })
+    }
+
+    /// ξ̃_k, K.
+    pub fn xi_spectrum(&self) -> &[f64] {
+        let basis = &self.base.basis;
+        let one = || analyse(basis, basis.harmonics(), |v| [self.xi[v]]).iter().map(|c| c[0]).collect();
+        self.xi_spectrum.get_or_init(one)
+    }
+
+    /// ψ_k and ψ_d: the minimum of ½ Σ_v a(v) ‖φx(v) − x^δ(v)‖² (appendix A, area-weighted).
+    pub fn psi(&self) -> &Psi {
+        self.psi.get_or_init(|| self.minimise_distance())
+    }
+
+    fn minimise_distance(&self) -> Psi {
+        let (x, d) = (self.base.spectrum(), self.delta_spectrum());
+        let largest = x.iter().map(|c| dot(*c, *c)).fold(0.0, f64::max);
+        let negligible = largest * NEGLIGIBLE_AMPLITUDE * NEGLIGIBLE_AMPLITUDE;
+        let psi = x
+            .iter()
+            .zip(d)
+            .map(|(x, d)| {
+                let square = dot(*x, *x);
+                if square > negligible { dot(*x, *d) / square } else { 0.0 }
+            })
+            .collect();
+        // Σ a⟨dx, dx^δ⟩ = Σ a⟨x, x^δ⟩ − Σ_k⟨x̃_k, x̃^δ_k⟩ (Parseval), so that neither residual
+        // has to be formed.
+        let mass = &self.base.basis.mass;
+        let (xx, xd) = (0..mass.len())
+            .into_par_iter()
+            .map(|v| {
+                let (x, d) = (self.base.positions[v], self.delta[v]);
+                (mass[v] * dot(x, x), mass[v] * dot(x, d))
+            })
+            .reduce(|| (0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+        let below = |f: &[Vec3]| x.iter().zip(f).map(|(x, f)| dot(*x, *f)).sum::<f64>();
+        let (residual_xx, residual_xd) = (xx - below(x), xd - below(d));
+        let noise = xx * self.base.basis.certificate.max_orthogonality_error.max(1e-13) * 10.0;
+        Psi { psi, residual: if residual_xx > noise { residual_xd / residual_xx } else { 0.0 } }
+    }
+
+    /// dx^δ(v), N: the part of x^δ above K.
+    pub fn delta_residual(&self) -> Vec<Vec3> {
+        residual(&self.base.basis, &self.delta, self.delta_spectrum())
+    }
+
+    /// dx(v), N: the part of the shape above K.
+    pub fn shape_residual(&self) -> Vec<Vec3> {
+        residual(&self.base.basis, &self.base.positions, self.base.spectrum())
+    }
+
+    /// dξ(v), N: the part of ξ above K.
+    pub fn xi_residual(&self) -> Vec<f64> {
+        let mut out = self.xi.clone();
+        let coefficients: Vec<[f64; 1]> = self.xi_spectrum().iter().map(|c| [*c]).collect();
+        synthesise(&self.base.basis, &coefficients, &mut out, |_, [low], xi| *xi -= low);
+        out
+    }
+
+    /// ‖x̃^δ_k‖, K: where the difference lives; what is drawn behind the scale curve.
+    pub fn amplitudes(&self) -> Vec<f64> {
+        self.delta_spectrum().iter().map(|c| dot(*c, *c).sqrt()).collect()
+    }
+}
+
+fn residual(basis: &Basis, signal: &[Vec3], spectrum: &[Vec3]) -> Vec<Vec3> {
+    let mut out = signal.to_vec();
+    synthesise(basis, spectrum, &mut out, |_, low, f| *f = sub(*f, low));
+    out
+}
+
+pub(crate) fn check_count(what: &'static str, found: usize, basis: &Basis) -> Result<(), Error> {
+    let expected = basis.vertices();
+    if found == expected { Ok(()) } else { Err(Error::VertexCount { what, found, expected }) }
+}

@@ -1,0 +1,81 @@
+//! What can go wrong, where and why.
+
+use std::path::PathBuf;
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A signal does not have one value per operator vertex.
+    #[error("{what} has {found} values, the shape has {expected} vertices")]
+    VertexCount {
+        /// The signal.
+        what: &'static str,
+        /// Values it has.
+        found: usize,
+        /// Values it should have.
+        expected: usize,
+    },
+    /// A text, such as a command-line argument or a field of a project, does not parse.
+    #[error("{what} `{text}`: {why}")]
+    Syntax {
+        /// What was being read.
+        what: &'static str,
+        /// The text as given, shortened.
+        text: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A number lies outside its range.
+    #[error("{what} is {value}, it must be {range}")]
+    Range {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The values it may have, in words.
+        range: &'static str,
+    },
+    /// An action names a layer that the project does not have.
+    #[error("there is no layer {0}")]
+    NoLayer(u64),
+    /// A project file is not valid.
+    #[error("{}: {why}", path.display())]
+    ProjectFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, with line and column where known.
+        why: String,
+    },
+    /// A project file was written by a newer program.
+    #[error("{}: has format version {found}, this program reads up to {supported}; a newer Chladni wrote it", path.display())]
+    NewerFormat {
+        /// The file.
+        path: PathBuf,
+        /// The version it names.
+        found: i64,
+        /// The newest version that can be read.
+        supported: i64,
+    },
+    /// Reading or writing a file failed.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The work was cancelled through its task.
+    #[error(transparent)]
+    Cancelled(#[from] chladni_task::Cancelled),
+}
+
+impl Error {
+    /// A [`Syntax`](Self::Syntax) error that quotes at most 40 characters of `text`.
+    pub(crate) fn syntax(what: &'static str, text: &str, why: impl Into<String>) -> Self {
+        let mut shown: String = text.chars().take(40).collect();
+        if shown.len() < text.len() {
+            shown.push('…');
+        }
+        Self::Syntax { what, text: shown, why: why.into() }
+    }
+}
