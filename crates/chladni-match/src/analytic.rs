@@ -1,0 +1,300 @@
+//! Templates that need no second mesh: an ellipsoid, a sphere, the shape itself.
+
+use chladni_harmonics::Body;
+use chladni_mesh::TriMesh;
+use glam::DVec3;
+
+use crate::eigen::{solve_small, symmetric_eigen};
+use crate::surface::Surface;
+use crate::{Correspondence, MatchError, Side};
+
+/// An ellipsoid in the shape file's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Ellipsoid {
+    /// Its centre.
+    pub center: [f64; 3],
+    /// Orthonormal directions of its axes.
+    pub axes: [[f64; 3]; 3],
+    /// Half the length of each axis; positive.
+    pub semi_axes: [f64; 3],
+}
+
+impl Ellipsoid {
+    /// The ellipsoid nearest to a surface: principal axes of the area, then centre and
+    /// semi-axes by Gauss–Newton on Σ a(v) (1 − ‖(x − c)/s‖)² from the moments' start.
+    /// An ellipsoid's own mesh gives that ellipsoid back up to its discretisation.
+    ///
+    /// # Errors
+    /// A mesh without a surface.
+    pub fn fitted(shape: &TriMesh) -> Result<Self, MatchError> {
+        let surface = Surface::new(shape, Side::Shape)?;
+        let area = surface.area();
+        let (moments, axes) = symmetric_eigen(surface.second_moments());
+        let axes = axes.map(DVec3::from_array);
+        // A flat shape still needs a body: no axis under a hundredth of the diagonal.
+        let start = moments.map(|m| (3.0 * m.max(0.0) / area).sqrt().max(0.01));
+        let local: Vec<(DVec3, f64)> = surface
+            .points
+            .iter()
+            .zip(&surface.areas)
+            .map(|(p, a)| (DVec3::from_array(axes.map(|e| e.dot(*p))), a / area))
+            .collect();
+        let (center, semi_axes) = refine(&local, start);
+        let center = axes[0] * center.x + axes[1] * center.y + axes[2] * center.z;
+        Ok(Self {
+            center: surface.to_file(center).to_array(),
+            axes: axes.map(|e| e.to_array()),
+            semi_axes: semi_axes.map(|s| s * surface.diagonal),
+        })
+    }
+
+    /// The sphere about the area-weighted centroid whose radius is the mean distance to it.
+    ///
+    /// # Errors
+    /// A mesh without a surface.
+    pub fn fitted_sphere(shape: &TriMesh) -> Result<Self, MatchError> {
+        let surface = Surface::new(shape, Side::Shape)?;
+        let sum: f64 = surface.points.iter().zip(&surface.areas).map(|(p, a)| a * p.length()).sum();
+        Self::sphere(surface.center.to_array(), surface.diagonal * sum / surface.area())
+    }
+
+    /// A given sphere.
+    ///
+    /// # Errors
+    /// A radius that is not positive and finite, a centre that is not finite.
+    pub fn sphere(center: [f64; 3], radius: f64) -> Result<Self, MatchError> {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let ellipsoid = Self { center, axes, semi_axes: [radius; 3] };
+        ellipsoid.check()?;
+        Ok(ellipsoid)
+    }
+
+    fn check(&self) -> Result<(), MatchError> {
+        for value in self.semi_axes {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(MatchError::Parameter {
+                    name: "a semi-axis",
+                    range: "positive and finite",
+                    value,
+                });
+            }
+        }
+        for &value in self.center.iter().chain(self.axes.iter().flatten()) {
+            if !value.is_finite() {
+                return Err(MatchError::Parameter { name: "an ellipsoid", range: "finite", value });
+            }
+        }
+        Ok(())
+    }
+
+    /// The point where the ray from the centre through `p` leaves the ellipsoid; `None` at the centre.
+    fn project(&self, p: DVec3) -> Option<DVec3> {
+        let d = p - DVec3::from_array(self.center);
+        let level: f64 =
+            (0..3).map(|i| (DVec3::from_array(self.axes[i]).dot(d) / self.semi_axes[i]).powi(2)).sum();
+        let point = DVec3::from_array(self.center) + d / level.sqrt();
+        (level > 0.0 && point.is_finite()).then_some(point)
+    }
+}
+
+/// Gauss–Newton for centre and semi-axes in the principal frame. A step that does not lower the
+/// sum is halved; when none does, the present values stand.
+fn refine(points: &[(DVec3, f64)], start: [f64; 3]) -> (DVec3, [f64; 3]) {
+    let cost = |c: DVec3, s: [f64; 3]| -> f64 {
+        points.iter().map(|(p, w)| w * (1.0 - ((*p - c) / DVec3::from_array(s)).length()).powi(2)).sum()
+    };
+    let (mut center, mut semi) = (DVec3::ZERO, start);
+    let mut best = cost(center, semi);
+    for _ in 0..30 {
+        let mut normal = [[0.0; 6]; 6];
+        let mut right = [0.0; 6];
+        for (p, w) in points {
+            let d = *p - center;
+            let u = d / DVec3::from_array(semi);
+            let radius = u.length();
+            if !(radius > 1e-9) {
+                continue;
+            }
+            // ∂‖u‖/∂c_i = −u_i / (s_i ‖u‖), ∂‖u‖/∂ log s_i = −u_i² / ‖u‖.
+            let row: [f64; 6] = std::array::from_fn(|i| {
+                let k = i % 3;
+                if i < 3 { -u[k] / (semi[k] * radius) } else { -u[k] * u[k] / radius }
+            });
+            for i in 0..6 {
+                right[i] += w * row[i] * (1.0 - radius);
+                for j in 0..6 {
+                    normal[i][j] += w * row[i] * row[j];
+                }
+            }
+        }
+        for i in 0..6 {
+            normal[i][i] += 1e-9;
+        }
+        let Some(step) = solve_small(normal, right) else { break };
+        let mut length = 1.0;
+        let improved = (0..8).find_map(|_| {
+            let c = center + DVec3::new(step[0], step[1], step[2]) * length;
+            let s = std::array::from_fn(|i| {
+                (semi[i] * (step[3 + i] * length).clamp(-1.0, 1.0).exp()).clamp(1e-3, 10.0)
+            });
+            length *= 0.5;
+            let value = cost(c, s);
+            (value < best).then_some((c, s, value))
+        });
+        let Some((c, s, value)) = improved else { break };
+        let gain = best - value;
+        (center, semi, best) = (c, s, value);
+        if gain < 1e-14 {
+            break;
+        }
+    }
+    (center, semi)
+}
+
+/// Each vertex ↔ the point of the ellipsoid on its ray from the centre.
+///
+/// The map is continuous everywhere but at the centre, and one to one on shapes that are
+/// star-shaped about it. A vertex at the centre goes to the end of the first axis with
+/// confidence 0.
+///
+/// # Errors
+/// A mesh without a surface, an ellipsoid with a semi-axis that is not positive and finite.
+pub fn onto_ellipsoid(shape: &TriMesh, ellipsoid: &Ellipsoid) -> Result<Correspondence, MatchError> {
+    let surface = Surface::new(shape, Side::Shape)?;
+    ellipsoid.check()?;
+    let pole =
+        DVec3::from_array(ellipsoid.center) + DVec3::from_array(ellipsoid.axes[0]) * ellipsoid.semi_axes[0];
+    let (point, confidence) = shape
+        .positions
+        .iter()
+        .zip(&surface.point_of_vertex)
+        .map(|(p, used)| match ellipsoid.project(DVec3::from_array(*p)) {
+            Some(q) => (q.to_array(), f64::from(u8::from(used.is_some()))),
+            None => (pole.to_array(), 0.0),
+        })
+        .unzip();
+    Ok(Correspondence::direct(point, confidence))
+}
+
+/// Each vertex ↔ itself, scaled about the area-weighted centroid: exaggerating against a
+/// smaller self magnifies everything.
+///
+/// # Errors
+/// A mesh without a surface, a scale that is negative or not finite.
+pub fn self_scaled(shape: &TriMesh, scale: f64) -> Result<Correspondence, MatchError> {
+    if !(scale >= 0.0 && scale.is_finite()) {
+        return Err(MatchError::Parameter { name: "scale", range: "finite and ≥ 0", value: scale });
+    }
+    let surface = Surface::new(shape, Side::Shape)?;
+    let (point, confidence) = shape
+        .positions
+        .iter()
+        .zip(&surface.point_of_vertex)
+        .map(|(p, used)| match used {
+            Some(_) => {
+                let p = DVec3::from_array(*p);
+                ((surface.center + (p - surface.center) * scale).to_array(), 1.0)
+            }
+            None => (*p, 0.0),
+        })
+        .unzip();
+    Ok(Correspondence::direct(point, confidence))
+}
+
+/// Each vertex ↔ itself with only the harmonics k < `k0` kept: exaggerating against one's own
+/// smooth self brings out one's detail. `file_positions` are the n positions of the file that
+/// `body` was made from.
+///
+/// # Errors
+/// `k0` outside 1..=K, or positions that are not those of the body.
+pub fn self_low_passed(
+    body: &Body,
+    file_positions: &[[f64; 3]],
+    k0: usize,
+) -> Result<Correspondence, MatchError> {
+    if k0 == 0 || k0 > body.basis.harmonics() {
+        return Err(MatchError::Parameter {
+            name: "k0",
+            range: "between 1 and the number of harmonics",
+            value: k0 as f64,
+        });
+    }
+    if file_positions.len() != body.operator_vertex.len() {
+        return Err(MatchError::LengthsDiffer {
+            what: "file positions and vertices of the body",
+            left: file_positions.len(),
+            right: body.operator_vertex.len(),
+        });
+    }
+    let mut coefficients = body.basis.transform3(&body.positions);
+    coefficients.truncate(k0);
+    let smooth = body.basis.synthesize3(&coefficients);
+    let displacement: Vec<[f64; 3]> =
+        smooth.iter().zip(&body.positions).map(|(s, x)| std::array::from_fn(|i| s[i] - x[i])).collect();
+    let point = body.displaced_file_positions(file_positions, &displacement);
+    let confidence = body.operator_vertex.iter().map(|v| f64::from(u8::from(v.is_some()))).collect();
+    Ok(Correspondence::direct(point, confidence))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DMat3;
+
+    /// A latitude–longitude sphere, deformed by `f`.
+    fn sphere(f: impl Fn(DVec3) -> DVec3) -> TriMesh {
+        let (rows, columns) = (40_u32, 80_u32);
+        let mut mesh = TriMesh::default();
+        for r in 0..=rows {
+            for c in 0..columns {
+                let (theta, phi) = (
+                    std::f64::consts::PI * r as f64 / rows as f64,
+                    std::f64::consts::TAU * c as f64 / columns as f64,
+                );
+                let p = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+                mesh.positions.push(f(p).to_array());
+                if r < rows {
+                    let (a, b) = (r * columns + c, r * columns + (c + 1) % columns);
+                    mesh.triangles.push([a, a + columns, b]);
+                    mesh.triangles.push([b, a + columns, b + columns]);
+                }
+            }
+        }
+        mesh
+    }
+
+    #[test]
+    fn an_ellipsoid_is_recognised() {
+        let turn = DMat3::from_rotation_z(0.7) * DMat3::from_rotation_x(0.4);
+        let mesh = sphere(|p| turn * (p * DVec3::new(3.0, 2.0, 1.0)) + DVec3::new(10.0, -5.0, 1.0));
+        let e = Ellipsoid::fitted(&mesh).unwrap();
+        for (found, truth) in e.semi_axes.iter().zip([3.0, 2.0, 1.0]) {
+            assert!((found - truth).abs() < 2e-3 * truth, "{e:?}");
+        }
+        for (found, truth) in e.center.iter().zip([10.0, -5.0, 1.0]) {
+            assert!((found - truth).abs() < 1e-3);
+        }
+        let c = onto_ellipsoid(&mesh, &e).unwrap();
+        for (p, q) in mesh.positions.iter().zip(&c.target) {
+            assert!(DVec3::from_array(*p).distance(DVec3::from_array(*q)) < 0.01);
+        }
+    }
+
+    #[test]
+    fn a_sphere_has_its_radius() {
+        let s = Ellipsoid::fitted_sphere(&sphere(|p| p * 4.0)).unwrap();
+        assert!((s.semi_axes[0] - 4.0).abs() < 1e-2);
+        assert!(Ellipsoid::sphere([0.0; 3], -1.0).is_err());
+        assert!(Ellipsoid::sphere([0.0; 3], f64::NAN).is_err());
+    }
+
+    #[test]
+    fn a_scaled_self_keeps_its_centre() {
+        let mesh = sphere(|p| p + DVec3::X * 7.0);
+        let c = self_scaled(&mesh, 0.5).unwrap();
+        let p = DVec3::from_array(c.target[45]);
+        let expected = DVec3::X * 7.0 + (DVec3::from_array(mesh.positions[45]) - DVec3::X * 7.0) * 0.5;
+        assert!(p.distance(expected) < 1e-3);
+        assert!(self_scaled(&mesh, f64::INFINITY).is_err());
+    }
+}

@@ -1,0 +1,122 @@
+//! What a match is: for each vertex of the shape a point of the template.
+
+use chladni_mesh::TriMesh;
+
+use crate::{MatchError, Side, Similarity};
+
+/// Where the points of a [`Correspondence`] lie on a template mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OnTemplate {
+    /// n indices into the template file's triangles.
+    pub triangle: Vec<u32>,
+    /// n weights of the triangle's corners: ≥ 0 and summing to 1.
+    pub barycentric: Vec<[f64; 3]>,
+}
+
+/// For each of the n file vertices of the shape, the point x^r(v) of the template that it
+/// corresponds to. Every number is finite.
+///
+/// A vertex that no triangle of the shape uses has confidence 0. Mesh templates give it the
+/// closest point of the aligned template, analytic ones the point they would give any point
+/// in space, and templates made from the shape itself its own position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correspondence {
+    /// Triangles and barycentric coordinates; `None` where the template is not a mesh.
+    pub on_template: Option<OnTemplate>,
+    /// Points of the template, in the template file's coordinates.
+    pub point: Vec<[f64; 3]>,
+    /// x^r(v) in the shape file's coordinates: `similarity` applied to `point`.
+    pub target: Vec<[f64; 3]>,
+    /// How far to trust each point, in [0, 1].
+    pub confidence: Vec<f64>,
+    /// Template to shape, file coordinates.
+    pub similarity: Similarity,
+}
+
+impl Correspondence {
+    /// n, the number of file vertices of the shape.
+    pub fn vertices(&self) -> usize {
+        self.point.len()
+    }
+
+    /// Points that are given directly in the shape's coordinates.
+    pub(crate) fn direct(point: Vec<[f64; 3]>, confidence: Vec<f64>) -> Self {
+        let target = point.clone();
+        Self { on_template: None, point, target, confidence, similarity: Similarity::IDENTITY }
+    }
+
+    /// Points on a template mesh.
+    pub(crate) fn on_mesh(
+        template: &TriMesh,
+        on_template: OnTemplate,
+        confidence: Vec<f64>,
+        similarity: Similarity,
+    ) -> Self {
+        let point: Vec<[f64; 3]> = on_template
+            .triangle
+            .iter()
+            .zip(&on_template.barycentric)
+            .map(|(t, b)| {
+                let [p, q, r] = template.triangles[*t as usize].map(|v| template.positions[v as usize]);
+                std::array::from_fn(|i| b[0] * p[i] + b[1] * q[i] + b[2] * r[i])
+            })
+            .collect();
+        let target = point.iter().map(|p| similarity.apply(*p)).collect();
+        Self { on_template: Some(on_template), point, target, confidence, similarity }
+    }
+}
+
+/// Vertex i of the shape ↔ vertex i of the template, after the similarity that brings the
+/// template's vertices closest to the shape's (least squares over the vertices in use).
+///
+/// # Errors
+/// Different numbers of vertices, meshes without a surface, vertices in one line.
+pub fn same_connectivity(shape: &TriMesh, template: &TriMesh) -> Result<Correspondence, MatchError> {
+    use crate::surface::Surface;
+    if shape.positions.len() != template.positions.len() {
+        return Err(MatchError::VertexCountsDiffer {
+            shape_vertices: shape.positions.len(),
+            template_vertices: template.positions.len(),
+        });
+    }
+    let shape_surface = Surface::new(shape, Side::Shape)?;
+    let template_surface = Surface::new(template, Side::Template)?;
+    let weights: Vec<f64> =
+        shape_surface.point_of_vertex.iter().map(|p| f64::from(u8::from(p.is_some()))).collect();
+    let similarity = Similarity::fit(
+        &template.positions,
+        &shape.positions,
+        Some(&weights),
+        crate::similarity::Scaling::Free,
+    )?;
+    let mut corner: Vec<Option<(u32, usize)>> = vec![None; template.positions.len()];
+    for (t, corners) in template.triangles.iter().enumerate() {
+        for (i, &v) in corners.iter().enumerate() {
+            corner[v as usize].get_or_insert((t as u32, i));
+        }
+    }
+    let n = shape.positions.len();
+    let mut on_template = OnTemplate { triangle: Vec::with_capacity(n), barycentric: Vec::with_capacity(n) };
+    let mut confidence = Vec::with_capacity(n);
+    for (v, corner) in corner.iter().enumerate() {
+        let (triangle, barycentric) = match corner {
+            Some((t, i)) => {
+                let mut b = [0.0; 3];
+                b[*i] = 1.0;
+                (*t, b)
+            }
+            // No triangle of the template has this vertex: the closest point of its surface.
+            None => {
+                let at = template_surface
+                    .closest(template_surface.from_file(template.positions[v]), f64::INFINITY)
+                    .ok_or(MatchError::NoSurface(Side::Template))?;
+                (template_surface.file_triangle[at.triangle as usize], at.barycentric)
+            }
+        };
+        on_template.triangle.push(triangle);
+        on_template.barycentric.push(barycentric);
+        let used = shape_surface.point_of_vertex[v].is_some() && corner.is_some();
+        confidence.push(f64::from(u8::from(used)));
+    }
+    Ok(Correspondence::on_mesh(template, on_template, confidence, similarity))
+}

@@ -1,0 +1,123 @@
+//! What can go wrong between a shape and a template.
+
+use chladni_task::Cancelled;
+
+/// Which of the two meshes a message is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The mesh to be caricatured.
+    Shape,
+    /// The mesh it is compared with.
+    Template,
+}
+
+impl std::fmt::Display for Side {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Shape => "shape",
+            Self::Template => "template",
+        })
+    }
+}
+
+/// Why there is no correspondence.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MatchError {
+    /// A mesh has no triangle of positive area.
+    #[error("the {0} has no triangle of positive area, so it has no surface to match")]
+    NoSurface(Side),
+    /// A coordinate is not finite.
+    #[error("the {side} has a coordinate that is not finite (vertex {vertex})")]
+    NotFinite {
+        /// Which mesh.
+        side: Side,
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} of the {side} uses vertex {vertex}, but there are only {vertices}")]
+    IndexOutOfRange {
+        /// Which mesh.
+        side: Side,
+        /// Index of the triangle.
+        triangle: usize,
+        /// The index it uses.
+        vertex: u32,
+        /// n.
+        vertices: usize,
+    },
+    /// A mesh is larger than its indices can count.
+    #[error("the {0} has more vertices or triangles than 32-bit indices can count")]
+    TooLarge(Side),
+    /// Same connectivity was asked for, but it is not the same.
+    #[error(
+        "not the same connectivity: the shape has {shape_vertices} vertices, the template {template_vertices}"
+    )]
+    VertexCountsDiffer {
+        /// n of the shape.
+        shape_vertices: usize,
+        /// n of the template.
+        template_vertices: usize,
+    },
+    /// Points do not determine a similarity.
+    #[error("{0} pairs of points do not determine a similarity: three that are not in one line are needed")]
+    TooFewPairs(usize),
+    /// The points of a pair list lie in one line or in one place.
+    #[error("the pairs of points lie in one line or in one place: they do not determine a rotation")]
+    Degenerate,
+    /// Two lists that belong together differ in length.
+    #[error("{what}: {left} against {right}")]
+    LengthsDiffer {
+        /// Which lists.
+        what: &'static str,
+        /// Length of the first.
+        left: usize,
+        /// Length of the second.
+        right: usize,
+    },
+    /// A landmark names a vertex that is not there or that no triangle uses.
+    #[error("landmark {landmark}: vertex {vertex} of the {side} {problem}")]
+    Landmark {
+        /// Index of the pair, from zero.
+        landmark: usize,
+        /// Which mesh.
+        side: Side,
+        /// The vertex it names.
+        vertex: u32,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// A line of a landmark file cannot be read.
+    #[error("landmark file, line {line}: {problem}")]
+    LandmarkFile {
+        /// Line, from one.
+        line: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A map between these surfaces through a common domain does not exist.
+    #[error("the {side} cannot be mapped to a sphere: {problem}")]
+    NoCommonDomain {
+        /// Which mesh.
+        side: Side,
+        /// Why.
+        problem: String,
+    },
+    /// A parameter is out of its range.
+    #[error("{name} must be {range}, not {value}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// What is allowed.
+        range: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A linear system could not be solved.
+    #[error("the {0} system could not be solved: the meshes are numerically degenerate")]
+    Solver(&'static str),
+    /// The task was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

@@ -1,0 +1,211 @@
+//! Iterative closest points: the similarity that lays a template onto a shape.
+//!
+//! Symmetric point-to-plane residuals (Rusinkiewicz, *A Symmetric Objective Function for ICP*,
+//! SIGGRAPH 2019), samples of both surfaces, and Geman–McClure weights w = c⁴/(c² + d²)² that
+//! trim whatever is farther than a few c.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use crate::eigen::solve_small;
+use crate::samples::Sample;
+use crate::surface::Surface;
+use crate::{Scaling, Similarity};
+
+/// The two surfaces and what is sampled of them.
+pub(crate) struct Pair<'a> {
+    pub shape: &'a Surface,
+    pub template: &'a Surface,
+    pub shape_samples: &'a [Sample],
+    pub template_samples: &'a [Sample],
+    /// Landmarks as (shape point, template point), each surface's own coordinates.
+    pub landmarks: &'a [(DVec3, DVec3)],
+}
+
+/// How one run of ICP goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Schedule {
+    /// Samples used of each surface.
+    pub samples: usize,
+    /// Most iterations.
+    pub iterations: usize,
+    /// c at the first and at the last iteration, in shape diagonals.
+    pub reach: (f64, f64),
+    /// Weight of the point-to-point part of the residual.
+    pub point_weight: f64,
+    pub scaling: Scaling,
+}
+
+/// A template point (template coordinates), the shape point it is drawn to, both normals.
+struct Link {
+    q: DVec3,
+    p: DVec3,
+    normal_q: DVec3,
+    normal_p: DVec3,
+}
+
+/// Normals farther apart than this are different sides of a thing (cos 70°).
+const NORMAL_LIMIT: f64 = 0.34;
+
+fn links(pair: &Pair, pose: &Similarity, samples: usize, reach: f64) -> (Vec<Link>, Vec<Link>) {
+    let back = pose.inverse();
+    let r = pose.rotation_matrix();
+    let near = 4.0 * reach;
+    let from_shape = pair.shape_samples[..samples.min(pair.shape_samples.len())]
+        .iter()
+        .filter_map(|s| {
+            let at = pair.template.closest(back.at(s.point), near * back.scale)?;
+            if pair.template.on_boundary(&at) {
+                return None;
+            }
+            let normal_q = r * pair.template.smooth_normal(&at);
+            (normal_q.dot(s.normal) > NORMAL_LIMIT).then_some(Link {
+                q: at.point,
+                p: s.point,
+                normal_q,
+                normal_p: s.normal,
+            })
+        })
+        .collect();
+    let from_template = pair.template_samples[..samples.min(pair.template_samples.len())]
+        .iter()
+        .filter_map(|s| {
+            let at = pair.shape.closest(pose.at(s.point), near)?;
+            if pair.shape.on_boundary(&at) {
+                return None;
+            }
+            let (normal_q, normal_p) = (r * s.normal, pair.shape.smooth_normal(&at));
+            (normal_q.dot(normal_p) > NORMAL_LIMIT).then_some(Link {
+                q: s.point,
+                p: at.point,
+                normal_q,
+                normal_p,
+            })
+        })
+        .collect();
+    (from_shape, from_template)
+}
+
+/// Weights of the rows n·(Tq − p) and, × `point_weight`, of the rows Tq − p.
+struct System {
+    matrix: [[f64; 7]; 7],
+    right: [f64; 7],
+}
+
+impl System {
+    /// Adds `w` (direction · (δ of x) + residual)², δ = ω×x + t + σx.
+    fn add(&mut self, x: DVec3, direction: DVec3, residual: f64, w: f64) {
+        let turn = x.cross(direction);
+        let row = [turn.x, turn.y, turn.z, direction.x, direction.y, direction.z, x.dot(direction)];
+        for i in 0..7 {
+            self.right[i] -= w * row[i] * residual;
+            for j in 0..7 {
+                self.matrix[i][j] += w * row[i] * row[j];
+            }
+        }
+    }
+
+    fn add_link(&mut self, x: DVec3, p: DVec3, normal: DVec3, plane: f64, point: f64) {
+        self.add(x, normal, (x - p).dot(normal), plane);
+        for axis in DVec3::AXES {
+            self.add(x, axis, (x - p).dot(axis), point);
+        }
+    }
+}
+
+/// Refines `pose` (template to shape coordinates). Returns it unchanged where nothing is near.
+pub(crate) fn refine(pair: &Pair, mut pose: Similarity, schedule: &Schedule) -> Similarity {
+    let (first, last) = schedule.reach;
+    for step in 0..schedule.iterations {
+        let along = step as f64 / (schedule.iterations.max(2) - 1) as f64;
+        let c = first * (last / first).powf((along * 1.5).min(1.0));
+        let Some((next, moved)) = improve(pair, &pose, schedule, c) else { return pose };
+        pose = next;
+        if moved < 1e-9 && c <= last * 1.001 {
+            break;
+        }
+    }
+    pose
+}
+
+/// One Gauss–Newton step, and how far it moves points of unit distance.
+fn improve(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Option<(Similarity, f64)> {
+    let (from_shape, from_template) = links(pair, pose, schedule.samples, c);
+    if from_shape.len() + from_template.len() + pair.landmarks.len() < 4 {
+        return None;
+    }
+    // Everything turns and grows about the middle of the linked points.
+    let all = || from_shape.iter().chain(&from_template);
+    let center = all().map(|l| l.p).sum::<DVec3>() / (from_shape.len() + from_template.len()).max(1) as f64;
+    let mut system = System { matrix: [[0.0; 7]; 7], right: [0.0; 7] };
+    let mut total = 0.0;
+    for link in all() {
+        let q = pose.at(link.q);
+        let d2 = q.distance_squared(link.p);
+        let w = (c * c / (c * c + d2)).powi(2);
+        let normal = (link.normal_p + link.normal_q).normalize_or(link.normal_p);
+        system.add_link(q - center, link.p - center, normal, w, w * schedule.point_weight);
+        total += w;
+    }
+    for (p, q) in pair.landmarks {
+        let w = (total * 0.5 / pair.landmarks.len() as f64).max(1e-3);
+        system.add_link(pose.at(*q) - center, *p - center, DVec3::ZERO, 0.0, w);
+    }
+    let size = (system.matrix[3][3] + system.matrix[4][4] + system.matrix[5][5]).max(1e-12);
+    for i in 0..7 {
+        system.matrix[i][i] += size * 1e-9;
+    }
+    if schedule.scaling == Scaling::Rigid {
+        system.matrix[6][6] += size * 1e9;
+    }
+    let x = solve_small(system.matrix, system.right)?;
+    let mut turn = DVec3::new(x[0], x[1], x[2]);
+    turn *= (0.5 / turn.length()).min(1.0); // no more than half a radian at once
+    let shift = DVec3::new(x[3], x[4], x[5]);
+    let growth = x[6].clamp(-0.25, 0.25);
+    let rotation = DMat3::from_quat(DQuat::from_scaled_axis(turn));
+    let scale = if schedule.scaling == Scaling::Rigid { 1.0 } else { growth.exp() };
+    let about = Similarity::new(scale, rotation, center + shift - rotation * center * scale);
+    let moved = turn.length() + shift.length() + growth.abs();
+    let next = orthonormal(&pose.then(&about));
+    (moved.is_finite() && next.scale > 1e-6 && next.scale < 1e6).then_some((next, moved))
+}
+
+/// Keeps R a rotation after many products.
+fn orthonormal(pose: &Similarity) -> Similarity {
+    let q = DQuat::from_mat3(&pose.rotation_matrix()).normalize();
+    Similarity::new(pose.scale, DMat3::from_quat(q), DVec3::from_array(pose.translation))
+}
+
+/// How badly a pose fits, in [0, 1]: the mean over samples of both surfaces of d²/(c² + d²),
+/// where d² also counts how far the normals disagree. 0 is a perfect fit.
+pub(crate) fn misfit(pair: &Pair, pose: &Similarity, samples: usize, c: f64) -> f64 {
+    let back = pose.inverse();
+    let r = pose.rotation_matrix();
+    let cost = |d2: f64, cos: f64| {
+        // Opposite normals cost as much as a distance of 2 c.
+        let d2 = d2 + c * c * 2.0 * (1.0 - cos);
+        d2 / (c * c + d2)
+    };
+    let near = 5.0 * c;
+    let shape = &pair.shape_samples[..samples.min(pair.shape_samples.len())];
+    let template = &pair.template_samples[..samples.min(pair.template_samples.len())];
+    let forth: f64 = shape
+        .iter()
+        .map(|s| match pair.template.closest(back.at(s.point), near * back.scale) {
+            Some(at) => cost(
+                at.distance_squared * pose.scale * pose.scale,
+                (r * pair.template.smooth_normal(&at)).dot(s.normal),
+            ),
+            None => 1.0,
+        })
+        .sum();
+    let home: f64 = template
+        .iter()
+        .map(|s| match pair.shape.closest(pose.at(s.point), near) {
+            Some(at) => cost(at.distance_squared, (r * s.normal).dot(pair.shape.smooth_normal(&at))),
+            None => 1.0,
+        })
+        .sum();
+    // Of a template that shows more than the shape, only a part can be near: the shape counts more.
+    0.65 * forth / shape.len().max(1) as f64 + 0.35 * home / template.len().max(1) as f64
+}

@@ -1,0 +1,118 @@
+//! Pairs of vertices that a user says belong together, and the small file they live in.
+
+use std::fmt::Write;
+
+use glam::DVec3;
+
+use crate::surface::Surface;
+use crate::{MatchError, Side};
+
+/// Vertex `shape` of the shape belongs to vertex `template` of the template; zero-based, in the
+/// order of the files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Landmark {
+    /// Vertex of the shape's file.
+    pub shape: u32,
+    /// Vertex of the template's file.
+    pub template: u32,
+}
+
+/// Reads a landmark file: `shape_vertex template_vertex` a line, `#` starts a comment.
+///
+/// # Errors
+/// Names the line that is not two vertex numbers, or that repeats a shape vertex.
+pub fn read_landmarks(text: &str) -> Result<Vec<Landmark>, MatchError> {
+    let mut landmarks: Vec<Landmark> = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line_number = index + 1;
+        let content = line.split('#').next().unwrap_or_default();
+        let words: Vec<&str> = content.split_whitespace().collect();
+        let problem = |problem: String| MatchError::LandmarkFile { line: line_number, problem };
+        match words[..] {
+            [] => {}
+            [shape, template] => {
+                let number = |word: &str| {
+                    word.parse::<u32>().map_err(|e| problem(format!("“{word}” is not a vertex number ({e})")))
+                };
+                let landmark = Landmark { shape: number(shape)?, template: number(template)? };
+                if landmarks.iter().any(|l| l.shape == landmark.shape) {
+                    return Err(problem(format!("shape vertex {} has a landmark already", landmark.shape)));
+                }
+                landmarks.push(landmark);
+            }
+            _ => return Err(problem(format!("expected two vertex numbers, found {} words", words.len()))),
+        }
+    }
+    Ok(landmarks)
+}
+
+/// The text that [`read_landmarks`] reads.
+pub fn write_landmarks(landmarks: &[Landmark]) -> String {
+    let mut text = String::from("# shape_vertex template_vertex, zero-based\n");
+    for l in landmarks {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{} {}", l.shape, l.template);
+    }
+    text
+}
+
+/// A landmark on the two surfaces: welded vertices.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pinned {
+    pub shape: u32,
+    pub template: u32,
+}
+
+/// Looks the landmarks up on the surfaces.
+pub(crate) fn pin(
+    landmarks: &[Landmark],
+    shape: &Surface,
+    template: &Surface,
+) -> Result<Vec<Pinned>, MatchError> {
+    let find = |landmark: usize, surface: &Surface, side: Side, vertex: u32| {
+        let problem = match surface.point_of_vertex.get(vertex as usize) {
+            Some(Some(point)) => return Ok(*point),
+            Some(None) => "belongs to no triangle, so it is not on the surface",
+            None => "does not exist",
+        };
+        Err(MatchError::Landmark { landmark, side, vertex, problem })
+    };
+    landmarks
+        .iter()
+        .enumerate()
+        .map(|(i, l)| {
+            Ok(Pinned {
+                shape: find(i, shape, Side::Shape, l.shape)?,
+                template: find(i, template, Side::Template, l.template)?,
+            })
+        })
+        .collect()
+}
+
+/// The landmarks as points of the two surfaces.
+pub(crate) fn points(pinned: &[Pinned], shape: &Surface, template: &Surface) -> Vec<(DVec3, DVec3)> {
+    pinned.iter().map(|l| (shape.points[l.shape as usize], template.points[l.template as usize])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_comes_back_as_it_was_written() {
+        let landmarks = vec![Landmark { shape: 177, template: 1633 }, Landmark { shape: 0, template: 9 }];
+        assert_eq!(read_landmarks(&write_landmarks(&landmarks)).unwrap(), landmarks);
+        let text = "# nose\n  177\t1633  # tip\n\n0 9\r\n";
+        assert_eq!(read_landmarks(text).unwrap(), landmarks);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        for (text, line) in [("1 2\n3", 2), ("1 2 3", 1), ("\n1 -2", 2), ("1 2\n1 3", 2), ("a b", 1)] {
+            match read_landmarks(text) {
+                Err(MatchError::LandmarkFile { line: found, .. }) => assert_eq!(found, line, "{text:?}"),
+                other => panic!("{text:?}: {other:?}"),
+            }
+        }
+    }
+}

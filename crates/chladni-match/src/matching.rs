@@ -1,0 +1,95 @@
+//! The way from two meshes to a correspondence and its report.
+
+use chladni_mesh::TriMesh;
+use chladni_task::Task;
+use rayon::prelude::*;
+
+use crate::landmarks::{self, Landmark};
+use crate::prealign::{Pose, prealign};
+use crate::project::{confidence, correspondence, nearest_facing};
+use crate::surface::Surface;
+use crate::{Correspondence, MatchError, Report, Side, same_connectivity};
+
+/// How template points are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Vertex i ↔ vertex i.
+    Same,
+    /// The closest point after the best similarity.
+    #[default]
+    Icp,
+}
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Settings {
+    /// How template points are found.
+    pub method: Method,
+    /// Pairs that belong together; three or more lead the alignment.
+    pub landmarks: Vec<Landmark>,
+    /// Seed of all sampling.
+    pub seed: u64,
+}
+
+/// A correspondence and how good it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Match {
+    /// For each vertex of the shape a point of the template.
+    pub correspondence: Correspondence,
+    /// How good it is.
+    pub report: Report,
+}
+
+/// Matches a shape with a template mesh.
+///
+/// # Errors
+/// Meshes without a surface, landmarks that are not on it, a cancelled task.
+pub fn match_shapes(
+    shape: &TriMesh,
+    template: &TriMesh,
+    settings: &Settings,
+    task: &Task,
+) -> Result<Match, MatchError> {
+    let s = Surface::new(shape, Side::Shape)?;
+    let t = Surface::new(template, Side::Template)?;
+    if settings.method == Method::Same {
+        let correspondence = same_connectivity(shape, template)?;
+        let report = Report::of(&s, &t, &correspondence, None);
+        return Ok(Match { correspondence, report });
+    }
+    let pinned = landmarks::pin(&settings.landmarks, &s, &t)?;
+    let pairs = landmarks::points(&pinned, &s, &t);
+    let pose = prealign(&s, &t, &pairs, settings.seed, task)?;
+    let found = match settings.method {
+        Method::Same | Method::Icp => closest_points(shape, &s, template, &t, &pose)?,
+    };
+    let report = Report::of(&s, &t, &found, Some(&pose));
+    Ok(Match { correspondence: found, report })
+}
+
+/// The closest point of the aligned template for each vertex.
+fn closest_points(
+    shape_mesh: &TriMesh,
+    shape: &Surface,
+    template_mesh: &TriMesh,
+    template: &Surface,
+    pose: &Pose,
+) -> Result<Correspondence, MatchError> {
+    let back = pose.similarity.inverse();
+    let turn = back.rotation_matrix();
+    let (at, trust): (Vec<_>, Vec<_>) = shape
+        .points
+        .par_iter()
+        .zip(&shape.normals)
+        .map(|(p, n)| {
+            let normal = turn * *n;
+            let at =
+                nearest_facing(template, back.at(*p), normal).ok_or(MatchError::NoSurface(Side::Template))?;
+            Ok((at, confidence(template, &at, normal, pose.similarity.scale)))
+        })
+        .collect::<Result<Vec<_>, MatchError>>()?
+        .into_iter()
+        .unzip();
+    correspondence(shape_mesh, shape, template_mesh, template, &at, &trust, &pose.similarity)
+}

@@ -1,0 +1,88 @@
+//! From positions near a template to points on it.
+
+use chladni_mesh::TriMesh;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::bvh::SurfacePoint;
+use crate::surface::Surface;
+use crate::{Correspondence, MatchError, OnTemplate, Side, Similarity};
+
+/// Residual at which confidence has fallen to 1/e, as a share of the shape's diagonal.
+pub(crate) const CONFIDENCE_REACH: f64 = 0.05;
+
+/// The nearest template point of each fitted position whose normal looks the same way; the
+/// nearest of any where there is none close by.
+///
+/// Opposite sides of a thin sheet (an ear, a lip) are nearer than their normals allow: where
+/// the nearest point faces away, the query is moved outwards along its own normal once.
+pub(crate) fn nearest_facing(template: &Surface, position: DVec3, normal: DVec3) -> Option<SurfacePoint> {
+    let at = template.closest(position, f64::INFINITY)?;
+    if template.smooth_normal(&at).dot(normal) > 0.0 {
+        return Some(at);
+    }
+    let reach = 2.0 * at.distance_squared.sqrt() + 0.01;
+    let better = template.closest(position + normal * reach, 1.5 * reach).filter(|other| {
+        template.smooth_normal(other).dot(normal) > 0.3 && other.point.distance(position) < 2.0 * reach
+    });
+    Some(better.map_or(at, |other| SurfacePoint {
+        distance_squared: other.point.distance_squared(position),
+        ..other
+    }))
+}
+
+/// How far a point can be trusted: near, facing the same way, not at an open edge.
+pub(crate) fn confidence(template: &Surface, at: &SurfacePoint, normal: DVec3, scale: f64) -> f64 {
+    let distance = at.distance_squared.sqrt() * scale;
+    let near = (-(distance / CONFIDENCE_REACH).powi(2)).exp();
+    let facing = template.smooth_normal(at).dot(normal).max(0.0);
+    let edge = if template.on_boundary(at) { 0.25 } else { 1.0 };
+    near * facing * edge
+}
+
+/// A correspondence from one template point per welded vertex.
+///
+/// Vertices that no triangle uses get the closest point of the aligned template.
+pub(crate) fn correspondence(
+    shape_mesh: &TriMesh,
+    shape: &Surface,
+    template_mesh: &TriMesh,
+    template: &Surface,
+    at: &[SurfacePoint],
+    confidence: &[f64],
+    pose: &Similarity,
+) -> Result<Correspondence, MatchError> {
+    let similarity = to_file(shape, template, pose);
+    let back = pose.inverse();
+    let per_vertex: Vec<(u32, [f64; 3], f64)> = shape_mesh
+        .positions
+        .par_iter()
+        .zip(&shape.point_of_vertex)
+        .map(|(p, used)| {
+            let (at, confidence) = match used {
+                Some(v) => (at[*v as usize], confidence[*v as usize]),
+                None => {
+                    let at = template
+                        .closest(back.at(shape.from_file(*p)), f64::INFINITY)
+                        .ok_or(MatchError::NoSurface(Side::Template))?;
+                    (at, 0.0)
+                }
+            };
+            Ok((template.file_triangle[at.triangle as usize], at.barycentric, confidence))
+        })
+        .collect::<Result<_, MatchError>>()?;
+    let on_template = OnTemplate {
+        triangle: per_vertex.iter().map(|v| v.0).collect(),
+        barycentric: per_vertex.iter().map(|v| v.1).collect(),
+    };
+    let confidence = per_vertex.iter().map(|v| v.2).collect();
+    Ok(Correspondence::on_mesh(template_mesh, on_template, confidence, similarity))
+}
+
+/// A pose between surface coordinates, in file coordinates.
+pub(crate) fn to_file(shape: &Surface, template: &Surface, pose: &Similarity) -> Similarity {
+    let enter =
+        Similarity::new(1.0 / template.diagonal, glam::DMat3::IDENTITY, -template.center / template.diagonal);
+    let leave = Similarity::new(shape.diagonal, glam::DMat3::IDENTITY, shape.center);
+    enter.then(pose).then(&leave)
+}

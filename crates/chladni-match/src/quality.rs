@@ -1,0 +1,157 @@
+//! How good a correspondence is.
+
+use glam::DVec3;
+
+use crate::Correspondence;
+use crate::prealign::Pose;
+use crate::surface::Surface;
+
+/// Numbers that say how far a correspondence can be trusted. Distances are shares of the
+/// diagonal of the shape's bounding box.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Report {
+    /// Median distance between the aligned template and the shape's vertices, after the
+    /// similarity and before any bending: how different the two are.
+    pub median_distance: f64,
+    /// The same, exceeded by 5 % of the vertices.
+    pub p95_distance: f64,
+    /// Share of the shape's area whose confidence is at least ½.
+    pub coverage: f64,
+    /// Triangles of the shape whose image on the template is turned over.
+    pub flipped_triangles: usize,
+    /// Triangles of the shape that have a surface normal to compare.
+    pub triangles: usize,
+    /// Median of the largest singular value of the triangles' maps, over the median of the
+    /// smallest: 1 is a similarity, large values are stretched.
+    pub stretch: f64,
+    /// Area-weighted mean confidence.
+    pub mean_confidence: f64,
+    /// A clearly different pose fits nearly as well.
+    pub near_tie: bool,
+    /// Misfit of the best pose, in [0, 1]; absent where no pose was searched.
+    pub misfit: Option<f64>,
+    /// Misfit of the runner-up.
+    pub runner_up_misfit: Option<f64>,
+    /// What a reader should know.
+    pub warnings: Vec<String>,
+}
+
+/// A runner-up within this share of its own misfit is a near tie.
+const TIE: f64 = 0.1;
+
+impl Report {
+    pub(crate) fn of(
+        shape: &Surface,
+        template: &Surface,
+        found: &Correspondence,
+        pose: Option<&Pose>,
+    ) -> Self {
+        let mut target = vec![DVec3::ZERO; shape.points.len()];
+        let mut trust = vec![0.0; shape.points.len()];
+        for (v, point) in shape.point_of_vertex.iter().enumerate() {
+            if let Some(p) = point {
+                target[*p as usize] = shape.from_file(found.target[v]);
+                trust[*p as usize] = found.confidence[v];
+            }
+        }
+        let mut distance: Vec<f64> = target.iter().zip(&shape.points).map(|(t, p)| t.distance(*p)).collect();
+        distance.sort_by(f64::total_cmp);
+        let at = |share: f64| distance[((distance.len() - 1) as f64 * share).round() as usize];
+        let covered: f64 = shape.areas.iter().zip(&trust).filter(|(_, c)| **c >= 0.5).map(|(a, _)| a).sum();
+        let mean_confidence = shape.areas.iter().zip(&trust).map(|(a, c)| a * c).sum::<f64>() / shape.area();
+        let distortion = Distortion::of(shape, template, found, &target);
+        let near_tie =
+            pose.is_some_and(|p| p.runner_up.is_some_and(|second| second - p.misfit <= TIE * second));
+        let mut report = Self {
+            median_distance: at(0.5),
+            p95_distance: at(0.95),
+            coverage: covered / shape.area(),
+            flipped_triangles: distortion.flipped,
+            triangles: shape.triangles.len(),
+            stretch: distortion.stretch,
+            mean_confidence,
+            near_tie,
+            misfit: pose.map(|p| p.misfit),
+            runner_up_misfit: pose.and_then(|p| p.runner_up),
+            warnings: Vec::new(),
+        };
+        report.warn();
+        report
+    }
+
+    fn warn(&mut self) {
+        if self.near_tie {
+            self.warnings.push(
+                "another pose of the template fits nearly as well: check that it is not turned round".into(),
+            );
+        }
+        if self.coverage < 0.5 {
+            self.warnings.push(format!(
+                "only {:.0} % of the shape has a trustworthy point on the template",
+                100.0 * self.coverage
+            ));
+        }
+        if self.flipped_triangles as f64 > 0.05 * self.triangles as f64 {
+            self.warnings.push(format!(
+                "{} of {} triangles are turned over on the template",
+                self.flipped_triangles, self.triangles
+            ));
+        }
+    }
+}
+
+struct Distortion {
+    flipped: usize,
+    stretch: f64,
+}
+
+impl Distortion {
+    /// Compares each triangle of the shape with its image.
+    fn of(shape: &Surface, template: &Surface, found: &Correspondence, target: &[DVec3]) -> Self {
+        let turn = found.similarity.rotation_matrix();
+        // The template's normal at each welded vertex, in the shape's frame.
+        let mut facing = vec![None; shape.points.len()];
+        if let Some(on) = &found.on_template {
+            let mut surface_triangle = std::collections::HashMap::new();
+            for (i, t) in template.file_triangle.iter().enumerate() {
+                surface_triangle.insert(*t, i);
+            }
+            for (v, point) in shape.point_of_vertex.iter().enumerate() {
+                if let (Some(p), Some(&t)) = (point, surface_triangle.get(&on.triangle[v])) {
+                    facing[*p as usize] = Some(turn * template.triangle_normals[t]);
+                }
+            }
+        }
+        let mut flipped = 0;
+        let mut ratios = Vec::with_capacity(shape.triangles.len());
+        for (t, corners) in shape.triangles.iter().enumerate() {
+            let [a, b, c] = corners.map(|v| shape.points[v as usize]);
+            let [x, y, z] = corners.map(|v| target[v as usize]);
+            let image = (y - x).cross(z - x);
+            let up: DVec3 = corners.iter().filter_map(|v| facing[*v as usize]).sum();
+            let reference = if up == DVec3::ZERO { shape.triangle_normals[t] } else { up };
+            flipped += usize::from(image.dot(reference) < 0.0);
+            ratios.push(stretch([a, b, c], [x, y, z]));
+        }
+        ratios.sort_by(f64::total_cmp);
+        Self { flipped, stretch: ratios[ratios.len() / 2] }
+    }
+}
+
+/// σ_max/σ_min of the linear map between two triangles, at most 1e6.
+fn stretch([a, b, c]: [DVec3; 3], [x, y, z]: [DVec3; 3]) -> f64 {
+    let e1 = b - a;
+    let length = e1.length();
+    let u = e1 / length;
+    let e2 = c - a;
+    let along = e2.dot(u);
+    let up = (e2 - u * along).length();
+    // Columns of the Jacobian along u and across it.
+    let j1 = (y - x) / length;
+    let j2 = ((z - x) - j1 * along) / up;
+    let (p, q, r) = (j1.length_squared(), j1.dot(j2), j2.length_squared());
+    let mean = 0.5 * (p + r);
+    let spread = (0.25 * (p - r).powi(2) + q * q).sqrt();
+    let ratio = ((mean + spread) / (mean - spread).max(0.0)).sqrt();
+    if ratio.is_finite() { ratio.min(1e6) } else { 1e6 }
+}

@@ -1,0 +1,295 @@
+//! Similarities x ↦ s R x + t, and the best one between paired points.
+
+use glam::{DMat3, DVec3};
+
+use crate::MatchError;
+use crate::eigen::symmetric_eigen;
+
+/// x ↦ s R x + t, with s > 0 and R a proper rotation (never a reflection).
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Similarity {
+    /// s, positive.
+    pub scale: f64,
+    /// R, by rows; det R = 1.
+    pub rotation: [[f64; 3]; 3],
+    /// t.
+    pub translation: [f64; 3],
+}
+
+/// Whether a fit may change size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Scaling {
+    /// s is fitted.
+    Free,
+    /// s = 1: a rigid motion.
+    Rigid,
+}
+
+impl Similarity {
+    /// x ↦ x.
+    pub const IDENTITY: Self = Self {
+        scale: 1.0,
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0; 3],
+    };
+
+    pub(crate) fn new(scale: f64, rotation: DMat3, translation: DVec3) -> Self {
+        Self { scale, rotation: rotation.transpose().to_cols_array_2d(), translation: translation.to_array() }
+    }
+
+    pub(crate) fn rotation_matrix(&self) -> DMat3 {
+        DMat3::from_cols_array_2d(&self.rotation).transpose()
+    }
+
+    pub(crate) fn at(&self, point: DVec3) -> DVec3 {
+        self.rotation_matrix() * point * self.scale + DVec3::from_array(self.translation)
+    }
+
+    /// s R x + t.
+    pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
+        self.at(DVec3::from_array(point)).to_array()
+    }
+
+    /// The similarity that undoes this one.
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation_matrix().transpose();
+        let scale = 1.0 / self.scale;
+        Self::new(scale, rotation, rotation * DVec3::from_array(self.translation) * -scale)
+    }
+
+    /// First `self`, then `next`.
+    pub fn then(&self, next: &Self) -> Self {
+        Self::new(
+            self.scale * next.scale,
+            next.rotation_matrix() * self.rotation_matrix(),
+            next.at(DVec3::from_array(self.translation)),
+        )
+    }
+
+    /// The 4×4 matrix [sR t; 0 1], by rows.
+    pub fn to_matrix(&self) -> [[f64; 4]; 4] {
+        let row = |r: usize| {
+            let [a, b, c] = self.rotation[r].map(|x| x * self.scale);
+            [a, b, c, self.translation[r]]
+        };
+        [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
+    }
+
+    /// The similarity that minimises Σ w ‖s R from + t − to‖² (Umeyama, PAMI 1991).
+    ///
+    /// R is found as the leading eigenvector of Horn's quaternion matrix (JOSA A 1987), which
+    /// is the proper rotation of Umeyama's SVD solution. Weights are ≥ 0; none means all 1.
+    ///
+    /// # Errors
+    /// Fewer than three pairs, lists of different lengths, or points in one line.
+    pub fn fit(
+        from: &[[f64; 3]],
+        to: &[[f64; 3]],
+        weights: Option<&[f64]>,
+        scaling: Scaling,
+    ) -> Result<Self, MatchError> {
+        if from.len() != to.len() {
+            return Err(MatchError::LengthsDiffer {
+                what: "points to align",
+                left: from.len(),
+                right: to.len(),
+            });
+        }
+        if let Some(w) = weights
+            && w.len() != from.len()
+        {
+            return Err(MatchError::LengthsDiffer {
+                what: "points and their weights",
+                left: from.len(),
+                right: w.len(),
+            });
+        }
+        let pairs =
+            from.iter().zip(to).enumerate().map(|(i, (a, b))| {
+                (DVec3::from_array(*a), DVec3::from_array(*b), weights.map_or(1.0, |w| w[i]))
+            });
+        fit_pairs(pairs, scaling)
+    }
+
+    /// [`fit`](Self::fit) that is not led astray by wrong pairs: iteratively reweighted with
+    /// Tukey's biweight on a scale estimated from the median residual, starting from the best
+    /// of the fits to random triples (`seed`). Up to half of the pairs may be wrong.
+    ///
+    /// # Errors
+    /// As [`fit`](Self::fit).
+    pub fn fit_robust(
+        from: &[[f64; 3]],
+        to: &[[f64; 3]],
+        scaling: Scaling,
+        seed: u64,
+    ) -> Result<Self, MatchError> {
+        use rand::{RngExt, SeedableRng};
+        let mut best = Self::fit(from, to, None, scaling)?;
+        let n = from.len();
+        let residuals = |s: &Self| -> Vec<f64> {
+            from.iter()
+                .zip(to)
+                .map(|(a, b)| s.at(DVec3::from_array(*a)).distance(DVec3::from_array(*b)))
+                .collect()
+        };
+        let mut best_median = median(&mut residuals(&best));
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        for _ in 0..200 {
+            let triple: [usize; 3] = std::array::from_fn(|_| rng.random_range(0..n));
+            let (a, b) = (triple.map(|i| from[i]), triple.map(|i| to[i]));
+            // A triple in one line has no fit; another one will.
+            let Ok(candidate) = Self::fit(&a, &b, None, scaling) else { continue };
+            let median = median(&mut residuals(&candidate));
+            if median < best_median {
+                (best, best_median) = (candidate, median);
+            }
+        }
+        for _ in 0..20 {
+            let r = residuals(&best);
+            // 1.4826 turns a median of absolute residuals into σ; 4.685 σ is Tukey's constant.
+            let reach = 4.685 * 1.4826 * median(&mut r.clone());
+            if !(reach > 0.0) {
+                break;
+            }
+            let w: Vec<f64> = r
+                .iter()
+                .map(|r| if *r < reach { (1.0 - (r / reach).powi(2)).powi(2) } else { 0.0 })
+                .collect();
+            match Self::fit(from, to, Some(&w), scaling) {
+                Ok(next) => best = next,
+                Err(_) => break, // the inliers have shrunk to a line: the last fit stands
+            }
+        }
+        Ok(best)
+    }
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// [`Similarity::fit`] over (from, to, weight).
+pub(crate) fn fit_pairs(
+    pairs: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone,
+    scaling: Scaling,
+) -> Result<Similarity, MatchError> {
+    let (mut count, mut total, mut a0, mut b0) = (0, 0.0, DVec3::ZERO, DVec3::ZERO);
+    for (a, b, w) in pairs.clone() {
+        count += usize::from(w > 0.0);
+        total += w;
+        a0 += a * w;
+        b0 += b * w;
+    }
+    if count < 3 {
+        return Err(MatchError::TooFewPairs(count));
+    }
+    a0 /= total;
+    b0 /= total;
+    let (mut covariance, mut spread_a, mut spread_b) = (DMat3::ZERO, 0.0, 0.0);
+    for (a, b, w) in pairs {
+        let (a, b) = (a - a0, b - b0);
+        covariance += DMat3::from_cols(b * (a.x * w), b * (a.y * w), b * (a.z * w));
+        spread_a += w * a.length_squared();
+        spread_b += w * b.length_squared();
+    }
+    // m(r, c) = Σ w a_r b_c, Horn's S.
+    let m = |r: usize, c: usize| covariance.col(r)[c];
+    let horn = [
+        [m(0, 0) + m(1, 1) + m(2, 2), m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0)],
+        [m(1, 2) - m(2, 1), m(0, 0) - m(1, 1) - m(2, 2), m(0, 1) + m(1, 0), m(2, 0) + m(0, 2)],
+        [m(2, 0) - m(0, 2), m(0, 1) + m(1, 0), m(1, 1) - m(0, 0) - m(2, 2), m(1, 2) + m(2, 1)],
+        [m(0, 1) - m(1, 0), m(2, 0) + m(0, 2), m(1, 2) + m(2, 1), m(2, 2) - m(0, 0) - m(1, 1)],
+    ];
+    let (values, vectors) = symmetric_eigen(horn);
+    let size = (spread_a * spread_b).sqrt();
+    // Two equal leading eigenvalues: a whole circle of rotations fits equally well.
+    if !(values[0] - values[1] > size * 1e-12) || !size.is_finite() {
+        return Err(MatchError::Degenerate);
+    }
+    let [w, x, y, z] = vectors[0];
+    let rotation = DMat3::from_quat(glam::DQuat::from_xyzw(x, y, z, w).normalize());
+    let scale = match scaling {
+        Scaling::Free => values[0] / spread_a,
+        Scaling::Rigid => 1.0,
+    };
+    if !(scale > 0.0 && scale.is_finite()) {
+        return Err(MatchError::Degenerate);
+    }
+    Ok(Similarity::new(scale, rotation, b0 - rotation * a0 * scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = [f64; 3]> {
+        [-1.0..1.0, -1.0..1.0, -1.0..1.0]
+    }
+
+    proptest! {
+        #[test]
+        fn a_known_similarity_is_recovered(
+            points in prop::collection::vec(point(), 5..20),
+            axis in point(), angle in -3.1..3.1f64, log_scale in -5.0..5.0f64, shift in point(),
+        ) {
+            let axis = DVec3::from_array(axis);
+            prop_assume!(axis.length() > 0.1);
+            let truth = Similarity::new(
+                log_scale.exp(), DMat3::from_axis_angle(axis.normalize(), angle),
+                DVec3::from_array(shift) * 10.0,
+            );
+            let moved: Vec<_> = points.iter().map(|p| truth.apply(*p)).collect();
+            let Ok(found) = Similarity::fit(&points, &moved, None, Scaling::Free) else {
+                return Ok(()); // points drawn in one line
+            };
+            for (p, q) in points.iter().zip(&moved) {
+                let r = found.apply(*p);
+                for i in 0..3 {
+                    prop_assert!((r[i] - q[i]).abs() < 1e-7 * truth.scale.max(1.0), "{r:?} {q:?}");
+                }
+            }
+            let back = found.then(&found.inverse());
+            let p = back.apply([1.0, 2.0, 3.0]);
+            prop_assert!((p[0] - 1.0).abs() + (p[1] - 2.0).abs() + (p[2] - 3.0).abs() < 1e-9);
+        }
+
+        #[test]
+        fn reflections_are_refused(points in prop::collection::vec(point(), 6..20)) {
+            let mirrored: Vec<_> = points.iter().map(|p| [-p[0], p[1], p[2]]).collect();
+            if let Ok(s) = Similarity::fit(&points, &mirrored, None, Scaling::Free) {
+                prop_assert!((s.rotation_matrix().determinant() - 1.0).abs() < 1e-12);
+                prop_assert!(s.scale > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_third_of_wrong_pairs_does_not_move_the_robust_fit() {
+        let points: Vec<[f64; 3]> =
+            (0..30).map(|i| [(i as f64).sin(), (2.1 * i as f64).cos(), (0.7 * i as f64).sin()]).collect();
+        let truth = Similarity::new(2.0, DMat3::from_rotation_y(1.0), DVec3::new(1.0, 2.0, 3.0));
+        let mut moved: Vec<_> = points.iter().map(|p| truth.apply(*p)).collect();
+        for p in moved.iter_mut().step_by(3) {
+            *p = [p[1] + 3.0, -p[0], p[2] * 5.0];
+        }
+        let found = Similarity::fit_robust(&points, &moved, Scaling::Free, 1).unwrap();
+        assert!((found.scale - 2.0).abs() < 1e-9, "{found:?}");
+        let plain = Similarity::fit(&points, &moved, None, Scaling::Free).unwrap();
+        assert!((plain.scale - 2.0).abs() > 1e-2);
+    }
+
+    #[test]
+    fn points_in_one_line_are_refused() {
+        let line = [[0.0; 3], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0], [3.0, 3.0, 3.0]];
+        assert_eq!(Similarity::fit(&line, &line, None, Scaling::Free), Err(MatchError::Degenerate));
+        assert_eq!(
+            Similarity::fit(&line[..2], &line[..2], None, Scaling::Free),
+            Err(MatchError::TooFewPairs(2))
+        );
+    }
+}

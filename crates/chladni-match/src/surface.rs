@@ -1,0 +1,346 @@
+//! A mesh as a surface: welded, without degenerate triangles, at unit size.
+
+use std::collections::HashMap;
+
+use chladni_mesh::TriMesh;
+use glam::DVec3;
+
+use crate::bvh::{Bvh, SurfacePoint};
+use crate::{MatchError, Side};
+
+/// What all methods work on. Coordinates are centred at the area-weighted centroid and divided
+/// by the diagonal of the bounding box, so that lengths are shares of the diagonal.
+#[derive(Clone, Debug)]
+pub(crate) struct Surface {
+    /// Area-weighted centroid, file units.
+    pub center: DVec3,
+    /// Diagonal of the bounding box of the vertices in use, file units; positive.
+    pub diagonal: f64,
+    /// N welded vertices in use.
+    pub points: Vec<DVec3>,
+    /// Triangles of positive area over `points`.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each of `triangles` its index in the file.
+    pub file_triangle: Vec<u32>,
+    /// For each of the n file vertices its welded vertex; `None` where no triangle uses it.
+    pub point_of_vertex: Vec<Option<u32>>,
+    /// Unit normals of `triangles`.
+    pub triangle_normals: Vec<DVec3>,
+    /// Areas of `triangles`.
+    pub triangle_areas: Vec<f64>,
+    /// Area-weighted unit normals of `points` (zero where the triangles cancel).
+    pub normals: Vec<DVec3>,
+    /// A third of the area around each of `points`.
+    pub areas: Vec<f64>,
+    /// Whether a vertex lies on an edge of one triangle only.
+    pub boundary: Vec<bool>,
+    /// Component of each of `points`, numbered from 0 in order of first vertex.
+    pub component: Vec<u32>,
+    bvh: Bvh,
+    neighbour_start: Vec<u32>,
+    neighbours: Vec<u32>,
+}
+
+impl Surface {
+    pub fn new(mesh: &TriMesh, side: Side) -> Result<Self, MatchError> {
+        check(mesh, side)?;
+        let welded = weld(mesh);
+        let (center, diagonal) = extent(mesh, &welded.kept).ok_or(MatchError::NoSurface(side))?;
+        let points: Vec<DVec3> =
+            welded.file_vertex.iter().map(|&v| (file_point(mesh, v) - center) / diagonal).collect();
+        let (mut triangles, mut file_triangle) = (Vec::new(), Vec::new());
+        let (mut triangle_normals, mut triangle_areas) = (Vec::new(), Vec::new());
+        let mut normals = vec![DVec3::ZERO; points.len()];
+        let mut areas = vec![0.0; points.len()];
+        for &t in &welded.kept {
+            // `kept` names triangles whose corners all have a welded vertex.
+            let corners = mesh.triangles[t as usize].map(|v| welded.point_of_vertex[v as usize].unwrap_or(0));
+            let [a, b, c] = corners.map(|v| points[v as usize]);
+            let twice = (b - a).cross(c - a);
+            let area = 0.5 * twice.length();
+            let Some(normal) = twice.try_normalize() else { continue };
+            for v in corners {
+                normals[v as usize] += twice;
+                areas[v as usize] += area / 3.0;
+            }
+            triangles.push(corners);
+            file_triangle.push(t);
+            triangle_normals.push(normal);
+            triangle_areas.push(area);
+        }
+        if triangles.is_empty() {
+            return Err(MatchError::NoSurface(side));
+        }
+        normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+        let (neighbour_start, neighbours, boundary) = adjacency(points.len(), &triangles);
+        let component = components(&neighbour_start, &neighbours);
+        let bvh = Bvh::new(&points, &triangles);
+        Ok(Self {
+            center,
+            diagonal,
+            points,
+            triangles,
+            file_triangle,
+            point_of_vertex: welded.point_of_vertex,
+            triangle_normals,
+            triangle_areas,
+            normals,
+            areas,
+            boundary,
+            component,
+            bvh,
+            neighbour_start,
+            neighbours,
+        })
+    }
+
+    /// A file point in this surface's coordinates.
+    pub fn from_file(&self, point: [f64; 3]) -> DVec3 {
+        (DVec3::from_array(point) - self.center) / self.diagonal
+    }
+
+    /// A point of this surface in the file's coordinates.
+    pub fn to_file(&self, point: DVec3) -> DVec3 {
+        point * self.diagonal + self.center
+    }
+
+    /// The closest point nearer than `reach`.
+    pub fn closest(&self, query: DVec3, reach: f64) -> Option<SurfacePoint> {
+        self.bvh.closest(query, reach)
+    }
+
+    /// The vertices that share an edge with `v`.
+    pub fn neighbours(&self, v: usize) -> &[u32] {
+        &self.neighbours[self.neighbour_start[v] as usize..self.neighbour_start[v + 1] as usize]
+    }
+
+    /// Whether a surface point lies on an open edge.
+    pub fn on_boundary(&self, at: &SurfacePoint) -> bool {
+        let corners = self.triangles[at.triangle as usize];
+        (0..3).any(|i| {
+            at.barycentric[i] < 1e-9
+                && self.boundary[corners[(i + 1) % 3] as usize]
+                && self.boundary[corners[(i + 2) % 3] as usize]
+        })
+    }
+
+    /// Interpolated vertex normal of a surface point.
+    pub fn smooth_normal(&self, at: &SurfacePoint) -> DVec3 {
+        let corners = self.triangles[at.triangle as usize];
+        let n: DVec3 = (0..3).map(|i| self.normals[corners[i] as usize] * at.barycentric[i]).sum();
+        n.try_normalize().unwrap_or(self.triangle_normals[at.triangle as usize])
+    }
+
+    /// Total area, in squared diagonals.
+    pub fn area(&self) -> f64 {
+        self.triangle_areas.iter().sum()
+    }
+
+    /// Area-weighted second moments about the centre.
+    pub fn second_moments(&self) -> [[f64; 3]; 3] {
+        let mut m = [[0.0; 3]; 3];
+        for (t, area) in self.triangles.iter().zip(&self.triangle_areas) {
+            let [a, b, c] = t.map(|v| self.points[v as usize]);
+            let s = a + b + c;
+            // ∫ x xᵀ over a triangle = area/12 (Σ p pᵀ + s sᵀ).
+            for p in [a, b, c, s] {
+                for i in 0..3 {
+                    for j in 0..3 {
+                        m[i][j] += area / 12.0 * p[i] * p[j];
+                    }
+                }
+            }
+        }
+        m
+    }
+}
+
+fn file_point(mesh: &TriMesh, v: u32) -> DVec3 {
+    DVec3::from_array(mesh.positions[v as usize])
+}
+
+fn check(mesh: &TriMesh, side: Side) -> Result<(), MatchError> {
+    if mesh.positions.len() >= u32::MAX as usize || mesh.triangles.len() >= u32::MAX as usize {
+        return Err(MatchError::TooLarge(side));
+    }
+    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|v| **v as usize >= mesh.positions.len()) {
+            let vertices = mesh.positions.len();
+            return Err(MatchError::IndexOutOfRange { side, triangle, vertex, vertices });
+        }
+    }
+    match mesh.positions.iter().position(|p| !p.iter().all(|x| x.is_finite() && x.abs() < 1e150)) {
+        Some(vertex) => Err(MatchError::NotFinite { side, vertex }),
+        None => Ok(()),
+    }
+}
+
+struct Welded {
+    point_of_vertex: Vec<Option<u32>>,
+    /// One file vertex for each welded one.
+    file_vertex: Vec<u32>,
+    /// Triangles with three distinct corners and some area.
+    kept: Vec<u32>,
+}
+
+/// Merges vertices at equal positions and keeps the triangles that have area.
+fn weld(mesh: &TriMesh) -> Welded {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for &v in mesh.triangles.iter().flatten() {
+        low = low.min(file_point(mesh, v));
+        high = high.max(file_point(mesh, v));
+    }
+    let size = (high - low).length();
+    let kept: Vec<u32> = (0..mesh.triangles.len() as u32)
+        .filter(|&t| {
+            let [a, b, c] = mesh.triangles[t as usize].map(|v| file_point(mesh, v) / size);
+            (b - a).cross(c - a).length() > 1e-16
+        })
+        .collect();
+    let mut at_position: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut point_of_vertex = vec![None; mesh.positions.len()];
+    let mut file_vertex = Vec::new();
+    for &t in &kept {
+        for v in mesh.triangles[t as usize] {
+            if point_of_vertex[v as usize].is_some() {
+                continue;
+            }
+            // Adding 0.0 makes −0.0 and 0.0 one position.
+            let key = mesh.positions[v as usize].map(|x| (x + 0.0).to_bits());
+            let point = *at_position.entry(key).or_insert_with(|| {
+                file_vertex.push(v);
+                file_vertex.len() as u32 - 1
+            });
+            point_of_vertex[v as usize] = Some(point);
+        }
+    }
+    Welded { point_of_vertex, file_vertex, kept }
+}
+
+/// Area-weighted centroid and bounding-box diagonal of the kept triangles.
+fn extent(mesh: &TriMesh, kept: &[u32]) -> Option<(DVec3, f64)> {
+    let origin = file_point(mesh, mesh.triangles[*kept.first()? as usize][0]);
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for &v in kept.iter().flat_map(|t| &mesh.triangles[*t as usize]) {
+        low = low.min(file_point(mesh, v));
+        high = high.max(file_point(mesh, v));
+    }
+    let diagonal = (high - low).length();
+    let (mut area, mut moment) = (0.0, DVec3::ZERO);
+    for &t in kept {
+        let [a, b, c] = mesh.triangles[t as usize].map(|v| (file_point(mesh, v) - origin) / diagonal);
+        let weight = (b - a).cross(c - a).length();
+        area += weight;
+        moment += (a + b + c) / 3.0 * weight;
+    }
+    let center = origin + moment / area * diagonal;
+    (diagonal > 0.0 && diagonal.is_finite() && center.is_finite()).then_some((center, diagonal))
+}
+
+/// Neighbour lists (start, list) and the vertices on open edges.
+fn adjacency(n: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>, Vec<bool>) {
+    let mut edges: Vec<(u32, u32)> = Vec::with_capacity(triangles.len() * 3);
+    for &[a, b, c] in triangles {
+        edges.extend([(a, b), (b, c), (c, a)].map(|(i, j)| (i.min(j), i.max(j))));
+    }
+    edges.sort_unstable();
+    let mut boundary = vec![false; n];
+    let mut distinct: Vec<(u32, u32)> = Vec::with_capacity(edges.len() / 2 + 1);
+    for run in edges.chunk_by(|a, b| a == b) {
+        let (i, j) = run[0];
+        distinct.push((i, j));
+        if run.len() == 1 {
+            boundary[i as usize] = true;
+            boundary[j as usize] = true;
+        }
+    }
+    let mut start = vec![0_u32; n + 1];
+    for &(i, j) in &distinct {
+        start[i as usize + 1] += 1;
+        start[j as usize + 1] += 1;
+    }
+    for v in 0..n {
+        start[v + 1] += start[v];
+    }
+    let mut fill = start.clone();
+    let mut list = vec![0_u32; 2 * distinct.len()];
+    for (i, j) in distinct {
+        for (from, to) in [(i, j), (j, i)] {
+            list[fill[from as usize] as usize] = to;
+            fill[from as usize] += 1;
+        }
+    }
+    (start, list, boundary)
+}
+
+fn components(start: &[u32], neighbours: &[u32]) -> Vec<u32> {
+    let n = start.len() - 1;
+    let mut component = vec![u32::MAX; n];
+    let mut next = 0;
+    let mut stack = Vec::new();
+    for seed in 0..n {
+        if component[seed] != u32::MAX {
+            continue;
+        }
+        component[seed] = next;
+        stack.push(seed);
+        while let Some(v) = stack.pop() {
+            for &w in &neighbours[start[v] as usize..start[v + 1] as usize] {
+                if component[w as usize] == u32::MAX {
+                    component[w as usize] = next;
+                    stack.push(w as usize);
+                }
+            }
+        }
+        next += 1;
+    }
+    component
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriMesh {
+        TriMesh { positions: positions.to_vec(), triangles: triangles.to_vec(), ..Default::default() }
+    }
+
+    #[test]
+    fn seams_are_welded_and_slivers_dropped() {
+        let m = mesh(
+            &[
+                [0.0; 3],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [1.0, 1.0, 0.0],
+                [-0.0, 1.0, 0.0],
+                [9.0; 3],
+            ],
+            &[[0, 1, 2], [3, 4, 5], [0, 1, 3], [0, 0, 1]],
+        );
+        let s = Surface::new(&m, Side::Shape).unwrap();
+        assert_eq!((s.points.len(), s.triangles.len()), (4, 2));
+        assert_eq!(s.point_of_vertex[1], s.point_of_vertex[3]);
+        assert_eq!(s.point_of_vertex[6], None);
+        assert!(s.boundary.iter().all(|b| *b) && s.component.iter().all(|c| *c == 0));
+        assert!((s.diagonal - 2.0_f64.sqrt()).abs() < 1e-15 && (s.area() - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_no_surface_is_an_error() {
+        let flat = [[0.0; 3], [1.0; 3], [2.0; 3]];
+        for (m, error) in [
+            (mesh(&[], &[]), MatchError::NoSurface(Side::Shape)),
+            (mesh(&flat, &[[0, 1, 2]]), MatchError::NoSurface(Side::Shape)),
+            (mesh(&[[5.0; 3]; 3], &[[0, 1, 2]]), MatchError::NoSurface(Side::Shape)),
+            (mesh(&[[f64::NAN; 3]], &[]), MatchError::NotFinite { side: Side::Shape, vertex: 0 }),
+            (
+                mesh(&flat, &[[0, 1, 7]]),
+                MatchError::IndexOutOfRange { side: Side::Shape, triangle: 0, vertex: 7, vertices: 3 },
+            ),
+        ] {
+            assert_eq!(Surface::new(&m, Side::Shape).unwrap_err(), error);
+        }
+    }
+}
