@@ -24,10 +24,12 @@
 mod decode;
 mod error;
 mod spectrum;
+mod tune;
 
 pub use decode::{Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav};
 pub use error::SoundError;
 pub use spectrum::{FrontEnd, Level, Spectrum, SpectrumAnalyser, SpectrumSettings};
+pub use tune::{TUNE_BPM, TUNE_RATE_HZ, sample_tune, sample_tune_beats_secs};
 
 /// The lowest sampling rate taken for real.
 pub const MIN_RATE_HZ: u32 = 1_000;
