@@ -1,1 +1,58 @@
-//! Not built yet.
+//! Cameras, lights, drawing meshes and heat maps, picking, off-screen pictures and film.
+//!
+//! ```
+//! use chladni_view::{Gpu, PictureRequest, PictureShape, Style, ViewError, render_picture};
+//!
+//! let positions = [[0.0, 1.0, 0.0], [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [0.0, -1.0, -1.0]];
+//! let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+//! // A machine without any graphics driver, not even a software one, cannot draw.
+//! let gpu = match Gpu::headless() {
+//!     Err(ViewError::NoAdapter(_)) => return Ok(()),
+//!     gpu => gpu?,
+//! };
+//! let picture = render_picture(&gpu, &PictureRequest {
+//!     shapes: &[PictureShape { positions: &positions, triangles: &triangles, ..Default::default() }],
+//!     width: 320,
+//!     height: 240,
+//!     camera: None,
+//!     style: Style::default(),
+//! })?;
+//! let png = picture.to_png()?;
+//! assert!(png.starts_with(b"\x89PNG"));
+//! # Ok::<(), ViewError>(())
+//! ```
+//!
+//! Windows and films keep a [`Renderer`], [`Topology`] and [`ItemBuffers`] and draw [`Cell`]s of
+//! [`Figure`]s on a [`Canvas`]; the buffers may belong to a synthesizer on the same device.
+//!
+//! Not guaranteed: pixels differ in their last bits from driver to driver. Translucent figures
+//! are not sorted. Shapes cast no shadows on each other.
+
+mod camera;
+mod canvas;
+mod colormap;
+mod error;
+mod gpu;
+pub mod layout;
+mod pick;
+mod picture;
+mod pipelines;
+mod renderer;
+mod request;
+mod scene;
+mod style;
+
+pub use camera::{Camera, Projection, UpAxis, View};
+pub use canvas::Canvas;
+pub use colormap::{ColorMap, Scale};
+pub use error::ViewError;
+pub use gpu::Gpu;
+pub use layout::Rect;
+pub use pick::{Hit, PickTree, Ray};
+pub use picture::Picture;
+pub use renderer::Renderer;
+pub use request::{PictureRequest, PictureShape, Style, render_picture, render_picture_with, smooth_normals};
+pub use scene::{
+    Brush, Cell, Figure, IDENTITY, ItemBuffers, Marker, Paint, Skin, Topology, VertexPaint, Wire,
+};
+pub use style::{Background, Light, Lights, Material};

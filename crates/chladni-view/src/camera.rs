@@ -1,0 +1,343 @@
+//! A turntable camera: orbit, pan, zoom, fit, and the ray through a pixel.
+
+use glam::{Mat4, Vec3};
+
+use crate::Rect;
+use crate::pick::Ray;
+
+/// Which axis points up in the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UpAxis {
+    /// y is up and z comes towards the viewer (OBJ, glTF).
+    #[default]
+    Y,
+    /// z is up and −y comes towards the viewer (Blender, CAD).
+    Z,
+}
+
+/// How depth is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Projection {
+    /// Near is larger.
+    #[default]
+    Perspective,
+    /// Parallel lines stay parallel; the scale is that of the perspective at the target.
+    Orthographic,
+}
+
+/// The views of the number pad.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// From the front (1).
+    Front,
+    /// From the back (Ctrl 1).
+    Back,
+    /// From the viewer's right (3).
+    Right,
+    /// From the viewer's left (Ctrl 3).
+    Left,
+    /// From above (7).
+    Top,
+    /// From below (Ctrl 7).
+    Bottom,
+    /// From the front, turned and raised a little: what portraits use.
+    ThreeQuarter,
+}
+
+/// Where the viewer stands. Angles turn about the up axis (turntable), so that the horizon
+/// stays level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The point looked at.
+    pub target: [f32; 3],
+    /// Turn about the up axis; 0 looks at the front, positive moves the viewer to the right.
+    pub yaw_rad: f32,
+    /// Height above the horizon, in [−π/2, π/2].
+    pub pitch_rad: f32,
+    /// From the eye to the target; positive.
+    pub distance: f32,
+    /// Radius about the target of all that is drawn; sets the depth range.
+    pub reach: f32,
+    /// Vertical angle of view.
+    pub fov_y_rad: f32,
+    /// How depth is drawn.
+    pub projection: Projection,
+    /// Which axis is up.
+    pub up_axis: UpAxis,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            target: [0.0; 3],
+            yaw_rad: 0.0,
+            pitch_rad: 0.0,
+            distance: 4.0,
+            reach: 2.0,
+            // A 50 mm lens on a full frame: close to how a portrait is seen.
+            fov_y_rad: 27.0_f32.to_radians(),
+            projection: Projection::Perspective,
+            up_axis: UpAxis::Y,
+        }
+    }
+}
+
+impl Camera {
+    /// Radians per pixel of an orbiting drag, as Blender's default.
+    const ORBIT_RAD_PER_PIXEL: f32 = 0.4 * std::f32::consts::PI / 180.0;
+
+    /// The default camera turned to `view`.
+    pub fn looking(view: View) -> Self {
+        let mut camera = Self::default();
+        camera.look(view);
+        camera
+    }
+
+    /// Turns to one of the standard views; target and distance stay.
+    pub fn look(&mut self, view: View) {
+        use std::f32::consts::{FRAC_PI_2, PI};
+        (self.yaw_rad, self.pitch_rad) = match view {
+            View::Front => (0.0, 0.0),
+            View::Back => (PI, 0.0),
+            View::Right => (FRAC_PI_2, 0.0),
+            View::Left => (-FRAC_PI_2, 0.0),
+            View::Top => (0.0, FRAC_PI_2),
+            View::Bottom => (0.0, -FRAC_PI_2),
+            View::ThreeQuarter => (0.5, 0.14),
+        };
+    }
+
+    /// Turns by a drag of (dx, dy) pixels; y points down.
+    pub fn orbit(&mut self, dx: f32, dy: f32) {
+        use std::f32::consts::{FRAC_PI_2, PI, TAU};
+        let yaw = self.yaw_rad - dx * Self::ORBIT_RAD_PER_PIXEL;
+        self.yaw_rad = (yaw + PI).rem_euclid(TAU) - PI;
+        self.pitch_rad = (self.pitch_rad + dy * Self::ORBIT_RAD_PER_PIXEL).clamp(-FRAC_PI_2, FRAC_PI_2);
+    }
+
+    /// Shifts by a drag of (dx, dy) pixels in a viewport `height` pixels high: the point under
+    /// the pointer, at the target's depth, follows it.
+    pub fn pan(&mut self, dx: f32, dy: f32, height: f32) {
+        let [right, up, _] = self.axes();
+        let per_pixel = 2.0 * self.distance * (0.5 * self.fov_y_rad).tan() / height.max(1.0);
+        self.target = (Vec3::from(self.target) + (up * dy - right * dx) * per_pixel).to_array();
+    }
+
+    /// Comes nearer by `steps` of the wheel (negative: goes away), a tenth of the distance each.
+    pub fn zoom(&mut self, steps: f32) {
+        let nearest = self.reach * 0.02;
+        self.distance =
+            (self.distance * 0.9_f32.powf(steps)).clamp(nearest.max(1e-6), self.reach.max(1e-6) * 100.0);
+    }
+
+    /// Moves target and distance so that `points` fill a frame of `aspect` (width over height)
+    /// to `fill` of its sides (0.9 leaves a margin of 5 % on each). Direction stays. Without a
+    /// finite point nothing changes.
+    pub fn fit(&mut self, points: impl IntoIterator<Item = [f32; 3]> + Clone, aspect: f32, fill: f32) {
+        let [right, up, back] = self.axes();
+        let fill = fill.clamp(0.05, 1.0);
+        let tan_y = (0.5 * self.fov_y_rad).tan() * fill;
+        let tan_x = tan_y * aspect.max(1e-3);
+        // A point (x, y, z) in the camera's axes is inside while |x − eye.x| ≤ tan_x (eye.z − z),
+        // and so in y: two half-spaces per side, whose extremes fix the eye.
+        let slope = match self.projection {
+            Projection::Perspective => [tan_x, tan_y],
+            Projection::Orthographic => [0.0; 2],
+        };
+        let (mut high, mut low) = ([f32::NEG_INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
+        for point in points.clone() {
+            let p = Vec3::from(point);
+            if !p.is_finite() {
+                continue;
+            }
+            let (xy, z) = ([p.dot(right), p.dot(up)], p.dot(back));
+            for i in 0..2 {
+                high[i] = high[i].max(xy[i] + slope[i] * z);
+                low[i] = low[i].max(-xy[i] + slope[i] * z);
+            }
+            (near, far) = (near.max(z), far.min(z));
+        }
+        if near < far {
+            return;
+        }
+        let eye: [f32; 2] = std::array::from_fn(|i| 0.5 * (high[i] - low[i]));
+        let middle = 0.5 * (near + far);
+        let distance = match self.projection {
+            Projection::Perspective => {
+                let eye_z = (0.5 * (high[0] + low[0]) / tan_x).max(0.5 * (high[1] + low[1]) / tan_y);
+                eye_z - middle
+            }
+            Projection::Orthographic => {
+                (0.5 * (high[0] + low[0]) / tan_x).max(0.5 * (high[1] + low[1]) / tan_y)
+            }
+        };
+        let target = right * eye[0] + up * eye[1] + back * middle;
+        let reach = points
+            .into_iter()
+            .map(Vec3::from)
+            .filter(|p| p.is_finite())
+            .fold(0.0_f32, |reach, p| reach.max(p.distance(target)));
+        self.reach = reach.max(1e-6);
+        self.distance = distance.max(self.reach * 0.05);
+        self.target = target.to_array();
+    }
+
+    /// As [`fit`](Self::fit), but so that `points` stay in the frame at every yaw: for turntables.
+    pub fn fit_turntable(&mut self, points: &[[f32; 3]], aspect: f32, fill: f32) {
+        // Only the profile counts: the widest radius about the vertical through the centre at each height.
+        const HEIGHTS: usize = 128;
+        const TURNS: usize = 32;
+        let finite = points.iter().copied().map(Vec3::from).filter(|p| p.is_finite());
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for p in finite.clone() {
+            (low, high) = (low.min(p), high.max(p));
+        }
+        if low.x > high.x {
+            return;
+        }
+        let center = 0.5 * (low + high);
+        let (x, y) = match self.up_axis {
+            UpAxis::Y => (Vec3::X, Vec3::Z),
+            UpAxis::Z => (Vec3::X, Vec3::Y),
+        };
+        let up = x.cross(y).abs();
+        let (bottom, span) = (low.dot(up), (high - low).dot(up).max(1e-12));
+        let mut radius = [-1.0_f32; HEIGHTS];
+        for p in finite {
+            let slot = (((p.dot(up) - bottom) / span) * (HEIGHTS - 1) as f32).round() as usize;
+            let d = p - center;
+            let slot = &mut radius[slot.min(HEIGHTS - 1)];
+            *slot = slot.max(d.dot(x).hypot(d.dot(y)));
+        }
+        let mut ring = Vec::with_capacity(HEIGHTS * TURNS);
+        for (i, r) in radius.into_iter().enumerate().filter(|(_, r)| *r >= 0.0) {
+            let height = bottom + span * i as f32 / (HEIGHTS - 1) as f32;
+            for turn in 0..TURNS {
+                let (sin, cos) = (turn as f32 * std::f32::consts::TAU / TURNS as f32).sin_cos();
+                let flat = center - up * center.dot(up);
+                ring.push((flat + up * height + (x * cos + y * sin) * r).to_array());
+            }
+        }
+        self.fit(ring.iter().copied(), aspect, fill);
+        // The axis of the turntable runs through the middle of the frame.
+        let target = Vec3::from(self.target);
+        self.target = (center + up * (target - center).dot(up)).to_array();
+    }
+
+    /// Right, up and back (towards the viewer) of the view, in the scene.
+    pub(crate) fn axes(&self) -> [Vec3; 3] {
+        let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch_rad.sin_cos();
+        let right = Vec3::new(cos_yaw, 0.0, -sin_yaw);
+        let back = Vec3::new(sin_yaw * cos_pitch, sin_pitch, cos_yaw * cos_pitch);
+        let up = back.cross(right);
+        let turn = |v: Vec3| match self.up_axis {
+            UpAxis::Y => v,
+            UpAxis::Z => Vec3::new(v.x, -v.z, v.y),
+        };
+        [turn(right), turn(up), turn(back)]
+    }
+
+    /// Where the eye is.
+    pub fn eye(&self) -> [f32; 3] {
+        (Vec3::from(self.target) + self.axes()[2] * self.distance).to_array()
+    }
+
+    /// From the scene to the camera's axes.
+    pub(crate) fn view_matrix(&self) -> Mat4 {
+        let [right, up, back] = self.axes();
+        let eye = Vec3::from(self.eye());
+        Mat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), eye.extend(1.0)).inverse()
+    }
+
+    /// From the camera's axes to clip space, depth in [0, 1].
+    pub(crate) fn projection_matrix(&self, aspect: f32) -> Mat4 {
+        let far = self.distance + self.reach * 1.5;
+        // Scales of x and y, then depth from near (0) to far (1).
+        let y = 1.0 / (0.5 * self.fov_y_rad).tan();
+        match self.projection {
+            Projection::Perspective => {
+                let near = (self.distance - self.reach * 1.5).max(far * 1e-3);
+                let depth = far / (near - far);
+                Mat4::from_cols_array(&[
+                    y / aspect,
+                    0.0,
+                    0.0,
+                    0.0, //
+                    0.0,
+                    y,
+                    0.0,
+                    0.0, //
+                    0.0,
+                    0.0,
+                    depth,
+                    -1.0, //
+                    0.0,
+                    0.0,
+                    near * depth,
+                    0.0,
+                ])
+            }
+            Projection::Orthographic => {
+                let near = self.distance - self.reach * 1.5;
+                let (y, depth) = (y / self.distance, 1.0 / (near - far));
+                Mat4::from_cols_array(&[
+                    y / aspect,
+                    0.0,
+                    0.0,
+                    0.0, //
+                    0.0,
+                    y,
+                    0.0,
+                    0.0, //
+                    0.0,
+                    0.0,
+                    depth,
+                    0.0, //
+                    0.0,
+                    0.0,
+                    near * depth,
+                    1.0,
+                ])
+            }
+        }
+    }
+
+    /// The pixel (x, y) of `point` in `viewport` and its depth in [0, 1]; `None` behind the eye.
+    pub fn project(&self, point: [f32; 3], viewport: Rect) -> Option<([f32; 2], f32)> {
+        let clip =
+            self.projection_matrix(viewport.aspect()) * self.view_matrix() * Vec3::from(point).extend(1.0);
+        (clip.w > 0.0).then(|| {
+            let x = viewport.x as f32 + (0.5 + 0.5 * clip.x / clip.w) * viewport.width as f32;
+            let y = viewport.y as f32 + (0.5 - 0.5 * clip.y / clip.w) * viewport.height as f32;
+            ([x, y], clip.z / clip.w)
+        })
+    }
+
+    /// The ray through the point (x, y) of `viewport`, pixels with y down.
+    pub fn ray(&self, x: f32, y: f32, viewport: Rect) -> Ray {
+        let [right, up, back] = self.axes();
+        let tan = (0.5 * self.fov_y_rad).tan();
+        let u =
+            (2.0 * (x - viewport.x as f32) / viewport.width.max(1) as f32 - 1.0) * tan * viewport.aspect();
+        let v = (1.0 - 2.0 * (y - viewport.y as f32) / viewport.height.max(1) as f32) * tan;
+        let eye = Vec3::from(self.eye());
+        match self.projection {
+            Projection::Perspective => {
+                let direction = (right * u + up * v - back).normalize();
+                Ray { origin: eye.to_array(), direction: direction.to_array() }
+            }
+            Projection::Orthographic => {
+                // Start in front of all that is drawn, however near the eye is.
+                let origin = eye + (right * u + up * v) * self.distance + back * self.reach * 2.0;
+                Ray { origin: origin.to_array(), direction: (-back).to_array() }
+            }
+        }
+    }
+
+    /// World units per pixel at the target, in a viewport `height` pixels high.
+    pub fn units_per_pixel(&self, height: f32) -> f32 {
+        2.0 * self.distance * (0.5 * self.fov_y_rad).tan() / height.max(1.0)
+    }
+}

@@ -1,0 +1,125 @@
+//! A finished picture, and the files it becomes.
+
+use crate::ViewError;
+
+/// An image in memory: sRGB, straight alpha, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// 4 · width · height bytes.
+    pub rgba: Vec<u8>,
+}
+
+impl Picture {
+    /// A picture of one colour.
+    pub fn filled(width: u32, height: u32, color: [u8; 4]) -> Self {
+        Self { width, height, rgba: color.repeat(width as usize * height as usize) }
+    }
+
+    /// The pixel at (x, y); `None` outside.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 4]> {
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        let at = 4 * (y as usize * self.width as usize + x as usize);
+        self.rgba.get(at..at + 4)?.try_into().ok()
+    }
+
+    /// Lays `other` over this picture with its upper left corner at (x, y); what hangs over the
+    /// edge is cut off.
+    pub fn paste(&mut self, other: &Self, x: u32, y: u32) {
+        let columns = other.width.min(self.width.saturating_sub(x)) as usize;
+        for row in 0..other.height.min(self.height.saturating_sub(y)) {
+            let from = 4 * (row as usize * other.width as usize);
+            let to = 4 * ((y + row) as usize * self.width as usize + x as usize);
+            let source = other.rgba[from..from + 4 * columns].as_chunks::<4>().0;
+            let target = self.rgba[to..to + 4 * columns].as_chunks_mut::<4>().0;
+            for (below, above) in target.iter_mut().zip(source) {
+                *below = over(*above, *below);
+            }
+        }
+    }
+
+    /// Half the width and height, each pixel the mean of four; for pictures drawn at twice
+    /// their size.
+    pub fn halved(&self) -> Self {
+        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
+        let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
+        for y in 0..height {
+            for x in 0..width {
+                let four = [(0, 0), (1, 0), (0, 1), (1, 1)]
+                    .map(|(i, j)| {
+                        self.pixel((2 * x + i).min(self.width - 1), (2 * y + j).min(self.height - 1))
+                    })
+                    .map(Option::unwrap_or_default);
+                let alpha: u32 = four.iter().map(|p| u32::from(p[3])).sum();
+                for channel in 0..3 {
+                    let sum: u32 = four.iter().map(|p| u32::from(p[channel]) * u32::from(p[3])).sum();
+                    rgba.push((sum + alpha / 2).checked_div(alpha).unwrap_or(0) as u8);
+                }
+                rgba.push(((alpha + 2) / 4) as u8);
+            }
+        }
+        Self { width, height, rgba }
+    }
+
+    /// Encodes as PNG; without an alpha channel where all is opaque.
+    ///
+    /// # Errors
+    /// [`ViewError::Image`] where the sizes do not agree.
+    pub fn to_png(&self) -> Result<Vec<u8>, ViewError> {
+        let opaque = self.rgba.as_chunks::<4>().0.iter().all(|pixel| pixel[3] == 255);
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_color(if opaque { png::ColorType::Rgb } else { png::ColorType::Rgba });
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.set_compression(png::Compression::High);
+        let failed = |error: png::EncodingError| ViewError::Image(error.to_string());
+        let mut writer = encoder.write_header().map_err(failed)?;
+        if opaque {
+            let rgb: Vec<u8> =
+                self.rgba.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+            writer.write_image_data(&rgb).map_err(failed)?;
+        } else {
+            writer.write_image_data(&self.rgba).map_err(failed)?;
+        }
+        writer.finish().map_err(failed)?;
+        Ok(bytes)
+    }
+
+    /// Decodes a PNG or JPEG file, 64 megapixels at most.
+    ///
+    /// # Errors
+    /// [`ViewError::Image`] where the bytes are no such image.
+    pub fn decode(bytes: &[u8]) -> Result<Self, ViewError> {
+        let failed = |error: &dyn std::fmt::Display| ViewError::Image(error.to_string());
+        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|error| failed(&error))?;
+        let mut limits = image::Limits::default();
+        limits.max_image_width = Some(16_384);
+        limits.max_image_height = Some(16_384);
+        limits.max_alloc = Some(256 << 20);
+        reader.limits(limits);
+        let image = reader.decode().map_err(|error| failed(&error))?.into_rgba8();
+        Ok(Self { width: image.width(), height: image.height(), rgba: image.into_raw() })
+    }
+}
+
+/// Porter & Duff's "over" on straight alpha.
+fn over(above: [u8; 4], below: [u8; 4]) -> [u8; 4] {
+    let (a, b) = (u32::from(above[3]), u32::from(below[3]));
+    let alpha = a * 255 + b * (255 - a);
+    if alpha == 0 {
+        return [0; 4];
+    }
+    let mix = |i: usize| {
+        let sum = u32::from(above[i]) * a * 255 + u32::from(below[i]) * b * (255 - a);
+        ((sum + alpha / 2) / alpha) as u8
+    };
+    [mix(0), mix(1), mix(2), ((alpha + 127) / 255) as u8]
+}

@@ -1,0 +1,460 @@
+//! Draws cells of figures on a canvas.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3};
+
+use crate::pipelines::{Layouts, MARKER_BYTES, Pipelines};
+use crate::style::linear;
+use crate::{Canvas, Cell, ColorMap, Figure, Gpu, Paint, ViewError};
+
+/// The pipelines of one device and target format, and the uniform buffers they share. Make one
+/// and keep it: pipelines are compiled here.
+pub struct Renderer {
+    gpu: Gpu,
+    format: wgpu::TextureFormat,
+    layouts: Layouts,
+    pipelines: Pipelines,
+    maps: wgpu::TextureView,
+    map_sampler: wgpu::Sampler,
+    skin_sampler: wgpu::Sampler,
+    images: wgpu::BindGroup,
+    cells: Uniforms<CellUniform>,
+    figures: Uniforms<FigureUniform>,
+    markers: wgpu::Buffer,
+    marker_bytes: Vec<MarkerInstance>,
+}
+
+impl std::fmt::Debug for Renderer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Renderer").field("format", &self.format).finish_non_exhaustive()
+    }
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct CellUniform {
+    view: [[f32; 4]; 4],
+    projection: [[f32; 4]; 4],
+    lights: [[[f32; 4]; 2]; 3],
+    sky: [f32; 4],
+    ground: [f32; 4],
+    background_center: [f32; 4],
+    background_corner: [f32; 4],
+    viewport: [f32; 4],
+    output: [f32; 4],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct FigureUniform {
+    model: [[f32; 4]; 4],
+    color: [f32; 4],
+    back: [f32; 4],
+    material: [f32; 4],
+    scale: [f32; 4],
+    wire: [f32; 4],
+    wire_width: [f32; 4],
+    brush: [f32; 4],
+    brush_color: [f32; 4],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct MarkerInstance {
+    position: [f32; 3],
+    radius: f32,
+    color: [u8; 4],
+}
+
+impl Renderer {
+    /// Compiles the pipelines for pictures ([`Canvas::FORMAT`]).
+    pub fn new(gpu: &Gpu) -> Self {
+        Self::with_format(gpu, Canvas::FORMAT)
+    }
+
+    /// Compiles the pipelines for canvases of another eight-bit format.
+    pub fn with_format(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
+        let device = &gpu.device;
+        let layouts = Layouts::new(device);
+        let pipelines = Pipelines::new(device, &layouts, format);
+        let sampler = |mode, anisotropy_clamp| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                address_mode_u: mode,
+                address_mode_v: mode,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                anisotropy_clamp,
+                ..Default::default()
+            })
+        };
+        let maps = map_texture(gpu);
+        let map_sampler = sampler(wgpu::AddressMode::ClampToEdge, 1);
+        let skin_sampler = sampler(wgpu::AddressMode::Repeat, 4);
+        // Nothing samples the maps as a skin unless a figure has one.
+        let images = image_group(device, &layouts, [&maps, &maps], [&map_sampler, &skin_sampler]);
+        let cells = Uniforms::new(device, &layouts.cell, "cells");
+        let figures = Uniforms::new(device, &layouts.figure, "figures");
+        let markers = marker_buffer(device, 64);
+        Self {
+            gpu: gpu.clone(),
+            format,
+            layouts,
+            pipelines,
+            maps,
+            map_sampler,
+            skin_sampler,
+            images,
+            cells,
+            figures,
+            markers,
+            marker_bytes: Vec::new(),
+        }
+    }
+
+    /// The device drawn with.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Draws `cells` on `canvas` and submits; does not wait. What no cell covers is transparent.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where a cell leaves the canvas, or a figure's topology, buffers and
+    /// paint do not belong together; [`ViewError::Device`] where the device has failed.
+    pub fn draw(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<wgpu::SubmissionIndex, ViewError> {
+        self.gpu.check()?;
+        if canvas.format() != self.format {
+            let (wanted, found) = (self.format, canvas.format());
+            return Err(ViewError::Shape(format!("a canvas of {found:?} for a renderer of {wanted:?}")));
+        }
+        self.stage(canvas, cells)?;
+        let device = &self.gpu.device;
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = canvas.pass(&mut encoder);
+            let (mut figure_index, mut first_marker) = (0, 0);
+            for (cell_index, cell) in cells.iter().enumerate() {
+                let r = cell.viewport;
+                pass.set_viewport(r.x as f32, r.y as f32, r.width as f32, r.height as f32, 0.0, 1.0);
+                pass.set_scissor_rect(r.x, r.y, r.width, r.height);
+                pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
+                pass.set_bind_group(1, &self.figures.group, &[0]);
+                pass.set_bind_group(2, &self.images, &[]);
+                if cell.background.opacity > 0.0 {
+                    pass.set_pipeline(&self.pipelines.backdrop);
+                    pass.draw(0..3, 0..1);
+                }
+                for figure in cell.figures {
+                    pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(figure_index)]);
+                    self.draw_figure(&mut pass, figure);
+                    figure_index += 1;
+                }
+                if !cell.markers.is_empty() {
+                    let markers = first_marker..first_marker + cell.markers.len() as u32;
+                    pass.set_vertex_buffer(0, self.markers.slice(..));
+                    for pipeline in [&self.pipelines.hidden_markers, &self.pipelines.markers] {
+                        pass.set_pipeline(pipeline);
+                        pass.draw(0..4, markers.clone());
+                    }
+                    first_marker = markers.end;
+                }
+            }
+        }
+        Ok(self.gpu.queue.submit([encoder.finish()]))
+    }
+
+    fn draw_figure(&self, pass: &mut wgpu::RenderPass<'_>, figure: &Figure<'_>) {
+        let Figure { topology, buffers, .. } = figure;
+        let corners = 3 * topology.triangles as u32;
+        if figure.wire.is_some() || matches!(figure.paint, Paint::Skin(_)) {
+            self.bind_corners(pass, figure);
+            pass.set_pipeline(&self.pipelines.corners);
+            pass.draw(0..corners, 0..1);
+            pass.set_bind_group(2, &self.images, &[]);
+            return;
+        }
+        let bytes = (buffers.vertices * 12) as u64;
+        let item = figure.item as u64 * bytes..(figure.item as u64 + 1) * bytes;
+        pass.set_vertex_buffer(0, buffers.positions.slice(item.clone()));
+        pass.set_vertex_buffer(1, buffers.normals.slice(item));
+        let pipeline = match figure.paint {
+            Paint::Material | Paint::Skin(_) => &self.pipelines.plain,
+            Paint::Values(paint, _) => {
+                pass.set_vertex_buffer(2, paint.buffer.slice(..));
+                &self.pipelines.values
+            }
+            Paint::Colors(paint) => {
+                pass.set_vertex_buffer(2, paint.buffer.slice(..));
+                &self.pipelines.colors
+            }
+        };
+        pass.set_pipeline(pipeline);
+        pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..corners, 0, 0..1);
+    }
+
+    /// Wires and skins read their vertices from storage; these groups are small and made per draw.
+    fn bind_corners(&self, pass: &mut wgpu::RenderPass<'_>, figure: &Figure<'_>) {
+        let paint = match figure.paint {
+            Paint::Values(paint, _) | Paint::Colors(paint) => &paint.buffer,
+            Paint::Material | Paint::Skin(_) => &figure.topology.indices,
+        };
+        let buffers = [
+            &figure.buffers.positions,
+            &figure.buffers.normals,
+            &figure.topology.indices,
+            &figure.topology.uvs,
+            paint,
+        ];
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        let device = &self.gpu.device;
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("corners"),
+            layout: &self.layouts.corners,
+            entries: &entries,
+        });
+        pass.set_bind_group(3, &group, &[]);
+        if let Paint::Skin(skin) = figure.paint {
+            let views = [&self.maps, &skin.view];
+            let samplers = [&self.map_sampler, &self.skin_sampler];
+            pass.set_bind_group(2, &image_group(device, &self.layouts, views, samplers), &[]);
+        }
+    }
+
+    /// Checks the scene and queues its uniforms.
+    fn stage(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<(), ViewError> {
+        self.cells.clear();
+        self.figures.clear();
+        self.marker_bytes.clear();
+        for cell in cells {
+            let r = cell.viewport;
+            let fits = |start: u32, length: u32, limit: u32| {
+                length > 0 && start.checked_add(length).is_some_and(|end| end <= limit)
+            };
+            if !fits(r.x, r.width, canvas.width()) || !fits(r.y, r.height, canvas.height()) {
+                let (w, h) = (canvas.width(), canvas.height());
+                return Err(ViewError::Shape(format!("a cell at {r:?} on a canvas of {w}×{h}")));
+            }
+            self.cells.push(&cell_uniform(cell, !self.format.is_srgb()));
+            for figure in cell.figures {
+                check_figure(figure)?;
+                self.figures.push(&figure_uniform(figure));
+            }
+            self.marker_bytes.extend(cell.markers.iter().map(|marker| MarkerInstance {
+                position: marker.position,
+                radius: marker.radius_px,
+                color: marker.color,
+            }));
+        }
+        // The backdrop binds a figure even where there is none.
+        if self.figures.bytes.is_empty() {
+            self.figures.push(&FigureUniform::zeroed());
+        }
+        let Gpu { device, queue, .. } = &self.gpu;
+        self.cells.upload(device, queue, &self.layouts.cell);
+        self.figures.upload(device, queue, &self.layouts.figure);
+        if !self.marker_bytes.is_empty() {
+            let count = self.marker_bytes.len() as u64;
+            if self.markers.size() < count * MARKER_BYTES {
+                self.markers = marker_buffer(device, count.next_power_of_two());
+            }
+            queue.write_buffer(&self.markers, 0, bytemuck::cast_slice(&self.marker_bytes));
+        }
+        Ok(())
+    }
+}
+
+fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
+    let Figure { topology, buffers, item, .. } = figure;
+    if topology.vertices != buffers.vertices || *item >= buffers.items {
+        return Err(ViewError::Shape(format!(
+            "item {item} of {} with {} vertices, and triangles over {}",
+            buffers.items, buffers.vertices, topology.vertices
+        )));
+    }
+    match figure.paint {
+        Paint::Values(paint, _) | Paint::Colors(paint) if paint.vertices != buffers.vertices => {
+            Err(ViewError::Shape(format!("{} painted vertices of {}", paint.vertices, buffers.vertices)))
+        }
+        Paint::Skin(_) if !topology.has_uvs => Err(ViewError::Shape("a skin on a shape without UVs".into())),
+        _ => Ok(()),
+    }
+}
+
+fn cell_uniform(cell: &Cell<'_>, encode: bool) -> CellUniform {
+    let rgb = |[r, g, b]: [f32; 3], w| [r, g, b, w];
+    let srgb = |color: [u8; 3], w| rgb(color.map(|c| f32::from(c) / 255.0), w);
+    let r = cell.viewport;
+    let orthographic = cell.camera.projection == crate::Projection::Orthographic;
+    CellUniform {
+        view: cell.camera.view_matrix().to_cols_array_2d(),
+        projection: cell.camera.projection_matrix(r.aspect()).to_cols_array_2d(),
+        lights: cell.lights.lights.map(|light| {
+            let direction = Vec3::from(light.direction).normalize_or(Vec3::Y);
+            [rgb(direction.to_array(), 0.0), rgb(light.color, 0.0)]
+        }),
+        sky: rgb(cell.lights.sky, 0.0),
+        ground: rgb(cell.lights.ground, 0.0),
+        background_center: srgb(cell.background.center, cell.background.opacity),
+        background_corner: srgb(cell.background.corner, 0.0),
+        viewport: [r.x as f32, r.y as f32, r.width as f32, r.height as f32],
+        output: [f32::from(u8::from(encode)), cell.lights.exposure, f32::from(u8::from(orthographic)), 0.0],
+    }
+}
+
+fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
+    let rgb = |[r, g, b]: [f32; 3], w| [r, g, b, w];
+    let srgb = |color: [u8; 3], w| rgb(color.map(|c| f32::from(c) / 255.0), w);
+    let (kind, scale) = match figure.paint {
+        Paint::Material => (0.0, None),
+        Paint::Values(_, scale) => (1.0, Some(scale)),
+        Paint::Colors(_) => (2.0, None),
+        Paint::Skin(_) => (3.0, None),
+    };
+    let scale = scale
+        .map_or([0.0; 4], |scale| [scale.low, (scale.high - scale.low).recip(), scale.map.row() as f32, 0.0]);
+    let m = figure.material;
+    let first_vertex = (figure.item * figure.buffers.vertices) as f32;
+    FigureUniform {
+        model: Mat4::from_cols_array_2d(&figure.model).to_cols_array_2d(),
+        color: rgb(linear(m.color), figure.opacity),
+        // Back faces are a shade redder and darker: one sees where a surface is open.
+        back: [0.78, 0.62, 0.58, kind],
+        material: [m.roughness, m.metal, m.softness, m.iridescence],
+        scale,
+        wire: figure.wire.map_or([0.0; 4], |wire| srgb(wire.color, wire.opacity)),
+        wire_width: [figure.wire.map_or(0.0, |wire| wire.width_px), first_vertex, 0.0, 0.0],
+        brush: figure.brush.map_or([0.0; 4], |brush| rgb(brush.center, brush.radius)),
+        brush_color: figure.brush.map_or([0.0; 4], |brush| srgb(brush.color, 1.0)),
+    }
+}
+
+/// Many values of one uniform, told apart by their dynamic offset.
+struct Uniforms<T> {
+    label: &'static str,
+    bytes: Vec<u8>,
+    stride: usize,
+    buffer: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    kind: std::marker::PhantomData<Arc<T>>,
+}
+
+impl<T: Pod> Uniforms<T> {
+    fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, label: &'static str) -> Self {
+        let alignment = device.limits().min_uniform_buffer_offset_alignment as usize;
+        let stride = size_of::<T>().next_multiple_of(alignment);
+        let (buffer, group) = Self::room(device, layout, label, 16 * stride);
+        Self { label, bytes: Vec::new(), stride, buffer, group, kind: std::marker::PhantomData }
+    }
+
+    fn room(
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        label: &str,
+        bytes: usize,
+    ) -> (wgpu::Buffer, wgpu::BindGroup) {
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: &buffer,
+                    offset: 0,
+                    size: wgpu::BufferSize::new(size_of::<T>() as u64),
+                }),
+            }],
+        });
+        (buffer, group)
+    }
+
+    fn clear(&mut self) {
+        self.bytes.clear();
+    }
+
+    fn push(&mut self, value: &T) {
+        let start = self.bytes.len();
+        self.bytes.extend_from_slice(bytemuck::bytes_of(value));
+        self.bytes.resize(start + self.stride, 0);
+    }
+
+    fn offset(&self, index: usize) -> u32 {
+        (index * self.stride) as u32
+    }
+
+    fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, layout: &wgpu::BindGroupLayout) {
+        if self.buffer.size() < self.bytes.len() as u64 {
+            let bytes = self.bytes.len().next_power_of_two();
+            (self.buffer, self.group) = Self::room(device, layout, self.label, bytes);
+        }
+        queue.write_buffer(&self.buffer, 0, &self.bytes);
+    }
+}
+
+fn marker_buffer(device: &wgpu::Device, count: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("markers"),
+        size: count * MARKER_BYTES,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// All colour maps, one a row.
+fn map_texture(gpu: &Gpu) -> wgpu::TextureView {
+    use wgpu::util::DeviceExt;
+    let pixels: Vec<u8> = ColorMap::ALL
+        .iter()
+        .flat_map(|map| (0..256).map(|i| map.color(i as f32 / 255.0)))
+        .flat_map(|[r, g, b]| [r, g, b, 255])
+        .collect();
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("colour maps"),
+            size: wgpu::Extent3d { width: 256, height: ColorMap::ALL.len() as u32, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        &pixels,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+fn image_group(
+    device: &wgpu::Device,
+    layouts: &Layouts,
+    [maps, skin]: [&wgpu::TextureView; 2],
+    [map_sampler, skin_sampler]: [&wgpu::Sampler; 2],
+) -> wgpu::BindGroup {
+    let resources = [
+        wgpu::BindingResource::TextureView(maps),
+        wgpu::BindingResource::Sampler(map_sampler),
+        wgpu::BindingResource::TextureView(skin),
+        wgpu::BindingResource::Sampler(skin_sampler),
+    ];
+    let entries: Vec<_> =
+        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("images"),
+        layout: &layouts.images,
+        entries: &entries,
+    })
+}

@@ -1,0 +1,181 @@
+//! Shapes in, picture out, in one call.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use crate::{
+    Background, Camera, Canvas, Cell, Figure, Gpu, ItemBuffers, Lights, Marker, Material, Paint, Picture,
+    Rect, Renderer, Scale, Topology, VertexPaint, View, ViewError, Wire, layout,
+};
+
+/// One shape to be drawn, each in a cell of its own.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PictureShape<'a> {
+    /// Positions, in any units.
+    pub positions: &'a [[f32; 3]],
+    /// Triangles of vertex indices.
+    pub triangles: &'a [[u32; 3]],
+    /// One per vertex; computed from the triangles where there are none.
+    pub normals: Option<&'a [[f32; 3]]>,
+    /// A heat map, one number a vertex.
+    pub values: Option<(&'a [f32], Scale)>,
+    /// Linear-light RGBA a vertex; a heat map goes before it.
+    pub colors: Option<&'a [[f32; 4]]>,
+    /// Landmarks.
+    pub markers: &'a [Marker],
+}
+
+/// How a picture looks.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Style {
+    /// What the shapes are made of.
+    pub material: Material,
+    /// What shines.
+    pub lights: Lights,
+    /// What is behind.
+    pub background: Background,
+    /// Edges over the surface.
+    pub wire: Option<Wire>,
+}
+
+/// A picture to be drawn by [`render_picture`].
+#[derive(Clone, Copy, Debug)]
+pub struct PictureRequest<'a> {
+    /// Each in its own cell, row by row.
+    pub shapes: &'a [PictureShape<'a>],
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Who looks; `None` fits one camera to all shapes, from [`View::ThreeQuarter`], so that
+    /// their sizes can be compared.
+    pub camera: Option<Camera>,
+    /// Materials, lights, background.
+    pub style: Style,
+}
+
+/// Draws shapes side by side and waits for the picture. Compiles its pipelines each time: for
+/// more than one picture use [`render_picture_with`] or a [`Renderer`] of your own.
+///
+/// # Errors
+/// See [`ViewError`]: arrays that do not fit together, sizes the device cannot draw, a device
+/// that fails.
+pub fn render_picture(gpu: &Gpu, request: &PictureRequest<'_>) -> Result<Picture, ViewError> {
+    render_picture_with(&mut Renderer::new(gpu), request)
+}
+
+/// As [`render_picture`], with a renderer that was made before.
+///
+/// # Errors
+/// See [`render_picture`].
+pub fn render_picture_with(
+    renderer: &mut Renderer,
+    request: &PictureRequest<'_>,
+) -> Result<Picture, ViewError> {
+    let gpu = renderer.gpu().clone();
+    let canvas = Canvas::new(&gpu, request.width, request.height)?;
+    let loaded: Vec<Loaded> =
+        request.shapes.iter().map(|shape| Loaded::new(&gpu, shape)).collect::<Result<_, _>>()?;
+    let figures: Vec<Figure<'_>> = loaded
+        .iter()
+        .map(|shape| Figure {
+            material: request.style.material,
+            paint: shape.paint(),
+            wire: request.style.wire,
+            ..Figure::new(&shape.topology, &shape.buffers, 0)
+        })
+        .collect();
+    let (rows, columns) = layout::rows_and_columns(request.width, request.height, figures.len(), 0.85);
+    let area = Rect::of_size(request.width, request.height);
+    let viewports = layout::grid(area, rows, columns, 0, figures.len());
+    let camera = request.camera.unwrap_or_else(|| {
+        let mut camera = Camera::looking(View::ThreeQuarter);
+        let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+        camera.fit(request.shapes.iter().flat_map(|shape| shape.positions.iter().copied()), aspect, 0.88);
+        camera
+    });
+    // One background behind all cells, so that no seams show.
+    let cell = |viewport, background, figures, markers| Cell {
+        viewport,
+        camera,
+        lights: request.style.lights,
+        background,
+        figures,
+        markers,
+    };
+    let mut cells = vec![cell(area, request.style.background, &[], &[])];
+    for ((viewport, figure), shape) in viewports.into_iter().zip(&figures).zip(request.shapes) {
+        let figure = std::slice::from_ref(figure);
+        cells.push(cell(viewport, Background::TRANSPARENT, figure, shape.markers));
+    }
+    renderer.draw(&canvas, &cells)?;
+    canvas.read(&gpu)
+}
+
+struct Loaded {
+    topology: Topology,
+    buffers: ItemBuffers,
+    paint: Option<(VertexPaint, Option<Scale>)>,
+}
+
+impl Loaded {
+    fn new(gpu: &Gpu, shape: &PictureShape<'_>) -> Result<Self, ViewError> {
+        let vertices = shape.positions.len();
+        let topology = Topology::new(gpu, vertices, shape.triangles)?;
+        let buffers = ItemBuffers::new(gpu, vertices, 1);
+        match shape.normals {
+            Some(normals) => buffers.write(gpu, 0, shape.positions, normals)?,
+            None => {
+                let normals = smooth_normals(shape.positions, shape.triangles);
+                buffers.write(gpu, 0, shape.positions, &normals)?;
+            }
+        }
+        let paint = if let Some((values, scale)) = shape.values {
+            let paint = VertexPaint::new(gpu, vertices);
+            paint.write_values(gpu, values)?;
+            Some((paint, Some(scale)))
+        } else if let Some(colors) = shape.colors {
+            let paint = VertexPaint::new(gpu, vertices);
+            let bytes: Vec<[u8; 4]> =
+                colors.iter().map(|c| c.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)).collect();
+            paint.write_colors(gpu, &bytes)?;
+            Some((paint, None))
+        } else {
+            None
+        };
+        Ok(Self { topology, buffers, paint })
+    }
+
+    fn paint(&self) -> Paint<'_> {
+        match &self.paint {
+            Some((values, Some(scale))) => Paint::Values(values, *scale),
+            Some((colors, None)) => Paint::Colors(colors),
+            None => Paint::Material,
+        }
+    }
+}
+
+/// Area-weighted vertex normals, the same for all vertices at one place, so that UV seams and
+/// files without shared vertices are drawn smooth. Triangles with an index out of range are left
+/// out; a vertex without area gets (0, 0, 0), which is drawn facing the viewer.
+pub fn smooth_normals(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
+    let mut first_at: HashMap<[u32; 3], u32> = HashMap::with_capacity(positions.len());
+    // Adding zero makes −0 into 0, which is the same place.
+    let welded: Vec<u32> = (0..)
+        .zip(positions)
+        .map(|(v, p)| *first_at.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(v))
+        .collect();
+    let mut sums = vec![Vec3::ZERO; positions.len()];
+    let at = |v: u32| positions.get(v as usize).copied().map(Vec3::from);
+    for t in triangles {
+        let (Some(a), Some(b), Some(c)) = (at(t[0]), at(t[1]), at(t[2])) else { continue };
+        let twice_area = (b - a).cross(c - a);
+        if twice_area.is_finite() {
+            for v in t {
+                sums[welded[*v as usize] as usize] += twice_area;
+            }
+        }
+    }
+    welded.iter().map(|v| sums[*v as usize].normalize_or_zero().to_array()).collect()
+}

@@ -1,0 +1,320 @@
+// Drawing of shapes, backgrounds and markers. Lighting happens in the viewer's axes, in linear
+// light; colours leave premultiplied by their opacity.
+
+struct Light { direction: vec4f, color: vec4f }
+
+struct Cell {
+    view: mat4x4f,
+    projection: mat4x4f,
+    lights: array<Light, 3>,
+    sky: vec4f,
+    ground: vec4f,
+    // Colours as sRGB numbers; w of the first: opacity.
+    background_center: vec4f,
+    background_corner: vec4f,
+    // x, y, width, height in pixels.
+    viewport: vec4f,
+    // x: 1 where the target wants sRGB-encoded numbers; y: exposure; z: 1 in orthographic views.
+    output: vec4f,
+}
+
+struct Figure {
+    model: mat4x4f,
+    // Linear light; w: opacity.
+    color: vec4f,
+    // Tint of back faces; w: paint (0 material, 1 values, 2 colours, 3 texture).
+    back: vec4f,
+    // Roughness, metal, softness, iridescence.
+    material: vec4f,
+    // Low, 1 / (high − low), row of the map, gloss of painted surfaces.
+    scale: vec4f,
+    // sRGB, opacity in w.
+    wire: vec4f,
+    // Width of the wire in pixels; first vertex; ambient share; -.
+    wire_width: vec4f,
+    // Centre in the scene, radius (0: none).
+    brush: vec4f,
+    brush_color: vec4f,
+}
+
+@group(0) @binding(0) var<uniform> cell: Cell;
+@group(1) @binding(0) var<uniform> figure: Figure;
+@group(2) @binding(0) var maps: texture_2d<f32>;
+@group(2) @binding(1) var map_sampler: sampler;
+@group(2) @binding(2) var skin: texture_2d<f32>;
+@group(2) @binding(3) var skin_sampler: sampler;
+@group(3) @binding(0) var<storage, read> positions: array<f32>;
+@group(3) @binding(1) var<storage, read> normals: array<f32>;
+@group(3) @binding(2) var<storage, read> corners: array<u32>;
+@group(3) @binding(3) var<storage, read> corner_uvs: array<vec2f>;
+@group(3) @binding(4) var<storage, read> paints: array<u32>;
+
+struct Surface {
+    @builtin(position) clip: vec4f,
+    // In the viewer's axes.
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) color: vec4f,
+    @location(3) value: f32,
+    @location(4) uv: vec2f,
+    @location(5) barycentric: vec3f,
+    // In the scene.
+    @location(6) place: vec3f,
+}
+
+fn surface(position: vec3f, normal: vec3f) -> Surface {
+    var out: Surface;
+    let place = figure.model * vec4f(position, 1.0);
+    let at = cell.view * place;
+    out.clip = cell.projection * at;
+    out.at = at.xyz;
+    out.place = place.xyz;
+    // The model matrix is a similarity: normals turn with it.
+    out.normal = (cell.view * figure.model * vec4f(normal, 0.0)).xyz;
+    out.color = vec4f(1.0);
+    out.value = 0.0;
+    out.uv = vec2f(0.0);
+    out.barycentric = vec3f(1.0);
+    return out;
+}
+
+@vertex
+fn plain_vertex(@location(0) position: vec3f, @location(1) normal: vec3f) -> Surface {
+    return surface(position, normal);
+}
+
+@vertex
+fn value_vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) value: f32,
+) -> Surface {
+    var out = surface(position, normal);
+    out.value = value;
+    return out;
+}
+
+@vertex
+fn color_vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) color: vec4f,
+) -> Surface {
+    var out = surface(position, normal);
+    out.color = color;
+    return out;
+}
+
+// One vertex per corner, for what lives on corners: UVs with seams, and wires.
+@vertex
+fn corner_vertex(@builtin(vertex_index) corner: u32) -> Surface {
+    let v = corners[corner];
+    let i = 3u * (v + u32(figure.wire_width.y));
+    var out = surface(
+        vec3f(positions[i], positions[i + 1u], positions[i + 2u]),
+        vec3f(normals[i], normals[i + 1u], normals[i + 2u]),
+    );
+    let paint = u32(figure.back.w);
+    if paint == 1u { out.value = bitcast<f32>(paints[v]); }
+    if paint == 2u { out.color = unpack4x8unorm(paints[v]); }
+    if paint == 3u { out.uv = corner_uvs[corner]; }
+    let which = corner % 3u;
+    out.barycentric = vec3f(f32(which == 0u), f32(which == 1u), f32(which == 2u));
+    return out;
+}
+
+fn to_linear(c: vec3f) -> vec3f {
+    return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
+}
+
+fn to_srgb(c: vec3f) -> vec3f {
+    return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, c * 12.92, c <= vec3f(0.0031308));
+}
+
+// The target's numbers of a linear-light colour.
+fn encoded(c: vec3f) -> vec3f {
+    let bounded = clamp(c, vec3f(0.0), vec3f(1.0));
+    if cell.output.x > 0.5 { return to_srgb(bounded); }
+    return bounded;
+}
+
+// Khronos PBR Neutral tone mapper (2024): colours below the shoulder stay true.
+fn toned(linear: vec3f) -> vec3f {
+    let start = 0.76;
+    let low = min(linear.r, min(linear.g, linear.b));
+    let offset = select(0.04, low - 6.25 * low * low, low < 0.08);
+    var c = linear - offset;
+    let peak = max(c.r, max(c.g, c.b));
+    if peak < start { return c; }
+    let d = 1.0 - start;
+    let new_peak = 1.0 - d * d / (peak + d - start);
+    c = c * (new_peak / peak);
+    let g = 1.0 - 1.0 / (0.15 * (peak - new_peak) + 1.0);
+    return mix(c, vec3f(new_peak), g);
+}
+
+// What the studio looks like along `d`: a floor, a ceiling and one softbox per light.
+fn studio(d: vec3f, roughness: f32) -> vec3f {
+    let blur = mix(0.18, 0.9, roughness);
+    var c = mix(cell.ground.rgb, cell.sky.rgb * 1.25, smoothstep(-blur, blur, d.y));
+    let tight = mix(26.0, 2.5, roughness);
+    for (var i = 0; i < 3; i++) {
+        let near = exp(tight * (dot(d, cell.lights[i].direction.xyz) - 1.0));
+        c += cell.lights[i].color.rgb * near * mix(1.3, 0.45, roughness);
+    }
+    return c;
+}
+
+fn shaded(base: vec3f, n: vec3f, v: vec3f) -> vec3f {
+    let roughness = figure.material.x;
+    let metal = figure.material.y;
+    let softness = figure.material.z;
+    let nv = clamp(dot(n, v), 0.0, 1.0);
+    var tint = base;
+    if figure.material.w > 0.0 {
+        // Thin-film hues by the angle of view (a cosine palette, not a simulation).
+        let phase = vec3f(0.0, 0.33, 0.67) + 1.15 * nv + 0.25 * n.y;
+        let film = 0.5 + 0.5 * cos(6.2832 * phase);
+        tint = mix(base, base * (0.62 + 0.62 * film), figure.material.w * (1.0 - 0.55 * nv));
+    }
+    let f0 = mix(vec3f(0.04), tint, metal);
+    let a = min(roughness * roughness + 0.05, 1.0);
+    var diffuse = mix(cell.ground.rgb, cell.sky.rgb, 0.5 + 0.5 * n.y);
+    var gloss = vec3f(0.0);
+    for (var i = 0; i < 3; i++) {
+        let l = cell.lights[i].direction.xyz;
+        let light = cell.lights[i].color.rgb;
+        let wrap = 0.45 * softness;
+        let nl = dot(n, l);
+        let lit = max((nl + wrap) / (1.0 + wrap), 0.0);
+        diffuse += light * lit * mix(1.0, lit, wrap);
+        // Cook–Torrance with GGX and Kelemen's visibility.
+        let h = normalize(l + v);
+        let nh = max(dot(n, h), 0.0);
+        let vh = max(dot(v, h), 1e-3);
+        let d = nh * nh * (a * a - 1.0) + 1.0;
+        let fresnel = f0 + (1.0 - f0) * pow(1.0 - vh, 5.0);
+        gloss += light * fresnel * max(nl, 0.0) * (a * a / (d * d)) * 0.25 / (vh * vh);
+    }
+    // Karis, "Physically Based Shading on Mobile" (2014): the environment's share.
+    let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
+    let k = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    let share = f0 * (-1.04 * k + r.z) + (1.04 * k + r.w);
+    let mirror = studio(reflect(-v, n), roughness) * share;
+    return (tint * (1.0 - metal) * diffuse + gloss + mirror) * cell.output.y;
+}
+
+// Painted values must stay readable against their legend: light only darkens, and gently.
+fn painted(color: vec3f, n: vec3f, v: vec3f) -> vec3f {
+    var light = 0.62 + 0.16 * n.y;
+    light += 0.42 * max(dot(n, cell.lights[0].direction.xyz), 0.0);
+    light += 0.16 * max(dot(n, cell.lights[1].direction.xyz), 0.0);
+    return color * min(light, 1.08) * mix(0.8, 1.0, smoothstep(0.0, 0.5, dot(n, v)));
+}
+
+@fragment
+fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    // Derivatives first, while all neighbours run.
+    let edge = fwidth(in.barycentric);
+    let reach = distance(in.place, figure.brush.xyz);
+    let reach_step = fwidth(reach);
+    let map_color = textureSample(maps, map_sampler, vec2f(
+        (clamp((in.value - figure.scale.x) * figure.scale.y, 0.0, 1.0) * 255.0 + 0.5) / 256.0,
+        (figure.scale.z + 0.5) / f32(textureDimensions(maps).y),
+    )).rgb;
+    let skin_color = textureSample(skin, skin_sampler, in.uv).rgb;
+
+    let v = select(normalize(-in.at), vec3f(0.0, 0.0, 1.0), cell.output.z > 0.5);
+    let length_of_normal = length(in.normal);
+    var n = select(v, in.normal / length_of_normal, length_of_normal > 0.0);
+    if !front { n = -n; }
+
+    var base = figure.color.rgb;
+    let paint = u32(figure.back.w);
+    if paint == 1u { base = map_color; }
+    if paint == 2u { base = in.color.rgb; }
+    if paint == 3u { base = skin_color; }
+    if !front { base = base * figure.back.rgb; }
+    var light: vec3f;
+    if paint == 1u { light = painted(base, n, v); } else { light = toned(shaded(base, n, v)); }
+    var c = encoded(light);
+
+    if figure.brush.w > 0.0 {
+        let ring = 1.0 - smoothstep(0.7, 1.7, abs(reach - figure.brush.w) / max(reach_step, 1e-9));
+        let inside = select(0.0, 0.13, reach < figure.brush.w);
+        c = mix(c, figure.brush_color.rgb, figure.brush_color.a * max(ring, inside));
+    }
+    if figure.wire_width.x > 0.0 {
+        let d = in.barycentric / max(edge, vec3f(1e-9));
+        let near = min(d.x, min(d.y, d.z));
+        let line = 1.0 - smoothstep(figure.wire_width.x - 0.5, figure.wire_width.x + 0.5, near);
+        c = mix(c, figure.wire.rgb, figure.wire.a * line);
+    }
+    return vec4f(c, 1.0) * figure.color.a;
+}
+
+struct Backdrop { @builtin(position) clip: vec4f, @location(0) at: vec2f }
+
+@vertex
+fn backdrop_vertex(@builtin(vertex_index) i: u32) -> Backdrop {
+    let corner = vec2f(f32((i << 1u) & 2u), f32(i & 2u)) * 2.0 - 1.0;
+    return Backdrop(vec4f(corner, 0.0, 1.0), corner);
+}
+
+@fragment
+fn backdrop_fragment(in: Backdrop) -> @location(0) vec4f {
+    let r = length(in.at * vec2f(1.0, 1.0) + vec2f(0.0, -0.1));
+    var c = mix(cell.background_center.rgb, cell.background_corner.rgb, smoothstep(0.1, 1.5, r));
+    // Interleaved gradient noise (Jimenez 2014) hides the steps of eight bits.
+    let p = in.clip.xy;
+    c += (fract(52.9829189 * fract(dot(p, vec2f(0.06711056, 0.00583715)))) - 0.5) / 255.0;
+    if cell.output.x < 0.5 { c = to_linear(max(c, vec3f(0.0))); }
+    return vec4f(c, 1.0) * cell.background_center.w;
+}
+
+struct Marker {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec2f,
+    @location(1) color: vec4f,
+    @location(2) radius: f32,
+}
+
+// A disc that always faces the viewer, `radius` pixels.
+@vertex
+fn marker_vertex(
+    @builtin(vertex_index) i: u32,
+    @location(0) position: vec3f,
+    @location(1) radius: f32,
+    @location(2) color: vec4f,
+) -> Marker {
+    let corner = vec2f(f32(i & 1u), f32(i >> 1u)) * 2.0 - 1.0;
+    var at = cell.view * vec4f(position, 1.0);
+    var clip = cell.projection * at;
+    // Half a disc towards the viewer, so that the surface below does not cut it.
+    let lift = radius * clip.w / (cell.viewport.w * cell.projection[1][1]);
+    let lifted = cell.projection * vec4f(at.xyz + vec3f(0.0, 0.0, 2.0 * lift), 1.0);
+    clip.z = lifted.z / lifted.w * clip.w;
+    let grown = radius + 1.0;
+    clip = vec4f(clip.xy + corner * grown * 2.0 / cell.viewport.zw * clip.w, clip.zw);
+    return Marker(clip, corner * grown, color, radius);
+}
+
+fn marker(in: Marker) -> vec4f {
+    let r = length(in.at);
+    let cover = 1.0 - smoothstep(in.radius - 0.7, in.radius + 0.7, r);
+    let rim = smoothstep(in.radius * 0.68 - 0.6, in.radius * 0.68 + 0.6, r);
+    var c = mix(in.color.rgb, vec3f(1.0), rim);
+    if cell.output.x < 0.5 { c = to_linear(c); }
+    return vec4f(c, 1.0) * cover * in.color.a;
+}
+
+@fragment
+fn marker_fragment(in: Marker) -> @location(0) vec4f {
+    return marker(in);
+}
+
+// What is behind the surface shows through faintly.
+@fragment
+fn hidden_marker_fragment(in: Marker) -> @location(0) vec4f {
+    return marker(in) * 0.22;
+}

@@ -1,0 +1,207 @@
+//! Materials, lights and backgrounds: a small studio.
+
+/// A linear-light RGB colour of an sRGB one, each channel in [0, 1].
+pub(crate) fn linear([r, g, b]: [u8; 3]) -> [f32; 3] {
+    [r, g, b].map(|c| {
+        let c = f32::from(c) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    })
+}
+
+/// How a surface answers to light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Own colour, sRGB.
+    pub color: [u8; 3],
+    /// 0 is a mirror, 1 is chalk.
+    pub roughness: f32,
+    /// Share of metal: coloured reflections and no diffuse light, in [0, 1].
+    pub metal: f32,
+    /// How far light bleeds around the terminator (wax, skin, porcelain), in [0, 1].
+    pub softness: f32,
+    /// Colours that turn with the angle of view (mother-of-pearl), in [0, 1].
+    pub iridescence: f32,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self::CLAY
+    }
+}
+
+impl Material {
+    /// Warm modelling clay: every form readable.
+    pub const CLAY: Self =
+        Self { color: [201, 172, 150], roughness: 0.62, metal: 0.0, softness: 0.25, iridescence: 0.0 };
+    /// Glazed white porcelain.
+    pub const PORCELAIN: Self =
+        Self { color: [236, 233, 228], roughness: 0.22, metal: 0.0, softness: 0.45, iridescence: 0.0 };
+    /// Cast bronze.
+    pub const BRONZE: Self =
+        Self { color: [196, 138, 82], roughness: 0.36, metal: 1.0, softness: 0.0, iridescence: 0.0 };
+    /// Mother-of-pearl.
+    pub const PEARL: Self =
+        Self { color: [226, 222, 226], roughness: 0.3, metal: 0.15, softness: 0.35, iridescence: 0.75 };
+    /// Matte dark rubber: the rim light draws it.
+    pub const DARK: Self =
+        Self { color: [52, 55, 62], roughness: 0.55, metal: 0.0, softness: 0.1, iridescence: 0.0 };
+    /// Names and presets, for menus and the command line.
+    pub const PRESETS: [(&'static str, Self); 5] = [
+        ("clay", Self::CLAY),
+        ("porcelain", Self::PORCELAIN),
+        ("bronze", Self::BRONZE),
+        ("pearl", Self::PEARL),
+        ("dark", Self::DARK),
+    ];
+
+    /// The preset called `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, material)| *material)
+    }
+}
+
+/// A distant light. Directions are the viewer's: x right, y up, z towards the viewer, so that
+/// the light stays put while the shape turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Towards the light; any length but zero.
+    pub direction: [f32; 3],
+    /// Linear-light RGB; 1 lights a white wall facing it fully.
+    pub color: [f32; 3],
+}
+
+/// Three lights and what comes from all sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lights {
+    /// Key, fill and rim.
+    pub lights: [Light; 3],
+    /// Linear-light RGB from above.
+    pub sky: [f32; 3],
+    /// Linear-light RGB from below.
+    pub ground: [f32; 3],
+    /// Multiplies all light.
+    pub exposure: f32,
+}
+
+impl Default for Lights {
+    fn default() -> Self {
+        Self::STUDIO
+    }
+}
+
+impl Lights {
+    /// Neutral studio: a large key from the upper left, a cool fill, a rim from behind.
+    pub const STUDIO: Self = Self {
+        lights: [
+            Light { direction: [-0.55, 0.65, 0.62], color: [0.92, 0.88, 0.82] },
+            Light { direction: [0.85, 0.1, 0.5], color: [0.17, 0.2, 0.25] },
+            Light { direction: [0.45, 0.55, -0.75], color: [0.6, 0.62, 0.66] },
+        ],
+        sky: [0.34, 0.36, 0.4],
+        ground: [0.13, 0.115, 0.1],
+        exposure: 1.0,
+    };
+    /// An overcast day: little shadow, for reading colours and maps.
+    pub const SOFT: Self = Self {
+        lights: [
+            Light { direction: [-0.3, 0.7, 0.65], color: [0.5, 0.5, 0.5] },
+            Light { direction: [0.6, 0.2, 0.75], color: [0.22, 0.22, 0.23] },
+            Light { direction: [0.0, 0.6, -0.8], color: [0.2, 0.2, 0.2] },
+        ],
+        sky: [0.48, 0.49, 0.51],
+        ground: [0.27, 0.265, 0.26],
+        exposure: 1.0,
+    };
+    /// One hard key from the side, deep shadow, strong rim.
+    pub const DRAMATIC: Self = Self {
+        lights: [
+            Light { direction: [-0.9, 0.45, 0.3], color: [1.25, 1.15, 1.0] },
+            Light { direction: [0.8, -0.2, 0.4], color: [0.03, 0.04, 0.06] },
+            Light { direction: [0.7, 0.35, -0.65], color: [0.75, 0.85, 1.05] },
+        ],
+        sky: [0.08, 0.09, 0.11],
+        ground: [0.03, 0.03, 0.03],
+        exposure: 1.0,
+    };
+    /// Two colours from either side, for the stage.
+    pub const STAGE: Self = Self {
+        lights: [
+            Light { direction: [-0.8, 0.4, 0.42], color: [1.05, 0.62, 0.38] },
+            Light { direction: [0.85, 0.15, 0.35], color: [0.28, 0.42, 0.95] },
+            Light { direction: [0.0, 0.7, -0.7], color: [0.75, 0.6, 0.85] },
+        ],
+        sky: [0.13, 0.12, 0.17],
+        ground: [0.06, 0.05, 0.08],
+        exposure: 1.0,
+    };
+    /// Names and presets, for menus and the command line.
+    pub const PRESETS: [(&'static str, Self); 4] = [
+        ("studio", Self::STUDIO),
+        ("soft", Self::SOFT),
+        ("dramatic", Self::DRAMATIC),
+        ("stage", Self::STAGE),
+    ];
+
+    /// The preset called `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, lights)| *lights)
+    }
+
+    /// These lights turned by `yaw_rad` about the viewer's vertical.
+    pub fn turned(mut self, yaw_rad: f32) -> Self {
+        let (sin, cos) = yaw_rad.sin_cos();
+        for light in &mut self.lights {
+            let [x, y, z] = light.direction;
+            light.direction = [x * cos + z * sin, y, z * cos - x * sin];
+        }
+        self
+    }
+}
+
+/// What is behind the shape, sRGB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Background {
+    /// Colour in the middle of the picture.
+    pub center: [u8; 3],
+    /// Colour in the corners.
+    pub corner: [u8; 3],
+    /// 1 is opaque; 0 leaves only the shape, for pictures with alpha.
+    pub opacity: f32,
+}
+
+impl Default for Background {
+    fn default() -> Self {
+        Self::PAPER
+    }
+}
+
+impl Background {
+    /// Warm light grey.
+    pub const PAPER: Self = Self { center: [238, 236, 232], corner: [203, 200, 195], opacity: 1.0 };
+    /// Dark blue-grey, as a modelling program's viewport.
+    pub const SLATE: Self = Self { center: [64, 69, 78], corner: [32, 35, 41], opacity: 1.0 };
+    /// Almost black, for the stage.
+    pub const NIGHT: Self = Self { center: [24, 23, 32], corner: [6, 6, 10], opacity: 1.0 };
+    /// Plain white, for print.
+    pub const WHITE: Self = Self { center: [255; 3], corner: [255; 3], opacity: 1.0 };
+    /// Nothing: the picture has alpha.
+    pub const TRANSPARENT: Self = Self { center: [0; 3], corner: [0; 3], opacity: 0.0 };
+    /// Names and presets, for menus and the command line.
+    pub const PRESETS: [(&'static str, Self); 5] = [
+        ("paper", Self::PAPER),
+        ("slate", Self::SLATE),
+        ("night", Self::NIGHT),
+        ("white", Self::WHITE),
+        ("transparent", Self::TRANSPARENT),
+    ];
+
+    /// The preset called `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, background)| *background)
+    }
+
+    /// One colour.
+    pub fn plain(color: [u8; 3]) -> Self {
+        Self { center: color, corner: color, opacity: 1.0 }
+    }
+}
