@@ -1,4 +1,4 @@
-//! Area-weighted vertex normals: exact for rest shapes, gathered over rings for every frame.
+//! Area-weighted normals of rest shapes, and the rings from which every frame gathers its own.
 
 use crate::SynthError;
 
@@ -38,52 +38,10 @@ impl Rings {
         Ok(Self { offsets, pairs })
     }
 
-    /// Area-weighted normals of vertices `first .. first + out.len()` of one item, blended
-    /// with the rest normals by `blending` in [0, 1].
-    pub fn gather(
-        &self,
-        positions: &[[f32; 3]],
-        rest_normals: &[[f32; 3]],
-        blending: f32,
-        first: usize,
-        out: &mut [[f32; 3]],
-    ) {
-        let rest_normals = &rest_normals[first..];
-        for (i, (out, &rest)) in out.iter_mut().zip(rest_normals).enumerate() {
-            let v = first + i;
-            let x = positions[v];
-            let ring = &self.pairs[self.offsets[v] as usize..self.offsets[v + 1] as usize];
-            let mut sum = [0.0_f32; 3];
-            for &[a, b] in ring {
-                let (pa, pb) = (positions[a as usize], positions[b as usize]);
-                let u: [f32; 3] = std::array::from_fn(|c| pa[c] - x[c]);
-                let w: [f32; 3] = std::array::from_fn(|c| pb[c] - x[c]);
-                sum[0] += u[1] * w[2] - u[2] * w[1];
-                sum[1] += u[2] * w[0] - u[0] * w[2];
-                sum[2] += u[0] * w[1] - u[1] * w[0];
-            }
-            *out = blend(sum, rest, blending);
-        }
+    /// The pairs around vertex `v`.
+    pub fn around(&self, v: usize) -> &[[u32; 2]] {
+        &self.pairs[self.offsets[v] as usize..self.offsets[v + 1] as usize]
     }
-}
-
-/// The mean of an exact normal (any length) and the rest normal, by weight; unit length.
-#[inline(always)]
-fn blend(sum: [f32; 3], rest: [f32; 3], blending: f32) -> [f32; 3] {
-    let Some(exact) = unit(sum) else { return rest };
-    if blending == 0.0 {
-        return exact;
-    }
-    let mean = std::array::from_fn(|c| exact[c] + blending * (rest[c] - exact[c]));
-    unit(mean).unwrap_or(exact)
-}
-
-/// The direction of `v`; `None` where it has none that f32 can tell.
-#[inline(always)]
-fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
-    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-    // Also refuses NaN. Below this, the square is subnormal and the direction is noise.
-    (length > 1e-18).then(|| v.map(|c| c / length))
 }
 
 /// Area-weighted unit normals n(v) of N positions: the direction of Σ (a − v) × (b − v) over

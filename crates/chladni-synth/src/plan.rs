@@ -134,6 +134,14 @@ impl Plan {
         &self.coefficients[block * size..][..size]
     }
 
+    /// The active harmonics of the next panel that a kernel fetches while it computes `block`,
+    /// so that memory works at an even pace through all blocks.
+    pub fn share_of(&self, block: usize) -> &[u32] {
+        let share = self.active.len().div_ceil(self.blocks);
+        let start = (block * share).min(self.active.len());
+        &self.active[start..(start + share).min(self.active.len())]
+    }
+
     fn fill(&mut self, column: usize, scales: &[f64], len: usize, at: impl Fn(usize) -> f32) {
         let (block, lane) = (column / self.width, column % self.width);
         let size = self.active.len() * self.width;

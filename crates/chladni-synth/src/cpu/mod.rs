@@ -2,15 +2,18 @@
 #![allow(unsafe_code, reason = "tasks write disjoint vertices of every item, see `rows`")]
 
 mod kernels;
+mod normals;
 mod rows;
 
 use rayon::prelude::*;
 
 pub use kernels::CpuPath;
+use kernels::Product;
 
 use crate::packed_basis::PANEL;
 use crate::plan::{Plan, columns_of};
 use crate::{Coefficients, FrameSettings, Item, Residual, SynthError, SynthModel, Synthesizer, Term};
+use normals::Gather;
 use rows::DisjointRows;
 
 /// Vertices per task of the normals.
@@ -30,6 +33,7 @@ pub struct CpuSynthesizer {
     path: CpuPath,
     plan: Plan,
     items: usize,
+    /// S·N, and one that belongs to no item.
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     /// Per task, the columns of one panel.
@@ -67,7 +71,7 @@ impl CpuSynthesizer {
 
     /// N deformed positions of item `item` of the last frame; empty if there is no such item.
     pub fn positions(&self, item: usize) -> &[[f32; 3]] {
-        self.slice(&self.positions, item)
+        self.slice(self.all_positions(), item)
     }
 
     /// N unit normals of item `item` of the last frame; empty if there is no such item.
@@ -77,7 +81,8 @@ impl CpuSynthesizer {
 
     /// S·N positions, item after item.
     pub fn all_positions(&self) -> &[[f32; 3]] {
-        &self.positions
+        let frame = self.items * self.model.vertices();
+        self.positions.get(..frame).unwrap_or_default()
     }
 
     /// S·N normals, item after item.
@@ -112,7 +117,8 @@ impl Synthesizer for CpuSynthesizer {
         let (basis, vertices) = (&*model.basis, model.vertices());
         plan.lay_out(items, vertices, basis.scales(), path.max_width())?;
         self.items = items.len();
-        positions.resize(items.len() * vertices, [0.0; 3]);
+        // One more, so that four lanes may be read from the last vertex too.
+        positions.resize(items.len() * vertices + 1, [0.0; 3]);
         normals.resize(items.len() * vertices, [0.0; 3]);
 
         let tasks = (rayon::current_num_threads() * TASKS_PER_THREAD).clamp(1, basis.panels().max(1));
@@ -125,12 +131,14 @@ impl Synthesizer for CpuSynthesizer {
             let first = task * panels_per_task;
             for panel in first..(first + panels_per_task).min(basis.panels()) {
                 for block in 0..plan.blocks {
-                    path.product(
-                        basis.panel(panel),
-                        &plan.active,
-                        plan.block(block),
-                        &mut columns[block * plan.width..][..plan.width],
-                    );
+                    let product = Product {
+                        panel: basis.panel(panel),
+                        active: &plan.active,
+                        coefficients: plan.block(block),
+                        next_panel: basis.panel((panel + 1).min(basis.panels() - 1)),
+                        fetch: plan.share_of(block),
+                    };
+                    path.product(&product, &mut columns[block * plan.width..][..plan.width]);
                 }
                 let start = panel * PANEL;
                 let end = (start + PANEL).min(vertices);
@@ -148,13 +156,19 @@ impl Synthesizer for CpuSynthesizer {
 
     fn synthesize_normals(&mut self, settings: &FrameSettings) -> Result<(), SynthError> {
         settings.check()?;
-        let Self { model, positions, normals, .. } = self;
+        let Self { model, path, positions, normals, .. } = self;
+        let gather = Gather {
+            rings: &model.rings,
+            rest_normals: &model.rest_normals,
+            blending: settings.normal_blending,
+            simd: *path != CpuPath::Portable,
+        };
         let vertices = model.vertices().max(1);
-        let items = positions.par_chunks(vertices).zip(normals.par_chunks_mut(vertices));
-        items.for_each(|(positions, normals)| {
+        let positions = positions.as_flattened();
+        normals.par_chunks_mut(vertices).enumerate().for_each(|(s, normals)| {
+            let positions = &positions[3 * s * vertices..];
             normals.par_chunks_mut(NORMALS_CHUNK).enumerate().for_each(|(chunk, out)| {
-                let (rest, first) = (&model.rest_normals, chunk * NORMALS_CHUNK);
-                model.rings.gather(positions, rest, settings.normal_blending, first, out);
+                gather.run(positions, chunk * NORMALS_CHUNK, out);
             });
         });
         Ok(())

@@ -3,24 +3,24 @@
 
 use std::arch::x86_64::*;
 
-use super::{Lanes, Line, with_width};
+use super::{Lanes, Product, with_width};
 
 pub(super) const MAX_WIDTH: usize = 6;
 
-pub(super) fn product(panel: &[Line], active: &[u32], coefficients: &[f32], out: &mut [Lanes]) {
+pub(super) fn product(product: &Product<'_>, out: &mut [Lanes]) {
     // SAFETY: `CpuPath::available` offers this path only where the processor has AVX2 and FMA.
     unsafe {
-        with_width!(columns, panel, active, coefficients, out, [1, 2, 3, 4, 5, 6]);
+        with_width!(columns, product, out, [1, 2, 3, 4, 5, 6]);
     }
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn columns<const W: usize>(panel: &[Line], active: &[u32], coefficients: &[f32], out: &mut [Lanes]) {
-    let (rows, _) = coefficients.as_chunks::<W>();
+fn columns<const W: usize>(product: &Product<'_>, out: &mut [Lanes]) {
+    let (rows, _) = product.coefficients.as_chunks::<W>();
     for half in 0..2 {
         let mut sums = [[_mm256_setzero_ps(); 2]; W];
-        for (row, &k) in rows.iter().zip(active) {
-            let line: &[i16; 16] = &panel[k as usize].as_chunks().0[half];
+        for (row, &k) in rows.iter().zip(product.active) {
+            let line: &[i16; 16] = &product.panel[k as usize].as_chunks().0[half];
             // SAFETY: half a line is 16 values of 16 bits: two registers of 16 bytes.
             let (low, high) = unsafe {
                 (_mm_loadu_si128(line.as_ptr().cast()), _mm_loadu_si128(line.as_ptr().add(8).cast()))

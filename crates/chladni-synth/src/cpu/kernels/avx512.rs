@@ -3,23 +3,28 @@
 
 use std::arch::x86_64::*;
 
-use super::{Lanes, Line, with_width};
+use super::{Lanes, Product, with_width};
 
 pub(super) const MAX_WIDTH: usize = 12;
 
-pub(super) fn product(panel: &[Line], active: &[u32], coefficients: &[f32], out: &mut [Lanes]) {
+pub(super) fn product(product: &Product<'_>, out: &mut [Lanes]) {
     // SAFETY: `CpuPath::available` offers this path only where the processor has AVX-512F and BW.
     unsafe {
-        with_width!(columns, panel, active, coefficients, out, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
+        with_width!(columns, product, out, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
     }
 }
 
 #[target_feature(enable = "avx512f,avx512bw")]
-fn columns<const W: usize>(panel: &[Line], active: &[u32], coefficients: &[f32], out: &mut [Lanes]) {
-    let (rows, _) = coefficients.as_chunks::<W>();
+fn columns<const W: usize>(product: &Product<'_>, out: &mut [Lanes]) {
+    let (rows, _) = product.coefficients.as_chunks::<W>();
     let mut sums = [[_mm512_setzero_ps(); 2]; W];
-    for (row, &k) in rows.iter().zip(active) {
-        let line = panel[k as usize].as_ptr();
+    for (i, (row, &k)) in rows.iter().zip(product.active).enumerate() {
+        if let Some(&next) = product.fetch.get(i) {
+            let line = product.next_panel[next as usize].as_ptr();
+            // SAFETY: fetching has no effect but on time, and the line exists.
+            unsafe { _mm_prefetch::<_MM_HINT_T1>(line.cast()) };
+        }
+        let line = product.panel[k as usize].as_ptr();
         // SAFETY: a line is 32 values of 16 bits: one register of 64 bytes.
         let line = unsafe { _mm512_loadu_si512(line.cast()) };
         let low = _mm512_cvtepi32_ps(_mm512_cvtepi16_epi32(_mm512_castsi512_si256(line)));

@@ -59,22 +59,35 @@ impl CpuPath {
         }
     }
 
-    /// out_c(v) = Σ_k q_k(v) coefficients\[k\]\[c\] over the active harmonics of a panel, for
-    /// the `out.len()` columns of one block.
+    /// Computes `product` into the columns of one block.
     ///
     /// The path must be an available one, which `CpuSynthesizer` sees to.
-    pub(super) fn product(self, panel: &[Line], active: &[u32], coefficients: &[f32], out: &mut [Lanes]) {
-        debug_assert_eq!(coefficients.len(), active.len() * out.len());
+    pub(super) fn product(self, product: &Product<'_>, out: &mut [Lanes]) {
+        debug_assert_eq!(product.coefficients.len(), product.active.len() * out.len());
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => avx512::product(panel, active, coefficients, out),
+            Self::Avx512 => avx512::product(product, out),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx2::product(panel, active, coefficients, out),
+            Self::Avx2 => avx2::product(product, out),
             #[cfg(target_arch = "aarch64")]
-            Self::Neon => neon::product(panel, active, coefficients, out),
-            _ => portable::product(panel, active, coefficients, out),
+            Self::Neon => neon::product(product, out),
+            _ => portable::product(product, out),
         }
     }
+}
+
+/// Σ_k q_k(v) coefficients\[k\]\[c\] over the active harmonics of a panel, for the columns c
+/// of one block.
+pub(super) struct Product<'a> {
+    /// The K lines of the panel.
+    pub panel: &'a [Line],
+    /// The harmonics that take part; each below K.
+    pub active: &'a [u32],
+    /// active × width.
+    pub coefficients: &'a [f32],
+    /// The panel that is computed next, and its harmonics that are worth fetching meanwhile.
+    pub next_panel: &'a [Line],
+    pub fetch: &'a [u32],
 }
 
 impl fmt::Display for CpuPath {
@@ -90,9 +103,9 @@ impl fmt::Display for CpuPath {
 
 /// Calls `$kernel::<W>` for the width that `$out` has at run time.
 macro_rules! with_width {
-    ($kernel:ident, $panel:ident, $active:ident, $coefficients:ident, $out:ident, [$($width:literal),*]) => {
+    ($kernel:ident, $product:ident, $out:ident, [$($width:literal),*]) => {
         match $out.len() {
-            $($width => $kernel::<$width>($panel, $active, $coefficients, $out),)*
+            $($width => $kernel::<$width>($product, $out),)*
             width => unreachable!("blocks are at most MAX_WIDTH columns wide, not {width}"),
         }
     };

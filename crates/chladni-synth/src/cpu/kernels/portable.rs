@@ -1,22 +1,22 @@
 //! Plain Rust that compilers turn into the vectors of their baseline.
 
-use super::{Lanes, Line, with_width};
+use super::{Lanes, Product, with_width};
 
 pub(super) const MAX_WIDTH: usize = 4;
 
 /// Lanes whose sums fit the 16 registers of SSE2 beside the harmonic.
 const LANES: usize = 8;
 
-pub(super) fn product(panel: &[Line], active: &[u32], coefficients: &[f32], out: &mut [Lanes]) {
-    with_width!(columns, panel, active, coefficients, out, [1, 2, 3, 4]);
+pub(super) fn product(product: &Product<'_>, out: &mut [Lanes]) {
+    with_width!(columns, product, out, [1, 2, 3, 4]);
 }
 
-fn columns<const W: usize>(panel: &[Line], active: &[u32], coefficients: &[f32], out: &mut [Lanes]) {
-    let (rows, _) = coefficients.as_chunks::<W>();
+fn columns<const W: usize>(product: &Product<'_>, out: &mut [Lanes]) {
+    let (rows, _) = product.coefficients.as_chunks::<W>();
     for part in 0..size_of::<Lanes>() / size_of::<[f32; LANES]>() {
         let mut sums = [[0.0_f32; LANES]; W];
-        for (row, &k) in rows.iter().zip(active) {
-            let line = &panel[k as usize].as_chunks::<LANES>().0[part];
+        for (row, &k) in rows.iter().zip(product.active) {
+            let line = &product.panel[k as usize].as_chunks::<LANES>().0[part];
             let h = line.map(f32::from);
             for c in 0..W {
                 for lane in 0..LANES {
