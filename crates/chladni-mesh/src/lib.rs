@@ -11,6 +11,7 @@ mod mesh;
 mod read;
 pub mod samples;
 mod weld;
+mod write;
 
 pub use adjacency::{Rows, triangle_neighbors, vertex_neighbors, vertex_triangles};
 pub use appearance::{Appearance, CornerUvs, Material, Texture};
@@ -22,3 +23,4 @@ pub use health::{HealthReport, Topology, Welded};
 pub use mesh::TriMesh;
 pub use read::{Loaded, Mended, load_mesh, read_mesh};
 pub use weld::{Weld, weld};
+pub use write::{MorphTarget, save_mesh, write_glb, write_mesh};

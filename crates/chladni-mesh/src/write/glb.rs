@@ -1,0 +1,303 @@
+//! glTF 2.0 in one binary file, with morph targets.
+
+use std::collections::HashMap;
+
+use serde_json::{Value, json};
+
+use super::{check, narrowed};
+use crate::geometry::{add, corners, doubled_area_normal, unit};
+use crate::weld::places;
+use crate::{CornerUvs, Format, MeshError, TriMesh};
+
+/// A named deformation that viewers offer as a slider from 0 (rest) to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MorphTarget {
+    /// What the slider is called.
+    pub name: String,
+    /// Displacement of each of the mesh's n vertices at 1, in file units.
+    pub displacements: Vec<[f64; 3]>,
+}
+
+const FORMAT: Format = Format::Glb;
+
+/// Writes `mesh` as GLB: one mesh, one primitive per material, one morph target per entry of
+/// `targets`, all at weight 0, with smooth normals at rest and in every target. Coordinates are
+/// rounded to `f32`, polygons become triangles. A vertex with several texture coordinates is
+/// stored several times, the first time at its own index, and told together by an attribute
+/// `_VERTEX`, so that reading the file back gives the same vertices.
+///
+/// # Errors
+/// [`MeshError::Unwritable`] where coordinates do not fit `f32`, a target has not n
+/// displacements, the mesh's parts do not belong together or the file would pass 4 GiB.
+pub fn write_glb(mesh: &TriMesh, targets: &[MorphTarget]) -> Result<Vec<u8>, MeshError> {
+    let unwritable = |reason: String| MeshError::Unwritable { format: FORMAT, reason };
+    check(mesh).map_err(unwritable)?;
+    for target in targets {
+        let (there, n) = (target.displacements.len(), mesh.positions.len());
+        if there != n {
+            return Err(unwritable(format!(
+                "target '{}' has {there} displacements for {n} vertices",
+                target.name
+            )));
+        }
+    }
+    let entries = Entries::of(mesh);
+    let mut file = Glb::default();
+    let (attributes, morphs) = vertex_data(&mut file, mesh, &entries, targets)?;
+    let (materials, default_material) = materials(&mut file, mesh);
+    let mut primitives = Vec::new();
+    for (material, indices) in primitives_by_material(mesh, &entries, default_material) {
+        let accessor = file.indices(&indices);
+        let mut primitive = json!({ "attributes": &attributes, "indices": accessor, "material": material });
+        if !morphs.is_empty() {
+            primitive["targets"] = json!(&morphs);
+        }
+        primitives.push(primitive);
+    }
+    if attributes.get("_VERTEX").is_none() && primitives.len() > 1 {
+        let accessor = file.floats(entries.vertices.iter().map(|&v| [v as f32]), false);
+        primitives.iter_mut().for_each(|primitive| primitive["attributes"]["_VERTEX"] = json!(accessor));
+    }
+    let mut gltf_mesh = json!({ "primitives": primitives });
+    if !targets.is_empty() {
+        gltf_mesh["weights"] = json!(vec![0.0; targets.len()]);
+        let names: Vec<&str> = targets.iter().map(|target| target.name.as_str()).collect();
+        gltf_mesh["extras"] = json!({ "targetNames": names });
+    }
+    let mut root = json!({
+        "asset": { "version": "2.0", "generator": "Chladni" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [gltf_mesh],
+        "materials": materials,
+        "accessors": std::mem::take(&mut file.accessors),
+        "bufferViews": std::mem::take(&mut file.views),
+        "buffers": [{ "byteLength": file.data.len() }],
+    });
+    if !file.images.is_empty() {
+        let textures: Vec<Value> = (0..file.images.len()).map(|image| json!({ "source": image })).collect();
+        root["textures"] = json!(textures);
+        root["images"] = json!(std::mem::take(&mut file.images));
+    }
+    container(&root, file.data).ok_or_else(|| unwritable("the file would pass 4 GiB".into()))
+}
+
+/// The vertices as glTF stores them: one per pair of vertex and texture coordinate.
+struct Entries {
+    /// The mesh's vertex of each entry; entry v is of vertex v for v < n.
+    vertices: Vec<u32>,
+    uvs: Vec<[f32; 2]>,
+    /// For each triangle its entries.
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Entries {
+    fn of(mesh: &TriMesh) -> Self {
+        let n = mesh.positions.len();
+        let mut vertices: Vec<u32> = (0..n as u32).collect();
+        let Some(uvs) = &mesh.appearance.uvs else {
+            return Self { vertices, uvs: Vec::new(), triangles: mesh.triangles.clone() };
+        };
+        let mut first: Vec<Option<u32>> = vec![None; n];
+        let mut further = HashMap::new();
+        let mut entry = |v: u32, uv: u32| {
+            if *first[v as usize].get_or_insert(uv) == uv {
+                return v;
+            }
+            *further.entry((v, uv)).or_insert_with(|| {
+                vertices.push(v);
+                vertices.len() as u32 - 1
+            })
+        };
+        let mut triangles = Vec::with_capacity(mesh.triangles.len());
+        for f in 0..mesh.face_count() {
+            let (face, corner) = (mesh.face(f), mesh.first_corner(f));
+            for i in 2..face.len() {
+                triangles.push([0, i - 1, i].map(|i| entry(face[i], uvs.corners[corner + i])));
+            }
+        }
+        // glTF's v runs downward.
+        let point =
+            |uv: u32| uvs.points.get(uv as usize).map_or([0.0; 2], |&[u, v]| [u as f32, (1.0 - v) as f32]);
+        let mut points: Vec<[f32; 2]> = first.iter().map(|uv| point(uv.unwrap_or(CornerUvs::NONE))).collect();
+        points.resize(vertices.len(), [0.0; 2]);
+        for (&(_, uv), &entry) in &further {
+            points[entry as usize] = point(uv);
+        }
+        Self { vertices, uvs: points, triangles }
+    }
+}
+
+/// The attributes that all primitives share, and the targets.
+fn vertex_data(
+    file: &mut Glb,
+    mesh: &TriMesh,
+    entries: &Entries,
+    targets: &[MorphTarget],
+) -> Result<(Value, Vec<Value>), MeshError> {
+    let narrow = |values: &[[f64; 3]]| -> Result<Vec<[f32; 3]>, MeshError> {
+        entries.vertices.iter().map(|&v| narrowed(values[v as usize], FORMAT)).collect()
+    };
+    let place = places(&mesh.positions);
+    let normals = smooth_normals(&place, &mesh.positions, &mesh.triangles);
+    let mut attributes = json!({
+        "POSITION": file.floats(narrow(&mesh.positions)?.into_iter(), true),
+        "NORMAL": file.floats(narrow(&normals)?.into_iter(), false),
+    });
+    if !entries.uvs.is_empty() {
+        attributes["TEXCOORD_0"] = json!(file.floats(entries.uvs.iter().copied(), false));
+    }
+    if let Some(colors) = &mesh.appearance.colors {
+        let colors = entries.vertices.iter().map(|&v| colors[v as usize]);
+        attributes["COLOR_0"] = json!(file.floats(colors, false));
+    }
+    if entries.vertices.len() > mesh.positions.len() {
+        let ids = entries.vertices.iter().map(|&v| [v as f32]);
+        attributes["_VERTEX"] = json!(file.floats(ids, false));
+    }
+    let mut morphs = Vec::new();
+    for target in targets {
+        let deformed: Vec<[f64; 3]> =
+            mesh.positions.iter().zip(&target.displacements).map(|(&p, &d)| add(p, d)).collect();
+        let turned = smooth_normals(&place, &deformed, &mesh.triangles);
+        let turn: Vec<[f64; 3]> =
+            turned.iter().zip(&normals).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect();
+        morphs.push(json!({
+            "POSITION": file.floats(narrow(&target.displacements)?.into_iter(), true),
+            "NORMAL": file.floats(narrow(&turn)?.into_iter(), false),
+        }));
+    }
+    Ok((attributes, morphs))
+}
+
+/// Unit normals that are one where vertices coincide at rest; upward where there is none.
+fn smooth_normals(place: &[u32], positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; positions.len()];
+    for triangle in triangles {
+        let n = doubled_area_normal(corners(positions, triangle));
+        for &v in triangle {
+            let v = place[v as usize] as usize;
+            sums[v] = add(sums[v], n);
+        }
+    }
+    let normal = |&v: &u32| {
+        let n = unit(sums[v as usize]);
+        if n == [0.0; 3] { [0.0, 1.0, 0.0] } else { n }
+    };
+    place.iter().map(normal).collect()
+}
+
+/// The triangles of each material in use, in the order of the materials.
+fn primitives_by_material(mesh: &TriMesh, entries: &Entries, default: usize) -> Vec<(usize, Vec<u32>)> {
+    let mut groups: Vec<Vec<u32>> = vec![Vec::new(); default + 1];
+    for (triangle, material) in entries.triangles.iter().zip(mesh.triangle_materials()) {
+        groups[material.map_or(default, |m| m as usize)].extend(triangle);
+    }
+    groups.into_iter().enumerate().filter(|(_, indices)| !indices.is_empty()).collect()
+}
+
+/// All materials, and the index of the one for faces without: plain white, since glTF's own
+/// default is a metal.
+fn materials(file: &mut Glb, mesh: &TriMesh) -> (Vec<Value>, usize) {
+    let look = &mesh.appearance;
+    let mut materials = Vec::new();
+    for material in &look.materials {
+        let mut pbr =
+            json!({ "baseColorFactor": material.base_color, "metallicFactor": 0.0, "roughnessFactor": 0.8 });
+        if let Some(texture) =
+            material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
+        {
+            pbr["baseColorTexture"] = json!({ "index": file.image(&texture.name, &texture.bytes) });
+        }
+        let mut entry = json!({ "name": material.name, "pbrMetallicRoughness": pbr, "doubleSided": true });
+        if material.base_color[3] < 1.0 {
+            entry["alphaMode"] = json!("BLEND");
+        }
+        materials.push(entry);
+    }
+    let default = materials.len();
+    if look.face_materials.is_empty() || look.face_materials.contains(&None) {
+        materials.push(json!({ "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.8 }, "doubleSided": true }));
+    }
+    (materials, default)
+}
+
+#[derive(Default)]
+struct Glb {
+    data: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    images: Vec<Value>,
+}
+
+impl Glb {
+    fn view(&mut self, bytes: impl Iterator<Item = u8>, target: Option<u32>) -> usize {
+        let start = self.data.len();
+        self.data.extend(bytes);
+        let mut view = json!({ "buffer": 0, "byteOffset": start, "byteLength": self.data.len() - start });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        self.data.resize(self.data.len().next_multiple_of(4), 0);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    /// An accessor of vectors of N floats, with its bounds where glTF asks for them.
+    fn floats<const N: usize>(
+        &mut self,
+        values: impl Iterator<Item = [f32; N]> + Clone,
+        bounds: bool,
+    ) -> usize {
+        let (mut count, mut least, mut greatest) = (0, [f32::INFINITY; N], [f32::NEG_INFINITY; N]);
+        for value in values.clone() {
+            count += 1;
+            for i in 0..N {
+                least[i] = least[i].min(value[i]);
+                greatest[i] = greatest[i].max(value[i]);
+            }
+        }
+        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
+        let view = self.view(values.flatten().flat_map(f32::to_le_bytes), Some(34962));
+        let mut accessor = json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind });
+        if bounds {
+            accessor["min"] = json!(least.to_vec());
+            accessor["max"] = json!(greatest.to_vec());
+        }
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    fn indices(&mut self, indices: &[u32]) -> usize {
+        let view = self.view(indices.iter().flat_map(|v| v.to_le_bytes()), Some(34963));
+        self.accessors.push(
+            json!({ "bufferView": view, "componentType": 5125, "count": indices.len(), "type": "SCALAR" }),
+        );
+        self.accessors.len() - 1
+    }
+
+    /// A texture of this picture; returns its index, which is the image's too.
+    fn image(&mut self, name: &str, bytes: &[u8]) -> usize {
+        let view = self.view(bytes.iter().copied(), None);
+        let kind = if bytes.starts_with(b"\x89PNG") { "image/png" } else { "image/jpeg" };
+        self.images.push(json!({ "name": name, "bufferView": view, "mimeType": kind }));
+        self.images.len() - 1
+    }
+}
+
+/// Header and chunks; `None` where lengths pass 32 bits.
+fn container(root: &Value, data: Vec<u8>) -> Option<Vec<u8>> {
+    let mut json = root.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let total = u32::try_from(12 + 8 + json.len() + 8 + data.len()).ok()?;
+    let mut bytes = Vec::with_capacity(total as usize);
+    bytes.extend_from_slice(b"glTF");
+    bytes.extend([2, total, json.len() as u32].iter().flat_map(|word| word.to_le_bytes()));
+    bytes.extend_from_slice(b"JSON");
+    bytes.extend_from_slice(&json);
+    bytes.extend_from_slice(&(data.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(b"BIN\0");
+    bytes.extend_from_slice(&data);
+    Some(bytes)
+}

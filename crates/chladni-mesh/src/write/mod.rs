@@ -1,0 +1,107 @@
+//! From a mesh to bytes, and to files.
+
+mod glb;
+mod obj;
+mod ply;
+mod stl;
+
+use std::path::Path;
+
+use chladni_task::write_atomic;
+
+pub use glb::{MorphTarget, write_glb};
+
+use crate::{Format, MeshError, TriMesh};
+
+/// Writes `mesh` as OBJ, binary PLY, binary STL or GLB.
+///
+/// OBJ and PLY hold coordinates exactly; STL and GLB round them to `f32`. An OBJ with materials
+/// names the library `materials.mtl`, which [`save_mesh`] writes too, under a name of its own.
+///
+/// # Errors
+/// [`MeshError::Unwritable`] for another format, for coordinates that the format cannot hold, and
+/// for a mesh whose triangles, faces or appearance do not belong together.
+pub fn write_mesh(mesh: &TriMesh, format: Format) -> Result<Vec<u8>, MeshError> {
+    check(mesh).map_err(|reason| MeshError::Unwritable { format, reason })?;
+    match format {
+        Format::Obj => Ok(obj::write(mesh, "materials.mtl")),
+        Format::Ply => Ok(ply::write(mesh)),
+        Format::Stl => stl::write(mesh),
+        Format::Glb => write_glb(mesh, &[]),
+        _ => Err(MeshError::Unwritable { format, reason: "only OBJ, PLY, STL and GLB are written".into() }),
+    }
+}
+
+/// Writes `mesh` to `path` in the format of its extension, whole or not at all. An OBJ with
+/// materials brings a library and its pictures along, into the same folder; a picture never
+/// replaces another file.
+///
+/// # Errors
+/// Those of [`write_mesh`] and of the file system, each inside a [`MeshError::InFile`].
+pub fn save_mesh(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
+    let save = || {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        let Some(format) = Format::from_extension(extension) else {
+            let reason = format!("no mesh format is called '.{extension}' (written are obj, ply, stl, glb)");
+            return Err(MeshError::UnknownFormat(reason));
+        };
+        if format == Format::Obj && !mesh.appearance.materials.is_empty() {
+            check(mesh).map_err(|reason| MeshError::Unwritable { format, reason })?;
+            return obj::save_with_materials(mesh, path);
+        }
+        write_atomic(path, &write_mesh(mesh, format)?).map_err(MeshError::Io)
+    };
+    save().map_err(|error| MeshError::InFile { path: path.to_owned(), error: Box::new(error) })
+}
+
+/// Whether all indices are in range and the appearance belongs to the triangles.
+fn check(mesh: &TriMesh) -> Result<(), String> {
+    let n = mesh.positions.len();
+    let look = &mesh.appearance;
+    let in_range = |vertices: &[u32]| vertices.iter().all(|&v| (v as usize) < n);
+    if mesh.triangles.is_empty() {
+        return Err("it has no triangle".into());
+    }
+    if !in_range(mesh.triangles.as_flattened()) {
+        return Err("a triangle names a vertex that is not there".into());
+    }
+    let mut corners = 3 * mesh.triangles.len();
+    if let Some(polygons) = &look.polygons {
+        let ends = polygons.starts.windows(2).all(|pair| pair[0] <= pair[1]);
+        let whole = polygons.starts.first() == Some(&0)
+            && polygons.starts.last().map(|&end| end as usize) == Some(polygons.items.len());
+        if !ends || !whole || !in_range(&polygons.items) {
+            return Err("its polygons are not what they should be".into());
+        }
+        let fan: usize = (0..polygons.len()).map(|f| polygons.row(f).len().saturating_sub(2)).sum();
+        if fan != mesh.triangles.len() {
+            return Err("its polygons are not those of its triangles".into());
+        }
+        corners = polygons.items.len();
+    }
+    if look.colors.as_ref().is_some_and(|colors| colors.len() != n) {
+        return Err("it has not one colour per vertex".into());
+    }
+    if look.uvs.as_ref().is_some_and(|uvs| uvs.corners.len() != corners) {
+        return Err("it has not one texture coordinate per corner".into());
+    }
+    if !look.face_materials.is_empty() && look.face_materials.len() != mesh.face_count() {
+        return Err("it has not one material per face".into());
+    }
+    if look.face_materials.iter().flatten().any(|&m| m as usize >= look.materials.len()) {
+        return Err("a face names a material that is not there".into());
+    }
+    Ok(())
+}
+
+/// `position` as `f32`, for formats that hold no more.
+fn narrowed(position: [f64; 3], format: Format) -> Result<[f32; 3], MeshError> {
+    let narrow = position.map(|x| x as f32);
+    if narrow.iter().all(|x| x.is_finite()) {
+        return Ok(narrow);
+    }
+    Err(MeshError::Unwritable {
+        format,
+        reason: "a coordinate is too large for 32 bits, or not a number".into(),
+    })
+}

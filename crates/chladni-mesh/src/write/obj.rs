@@ -1,0 +1,122 @@
+//! Wavefront OBJ and its material library.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use chladni_task::write_atomic;
+
+use crate::appearance::srgb_from_linear;
+use crate::{CornerUvs, Material, MeshError, TriMesh};
+
+/// The text of `mesh`; `library` is named where there are materials.
+pub(crate) fn write(mesh: &TriMesh, library: &str) -> Vec<u8> {
+    let look = &mesh.appearance;
+    let mut text = String::new();
+    if !look.materials.is_empty() {
+        line(&mut text, format_args!("mtllib {library}"));
+    }
+    for (v, p) in mesh.positions.iter().enumerate() {
+        text.push('v');
+        p.iter().for_each(|&x| push_number(&mut text, x));
+        if let Some(color) = look.colors.as_ref().and_then(|colors| colors.get(v)) {
+            for &c in &color[..3] {
+                // f32 holds linear light to about seven digits; six of sRGB are what it says.
+                let _ = write!(text, " {}", (srgb_from_linear(f64::from(c)) * 1e6).round() / 1e6);
+            }
+        }
+        text.push('\n');
+    }
+    for point in look.uvs.iter().flat_map(|uvs| &uvs.points) {
+        text.push_str("vt");
+        point.iter().for_each(|&x| push_number(&mut text, x));
+        text.push('\n');
+    }
+    let mut current = None;
+    for f in 0..mesh.face_count() {
+        let material = look.face_materials.get(f).copied().flatten();
+        if let Some(material) = material.filter(|_| material != current) {
+            line(&mut text, format_args!("usemtl {}", look.materials[material as usize].name));
+        }
+        current = material;
+        text.push('f');
+        let first = mesh.first_corner(f);
+        for (i, v) in mesh.face(f).iter().enumerate() {
+            let uv = look.uvs.as_ref().map(|uvs| uvs.corners[first + i]).filter(|&uv| uv != CornerUvs::NONE);
+            let _ = match uv {
+                Some(uv) => write!(text, " {}/{}", v + 1, uv + 1),
+                None => write!(text, " {}", v + 1),
+            };
+        }
+        text.push('\n');
+    }
+    text.into_bytes()
+}
+
+/// A blank and the shortest text that reads back as exactly `x`.
+fn push_number(text: &mut String, x: f64) {
+    let plain = x == 0.0 || (1e-5..1e16).contains(&x.abs());
+    let _ = if plain { write!(text, " {x}") } else { write!(text, " {x:e}") };
+}
+
+/// A line of its own; names from files may hold line ends.
+fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
+    text.push_str(&content.to_string().replace(['\n', '\r'], " "));
+    text.push('\n');
+}
+
+/// Writes the OBJ file, `STEM.mtl` and the pictures beside it, the OBJ last.
+pub(crate) fn save_with_materials(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
+    let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
+    let library = format!("{stem}.mtl");
+    let mut text = String::new();
+    for material in &mesh.appearance.materials {
+        let picture = match &material.base_color_texture {
+            Some(texture) if texture.bytes.is_empty() => Some(texture.name.clone()),
+            Some(texture) => Some(save_picture(path, &stem, &texture.name, &texture.bytes)?),
+            None => None,
+        };
+        push_material(&mut text, material, picture.as_deref());
+    }
+    write_atomic(&path.with_file_name(&library), text.as_bytes()).map_err(MeshError::Io)?;
+    write_atomic(path, &write(mesh, &library)).map_err(MeshError::Io)
+}
+
+fn push_material(text: &mut String, material: &Material, picture: Option<&str>) {
+    line(text, format_args!("newmtl {}", material.name));
+    let [r, g, b, opacity] = material.base_color.map(f64::from);
+    let [r, g, b] = [r, g, b].map(|c| (srgb_from_linear(c) * 1e6).round() / 1e6);
+    line(text, format_args!("Kd {r} {g} {b}"));
+    if opacity < 1.0 {
+        line(text, format_args!("d {opacity}"));
+    }
+    if let Some(picture) = picture {
+        line(text, format_args!("map_Kd {picture}"));
+    }
+    for statement in &material.other_statements {
+        line(text, format_args!("{statement}"));
+    }
+    text.push('\n');
+}
+
+/// Puts a picture beside `path` unless the same is there already; returns its name.
+fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<String, MeshError> {
+    let own = Path::new(&name.replace('\\', "/")).file_name().map(|name| name.to_string_lossy().into_owned());
+    let mut own = own.unwrap_or_else(|| "texture".into());
+    if Path::new(&own).extension().is_none() {
+        own.push_str(if bytes.starts_with(b"\x89PNG") { ".png" } else { ".jpg" });
+    }
+    let numbered = (1..1000).map(|i| format!("{stem}-{i}-{own}"));
+    for candidate in std::iter::once(own.clone()).chain(numbered) {
+        let file: PathBuf = path.with_file_name(&candidate);
+        match std::fs::read(&file) {
+            Ok(there) if there == bytes => return Ok(candidate),
+            Ok(_) => continue,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                write_atomic(&file, bytes).map_err(MeshError::Io)?;
+                return Ok(candidate);
+            }
+            Err(error) => return Err(MeshError::Io(error)),
+        }
+    }
+    Err(MeshError::Io(std::io::Error::other(format!("no free name for the picture {own}"))))
+}

@@ -1,0 +1,217 @@
+//! What goes out comes back, as far as the format can hold it.
+
+use chladni_mesh::{
+    Appearance, CornerUvs, Format, Material, MorphTarget, Texture, TriMesh, load_mesh, read_mesh, samples,
+    save_mesh, write_glb, write_mesh,
+};
+
+const FILES: [&str; 12] = [
+    "heads/reference.obj",
+    "heads/target.obj",
+    "animals/spot.obj",
+    "shapes/suzanne.obj",
+    "nasty/capsule.obj",
+    "nasty/platonic_shelf.obj",
+    "nasty/featuretype.ply",
+    "nasty/truck.obj",
+    "formats/fuze.obj",
+    "formats/fuze.ply",
+    "formats/quadknot.obj",
+    "formats/rgb_cube_with_primitives.gltf",
+];
+
+fn files() -> impl Iterator<Item = (&'static str, TriMesh)> {
+    FILES.into_iter().filter_map(|name| {
+        let path = chladni_testdata::shared(&format!("meshes/{name}"))?;
+        Some((name, load_mesh(&path).unwrap().mesh))
+    })
+}
+
+fn round_trip(mesh: &TriMesh, format: Format) -> TriMesh {
+    read_mesh(&write_mesh(mesh, format).unwrap(), format).unwrap().mesh
+}
+
+fn close_colors(a: &TriMesh, b: &TriMesh, tolerance: f32) -> bool {
+    match (&a.appearance.colors, &b.appearance.colors) {
+        (None, None) => true,
+        (Some(a), Some(b)) => {
+            let pairs = a.iter().flatten().zip(b.iter().flatten());
+            a.len() == b.len() && pairs.into_iter().all(|(a, b)| (a - b).abs() <= tolerance)
+        }
+        _ => false,
+    }
+}
+
+#[test]
+fn obj_keeps_everything() {
+    for (name, mesh) in files() {
+        let back = round_trip(&mesh, Format::Obj);
+        assert_eq!(back.positions, mesh.positions, "{name}");
+        assert_eq!(back.triangles, mesh.triangles, "{name}");
+        assert_eq!(back.appearance.polygons, mesh.appearance.polygons, "{name}");
+        assert_eq!(back.appearance.uvs, mesh.appearance.uvs, "{name}");
+        assert_eq!(back.triangle_materials(), mesh.triangle_materials(), "{name}");
+        assert!(close_colors(&back, &mesh, 2e-6), "{name}");
+        // A second trip changes nothing at all.
+        assert_eq!(
+            write_mesh(&back, Format::Obj).unwrap(),
+            write_mesh(&round_trip(&back, Format::Obj), Format::Obj).unwrap()
+        );
+    }
+}
+
+#[test]
+fn ply_keeps_polygons_uvs_and_eight_bit_colors() {
+    for (name, mesh) in files() {
+        let back = round_trip(&mesh, Format::Ply);
+        assert_eq!(back.positions, mesh.positions, "{name}");
+        assert_eq!(back.triangles, mesh.triangles, "{name}");
+        assert_eq!(back.appearance.polygons, mesh.appearance.polygons, "{name}");
+        assert_eq!(back.triangle_uvs(), mesh.triangle_uvs(), "{name}");
+        assert!(close_colors(&back, &mesh, 6e-3), "{name}");
+    }
+}
+
+#[test]
+fn glb_keeps_vertices_uvs_materials_and_textures() {
+    for (name, mesh) in files() {
+        let back = round_trip(&mesh, Format::Glb);
+        let narrow: Vec<_> = mesh.positions.iter().map(|p| p.map(|x| f64::from(x as f32))).collect();
+        assert_eq!(back.positions, narrow, "{name}");
+        assert!(close_colors(&back, &mesh, 0.0), "{name}");
+        // Primitives sort the triangles by material; within one the order stays.
+        let sorted = |mesh: &TriMesh| {
+            let uvs = mesh.triangle_uvs().unwrap_or_else(|| vec![[[0.0; 2]; 3]; mesh.triangles.len()]);
+            let names: Vec<String> = mesh
+                .triangle_materials()
+                .iter()
+                .map(|m| m.map_or(String::new(), |m| mesh.appearance.materials[m as usize].name.clone()))
+                .collect();
+            let mut all: Vec<_> = mesh.triangles.iter().copied().zip(uvs).zip(names).collect();
+            all.sort_by(|(a, a_name), (b, b_name)| a_name.cmp(b_name).then(a.0.cmp(&b.0)));
+            all
+        };
+        for ((a, a_name), (b, b_name)) in sorted(&back).into_iter().zip(sorted(&mesh)) {
+            assert_eq!((a.0, a_name), (b.0, b_name), "{name}");
+            for (a, b) in a.1.as_flattened().iter().zip(b.1.as_flattened()) {
+                assert!((a - b).abs() < 1e-6, "{name}");
+            }
+        }
+        assert_eq!(picture(&back), picture(&mesh), "{name}");
+    }
+}
+
+/// The first picture that was found.
+fn picture(mesh: &TriMesh) -> Option<&[u8]> {
+    mesh.base_color_texture().map(|texture| &*texture.bytes).filter(|bytes| !bytes.is_empty())
+}
+
+#[test]
+fn stl_keeps_the_triangles() {
+    for (name, mesh) in files() {
+        let back = round_trip(&mesh, Format::Stl);
+        assert_eq!(back.triangles.len(), mesh.triangles.len(), "{name}");
+        for (a, b) in back.triangles.iter().flatten().zip(mesh.triangles.iter().flatten()) {
+            let narrow = mesh.positions[*b as usize].map(|x| f64::from(x as f32));
+            assert_eq!(back.positions[*a as usize], narrow, "{name}");
+        }
+    }
+}
+
+/// A tetrahedron with all that a mesh can have: a seam, two materials, colours, a texture.
+fn dressed() -> TriMesh {
+    let texture = Texture { name: "wood grain.png".into(), bytes: b"\x89PNG\r\n\x1a\nnot really"[..].into() };
+    let wood = Material {
+        base_color_texture: Some(texture),
+        other_statements: vec!["Ns 12.5".into()],
+        ..Material::named("wood panel")
+    };
+    let glass = Material { base_color: [0.25, 0.5, 1.0, 0.5], ..Material::named("glass") };
+    TriMesh {
+        positions: vec![[0.1, 1e-7, 1e20], [1.0 / 3.0, 0.0, -0.0], [0.0, 1.0, 0.3], [0.0, 0.1 + 0.2, 1.0]],
+        triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        appearance: Appearance {
+            colors: Some(vec![[1.0, 0.0, 0.5, 1.0]; 4]),
+            uvs: Some(CornerUvs {
+                points: vec![[0.0, 0.25], [1.0, 0.0], [0.5, 0.75], [0.125, 0.5]],
+                corners: vec![0, 1, 2, 3, 2, 1, CornerUvs::NONE, CornerUvs::NONE, CornerUvs::NONE, 1, 2, 3],
+            }),
+            materials: vec![wood, glass],
+            face_materials: vec![Some(0), Some(0), Some(1), Some(1)],
+            polygons: None,
+        },
+    }
+}
+
+#[test]
+fn an_obj_brings_its_library_and_pictures_along() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = dressed();
+    std::fs::write(folder.path().join("wood grain.png"), "somebody else's").unwrap();
+    let path = folder.path().join("out.obj");
+    save_mesh(&mesh, &path).unwrap();
+    save_mesh(&mesh, &path).unwrap();
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4, "obj, mtl, picture, somebody else's");
+    let loaded = load_mesh(&path).unwrap();
+    assert_eq!(loaded.mended, []);
+    let mut expected = mesh;
+    expected.appearance.materials[0].base_color_texture.as_mut().unwrap().name =
+        "out-1-wood grain.png".into();
+    for material in &mut expected.appearance.materials {
+        // Through sRGB text with six digits and back.
+        for c in &mut material.base_color {
+            *c = (*c * 1e5).round() / 1e5;
+        }
+    }
+    let mut back = loaded.mesh;
+    for c in back.appearance.materials.iter_mut().flat_map(|m| &mut m.base_color) {
+        *c = (*c * 1e5).round() / 1e5;
+    }
+    let colors = |mesh: &mut TriMesh| mesh.appearance.colors.take();
+    assert!(close_colors(&back, &expected, 2e-6));
+    colors(&mut back);
+    colors(&mut expected);
+    assert_eq!(back, expected);
+}
+
+#[test]
+fn saving_over_a_folder_fails_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("no such folder/out.ply");
+    let message = save_mesh(&dressed(), &path).unwrap_err().to_string();
+    assert!(message.contains("out.ply"), "{message}");
+    let message = save_mesh(&dressed(), &folder.path().join("out.doc")).unwrap_err().to_string();
+    assert!(message.contains(".doc"), "{message}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_sliders_glb_reads_as_the_shape_at_rest() {
+    let mesh = samples::icosphere(2);
+    let displacements = mesh.positions.iter().map(|p| [0.0, 0.0, p[2]]).collect();
+    let target = MorphTarget { name: "longer nose".into(), displacements };
+    let bytes =
+        write_glb(&mesh, &[target.clone(), MorphTarget { name: "b".into(), ..target.clone() }]).unwrap();
+    let loaded = read_mesh(&bytes, Format::Glb).unwrap();
+    assert_eq!(loaded.mesh.triangles, mesh.triangles);
+    let json = String::from_utf8_lossy(&bytes);
+    assert!(json.contains(r#""targetNames":["longer nose","b"]"#) && json.contains(r#""weights":[0.0,0.0]"#));
+    let short = MorphTarget { name: "short".into(), displacements: vec![[0.0; 3]] };
+    assert!(write_glb(&mesh, &[short]).unwrap_err().to_string().contains("short"));
+}
+
+#[test]
+fn what_does_not_belong_together_is_not_written() {
+    let mut mesh = dressed();
+    mesh.triangles.pop();
+    assert!(write_mesh(&mesh, Format::Obj).is_err());
+    let mut mesh = dressed();
+    mesh.triangles[0][0] = 4;
+    assert!(write_mesh(&mesh, Format::Ply).is_err());
+    let mut mesh = dressed();
+    mesh.positions[0][0] = 1e60;
+    assert!(write_mesh(&mesh, Format::Obj).is_ok());
+    assert!(write_mesh(&mesh, Format::Stl).is_err());
+    assert!(write_mesh(&mesh, Format::Glb).is_err());
+    assert!(write_mesh(&mesh, Format::Off).is_err());
+}
