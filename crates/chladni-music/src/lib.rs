@@ -1,1 +1,59 @@
-//! Not built yet.
+//! A shape that dances: from the spectrum of a song to the coefficients of harmonics.
+//!
+//! ```
+//! use chladni_music::{Action, GalleryShape, Instrument, Moment, Preset};
+//!
+//! // The initial gallery of twelve mappings, for a body of 64 harmonics and 32 sound bands.
+//! let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+//! let mut instrument = Instrument::new(2012, 12, shape)?;
+//!
+//! // Choose two, breed, keep the first child.
+//! let now = Moment { at_secs: 3.5, at_beat: 7.0 };
+//! for item in [1, 4] {
+//!     instrument.apply(now, Action::Choose { item, on: true })?;
+//! }
+//! instrument.apply(now, Action::Breed)?;
+//! let child = instrument.gallery().items()[0].clone();
+//! let text = Preset::of(&instrument, &child, vec!["calm".into()]).to_text()?;
+//! assert_eq!(Preset::from_text(&text)?.mapping, child.mapping);
+//! # Ok::<(), chladni_music::Error>(())
+//! ```
+//!
+//! The window reads an [`Instrument`] and emits [`Action`]s; each frame a [`Player`] turns the
+//! bands of sound into an [`Item`](chladni_synth::Item) for the synthesizer. Nothing here
+//! reads a clock, draws or makes a sound.
+//!
+//! Not guaranteed: that the soft limit of displacement holds at every vertex (it is taken at
+//! 64 probes); that symmetry classes are right on a shape that has no mirror; bit-identical
+//! coefficients between machines of different floating-point behaviour.
+
+mod breeding;
+mod dancer;
+mod error;
+mod flash;
+mod gallery;
+mod mapping;
+mod parameter;
+mod player;
+mod preset;
+mod probes;
+mod session;
+mod sides;
+mod stage;
+mod symmetry;
+mod voice;
+
+pub use breeding::{breed, mutate};
+pub use dancer::Dancer;
+pub use error::Error;
+pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
+pub use gallery::{GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation, ItemId, Origin};
+pub use mapping::{MAX_GENES, Mapping, direct_transfer};
+pub use parameter::{Parameter, Parameters, Switch};
+pub use player::{Bands, Choir, Form, Player, Playing, blend};
+pub use preset::{Ancestor, FORMAT_VERSION, Preset, Session};
+pub use session::{Action, Instrument, LoggedAction, Moment};
+pub use sides::{SideSource, Sides};
+pub use stage::{Beat, Reaction, Scene, Stage, react};
+pub use symmetry::{Class, MirrorPlane, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
+pub use voice::{Driver, Voice, Voices};

@@ -1,0 +1,155 @@
+//! How mappings have children (stereo-music paper, section 4c) and how they mutate.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use crate::Mapping;
+
+/// Mean length of a run, as a share of the vector that is bred.
+const MEAN_RUN: f64 = 0.1;
+
+/// A child of two mappings. Transfer and amplification are each mixed with probability ½ and
+/// otherwise taken whole from one parent; μ and gain likewise. Shorter vectors are resampled
+/// to the longer parent's length, so that every value of the child lies between its parents'.
+pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mapping {
+    let bands = mother.transfer.len().max(father.transfer.len());
+    let harmonics = mother.amplification.len().max(father.amplification.len());
+    let transfer = inherit(&mother.transfer_on(bands), &father.transfer_on(bands), rng);
+    let amplification =
+        inherit(&mother.amplification_on(harmonics), &father.amplification_on(harmonics), rng);
+    let stereo_mu = inherit(&[mother.stereo_mu], &[father.stereo_mu], rng)[0];
+    let gain = inherit(&[mother.gain], &[father.gain], rng)[0];
+    Mapping { transfer, amplification, stereo_mu, gain }
+}
+
+fn inherit(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
+    if rng.random_bool(0.5) {
+        return mix(mother, father, rng);
+    }
+    if rng.random_bool(0.5) { mother.to_vec() } else { father.to_vec() }
+}
+
+/// Walks along the vector in runs of geometric length; each run has one weight w in [0, 1]
+/// and becomes w·p₁ + (1 − w)·p₂.
+fn mix(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
+    let mut child = Vec::with_capacity(mother.len());
+    while child.len() < mother.len() {
+        let end = (child.len() + run_length(mother.len(), rng)).min(mother.len());
+        let w: f32 = rng.random();
+        for i in child.len()..end {
+            let (p, q) = (mother[i], father[i]);
+            // Rounding must not carry a child out of its parents' range.
+            child.push((w * p + (1.0 - w) * q).clamp(p.min(q), p.max(q)));
+        }
+    }
+    child
+}
+
+/// A geometric random number in 1, 2, …, by inversion; its mean is a tenth of `length`.
+fn run_length(length: usize, rng: &mut ChaCha8Rng) -> usize {
+    let mean = (MEAN_RUN * length as f64).max(1.0);
+    if mean <= 1.0 {
+        return 1;
+    }
+    let u: f64 = rng.random();
+    1 + ((1.0 - u).ln() / (1.0 - 1.0 / mean).ln()) as usize
+}
+
+/// `mapping` changed a little: every run of t, a and μ moves by one random step of at most
+/// `amount` (in [0, 1]) within its range. An amplification of zero stays zero in half of the
+/// runs, so that bands do not all open at once.
+pub fn mutate(mapping: &Mapping, amount: f32, rng: &mut ChaCha8Rng) -> Mapping {
+    let mut mutant = mapping.clone();
+    shift(&mut mutant.transfer, amount, 0.0, rng);
+    shift(&mut mutant.amplification, amount, -1.0, rng);
+    let step: f32 = rng.random_range(-1.0..=1.0);
+    mutant.stereo_mu = (mutant.stereo_mu + amount * step).clamp(0.0, 1.0);
+    mutant
+}
+
+fn shift(values: &mut [f32], amount: f32, low: f32, rng: &mut ChaCha8Rng) {
+    let mut start = 0;
+    while start < values.len() {
+        let end = (start + run_length(values.len(), rng)).min(values.len());
+        let step = amount * rng.random_range(-1.0f32..=1.0);
+        let opens = rng.random_bool(0.5);
+        for v in &mut values[start..end] {
+            if low == 0.0 || *v != 0.0 || opens {
+                *v = (*v + step).clamp(low, 1.0);
+            }
+        }
+        start = end;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rand_chacha::rand_core::SeedableRng;
+
+    fn mapping() -> impl Strategy<Value = Mapping> {
+        (
+            prop::collection::vec(0.0f32..=1.0, 1..80),
+            prop::collection::vec(-1.0f32..=1.0, 1..80),
+            0.0f32..=1.0,
+            0.0f32..4.0,
+        )
+            .prop_map(|(transfer, amplification, stereo_mu, gain)| Mapping {
+                transfer,
+                amplification,
+                stereo_mu,
+                gain,
+            })
+    }
+
+    fn between(child: &[f32], p: &[f32], q: &[f32]) -> bool {
+        child.len() == p.len() && (0..p.len()).all(|i| child[i] >= p[i].min(q[i]) && child[i] <= p[i].max(q[i]))
+    }
+
+    proptest! {
+        #[test]
+        fn children_lie_between_their_parents(p in mapping(), q in mapping(), seed: u64) {
+            let child = breed(&p, &q, &mut ChaCha8Rng::seed_from_u64(seed));
+            let (bands, harmonics) = (p.transfer.len().max(q.transfer.len()), p.amplification.len().max(q.amplification.len()));
+            prop_assert!(child.validate().is_ok());
+            prop_assert!(between(&child.transfer, &p.transfer_on(bands), &q.transfer_on(bands)));
+            prop_assert!(between(&child.amplification, &p.amplification_on(harmonics), &q.amplification_on(harmonics)));
+            prop_assert!(between(&[child.stereo_mu], &[p.stereo_mu], &[q.stereo_mu]));
+            prop_assert_eq!(&child, &breed(&p, &q, &mut ChaCha8Rng::seed_from_u64(seed)));
+        }
+
+        #[test]
+        fn a_child_of_twins_is_their_twin(p in mapping(), seed: u64) {
+            prop_assert_eq!(breed(&p, &p, &mut ChaCha8Rng::seed_from_u64(seed)), p);
+        }
+
+        #[test]
+        fn mutants_are_valid_and_near(p in mapping(), amount in 0.0f32..=1.0, seed: u64) {
+            let mutant = mutate(&p, amount, &mut ChaCha8Rng::seed_from_u64(seed));
+            prop_assert!(mutant.validate().is_ok());
+            prop_assert!(p.transfer.iter().zip(&mutant.transfer).all(|(a, b)| (a - b).abs() <= amount + 1e-6));
+        }
+    }
+
+    #[test]
+    fn halves_of_the_children_are_mixed_and_quarters_are_one_parents() {
+        let p = Mapping { transfer: vec![0.0; 100], ..Mapping::rest(1, 1) };
+        let q = Mapping { transfer: vec![1.0; 100], ..Mapping::rest(1, 1) };
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let mut counts = [0; 3];
+        for _ in 0..2000 {
+            let child = breed(&p, &q, &mut rng);
+            let kind = if child.transfer == p.transfer { 0 } else if child.transfer == q.transfer { 1 } else { 2 };
+            counts[kind] += 1;
+        }
+        assert!((450..550).contains(&counts[0]) && (450..550).contains(&counts[1]), "{counts:?}");
+    }
+
+    #[test]
+    fn runs_are_geometric_with_the_stated_mean() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let total: usize = (0..20_000).map(|_| run_length(200, &mut rng)).sum();
+        assert!((total as f64 / 20_000.0 - 20.0).abs() < 0.6, "{total}");
+    }
+}

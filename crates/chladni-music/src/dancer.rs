@@ -1,0 +1,103 @@
+//! A body made ready to dance: what every frame needs to know of it.
+
+use chladni_harmonics::Body;
+use chladni_synth::Residual;
+use rayon::prelude::*;
+
+use crate::probes::Probes;
+use crate::sides::Sides;
+use crate::{Class, Error};
+
+/// What the mappings of all items share of one body. Working frame.
+#[derive(Clone, Debug)]
+pub struct Dancer {
+    /// λ_k, K values.
+    pub eigenvalues: Vec<f64>,
+    /// x̃_k: the harmonic transform of the rest positions.
+    pub spectrum: Vec<[f32; 3]>,
+    /// max_v |H_k(v)|: how far one unit of c_k moves the most moved vertex.
+    pub reach: Vec<f32>,
+    /// Whether H_k is symmetric, antisymmetric or neither.
+    pub classes: Vec<Class>,
+    /// χ_L and χ_R.
+    pub sides: Sides,
+    /// dx: the part of the rest positions above K.
+    pub residual: Residual,
+    /// Diagonal of the bounding box, the yardstick of every displacement.
+    pub box_diagonal: f32,
+    pub(crate) probes: Probes,
+}
+
+impl Dancer {
+    /// Prepares `body`, whose harmonics have `classes` (K of them, see
+    /// [`Symmetry`](crate::Symmetry)).
+    ///
+    /// Errors if the counts differ, or if there is no harmonic or no vertex.
+    pub fn new(body: &Body, classes: &[Class]) -> Result<Self, Error> {
+        let basis = &*body.basis;
+        let k = basis.harmonics();
+        if classes.len() != k {
+            return Err(Error::Size { what: "symmetry classes", found: classes.len(), expected: k });
+        }
+        if k == 0 || basis.vertices() == 0 {
+            return Err(Error::Size { what: "harmonics", found: k, expected: 1 });
+        }
+        if body.positions.len() != basis.vertices() {
+            return Err(Error::Size {
+                what: "positions",
+                found: body.positions.len(),
+                expected: basis.vertices(),
+            });
+        }
+        let spectrum64 = basis.transform3(&body.positions);
+        let smooth = basis.synthesize3(&spectrum64);
+        let residual = body
+            .positions
+            .iter()
+            .zip(&smooth)
+            .map(|(x, s)| std::array::from_fn(|i| (x[i] - s[i]) as f32))
+            .collect();
+        let reach: Vec<f32> = (0..k)
+            .into_par_iter()
+            .map(|k| basis.harmonic(k).iter().fold(0.0, |m: f64, h| m.max(h.abs())) as f32)
+            .collect();
+        let spectrum: Vec<[f32; 3]> = spectrum64.iter().map(|x| x.map(|c| c as f32)).collect();
+        let unit: Vec<f32> = (0..k).map(|k| reach[k] * length(spectrum[k])).collect();
+        Ok(Self {
+            eigenvalues: basis.eigenvalues.clone(),
+            sides: Sides::of(body, classes),
+            probes: Probes::new(body, &unit),
+            spectrum,
+            reach,
+            classes: classes.to_vec(),
+            residual: Residual::Vector(residual),
+            box_diagonal: box_diagonal(&body.positions),
+        })
+    }
+
+    /// K.
+    pub fn harmonics(&self) -> usize {
+        self.eigenvalues.len()
+    }
+
+    /// How far the most moved vertex goes when harmonic k is amplified by 1 in the filter form.
+    pub fn filter_reach(&self, k: usize) -> f32 {
+        self.reach[k] * length(self.spectrum[k])
+    }
+}
+
+fn length(v: [f32; 3]) -> f32 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
+pub(crate) fn box_diagonal(positions: &[[f64; 3]]) -> f32 {
+    let mut low = [f64::MAX; 3];
+    let mut high = [f64::MIN; 3];
+    for p in positions {
+        for i in 0..3 {
+            low[i] = low[i].min(p[i]);
+            high[i] = high[i].max(p[i]);
+        }
+    }
+    (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt() as f32
+}

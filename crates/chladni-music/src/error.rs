@@ -1,0 +1,82 @@
+//! What can go wrong in the music instrument.
+
+/// An error of this crate: what, where and why.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A mapping whose numbers cannot be played.
+    #[error("mapping: {what} {why}")]
+    BadMapping {
+        /// `transfer`, `amplification`, `stereo_mu` or `gain`.
+        what: &'static str,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A body, spectrum or class list whose sizes do not fit each other.
+    #[error("{what}: {found} where {expected} are needed")]
+    Size {
+        /// What was counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        expected: usize,
+    },
+    /// A gallery of a size that is not offered.
+    #[error("a gallery holds 6, 9, 12 or 16 items, not {0}")]
+    GallerySize(usize),
+    /// An action names an item, a generation or a favourite that does not exist.
+    #[error("there is no {what} {index}: there are {count}")]
+    NoSuch {
+        /// What was asked for.
+        what: &'static str,
+        /// Its index, from 0.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// Breeding needs two parents.
+    #[error("breeding needs at least 2 chosen items: {0} chosen")]
+    NotEnoughParents(usize),
+    /// A parameter out of its range.
+    #[error("{name} = {value} is outside {range}")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// What was asked for.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// A preset or session file of a newer format.
+    #[error("{kind} format version {found} is newer than {known}, the newest this program reads")]
+    Version {
+        /// `preset` or `session`.
+        kind: &'static str,
+        /// The version in the file.
+        found: u32,
+        /// The newest version that is understood.
+        known: u32,
+    },
+    /// A preset or session that is not the text it should be.
+    #[error("{kind}: {why}")]
+    Parse {
+        /// `preset` or `session`.
+        kind: &'static str,
+        /// Line and reason, from the TOML reader.
+        why: String,
+    },
+    /// A file that could not be read or written.
+    #[error("{path}: {why}", path = path.display())]
+    File {
+        /// The file.
+        path: std::path::PathBuf,
+        /// The system's reason.
+        why: std::io::Error,
+    },
+    /// The shape has no harmonics that could move it.
+    #[error("symmetry: {0}")]
+    Symmetry(String),
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] chladni_task::Cancelled),
+}

@@ -1,0 +1,176 @@
+//! Photosensitive safety: how many flashes a second, and a limiter that keeps them at three.
+//!
+//! WCAG 2.3.1 counts a general flash as a pair of opposing changes in relative luminance of
+//! at least 0.1, where the darker of the two is below 0.8. At most three may fall into any
+//! one second.
+
+/// The change of relative luminance that counts.
+pub const FLASH_STEP: f32 = 0.1;
+/// The darker state of a flash lies below this.
+pub const FLASH_DARK: f32 = 0.8;
+/// Flashes allowed in any one second.
+pub const MAX_FLASHES: usize = 3;
+
+/// How many flashes fall into the worst second of `luminances` (relative, [0, 1]), taken at
+/// `times_secs`.
+pub fn most_flashes_per_second(times_secs: &[f64], luminances: &[f32]) -> usize {
+    let mut swings = Swings::default();
+    let mut edges = Vec::new();
+    for (&t, &l) in times_secs.iter().zip(luminances) {
+        if swings.push(l) {
+            edges.push(t);
+        }
+    }
+    // Two opposing changes make one flash.
+    (0..edges.len())
+        .map(|i| edges[i..].iter().take_while(|t| **t - edges[i] <= 1.0).count() / 2)
+        .max()
+        .unwrap_or(0)
+}
+
+/// Finds opposing changes of at least [`FLASH_STEP`].
+#[derive(Clone, Copy, Debug, Default)]
+struct Swings {
+    /// Lowest and highest value since the last change.
+    range: Option<(f32, f32)>,
+    /// +1 after a rise, −1 after a fall.
+    direction: i8,
+}
+
+impl Swings {
+    /// What a value would be: a rise (+1), a fall (−1) or neither.
+    fn change(&self, value: f32) -> i8 {
+        let Some((low, high)) = self.range else { return 0 };
+        if self.direction <= 0 && value - low >= FLASH_STEP && low < FLASH_DARK {
+            1
+        } else if self.direction >= 0 && high - value >= FLASH_STEP && value < FLASH_DARK {
+            -1
+        } else {
+            0
+        }
+    }
+
+    /// Takes the value; whether it completes an opposing change.
+    fn push(&mut self, value: f32) -> bool {
+        let change = self.change(value);
+        self.range = match self.range {
+            Some((low, high)) if change == 0 => Some((low.min(value), high.max(value))),
+            _ => Some((value, value)),
+        };
+        if change != 0 {
+            self.direction = change;
+        }
+        change != 0
+    }
+}
+
+/// Lets a luminance follow what is wanted, but never through more than three flashes in a
+/// second, nor faster than a set slope.
+///
+/// It works on any signal that the relative luminance of the picture is proportional to, such
+/// as the intensity of the lights: give what the luminance would be, use what comes back.
+#[derive(Clone, Debug)]
+pub struct FlashLimiter {
+    swings: Swings,
+    /// Times of the last changes, a ring.
+    edges_secs: [f64; 2 * MAX_FLASHES - 1],
+    next_edge: usize,
+    last: Option<(f64, f32)>,
+    max_slope_per_sec: f32,
+}
+
+impl Default for FlashLimiter {
+    fn default() -> Self {
+        Self::new(4.0)
+    }
+}
+
+impl FlashLimiter {
+    /// A limiter that changes the luminance by at most `max_slope_per_sec` (4 takes a quarter
+    /// of a second from black to white); a slope that is not positive counts as 4.
+    pub fn new(max_slope_per_sec: f32) -> Self {
+        let max_slope_per_sec = if max_slope_per_sec > 0.0 { max_slope_per_sec } else { 4.0 };
+        Self {
+            swings: Swings::default(),
+            edges_secs: [f64::NEG_INFINITY; 2 * MAX_FLASHES - 1],
+            next_edge: 0,
+            last: None,
+            max_slope_per_sec,
+        }
+    }
+
+    /// The luminance to show at `time_secs`, which must not fall from call to call, where
+    /// `wanted` is asked for. Values outside [0, 1] and such that are no number are clamped.
+    /// Allocates nothing.
+    pub fn limit(&mut self, time_secs: f64, wanted: f32) -> f32 {
+        let wanted = if wanted.is_finite() { wanted.clamp(0.0, 1.0) } else { 0.0 };
+        let Some((last_secs, last)) = self.last else {
+            self.swings.push(wanted);
+            self.last = Some((time_secs, wanted));
+            return wanted;
+        };
+        let step = self.max_slope_per_sec * (time_secs - last_secs).max(0.0) as f32;
+        let mut shown = wanted.clamp(last - step, last + step);
+        if self.swings.change(shown) != 0 {
+            // Five changes in the last second: one more would complete the third flash, and
+            // the edges of a fourth could follow within the same second.
+            let oldest = self.edges_secs[self.next_edge];
+            if time_secs - oldest <= 1.0 {
+                shown = self.held(shown);
+            } else {
+                self.edges_secs[self.next_edge] = time_secs;
+                self.next_edge = (self.next_edge + 1) % self.edges_secs.len();
+            }
+        }
+        self.swings.push(shown);
+        self.last = Some((time_secs, shown));
+        shown
+    }
+
+    /// The value nearest to `wanted` that is no change.
+    fn held(&self, wanted: f32) -> f32 {
+        let (low, high) = self.swings.range.unwrap_or((wanted, wanted));
+        let within = 0.9 * FLASH_STEP;
+        wanted.clamp((high - within).min(low), (low + within).max(high))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn limited(times: &[f64], wanted: &[f32]) -> Vec<f32> {
+        let mut limiter = FlashLimiter::default();
+        times.iter().zip(wanted).map(|(&t, &w)| limiter.limit(t, w)).collect()
+    }
+
+    #[test]
+    fn a_strobe_is_counted_and_tamed() {
+        let times: Vec<f64> = (0..600).map(|i| f64::from(i) / 60.0).collect();
+        let strobe: Vec<f32> = times.iter().map(|t| f32::from(u8::from((t * 10.0).fract() < 0.5))).collect();
+        assert!(most_flashes_per_second(&times, &strobe) >= 10);
+        let shown = limited(&times, &strobe);
+        let flashes = most_flashes_per_second(&times, &shown);
+        assert!((1..=3).contains(&flashes), "{flashes}");
+    }
+
+    #[test]
+    fn slow_light_passes_unchanged() {
+        let times: Vec<f64> = (0..600).map(|i| f64::from(i) / 60.0).collect();
+        let slow: Vec<f32> = times.iter().map(|t| 0.5 + 0.4 * (t * 2.0).sin() as f32).collect();
+        assert_eq!(limited(&times, &slow), slow);
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_gets_more_than_three_flashes_through(
+            wanted in prop::collection::vec(-0.2f32..1.2, 1..400), rate in 10.0f64..240.0)
+        {
+            let times: Vec<f64> = (0..wanted.len()).map(|i| i as f64 / rate).collect();
+            let shown = limited(&times, &wanted);
+            prop_assert!(most_flashes_per_second(&times, &shown) <= MAX_FLASHES);
+            prop_assert!(shown.iter().all(|v| (0.0..=1.0).contains(v)));
+        }
+    }
+}

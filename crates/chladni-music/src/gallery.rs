@@ -1,0 +1,380 @@
+//! A gallery of mappings, its generations, and who descends from whom.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde::{Deserialize, Serialize};
+
+use crate::breeding::{breed, mutate};
+use crate::{Error, Mapping, direct_transfer};
+
+/// The sizes S a gallery may have.
+pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
+
+/// Names one item for good: no two items of a session share it.
+pub type ItemId = u32;
+
+/// How an item came to be.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "from")]
+pub enum Origin {
+    /// Part of the initial gallery of a seed.
+    Initial {
+        /// The seed.
+        seed: u64,
+        /// Its place in that gallery.
+        place: usize,
+    },
+    /// A child of two items.
+    Bred {
+        /// Their ids.
+        parents: [ItemId; 2],
+    },
+    /// One item, changed a little at random.
+    Mutated {
+        /// Its id.
+        parent: ItemId,
+    },
+    /// Came out of a preset file.
+    Loaded {
+        /// The preset's name.
+        name: String,
+    },
+}
+
+/// One item of a gallery.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GalleryItem {
+    /// Its id.
+    pub id: ItemId,
+    /// What the user calls it; empty until named.
+    pub name: String,
+    /// What it plays.
+    pub mapping: Mapping,
+    /// How it came to be.
+    pub origin: Origin,
+    /// Whether t, a, μ or gain were changed by hand since.
+    pub edited: bool,
+    /// Chosen as a parent.
+    pub chosen: bool,
+    /// Stays in its place when the others are replaced.
+    pub locked: bool,
+}
+
+/// The items that were shown together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Generation {
+    /// S items.
+    pub items: Vec<GalleryItem>,
+    /// The generation this one was made from.
+    pub from: Option<usize>,
+}
+
+/// What the initial gallery is made for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GalleryShape {
+    /// λ_k of the body, ascending; K of them.
+    pub eigenvalues: Vec<f64>,
+    /// #ω.
+    pub bands: usize,
+}
+
+/// All generations of one seed. Everything random comes from the seed and from the number of
+/// draws made before, so that the same calls give the same items, bit for bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gallery {
+    seed: u64,
+    draws: u64,
+    next_id: ItemId,
+    generations: Vec<Generation>,
+    current: usize,
+}
+
+impl Gallery {
+    /// The initial gallery of `size` ∈ [`GALLERY_SIZES`] items.
+    ///
+    /// Seeds go up to 2⁶³ − 1, the largest number that session files can hold.
+    pub fn new(seed: u64, size: usize, shape: &GalleryShape) -> Result<Self, Error> {
+        Self::numbered_from(0, seed, size, shape)
+    }
+
+    fn numbered_from(next_id: ItemId, seed: u64, size: usize, shape: &GalleryShape) -> Result<Self, Error> {
+        if !GALLERY_SIZES.contains(&size) {
+            return Err(Error::GallerySize(size));
+        }
+        if i64::try_from(seed).is_err() {
+            return Err(Error::OutOfRange { name: "seed", value: seed as f64, range: "[0, 2^63)" });
+        }
+        let mut gallery = Self { seed, draws: 0, next_id, generations: Vec::new(), current: 0 };
+        let mu = initial_mu(size, &mut gallery.rng());
+        let items = initial_mappings(size, shape)
+            .into_iter()
+            .zip(mu)
+            .enumerate()
+            .map(|(place, (mapping, stereo_mu))| {
+                gallery.item(Mapping { stereo_mu, ..mapping }, Origin::Initial { seed, place })
+            })
+            .collect();
+        gallery.generations.push(Generation { items, from: None });
+        Ok(gallery)
+    }
+
+    /// Another gallery whose items continue the numbering of this one.
+    pub(crate) fn restart(&self, seed: u64, size: usize, shape: &GalleryShape) -> Result<Self, Error> {
+        Self::numbered_from(self.next_id, seed, size, shape)
+    }
+
+    /// The seed.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// All generations, oldest first.
+    pub fn generations(&self) -> &[Generation] {
+        &self.generations
+    }
+
+    /// Index of the generation that is shown.
+    pub fn current(&self) -> usize {
+        self.current
+    }
+
+    /// The items that are shown.
+    pub fn items(&self) -> &[GalleryItem] {
+        &self.generations[self.current].items
+    }
+
+    /// The newest state of an item of any generation.
+    pub fn find(&self, id: ItemId) -> Option<&GalleryItem> {
+        let shown = self.items().iter().find(|item| item.id == id);
+        shown.or_else(|| self.generations.iter().rev().flat_map(|g| &g.items).find(|item| item.id == id))
+    }
+
+    pub(crate) fn item_mut(&mut self, index: usize) -> Result<&mut GalleryItem, Error> {
+        let items = &mut self.generations[self.current].items;
+        let count = items.len();
+        items.get_mut(index).ok_or(Error::NoSuch { what: "item", index, count })
+    }
+
+    /// Shows an earlier (or later) generation again.
+    pub(crate) fn go_to(&mut self, generation: usize) -> Result<(), Error> {
+        let count = self.generations.len();
+        if generation >= count {
+            return Err(Error::NoSuch { what: "generation", index: generation, count });
+        }
+        self.current = generation;
+        Ok(())
+    }
+
+    /// A new generation: S children of random pairs of distinct chosen items; locked items stay.
+    pub(crate) fn breed(&mut self) -> Result<(), Error> {
+        let parents: Vec<GalleryItem> = self.items().iter().filter(|i| i.chosen).cloned().collect();
+        if parents.len() < 2 {
+            return Err(Error::NotEnoughParents(parents.len()));
+        }
+        let mut rng = self.rng();
+        let items = self
+            .items()
+            .to_vec()
+            .into_iter()
+            .map(|item| {
+                // Drawn for locked places too, so that a lock does not change its neighbours.
+                let first = rng.random_range(0..parents.len());
+                let second = (first + rng.random_range(1..parents.len())) % parents.len();
+                let (p, q) = (&parents[first], &parents[second]);
+                let child = breed(&p.mapping, &q.mapping, &mut rng);
+                if item.locked {
+                    return GalleryItem { chosen: false, ..item };
+                }
+                self.item(child, Origin::Bred { parents: [p.id, q.id] })
+            })
+            .collect();
+        self.show_new(items);
+        Ok(())
+    }
+
+    /// A new generation in which one item is changed a little.
+    pub(crate) fn mutate(&mut self, index: usize, amount: f32) -> Result<(), Error> {
+        if !(0.0..=1.0).contains(&amount) {
+            return Err(Error::OutOfRange { name: "mutation", value: amount.into(), range: "[0, 1]" });
+        }
+        let parent = self.item_mut(index)?.clone();
+        let mapping = mutate(&parent.mapping, amount, &mut self.rng());
+        let child = self.item(mapping, Origin::Mutated { parent: parent.id });
+        self.replace(index, child);
+        Ok(())
+    }
+
+    /// A new generation in which one item is replaced by a mapping from elsewhere.
+    pub(crate) fn load(&mut self, index: usize, name: &str, mapping: Mapping) -> Result<(), Error> {
+        mapping.validate()?;
+        self.item_mut(index)?;
+        let mut item = self.item(mapping, Origin::Loaded { name: name.to_owned() });
+        item.name = name.to_owned();
+        self.replace(index, item);
+        Ok(())
+    }
+
+    fn replace(&mut self, index: usize, item: GalleryItem) {
+        let mut items = self.items().to_vec();
+        items[index] = item;
+        self.show_new(items);
+    }
+
+    fn show_new(&mut self, items: Vec<GalleryItem>) {
+        self.generations.push(Generation { items, from: Some(self.current) });
+        self.current = self.generations.len() - 1;
+    }
+
+    fn item(&mut self, mapping: Mapping, origin: Origin) -> GalleryItem {
+        let id = self.next_id;
+        self.next_id += 1;
+        let name = String::new();
+        GalleryItem { id, name, mapping, origin, edited: false, chosen: false, locked: false }
+    }
+
+    /// A fresh stream of the seed for each draw: what is drawn does not depend on how much
+    /// randomness an earlier draw used.
+    fn rng(&mut self) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(self.draws);
+        self.draws += 1;
+        rng
+    }
+}
+
+/// μ of the initial items: random, with 0 and 1 always among them.
+fn initial_mu(size: usize, rng: &mut ChaCha8Rng) -> Vec<f32> {
+    let mut mu: Vec<f32> = (0..size).map(|_| rng.random()).collect();
+    let zero = rng.random_range(0..size);
+    let one = (zero + rng.random_range(1..size)) % size;
+    mu[zero] = 0.0;
+    mu[one] = 1.0;
+    mu
+}
+
+/// The initial gallery without μ (docs/music.md, "The initial gallery").
+fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
+    let k = shape.eigenvalues.len().max(1);
+    let transfers = initial_transfers(size, shape);
+    let mut used = vec![false; size];
+    (0..size)
+        .map(|item| {
+            let amplification = initial_amplification(size, item, k);
+            // The paper leaves open which transfer meets which amplification. Taken in order
+            // most items are silent: their sound goes to harmonics that their band does not
+            // amplify. Each amplification takes the free transfer that feeds it most; where
+            // no free one feeds it, any.
+            let feeds = |t: &Vec<f32>| {
+                let top = (k - 1) as f32;
+                t.iter().filter(|t| amplification[(*t * top).round() as usize] != 0.0).count()
+            };
+            let best = |free: bool| {
+                (0..size)
+                    .filter(|&t| !free || !used[t])
+                    .max_by_key(|&t| (feeds(&transfers[t]), std::cmp::Reverse(t)))
+            };
+            let choice = best(true).filter(|&t| feeds(&transfers[t]) > 0).or_else(|| best(false)).unwrap_or(0);
+            used[choice] = true;
+            let transfer = transfers[choice].clone();
+            Mapping { transfer, amplification, stereo_mu: 0.0, gain: 1.0 }
+        })
+        .collect()
+}
+
+/// t_ini(α ω) with α rising from 0 to 1 in steps 2/(S−1), then t_rev(α ω) with α falling
+/// again: S transfers in all.
+fn initial_transfers(size: usize, shape: &GalleryShape) -> Vec<Vec<f32>> {
+    (0..size)
+        .map(|i| {
+            let rise = 2.0 * i as f64 / (size - 1) as f64;
+            direct_transfer(&shape.eigenvalues, shape.bands, rise.min(2.0 - rise), rise > 1.0)
+        })
+        .collect()
+}
+
+/// Band b covers k/K in [(2b/S)², (2(b+1)/S)²); the first ⌊S/2⌋ items amplify, the rest damp.
+/// A band too narrow for any harmonic that moves the shape takes the next one up.
+fn initial_amplification(size: usize, item: usize, harmonics: usize) -> Vec<f32> {
+    let half = size / 2;
+    let (band, sign) = if item < half { (item, 1.0) } else { (item - half, -1.0) };
+    let edge = |b: usize| (2.0 * b as f64 / size as f64).powi(2);
+    let mut a: Vec<f32> = (0..harmonics)
+        .map(|k| {
+            let at = k as f64 / harmonics as f64;
+            if at >= edge(band) && at < edge(band + 1) { sign } else { 0.0 }
+        })
+        .collect();
+    if a.iter().skip(1).all(|a| *a == 0.0) {
+        let next = ((edge(band) * harmonics as f64).ceil() as usize).clamp(1.min(harmonics - 1), harmonics - 1);
+        a[next] = sign;
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shape() -> GalleryShape {
+        // Weyl: λ_k grows like k.
+        GalleryShape { eigenvalues: (0..256).map(f64::from).collect(), bands: 128 }
+    }
+
+    #[test]
+    fn bands_cover_all_harmonics_once_per_sign() {
+        for size in GALLERY_SIZES {
+            for sign in [1.0, -1.0] {
+                let items = if sign > 0.0 { 0..size / 2 } else { size / 2..size };
+                let sum = items.fold(vec![0.0f32; 1000], |mut sum, item| {
+                    sum.iter_mut().zip(initial_amplification(size, item, 1000)).for_each(|(s, a)| *s += a);
+                    sum
+                });
+                // With odd S the amplifying half ends at ((S−1)/S)².
+                let covered = if sign > 0.0 { ((size / 2 * 2) as f64 / size as f64).powi(2) } else { 1.0 };
+                let end = (covered * 1000.0) as usize;
+                assert!(sum[..end].iter().all(|a| *a == sign), "S = {size}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_initial_item_sounds_and_mu_spans_its_range() {
+        for size in GALLERY_SIZES {
+            let gallery = Gallery::new(3, size, &shape()).unwrap();
+            assert_eq!(gallery.items().len(), size);
+            for item in gallery.items() {
+                item.mapping.validate().unwrap();
+                let targets = item.mapping.targets(128, 256);
+                let heard = targets.iter().any(|&k| k > 0 && item.mapping.amplification[k as usize] != 0.0);
+                assert!(heard, "item {} of {size}", item.id);
+            }
+            let mu: Vec<f32> = gallery.items().iter().map(|i| i.mapping.stereo_mu).collect();
+            assert!(mu.contains(&0.0) && mu.contains(&1.0));
+        }
+        assert!(Gallery::new(3, 7, &shape()).is_err());
+    }
+
+    #[test]
+    fn breeding_keeps_locked_items_and_records_parents() {
+        let mut gallery = Gallery::new(9, 12, &shape()).unwrap();
+        assert!(matches!(gallery.breed(), Err(Error::NotEnoughParents(0))));
+        for i in [1, 4, 6] {
+            gallery.item_mut(i).unwrap().chosen = true;
+        }
+        gallery.item_mut(2).unwrap().locked = true;
+        let kept = gallery.items()[2].clone();
+        let before = gallery.items().to_vec();
+        gallery.breed().unwrap();
+        assert_eq!(gallery.items()[2], kept);
+        for (i, item) in gallery.items().iter().enumerate().filter(|(i, _)| *i != 2) {
+            let Origin::Bred { parents: [p, q] } = item.origin else { panic!("item {i}: {:?}", item.origin) };
+            assert!(p != q && [1, 4, 6].contains(&p) && [1, 4, 6].contains(&q));
+        }
+        gallery.go_to(0).unwrap();
+        assert_eq!(gallery.items(), &before[..]);
+        assert!(gallery.go_to(2).is_err());
+        gallery.breed().unwrap();
+        assert_eq!(gallery.generations()[2].from, Some(0));
+    }
+}

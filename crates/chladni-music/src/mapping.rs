@@ -1,0 +1,156 @@
+//! Φ_{t,a}: which sound band drives which harmonic, and how strongly.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+
+/// The most bands or harmonics a stored mapping may have.
+pub const MAX_GENES: usize = 1 << 14;
+
+/// A mapping from sound to shape that belongs to no shape in particular (stereo-music paper,
+/// section 4a and "Harmonic mapping re-use"): it plays on any number of bands and harmonics.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mapping {
+    /// t̄, one value in [0, 1] per sound band: band b of B stands for the stretch
+    /// [b/B, (b+1)/B) of the frequency axis and drives harmonic round(t̄ (K − 1)).
+    pub transfer: Vec<f32>,
+    /// a as a function of k/K, each value in [−1, 1]: value i of A stands for [i/A, (i+1)/A).
+    pub amplification: Vec<f32>,
+    /// μ in [0, 1]: 0 sends mid to symmetric and side to antisymmetric harmonics; 1 mixes them.
+    pub stereo_mu: f32,
+    /// Strength. At 1 a full-scale band moves the most moved vertex by the calibrated amount.
+    pub gain: f32,
+}
+
+impl Mapping {
+    /// The mapping that leaves every shape at rest: a ≡ 0.
+    pub fn rest(bands: usize, harmonics: usize) -> Self {
+        Self {
+            transfer: vec![0.0; bands.max(1)],
+            amplification: vec![0.0; harmonics.max(1)],
+            stereo_mu: 0.0,
+            gain: 1.0,
+        }
+    }
+
+    /// Checks lengths (1 to 16384), that every number is finite, and the ranges above
+    /// (the gain lies in [0, 100]).
+    pub fn validate(&self) -> Result<(), Error> {
+        let bad = |what, why: String| Err(Error::BadMapping { what, why });
+        for (what, values, low) in
+            [("transfer", &self.transfer, 0.0), ("amplification", &self.amplification, -1.0)]
+        {
+            if values.is_empty() || values.len() > MAX_GENES {
+                return bad(what, format!("has {} values, not 1 to {MAX_GENES}", values.len()));
+            }
+            if let Some((i, v)) = values.iter().enumerate().find(|(_, v)| !(low..=1.0).contains(*v)) {
+                return bad(what, format!("value {i} is {v}, outside [{low}, 1]"));
+            }
+        }
+        if !(0.0..=1.0).contains(&self.stereo_mu) {
+            return bad("stereo_mu", format!("is {}, outside [0, 1]", self.stereo_mu));
+        }
+        if !(0.0..=100.0).contains(&self.gain) {
+            return bad("gain", format!("is {}, outside [0, 100]", self.gain));
+        }
+        Ok(())
+    }
+
+    /// t̄ on `bands` bands: itself where the count agrees, else linear between band centres.
+    pub fn transfer_on(&self, bands: usize) -> Vec<f32> {
+        resample(&self.transfer, bands)
+    }
+
+    /// a on `harmonics` harmonics: itself where the count agrees, else linear in between.
+    pub fn amplification_on(&self, harmonics: usize) -> Vec<f32> {
+        resample(&self.amplification, harmonics)
+    }
+
+    /// t(ω) ∈ {0 … K−1} for each of `bands` bands on a shape of `harmonics` = K harmonics.
+    pub fn targets(&self, bands: usize, harmonics: usize) -> Vec<u32> {
+        let top = harmonics.saturating_sub(1) as f32;
+        self.transfer_on(bands).into_iter().map(|t| (t.clamp(0.0, 1.0) * top).round() as u32).collect()
+    }
+}
+
+/// Samples at cell centres, linear in between, constant beyond the outermost centres.
+fn resample(values: &[f32], count: usize) -> Vec<f32> {
+    if values.len() == count {
+        return values.to_vec();
+    }
+    let Some(last) = values.len().checked_sub(1) else { return vec![0.0; count] };
+    (0..count)
+        .map(|i| {
+            let x = ((i as f64 + 0.5) * values.len() as f64 / count as f64 - 0.5).clamp(0.0, last as f64);
+            let low = x as usize;
+            let (a, b) = (values[low], values[(low + 1).min(last)]);
+            a + (b - a) * (x - low as f64) as f32
+        })
+        .collect()
+}
+
+/// t_ini(ω) = min{ k : ω/ω_max ≤ √(λ_k/λ_max) }, read at α·ω, normalised to [0, 1] (section 4d).
+///
+/// Band b of `bands` stands at ω/ω_max = (b+1)/bands, so that the last one reaches λ_max.
+/// Only harmonics with λ_k > 0 count: a constant harmonic cannot move the shape in the filter
+/// form, and α = 0 would otherwise send all sound there. `reversed` gives t_rev = K − 1 − t_ini.
+pub fn direct_transfer(eigenvalues: &[f64], bands: usize, alpha: f64, reversed: bool) -> Vec<f32> {
+    let Some(&largest) = eigenvalues.last() else { return vec![0.0; bands] };
+    let top = (eigenvalues.len() - 1).max(1) as f64;
+    let first = eigenvalues.partition_point(|&l| l <= 1e-9 * largest).min(eigenvalues.len() - 1);
+    (0..bands)
+        .map(|b| {
+            let omega = alpha * (b + 1) as f64 / bands as f64;
+            // ω ≤ √(λ/λ_max) ⇔ ω² λ_max ≤ λ, without losing the equality at ω = 1 to rounding.
+            let k = eigenvalues
+                .partition_point(|&l| l < omega * omega * largest)
+                .clamp(first, eigenvalues.len() - 1) as f64;
+            (if reversed { top - k } else { k } / top) as f32
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_direct_transfer_is_the_formula() {
+        let eigenvalues = [0.0, 1.0, 2.5, 4.0, 9.0, 16.0];
+        let t = direct_transfer(&eigenvalues, 8, 1.0, false);
+        for (b, t) in t.iter().enumerate() {
+            let omega = (b + 1) as f64 / 8.0;
+            let k = (0..6).find(|&k| omega <= (eigenvalues[k] / 16.0f64).sqrt()).unwrap();
+            assert_eq!((t * 5.0).round() as usize, k);
+        }
+        let reversed = direct_transfer(&eigenvalues, 8, 1.0, true);
+        assert!(t.iter().zip(&reversed).all(|(t, r)| (t + r - 1.0).abs() < 1e-6));
+        let constant = direct_transfer(&eigenvalues, 8, 0.0, false);
+        assert!(constant.iter().all(|t| (t * 5.0).round() == 1.0));
+    }
+
+    proptest! {
+        #[test]
+        fn resampling_keeps_the_range_and_the_same_count_keeps_all(
+            values in prop::collection::vec(-1.0f32..1.0, 1..60), count in 1usize..90)
+        {
+            let low = values.iter().copied().fold(f32::MAX, f32::min);
+            let high = values.iter().copied().fold(f32::MIN, f32::max);
+            let out = resample(&values, count);
+            prop_assert_eq!(out.len(), count);
+            prop_assert!(out.iter().all(|v| *v >= low - 1e-6 && *v <= high + 1e-6));
+            prop_assert_eq!(resample(&values, values.len()), values);
+        }
+
+        #[test]
+        fn targets_exist_on_any_shape(
+            transfer in prop::collection::vec(0.0f32..=1.0, 1..60), bands in 1usize..90, harmonics in 1usize..90)
+        {
+            let mapping = Mapping { transfer, ..Mapping::rest(1, 1) };
+            prop_assert!(mapping.validate().is_ok());
+            prop_assert!(mapping.targets(bands, harmonics).iter().all(|&k| (k as usize) < harmonics));
+        }
+    }
+}

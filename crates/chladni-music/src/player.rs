@@ -1,0 +1,390 @@
+//! One mapping made ready for one dancer: sound in, coefficients out, every frame.
+
+use std::sync::Arc;
+
+use chladni_synth::{Coefficients, Item, Term};
+use serde::{Deserialize, Serialize};
+
+use crate::{Class, Dancer, Error, Mapping};
+
+/// How the gains of the harmonics move the shape (docs/music.md, "Forms").
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    /// The paper's filter: C_k = (φ_k − 1) x̃_k. A mirror-symmetric shape stays so.
+    #[default]
+    Filter,
+    /// H_k along the normal with its own sign: c_k = φ_k − 1, as on a sounding plate.
+    Modal,
+    /// The filter twice: the left channel under χ_L, the right one under χ_R.
+    HalfMask,
+}
+
+/// Which harmonics may sound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Choir {
+    /// All of them.
+    #[default]
+    All,
+    /// Only those that are their own mirror image.
+    Symmetric,
+    /// Only those that change sign in the mirror.
+    Antisymmetric,
+}
+
+impl Choir {
+    fn admits(self, class: Class) -> bool {
+        match self {
+            Self::All => true,
+            Self::Symmetric => class == Class::Symmetric,
+            Self::Antisymmetric => class == Class::Antisymmetric,
+        }
+    }
+}
+
+/// f at one moment: amplitudes of the sound bands, all four of one length #ω, about [0, 1].
+#[derive(Clone, Copy, Debug)]
+pub struct Bands<'a> {
+    /// |L(ω)|.
+    pub left: &'a [f32],
+    /// |R(ω)|.
+    pub right: &'a [f32],
+    /// f_s = |L + R| / 2.
+    pub mid: &'a [f32],
+    /// f_u = |L − R| / 2, already amplified by the side gain.
+    pub side: &'a [f32],
+}
+
+/// How a mapping is turned into movement; the same for all items of a gallery.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Playing {
+    /// Filter, modal or half-mask.
+    pub form: Form,
+    /// Which harmonics may sound.
+    pub choir: Choir,
+    /// Overall strength, [0, 20]; multiplies every mapping's own gain.
+    pub gain: f32,
+    /// Exchanges left and right of the half-mask form.
+    pub flip_sides: bool,
+    /// What a full-scale band does at gain 1: the share of the bounding box's diagonal that
+    /// the most moved vertex goes, (0, 1].
+    pub calibration: f32,
+    /// The share of the diagonal that no vertex is to exceed, (0, 1]: a soft limit that is
+    /// felt from its half on. Taken at 64 probes, so that vertices between them may go a
+    /// little farther.
+    pub limit: f32,
+    /// φ_d in [−10, 10]: the gain of all above K; 1 leaves it alone.
+    pub detail: f32,
+    /// Harmonics in use: those from here on stay silent. `None` is all K.
+    pub harmonics: Option<u32>,
+}
+
+impl Default for Playing {
+    fn default() -> Self {
+        Self {
+            form: Form::Filter,
+            choir: Choir::All,
+            gain: 1.0,
+            flip_sides: false,
+            calibration: 0.08,
+            limit: 0.25,
+            detail: 1.0,
+            harmonics: None,
+        }
+    }
+}
+
+/// A harmonic that some band drives: its strength and its bands, t⁻¹({k}).
+#[derive(Clone, Copy, Debug)]
+struct Voiced {
+    harmonic: u32,
+    first_band: u32,
+    end_band: u32,
+    /// gain · M · a(k).
+    strength: f32,
+    antisymmetric: bool,
+}
+
+/// One mapping, compiled for a dancer, a number of bands and a way of playing.
+///
+/// Evaluating costs #ω additions and one pass over the harmonics in use.
+#[derive(Clone, Debug)]
+pub struct Player {
+    voiced: Vec<Voiced>,
+    bands: Vec<u32>,
+    band_count: usize,
+    stereo_mu: f32,
+    playing: Playing,
+    scale: f32,
+    dancer: Arc<Dancer>,
+    scratch: Vec<[f32; 3]>,
+}
+
+impl Player {
+    /// Compiles `mapping` for `bands` sound bands.
+    ///
+    /// Errors if the mapping is invalid or `playing` is out of its ranges.
+    pub fn new(mapping: &Mapping, dancer: &Arc<Dancer>, bands: usize, playing: Playing) -> Result<Self, Error> {
+        mapping.validate()?;
+        playing.validate()?;
+        let k_count = dancer.harmonics();
+        let targets = mapping.targets(bands, k_count);
+        let amplification = mapping.amplification_on(k_count);
+        let in_use = playing.harmonics.map_or(k_count, |k| (k as usize).min(k_count));
+        let reach = |k: usize| match playing.form {
+            Form::Filter | Form::HalfMask => dancer.filter_reach(k),
+            Form::Modal => dancer.reach[k],
+        };
+        // Gain 1 is where a full-scale band moves the most moved vertex by the set share of
+        // the box, whichever band of this mapping moves it most. Choir and harmonics in use
+        // do not enter, so that they mute without making the rest louder.
+        let farthest = targets
+            .iter()
+            .map(|&k| (amplification[k as usize] * reach(k as usize)).abs())
+            .fold(0.0, f32::max);
+        let wanted = playing.calibration * dancer.box_diagonal;
+        // Rounding noise is not a movement to be calibrated: such a mapping stays at rest.
+        let scale = if farthest > 1e-6 * dancer.box_diagonal { wanted / farthest } else { 0.0 };
+        let mut by_target: Vec<u32> = (0..bands as u32).collect();
+        by_target.sort_by_key(|&b| (targets[b as usize], b));
+        let mut voiced: Vec<Voiced> = Vec::new();
+        for (i, &b) in by_target.iter().enumerate() {
+            let k = targets[b as usize];
+            match voiced.last_mut() {
+                Some(last) if last.harmonic == k => last.end_band = i as u32 + 1,
+                _ => voiced.push(Voiced {
+                    harmonic: k,
+                    first_band: i as u32,
+                    end_band: i as u32 + 1,
+                    strength: playing.gain * mapping.gain * scale * amplification[k as usize],
+                    antisymmetric: dancer.classes[k as usize] == Class::Antisymmetric,
+                }),
+            }
+        }
+        voiced.retain(|v| {
+            v.strength != 0.0
+                && (v.harmonic as usize) < in_use
+                && playing.choir.admits(dancer.classes[v.harmonic as usize])
+        });
+        Ok(Self {
+            voiced,
+            bands: by_target,
+            band_count: bands,
+            stereo_mu: mapping.stereo_mu,
+            playing,
+            scale,
+            dancer: dancer.clone(),
+            scratch: Vec::with_capacity(2 * dancer.probes.count()),
+        })
+    }
+
+    /// M: what the calibration multiplies a(k) by; 0 if no band reaches a harmonic that moves
+    /// the shape, so that it stays at rest.
+    pub fn calibrated_scale(&self) -> f32 {
+        self.scale
+    }
+
+    /// Whether nothing that is played can move the shape.
+    pub fn is_silent(&self) -> bool {
+        self.voiced.is_empty()
+    }
+
+    /// An item at rest, with room for all that [`play`](Self::play) writes.
+    pub fn item(&self) -> Item {
+        let k = self.dancer.harmonics();
+        let term = |coefficients, mask| Term { coefficients, residual: None, residual_gain: 0.0, mask };
+        let mut terms = match self.playing.form {
+            Form::Filter => vec![term(Coefficients::Vector(vec![[0.0; 3]; k]), None)],
+            Form::Modal => vec![term(Coefficients::Normal(vec![0.0; k]), None)],
+            Form::HalfMask => {
+                let sides = &self.dancer.sides;
+                let (mut left, mut right) = (sides.left.clone(), sides.right.clone());
+                if self.playing.flip_sides {
+                    std::mem::swap(&mut left, &mut right);
+                }
+                [left, right].map(|mask| term(Coefficients::Vector(vec![[0.0; 3]; k]), Some(mask))).into()
+            }
+        };
+        if self.playing.form != Form::Modal && self.playing.detail != 1.0 {
+            for term in &mut terms {
+                term.residual = Some(self.dancer.residual.clone());
+                term.residual_gain = self.playing.detail - 1.0;
+            }
+        }
+        Item { terms }
+    }
+
+    /// φ(k) − 1 for all k (equation of section 5c): K values into `out`, zero where nothing
+    /// sounds. Uses mid and side; nothing is allocated.
+    ///
+    /// Undecided harmonics follow the symmetric ones: a shape without a mirror would stand
+    /// still to a song in mono otherwise. Errors if a length is wrong.
+    pub fn gains(&self, bands: &Bands<'_>, out: &mut [f32]) -> Result<(), Error> {
+        self.check(bands)?;
+        if out.len() != self.dancer.harmonics() {
+            return Err(Error::Size {
+                what: "gains",
+                found: out.len(),
+                expected: self.dancer.harmonics(),
+            });
+        }
+        out.fill(0.0);
+        for v in &self.voiced {
+            out[v.harmonic as usize] = self.stereo_gain(v, bands.mid, |b| bands.side[b]);
+        }
+        Ok(())
+    }
+
+    /// Writes what the sound does into `item`, which [`item`](Self::item) of a player of the
+    /// same form and dancer made. Returns the share of the limit that the movement reached
+    /// before it was softened. Nothing is allocated.
+    pub fn play(&mut self, bands: &Bands<'_>, item: &mut Item) -> Result<f32, Error> {
+        self.check(bands)?;
+        let terms = if self.playing.form == Form::HalfMask { 2 } else { 1 };
+        if item.terms.len() != terms {
+            return Err(Error::Size { what: "terms", found: item.terms.len(), expected: terms });
+        }
+        for (side, term) in item.terms.iter_mut().enumerate() {
+            if term.residual.is_some() {
+                term.residual_gain = self.playing.detail - 1.0;
+            }
+            match &mut term.coefficients {
+                Coefficients::Vector(c) => {
+                    fit(c, self.dancer.harmonics())?;
+                    c.fill([0.0; 3]);
+                    for v in &self.voiced {
+                        let gain = match (self.playing.form, side) {
+                            (Form::HalfMask, 0) => v.strength * self.sum(v, |b| bands.left[b]),
+                            (Form::HalfMask, _) => v.strength * self.sum(v, |b| bands.right[b]),
+                            _ => self.stereo_gain(v, bands.mid, |b| bands.side[b]),
+                        };
+                        let k = v.harmonic as usize;
+                        c[k] = self.dancer.spectrum[k].map(|x| gain * x);
+                    }
+                }
+                Coefficients::Normal(c) => {
+                    fit(c, self.dancer.harmonics())?;
+                    c.fill(0.0);
+                    // Amplitudes have no sign; the side of a plate that swings must: towards
+                    // the louder channel.
+                    let signed = |b: usize| {
+                        let (l, r) = (bands.left[b] * bands.left[b], bands.right[b] * bands.right[b]);
+                        if l + r > 0.0 { bands.side[b] * (l - r) / (l + r) } else { 0.0 }
+                    };
+                    for v in &self.voiced {
+                        c[v.harmonic as usize] = self.stereo_gain(v, bands.mid, signed);
+                    }
+                }
+            }
+        }
+        Ok(self.soften(item))
+    }
+
+    fn stereo_gain(&self, v: &Voiced, mid: &[f32], side: impl Fn(usize) -> f32) -> f32 {
+        let f_s = self.sum(v, |b| mid[b]);
+        let f_u = self.sum(v, side);
+        v.strength
+            * if v.antisymmetric { f_u + self.stereo_mu * f_s } else { f_s - self.stereo_mu * f_u }
+    }
+
+    fn sum(&self, v: &Voiced, f: impl Fn(usize) -> f32) -> f32 {
+        self.bands[v.first_band as usize..v.end_band as usize].iter().map(|&b| f(b as usize)).sum()
+    }
+
+    /// Scales the item so that no probe goes beyond the limit.
+    fn soften(&mut self, item: &mut Item) -> f32 {
+        let limit = self.playing.limit * self.dancer.box_diagonal;
+        let farthest = self.dancer.probes.displacement(item, &mut self.scratch);
+        let scale = soft_limit(farthest / limit);
+        if scale < 1.0 {
+            for term in &mut item.terms {
+                scale_term(term, scale);
+            }
+        }
+        farthest / limit
+    }
+
+    fn check(&self, bands: &Bands<'_>) -> Result<(), Error> {
+        for (what, band) in [
+            ("left bands", bands.left),
+            ("right bands", bands.right),
+            ("mid bands", bands.mid),
+            ("side bands", bands.side),
+        ] {
+            if band.len() != self.band_count {
+                return Err(Error::Size { what, found: band.len(), expected: self.band_count });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Playing {
+    /// Checks the ranges that the fields state.
+    pub fn validate(&self) -> Result<(), Error> {
+        let check = |name, value: f32, ok: bool, range| {
+            if ok { Ok(()) } else { Err(Error::OutOfRange { name, value: value.into(), range }) }
+        };
+        let share = |v: f32| v > 0.0 && v <= 1.0;
+        check("gain", self.gain, (0.0..=20.0).contains(&self.gain), "[0, 20]")?;
+        check("calibration", self.calibration, share(self.calibration), "(0, 1]")?;
+        check("limit", self.limit, share(self.limit), "(0, 1]")?;
+        check("detail", self.detail, (-10.0..=10.0).contains(&self.detail), "[-10, 10]")
+    }
+}
+
+fn fit<T>(coefficients: &[T], harmonics: usize) -> Result<(), Error> {
+    if coefficients.len() == harmonics {
+        return Ok(());
+    }
+    Err(Error::Size { what: "coefficients", found: coefficients.len(), expected: harmonics })
+}
+
+pub(crate) fn scale_term(term: &mut Term, scale: f32) {
+    match &mut term.coefficients {
+        Coefficients::Vector(c) => c.iter_mut().for_each(|c| *c = c.map(|x| scale * x)),
+        Coefficients::Normal(c) => c.iter_mut().for_each(|c| *c *= scale),
+    }
+    term.residual_gain *= scale;
+}
+
+/// What a movement of `reach` limits is multiplied by: 1 up to half a limit, then bending
+/// smoothly so that it never gets there.
+pub(crate) fn soft_limit(reach: f32) -> f32 {
+    if reach <= 0.5 {
+        return 1.0;
+    }
+    (0.5 + 0.5 * (2.0 * reach - 1.0).tanh()) / reach
+}
+
+/// Moves `item` towards `other`, made by a player of the same form and dancer: weight 0 leaves
+/// it, 1 replaces it. This is how one mapping morphs into another on stage.
+pub fn blend(item: &mut Item, other: &Item, weight: f32) -> Result<(), Error> {
+    if item.terms.len() != other.terms.len() {
+        return Err(Error::Size {
+            what: "terms",
+            found: other.terms.len(),
+            expected: item.terms.len(),
+        });
+    }
+    let mix = |a: f32, b: f32| a + weight * (b - a);
+    for (a, b) in item.terms.iter_mut().zip(&other.terms) {
+        a.residual_gain = mix(a.residual_gain, b.residual_gain);
+        match (&mut a.coefficients, &b.coefficients) {
+            (Coefficients::Vector(a), Coefficients::Vector(b)) => {
+                fit(b, a.len())?;
+                for (a, b) in a.iter_mut().zip(b) {
+                    *a = std::array::from_fn(|i| mix(a[i], b[i]));
+                }
+            }
+            (Coefficients::Normal(a), Coefficients::Normal(b)) => {
+                fit(b, a.len())?;
+                a.iter_mut().zip(b).for_each(|(a, b)| *a = mix(*a, *b));
+            }
+            _ => return Err(Error::Size { what: "terms of the same form", found: 0, expected: 1 }),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,218 @@
+//! Actions, the state they change, and the log that replays them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::gallery::{Gallery, GalleryItem, GalleryShape, ItemId};
+use crate::stage::{Scene, Stage};
+use crate::{Choir, Error, Form, Mapping, Parameter, Parameters, Switch};
+
+/// Everything a user can do to the instrument. The window emits these; only
+/// [`Instrument::apply`] changes state. Items are named by their place in the gallery shown.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(missing_docs, reason = "the fields say what the variants do")]
+pub enum Action {
+    /// Chooses a parent, or no longer.
+    Choose { item: usize, on: bool },
+    /// Replaces all items that are not locked by children of the chosen ones.
+    Breed,
+    /// Changes one item a little at random; amount in [0, 1].
+    Mutate { item: usize, amount: f32 },
+    /// Keeps an item in its place, or no longer.
+    Lock { item: usize, on: bool },
+    /// Adds an item to the favourites, or removes it.
+    Favourite { item: usize, on: bool },
+    /// Names an item.
+    Rename { item: usize, name: String },
+    /// Shows a generation, counted from 0.
+    GoTo { generation: usize },
+    /// Starts over with another seed and size.
+    NewGallery { seed: u64, size: usize },
+    /// Draws t by hand.
+    SetTransfer { item: usize, transfer: Vec<f32> },
+    /// Draws a by hand.
+    SetAmplification { item: usize, amplification: Vec<f32> },
+    /// Turns an item's μ.
+    SetStereoMu { item: usize, stereo_mu: f32 },
+    /// Turns an item's own gain.
+    SetItemGain { item: usize, gain: f32 },
+    /// Puts a mapping from elsewhere, such as a preset, in an item's place.
+    Load { item: usize, name: String, mapping: Mapping },
+    /// Turns a knob.
+    Set { parameter: Parameter, value: f32 },
+    /// Turns a switch.
+    Switch { switch: Switch, on: bool },
+    /// Chooses the form.
+    SetForm { form: Form },
+    /// Chooses which harmonics may sound.
+    SetChoir { choir: Choir },
+    /// Uses only the first so many harmonics; 0 is all.
+    SetHarmonics { harmonics: u32 },
+    /// Puts an item of the gallery on stage.
+    Perform { item: usize },
+    /// Puts the favourites on stage, beginning with one.
+    PerformFavourites { first: usize },
+    /// Back to the gallery.
+    LeaveStage,
+}
+
+/// When something was done: seconds of the song, and beats gone by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Moment {
+    /// Position in the song.
+    pub at_secs: f64,
+    /// Beats gone by there.
+    pub at_beat: f64,
+}
+
+/// One line of the log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoggedAction {
+    /// When.
+    #[serde(flatten)]
+    pub moment: Moment,
+    /// What.
+    #[serde(flatten)]
+    pub action: Action,
+}
+
+/// The instrument's whole state: a pure function of shape, seed, size and the actions so far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instrument {
+    shape: GalleryShape,
+    seed: u64,
+    size: usize,
+    gallery: Gallery,
+    favourites: Vec<GalleryItem>,
+    parameters: Parameters,
+    stage: Stage,
+    log: Vec<LoggedAction>,
+}
+
+impl Instrument {
+    /// The initial gallery of `size` items for a body.
+    pub fn new(seed: u64, size: usize, shape: GalleryShape) -> Result<Self, Error> {
+        Ok(Self {
+            gallery: Gallery::new(seed, size, &shape)?,
+            shape,
+            seed,
+            size,
+            favourites: Vec::new(),
+            parameters: Parameters::default(),
+            stage: Stage::default(),
+            log: Vec::new(),
+        })
+    }
+
+    /// The seed it began with.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The size it began with.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// The gallery and its generations.
+    pub fn gallery(&self) -> &Gallery {
+        &self.gallery
+    }
+
+    /// Favourites in the order they were added, as they were then.
+    pub fn favourites(&self) -> &[GalleryItem] {
+        &self.favourites
+    }
+
+    /// All knobs and switches.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// All that was done, oldest first.
+    pub fn log(&self) -> &[LoggedAction] {
+        &self.log
+    }
+
+    /// What plays on stage after `beat` beats; `None` while the gallery is shown.
+    pub fn scene(&self, beat: f64) -> Option<Scene> {
+        self.stage.scene(beat, &self.favourites, &self.parameters)
+    }
+
+    /// An item by id, among favourites and all generations.
+    pub fn item(&self, id: ItemId) -> Option<&GalleryItem> {
+        self.gallery.find(id).or_else(|| self.favourites.iter().find(|item| item.id == id))
+    }
+
+    /// Does `action` and logs it. On error nothing changes and nothing is logged.
+    pub fn apply(&mut self, moment: Moment, action: Action) -> Result<(), Error> {
+        self.act(moment, &action)?;
+        self.log.push(LoggedAction { moment, action });
+        Ok(())
+    }
+
+    fn act(&mut self, moment: Moment, action: &Action) -> Result<(), Error> {
+        match *action {
+            Action::Choose { item, on } => self.gallery.item_mut(item)?.chosen = on,
+            Action::Breed => self.gallery.breed()?,
+            Action::Mutate { item, amount } => self.gallery.mutate(item, amount)?,
+            Action::Lock { item, on } => self.gallery.item_mut(item)?.locked = on,
+            Action::Favourite { item, on } => {
+                let item = self.gallery.item_mut(item)?.clone();
+                self.favourites.retain(|f| f.id != item.id);
+                if on {
+                    self.favourites.push(item);
+                }
+            }
+            Action::Rename { item, ref name } => {
+                let item = self.gallery.item_mut(item)?;
+                item.name = name.chars().filter(|c| !c.is_control()).take(200).collect();
+                let (id, name) = (item.id, item.name.clone());
+                self.favourites.iter_mut().filter(|f| f.id == id).for_each(|f| f.name.clone_from(&name));
+            }
+            Action::GoTo { generation } => self.gallery.go_to(generation)?,
+            Action::NewGallery { seed, size } => {
+                self.gallery = self.gallery.restart(seed, size, &self.shape)?;
+            }
+            Action::SetTransfer { item, ref transfer } => {
+                self.edit(item, |m| m.transfer.clone_from(transfer))?;
+            }
+            Action::SetAmplification { item, ref amplification } => {
+                self.edit(item, |m| m.amplification.clone_from(amplification))?;
+            }
+            Action::SetStereoMu { item, stereo_mu } => self.edit(item, |m| m.stereo_mu = stereo_mu)?,
+            Action::SetItemGain { item, gain } => self.edit(item, |m| m.gain = gain)?,
+            Action::Load { item, ref name, ref mapping } => self.gallery.load(item, name, mapping.clone())?,
+            Action::Set { parameter, value } => self.parameters.set(parameter, value)?,
+            Action::Switch { switch, on } => self.parameters.switch(switch, on),
+            Action::SetForm { form } => self.parameters.form = form,
+            Action::SetChoir { choir } => self.parameters.choir = choir,
+            Action::SetHarmonics { harmonics } => {
+                self.parameters.harmonics = (harmonics > 0).then_some(harmonics);
+            }
+            Action::Perform { item } => {
+                let id = self.gallery.item_mut(item)?.id;
+                self.stage.show_item(id, moment.at_beat, &self.favourites, &self.parameters);
+            }
+            Action::PerformFavourites { first } => {
+                let count = self.favourites.len();
+                if first >= count {
+                    return Err(Error::NoSuch { what: "favourite", index: first, count });
+                }
+                self.stage.show_favourites(first, moment.at_beat, &self.favourites, &self.parameters);
+            }
+            Action::LeaveStage => self.stage.clear(),
+        }
+        Ok(())
+    }
+
+    fn edit(&mut self, index: usize, change: impl FnOnce(&mut Mapping)) -> Result<(), Error> {
+        let item = self.gallery.item_mut(index)?;
+        let mut mapping = item.mapping.clone();
+        change(&mut mapping);
+        mapping.validate()?;
+        item.mapping = mapping;
+        item.edited = true;
+        Ok(())
+    }
+}

@@ -1,0 +1,185 @@
+//! What is on stage, and how the beat moves it: pure functions of beats gone by.
+
+use crate::gallery::{GalleryItem, ItemId};
+use crate::{Parameter, Parameters, Switch};
+
+/// Beats gone by, with the phase as the fraction, and how sure the tracker is, in [0, 1].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Beat {
+    /// Number of beats so far; the fraction is the phase within the current one.
+    pub count: f64,
+    /// 0 moves nothing, 1 fully.
+    pub confidence: f32,
+}
+
+/// What plays on stage at one moment: `to` has come in by `weight`, `from` still has the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scene {
+    /// The item that leaves; the same as `to` outside a transition.
+    pub from: ItemId,
+    /// The item that comes.
+    pub to: ItemId,
+    /// In [0, 1], smooth at both ends.
+    pub weight: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Cue {
+    Item(ItemId),
+    /// The favourites in turn, from this one on.
+    Favourites(usize),
+}
+
+/// The stage: at most one item, or the favourites in turn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stage {
+    cue: Option<Cue>,
+    since_beat: f64,
+    before: Option<ItemId>,
+}
+
+impl Stage {
+    /// Whether something is on stage.
+    pub fn is_empty(&self) -> bool {
+        self.cue.is_none()
+    }
+
+    pub(crate) fn show_item(&mut self, id: ItemId, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) {
+        self.enter(Cue::Item(id), beat, favourites, parameters);
+    }
+
+    pub(crate) fn show_favourites(&mut self, first: usize, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) {
+        self.enter(Cue::Favourites(first), beat, favourites, parameters);
+    }
+
+    pub(crate) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    fn enter(&mut self, cue: Cue, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) {
+        self.before = self.scene(beat, favourites, parameters).map(|s| if s.weight < 0.5 { s.from } else { s.to });
+        self.cue = Some(cue);
+        self.since_beat = beat;
+    }
+
+    /// What plays after `beat` beats; `None` where the stage is empty.
+    pub fn scene(&self, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
+        let transition = f64::from(parameters.get(Parameter::TransitionBeats));
+        let gone = (beat - self.since_beat).max(0.0);
+        let entering = |to: ItemId| {
+            let from = self.before.unwrap_or(to);
+            Scene { from, to, weight: if from == to { 1.0 } else { ease(gone, transition) } }
+        };
+        match self.cue? {
+            Cue::Item(id) => Some(entering(id)),
+            Cue::Favourites(first) => {
+                let at = |step: usize| favourites.get((first + step) % favourites.len()).map(|i| i.id);
+                if favourites.is_empty() {
+                    return None;
+                }
+                let per_step = f64::from(parameters.get(Parameter::BeatsPerStep).round()).max(1.0);
+                let step = if parameters.is_on(Switch::BeatSteps) { (gone / per_step).floor() } else { 0.0 };
+                if step < 1.0 {
+                    return at(0).map(entering);
+                }
+                let from = at(step as usize - 1)?;
+                let to = at(step as usize)?;
+                let weight = ease(gone - step * per_step, transition.min(per_step));
+                Some(Scene { from, to, weight: if from == to { 1.0 } else { weight } })
+            }
+        }
+    }
+}
+
+/// What the beat does to the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reaction {
+    /// Turn of the model about the vertical, in radians.
+    pub turn_rad: f32,
+    /// Turn of the lights about the vertical, in radians.
+    pub light_turn_rad: f32,
+    /// What the lights' intensity is multiplied by, before the flash limiter; at least 1.
+    pub light_gain: f32,
+}
+
+/// The reaction to a beat. At each beat chance decides whether the model or the lights move
+/// (the paper's choice); the movement takes half a beat and ends at rest.
+pub fn react(beat: Beat, seed: u64, parameters: &Parameters) -> Reaction {
+    let n = beat.count.max(0.0).floor();
+    let phase = (beat.count.max(0.0) - n) as f32;
+    let sure = if beat.confidence.is_finite() { beat.confidence.clamp(0.0, 1.0) } else { 0.0 };
+    let ease = ease(f64::from(phase), 0.5);
+    let swing = |kind: u64| {
+        let (old, new) = (pose(seed, n as u64, kind), pose(seed, n as u64 + 1, kind));
+        sure * (old + ease * (new - old))
+    };
+    let on = |switch, value| if parameters.is_on(switch) { value } else { 0.0 };
+    Reaction {
+        turn_rad: on(Switch::BeatTurns, parameters.get(Parameter::TurnRad) * swing(0)),
+        light_turn_rad: on(Switch::BeatLights, parameters.get(Parameter::LightSwingRad) * swing(1)),
+        light_gain: 1.0
+            + on(Switch::BeatLights, parameters.get(Parameter::LightPulse) * sure * (1.0 - phase).powi(2)),
+    }
+}
+
+/// Where the model (kind 0) or the lights (kind 1) stand before beat `n`, in [−1, 1]: a new
+/// place at each beat that chance gave to this kind, kept until the next such beat.
+fn pose(seed: u64, n: u64, kind: u64) -> f32 {
+    for beat in (n.saturating_sub(32)..n).rev() {
+        let draw = hash(seed, beat);
+        if draw & 1 == kind {
+            // Sides alternate with the beat, so that the movement stays visible.
+            let size = 0.3 + 0.7 * ((draw >> 40) as f32 / (1u64 << 24) as f32);
+            return if beat % 2 == 0 { size } else { -size };
+        }
+    }
+    0.0
+}
+
+/// SplitMix64's finaliser (Steele, Lea and Flood 2014).
+fn hash(seed: u64, n: u64) -> u64 {
+    let mut z = seed.wrapping_add(n.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// 0 at `gone` = 0, 1 from `duration` on, smooth in between.
+fn ease(gone: f64, duration: f64) -> f32 {
+    if gone >= duration {
+        return 1.0;
+    }
+    let x = (gone / duration).max(0.0);
+    (x * x * (3.0 - 2.0 * x)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reactions_are_continuous_and_vanish_without_confidence() {
+        let parameters = Parameters::default();
+        let at = |count| react(Beat { count, confidence: 1.0 }, 5, &parameters);
+        let mut moved = [0.0f32; 2];
+        for i in 0..3200 {
+            let (a, b) = (at(f64::from(i) / 100.0), at(f64::from(i + 1) / 100.0));
+            assert!((a.turn_rad - b.turn_rad).abs() < 0.05, "beat {i}");
+            assert!((a.light_turn_rad - b.light_turn_rad).abs() < 0.12, "beat {i}");
+            moved[0] = moved[0].max(a.turn_rad.abs());
+            moved[1] = moved[1].max(a.light_turn_rad.abs());
+        }
+        assert!(moved[0] > 0.1 && moved[1] > 0.3, "{moved:?}");
+        let unsure = react(Beat { count: 7.3, confidence: 0.0 }, 5, &parameters);
+        assert_eq!((unsure.turn_rad, unsure.light_turn_rad, unsure.light_gain), (0.0, 0.0, 1.0));
+    }
+
+    #[test]
+    fn switched_off_reactions_do_nothing() {
+        let mut parameters = Parameters::default();
+        parameters.switch(Switch::BeatTurns, false);
+        parameters.switch(Switch::BeatLights, false);
+        let still = react(Beat { count: 4.0, confidence: 1.0 }, 5, &parameters);
+        assert_eq!(still, Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 });
+    }
+}

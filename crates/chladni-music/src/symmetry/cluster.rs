@@ -1,0 +1,108 @@
+//! From a mirror to classes: what it does to each harmonic, and to groups of repeated ones.
+
+use chladni_harmonics::Basis;
+use chladni_task::Task;
+use rayon::prelude::*;
+
+use super::jacobi::symmetric_eigen;
+use super::mirror::Image;
+use super::{SymmetrySettings, first_waving};
+use crate::Error;
+
+/// How the harmonics of one repeated eigenvalue are mixed: H'_j = Σ_i H_i `mix`[i][j].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rotation {
+    /// The first harmonic of the group.
+    pub first: usize,
+    /// An orthogonal matrix, one row per old and one column per new harmonic.
+    pub mix: Vec<Vec<f64>>,
+}
+
+impl Rotation {
+    /// Mixes the group in `basis`; does nothing where the basis has too few harmonics.
+    pub fn apply(&self, basis: &mut Basis) {
+        let (n, size) = (basis.vertices(), self.mix.len());
+        let Some(group) = basis.vectors.get_mut(self.first * n..(self.first + size) * n) else { return };
+        let mut old = vec![0.0; size];
+        for v in 0..n {
+            for (i, old) in old.iter_mut().enumerate() {
+                *old = group[i * n + v];
+            }
+            for j in 0..size {
+                group[j * n + v] = (0..size).map(|i| old[i] * self.mix[i][j]).sum();
+            }
+        }
+    }
+}
+
+/// ⟨H_k, H_k∘T⟩ / (‖H_k‖ ‖H_k∘T‖) for each harmonic, after the rotation of each group of
+/// repeated eigenvalues that takes the mirror apart into +1 and −1.
+pub(super) fn mirrored(
+    basis: &Basis,
+    image: &Image,
+    settings: &SymmetrySettings,
+    task: &Task,
+) -> Result<(Vec<f64>, Vec<Rotation>), Error> {
+    let groups = groups(basis, settings.cluster_gap);
+    let found: Vec<(Vec<f64>, Option<Rotation>)> = groups
+        .into_par_iter()
+        .map(|group| {
+            task.check()?;
+            Ok(classify(basis, image, group))
+        })
+        .collect::<Result<_, Error>>()?;
+    let mut scores = Vec::with_capacity(basis.harmonics());
+    let mut rotations = Vec::new();
+    for (group_scores, rotation) in found {
+        scores.extend(group_scores);
+        rotations.extend(rotation);
+    }
+    Ok((scores, rotations))
+}
+
+/// Runs of harmonics whose neighbouring eigenvalues differ by less than `gap`, relatively.
+/// The constant harmonics of a shape in several components are one such run.
+fn groups(basis: &Basis, gap: f64) -> Vec<std::ops::Range<usize>> {
+    /// Larger groups are not repeated eigenvalues but a crowded spectrum.
+    const LARGEST: usize = 24;
+    let constant = first_waving(basis);
+    let lambda = &basis.eigenvalues;
+    let mut groups: Vec<std::ops::Range<usize>> = Vec::new();
+    for k in 0..basis.harmonics() {
+        let joins = k > 0 && (k < constant || (k > constant && lambda[k] - lambda[k - 1] < gap * lambda[k]));
+        match groups.last_mut() {
+            Some(last) if joins && last.len() < LARGEST => last.end = k + 1,
+            _ => groups.push(k..k + 1),
+        }
+    }
+    groups
+}
+
+fn classify(basis: &Basis, image: &Image, group: std::ops::Range<usize>) -> (Vec<f64>, Option<Rotation>) {
+    let size = group.len();
+    let images: Vec<Vec<f64>> = group
+        .clone()
+        .map(|k| {
+            let h = basis.harmonic(k);
+            image.iter().map(|(v, w)| (0..3).map(|i| w[i] * h[v[i] as usize]).sum()).collect()
+        })
+        .collect();
+    let inner = |f: &[f64], g: &[f64]| -> f64 {
+        f.iter().zip(g).zip(&basis.mass).map(|((f, g), a)| a * f * g).sum()
+    };
+    // ‖H_k∘T‖ falls below 1 where the mirror misses; it must not count as asymmetry.
+    let norms: Vec<f64> = images.iter().map(|h| inner(h, h).sqrt().max(f64::MIN_POSITIVE)).collect();
+    let mut matrix = vec![vec![0.0; size]; size];
+    for i in 0..size {
+        for j in 0..size {
+            matrix[i][j] = inner(basis.harmonic(group.start + i), &images[j]) / norms[j];
+        }
+    }
+    if size == 1 {
+        return (vec![matrix[0][0].clamp(-1.0, 1.0)], None);
+    }
+    let symmetric =
+        (0..size).map(|i| (0..size).map(|j| 0.5 * (matrix[i][j] + matrix[j][i])).collect()).collect();
+    let (values, mix) = symmetric_eigen(symmetric);
+    (values.into_iter().map(|v| v.clamp(-1.0, 1.0)).collect(), Some(Rotation { first: group.start, mix }))
+}

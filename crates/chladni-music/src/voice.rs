@@ -1,0 +1,125 @@
+//! Caricature layers, or any other fixed deformation, as instruments of the band.
+
+use chladni_synth::{Coefficients, Item, Term};
+use serde::{Deserialize, Serialize};
+
+use crate::player::{scale_term, soft_limit};
+use crate::probes::Probes;
+use crate::stage::Beat;
+use crate::{Bands, Dancer, Error};
+
+/// What in the song a voice listens to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Driver {
+    /// The loudest mid amplitude between two shares of the frequency axis, in [0, 1].
+    Band {
+        /// Where it begins.
+        from: f32,
+        /// Where it ends.
+        to: f32,
+    },
+    /// One at each beat, fading until the next.
+    Beat,
+    /// The loudest band of the mid signal.
+    Mid,
+    /// The loudest band of the side signal, at most 1.
+    Side,
+}
+
+impl Driver {
+    /// The strength this driver gives, about [0, 1].
+    pub fn strength(&self, bands: &Bands<'_>, beat: Beat) -> f32 {
+        let loudest = |f: &[f32]| f.iter().copied().fold(0.0, f32::max);
+        match *self {
+            Self::Band { from, to } => {
+                let count = bands.mid.len();
+                let index = |share: f32| ((share.clamp(0.0, 1.0) * count as f32) as usize).min(count);
+                let first = index(from.min(to)).min(count.saturating_sub(1));
+                loudest(&bands.mid[first..index(from.max(to)).max(first + 1).min(count)])
+            }
+            Self::Beat => {
+                let phase = beat.count.rem_euclid(1.0) as f32;
+                beat.confidence.clamp(0.0, 1.0) * (1.0 - phase).powi(2)
+            }
+            Self::Mid => loudest(bands.mid),
+            Self::Side => loudest(bands.side).min(1.0),
+        }
+    }
+}
+
+/// One voice: a deformation whose strength the song drives.
+#[derive(Clone, Debug)]
+pub struct Voice {
+    /// The deformation at full strength, such as one layer of a caricature.
+    pub term: Term,
+    /// What it listens to.
+    pub driver: Driver,
+    /// What the driver's strength is multiplied by, [−10, 10].
+    pub gain: f32,
+}
+
+/// Several voices that together make one item.
+#[derive(Clone, Debug)]
+pub struct Voices {
+    voices: Vec<Voice>,
+    probes: Probes,
+    limit: f32,
+    scratch: Vec<[f32; 3]>,
+}
+
+impl Voices {
+    /// Voices for a dancer; `limit` is the share of its bounding box's diagonal that no probe
+    /// is to exceed, (0, 1].
+    ///
+    /// Errors if a gain or the limit is out of range, or a term has more coefficients than
+    /// the dancer has harmonics.
+    pub fn new(voices: Vec<Voice>, dancer: &Dancer, limit: f32) -> Result<Self, Error> {
+        if !(limit > 0.0 && limit <= 1.0) {
+            return Err(Error::OutOfRange { name: "limit", value: limit.into(), range: "(0, 1]" });
+        }
+        for voice in &voices {
+            if !(-10.0..=10.0).contains(&voice.gain) {
+                let value = voice.gain.into();
+                return Err(Error::OutOfRange { name: "voice gain", value, range: "[-10, 10]" });
+            }
+            let found = match &voice.term.coefficients {
+                Coefficients::Vector(c) => c.len(),
+                Coefficients::Normal(c) => c.len(),
+            };
+            if found > dancer.harmonics() {
+                return Err(Error::Size { what: "voice coefficients", found, expected: dancer.harmonics() });
+            }
+        }
+        let limit = limit * dancer.box_diagonal;
+        Ok(Self { voices, probes: dancer.probes.clone(), limit, scratch: Vec::new() })
+    }
+
+    /// An item with one term per voice, for [`play`](Self::play) to write.
+    pub fn item(&self) -> Item {
+        Item { terms: self.voices.iter().map(|v| v.term.clone()).collect() }
+    }
+
+    /// Writes what the sound does into `item`, made by [`item`](Self::item). Returns the share
+    /// of the limit reached before it was softened. Allocates nothing after the first call.
+    pub fn play(&mut self, bands: &Bands<'_>, beat: Beat, item: &mut Item) -> Result<f32, Error> {
+        if item.terms.len() != self.voices.len() {
+            return Err(Error::Size { what: "terms", found: item.terms.len(), expected: self.voices.len() });
+        }
+        for (voice, term) in self.voices.iter().zip(&mut item.terms) {
+            match (&mut term.coefficients, &voice.term.coefficients) {
+                (Coefficients::Vector(to), Coefficients::Vector(from)) => to.clone_from(from),
+                (Coefficients::Normal(to), Coefficients::Normal(from)) => to.clone_from(from),
+                _ => return Err(Error::Size { what: "terms of the same form", found: 0, expected: 1 }),
+            }
+            term.residual_gain = voice.term.residual_gain;
+            scale_term(term, voice.gain * voice.driver.strength(bands, beat));
+        }
+        let reach = self.probes.displacement(item, &mut self.scratch) / self.limit;
+        let scale = soft_limit(reach);
+        if scale < 1.0 {
+            item.terms.iter_mut().for_each(|term| scale_term(term, scale));
+        }
+        Ok(reach)
+    }
+}
