@@ -104,7 +104,8 @@ mod tests {
     }
 
     fn between(child: &[f32], p: &[f32], q: &[f32]) -> bool {
-        child.len() == p.len() && (0..p.len()).all(|i| child[i] >= p[i].min(q[i]) && child[i] <= p[i].max(q[i]))
+        child.len() == p.len()
+            && (0..p.len()).all(|i| child[i] >= p[i].min(q[i]) && child[i] <= p[i].max(q[i]))
     }
 
     proptest! {
@@ -140,7 +141,13 @@ mod tests {
         let mut counts = [0; 3];
         for _ in 0..2000 {
             let child = breed(&p, &q, &mut rng);
-            let kind = if child.transfer == p.transfer { 0 } else if child.transfer == q.transfer { 1 } else { 2 };
+            let kind = if child.transfer == p.transfer {
+                0
+            } else if child.transfer == q.transfer {
+                1
+            } else {
+                2
+            };
             counts[kind] += 1;
         }
         assert!((450..550).contains(&counts[0]) && (450..550).contains(&counts[1]), "{counts:?}");

@@ -274,7 +274,8 @@ fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
                     .filter(|&t| !free || !used[t])
                     .max_by_key(|&t| (feeds(&transfers[t]), std::cmp::Reverse(t)))
             };
-            let choice = best(true).filter(|&t| feeds(&transfers[t]) > 0).or_else(|| best(false)).unwrap_or(0);
+            let choice =
+                best(true).filter(|&t| feeds(&transfers[t]) > 0).or_else(|| best(false)).unwrap_or(0);
             used[choice] = true;
             let transfer = transfers[choice].clone();
             Mapping { transfer, amplification, stereo_mu: 0.0, gain: 1.0 }
@@ -306,7 +307,8 @@ fn initial_amplification(size: usize, item: usize, harmonics: usize) -> Vec<f32>
         })
         .collect();
     if a.iter().skip(1).all(|a| *a == 0.0) {
-        let next = ((edge(band) * harmonics as f64).ceil() as usize).clamp(1.min(harmonics - 1), harmonics - 1);
+        let next =
+            ((edge(band) * harmonics as f64).ceil() as usize).clamp(1.min(harmonics - 1), harmonics - 1);
         a[next] = sign;
     }
     a

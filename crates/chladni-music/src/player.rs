@@ -126,7 +126,12 @@ impl Player {
     /// Compiles `mapping` for `bands` sound bands.
     ///
     /// Errors if the mapping is invalid or `playing` is out of its ranges.
-    pub fn new(mapping: &Mapping, dancer: &Arc<Dancer>, bands: usize, playing: Playing) -> Result<Self, Error> {
+    pub fn new(
+        mapping: &Mapping,
+        dancer: &Arc<Dancer>,
+        bands: usize,
+        playing: Playing,
+    ) -> Result<Self, Error> {
         mapping.validate()?;
         playing.validate()?;
         let k_count = dancer.harmonics();
@@ -224,11 +229,7 @@ impl Player {
     pub fn gains(&self, bands: &Bands<'_>, out: &mut [f32]) -> Result<(), Error> {
         self.check(bands)?;
         if out.len() != self.dancer.harmonics() {
-            return Err(Error::Size {
-                what: "gains",
-                found: out.len(),
-                expected: self.dancer.harmonics(),
-            });
+            return Err(Error::Size { what: "gains", found: out.len(), expected: self.dancer.harmonics() });
         }
         out.fill(0.0);
         for v in &self.voiced {
@@ -285,8 +286,7 @@ impl Player {
     fn stereo_gain(&self, v: &Voiced, mid: &[f32], side: impl Fn(usize) -> f32) -> f32 {
         let f_s = self.sum(v, |b| mid[b]);
         let f_u = self.sum(v, side);
-        v.strength
-            * if v.antisymmetric { f_u + self.stereo_mu * f_s } else { f_s - self.stereo_mu * f_u }
+        v.strength * if v.antisymmetric { f_u + self.stereo_mu * f_s } else { f_s - self.stereo_mu * f_u }
     }
 
     fn sum(&self, v: &Voiced, f: impl Fn(usize) -> f32) -> f32 {
@@ -363,11 +363,7 @@ pub(crate) fn soft_limit(reach: f32) -> f32 {
 /// it, 1 replaces it. This is how one mapping morphs into another on stage.
 pub fn blend(item: &mut Item, other: &Item, weight: f32) -> Result<(), Error> {
     if item.terms.len() != other.terms.len() {
-        return Err(Error::Size {
-            what: "terms",
-            found: other.terms.len(),
-            expected: item.terms.len(),
-        });
+        return Err(Error::Size { what: "terms", found: other.terms.len(), expected: item.terms.len() });
     }
     let mix = |a: f32, b: f32| a + weight * (b - a);
     for (a, b) in item.terms.iter_mut().zip(&other.terms) {

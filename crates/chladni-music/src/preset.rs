@@ -172,7 +172,8 @@ struct Version {
 }
 
 fn parse<T: DeserializeOwned>(kind: &'static str, text: &str) -> Result<T, Error> {
-    let bad = |error: toml::de::Error| Error::Parse { kind, why: error.to_string().trim().replace('\n', " ") };
+    let bad =
+        |error: toml::de::Error| Error::Parse { kind, why: error.to_string().trim().replace('\n', " ") };
     // The version first: a newer file has fields of which nothing is known.
     let version: Version = toml::from_str(text).map_err(bad)?;
     if version.format_version > FORMAT_VERSION {
@@ -198,5 +199,6 @@ fn read(path: &Path) -> Result<String, Error> {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Error> {
-    chladni_task::write_atomic(path, text.as_bytes()).map_err(|why| Error::File { path: path.to_owned(), why })
+    chladni_task::write_atomic(path, text.as_bytes())
+        .map_err(|why| Error::File { path: path.to_owned(), why })
 }

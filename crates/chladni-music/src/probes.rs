@@ -61,7 +61,9 @@ impl Probes {
             term_sum.fill([0.0; 3]);
             match &term.coefficients {
                 Coefficients::Vector(c) => {
-                    for (c, row) in c.iter().zip(self.harmonics.chunks_exact(p)).filter(|(c, _)| **c != [0.0; 3]) {
+                    for (c, row) in
+                        c.iter().zip(self.harmonics.chunks_exact(p)).filter(|(c, _)| **c != [0.0; 3])
+                    {
                         for (d, h) in term_sum.iter_mut().zip(row) {
                             for i in 0..3 {
                                 d[i] += h * c[i];
@@ -110,7 +112,9 @@ fn spread(positions: &[[f64; 3]], chosen: &mut Vec<u32>, count: usize) {
         .map(|p| chosen.iter().map(|&c| squared(*p, positions[c as usize])).fold(f64::MAX, f64::min))
         .collect();
     while chosen.len() < count {
-        let Some(next) = (0..positions.len()).max_by(|&i, &j| nearest[i].total_cmp(&nearest[j])) else { return };
+        let Some(next) = (0..positions.len()).max_by(|&i, &j| nearest[i].total_cmp(&nearest[j])) else {
+            return;
+        };
         chosen.push(next as u32);
         for (d, p) in nearest.iter_mut().zip(positions) {
             *d = d.min(squared(*p, positions[next]));

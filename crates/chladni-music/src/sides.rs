@@ -37,9 +37,10 @@ impl Sides {
         let n = body.positions.len();
         // The leading one is the slowest that has one nodal line between two halves of equal
         // area: |Σ a sign(H)| small is given by antisymmetry, the two halves must lie apart.
-        let leading = (1..classes.len().min(40)).filter(|&k| classes[k] == Class::Antisymmetric).max_by(|&i, &j| {
-            separation(body, body.basis.harmonic(i)).total_cmp(&separation(body, body.basis.harmonic(j)))
-        });
+        let leading =
+            (1..classes.len().min(40)).filter(|&k| classes[k] == Class::Antisymmetric).max_by(|&i, &j| {
+                separation(body, body.basis.harmonic(i)).total_cmp(&separation(body, body.basis.harmonic(j)))
+            });
         let leading = leading.filter(|&k| separation(body, body.basis.harmonic(k)) > 0.3);
         let (signal, source) = match leading {
             Some(k) => (body.basis.harmonic(k).to_vec(), SideSource::Harmonic(k)),
@@ -49,8 +50,8 @@ impl Sides {
         let axis = [0, 2, 1].into_iter().find(|&i| apart[i].abs() > 0.05).unwrap_or(0);
         let sign = if apart[axis] > 0.0 { -1.0 } else { 1.0 };
         let area: f64 = body.basis.mass.iter().sum();
-        let mean_square =
-            signal.iter().zip(&body.basis.mass).map(|(h, a)| a * h * h).sum::<f64>() / area.max(f64::MIN_POSITIVE);
+        let mean_square = signal.iter().zip(&body.basis.mass).map(|(h, a)| a * h * h).sum::<f64>()
+            / area.max(f64::MIN_POSITIVE);
         let width = STEP * mean_square.sqrt().max(f64::MIN_POSITIVE);
         let mut left = Vec::with_capacity(n);
         for h in &signal {

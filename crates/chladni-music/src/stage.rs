@@ -44,11 +44,23 @@ impl Stage {
         self.cue.is_none()
     }
 
-    pub(crate) fn show_item(&mut self, id: ItemId, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) {
+    pub(crate) fn show_item(
+        &mut self,
+        id: ItemId,
+        beat: f64,
+        favourites: &[GalleryItem],
+        parameters: &Parameters,
+    ) {
         self.enter(Cue::Item(id), beat, favourites, parameters);
     }
 
-    pub(crate) fn show_favourites(&mut self, first: usize, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) {
+    pub(crate) fn show_favourites(
+        &mut self,
+        first: usize,
+        beat: f64,
+        favourites: &[GalleryItem],
+        parameters: &Parameters,
+    ) {
         self.enter(Cue::Favourites(first), beat, favourites, parameters);
     }
 
@@ -57,7 +69,8 @@ impl Stage {
     }
 
     fn enter(&mut self, cue: Cue, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) {
-        self.before = self.scene(beat, favourites, parameters).map(|s| if s.weight < 0.5 { s.from } else { s.to });
+        self.before =
+            self.scene(beat, favourites, parameters).map(|s| if s.weight < 0.5 { s.from } else { s.to });
         self.cue = Some(cue);
         self.since_beat = beat;
     }

@@ -87,9 +87,8 @@ fn classify(basis: &Basis, image: &Image, group: std::ops::Range<usize>) -> (Vec
             image.iter().map(|(v, w)| (0..3).map(|i| w[i] * h[v[i] as usize]).sum()).collect()
         })
         .collect();
-    let inner = |f: &[f64], g: &[f64]| -> f64 {
-        f.iter().zip(g).zip(&basis.mass).map(|((f, g), a)| a * f * g).sum()
-    };
+    let inner =
+        |f: &[f64], g: &[f64]| -> f64 { f.iter().zip(g).zip(&basis.mass).map(|((f, g), a)| a * f * g).sum() };
     // ‖H_k∘T‖ falls below 1 where the mirror misses; it must not count as asymmetry.
     let norms: Vec<f64> = images.iter().map(|h| inner(h, h).sqrt().max(f64::MIN_POSITIVE)).collect();
     let mut matrix = vec![vec![0.0; size]; size];

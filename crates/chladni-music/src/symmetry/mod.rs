@@ -68,7 +68,7 @@ impl Default for SymmetrySettings {
             signature_harmonics: 15,
             least_extrema: 10,
             cluster_gap: 1e-3,
-            decided: 0.2,
+            decided: 0.05,
             plane_tolerance: 0.015,
         }
     }
@@ -105,14 +105,24 @@ impl Symmetry {
         let basis = &*body.basis;
         if basis.harmonics() == 0 || basis.vertices() == 0 || body.positions.len() != basis.vertices() {
             let found = basis.vertices().min(body.positions.len());
-            return Err(Error::Size { what: "vertices with harmonics", found, expected: basis.vertices().max(1) });
+            return Err(Error::Size {
+                what: "vertices with harmonics",
+                found,
+                expected: basis.vertices().max(1),
+            });
         }
         let _stage = task.stage("symmetry", 0);
         let extrema = paper::Extrema::of(body, settings);
         task.check()?;
         if let Some((plane, image)) = mirror::find(body, &extrema.pairs, settings, task)? {
             let (scores, rotations) = cluster::mirrored(basis, &image, settings, task)?;
-            return Ok(Self::new(extrema, scores, rotations, SymmetryMethod::Mirror(plane), settings.decided));
+            return Ok(Self::new(
+                extrema,
+                scores,
+                rotations,
+                SymmetryMethod::Mirror(plane),
+                settings.decided,
+            ));
         }
         let scores = extrema.vote(basis);
         Ok(Self::new(extrema, scores, Vec::new(), SymmetryMethod::Vote, f64::MIN_POSITIVE))

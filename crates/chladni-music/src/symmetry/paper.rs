@@ -31,7 +31,8 @@ impl Extrema {
             for (v, count) in counts.iter_mut().enumerate() {
                 let ring = neighbors.row(v);
                 let is_extremum = !ring.is_empty()
-                    && (ring.iter().all(|&w| h[w as usize] < h[v]) || ring.iter().all(|&w| h[w as usize] > h[v]));
+                    && (ring.iter().all(|&w| h[w as usize] < h[v])
+                        || ring.iter().all(|&w| h[w as usize] > h[v]));
                 *count += u8::from(is_extremum);
             }
         }
@@ -78,8 +79,9 @@ fn pairs(body: &Body, vertices: &[u32], first: usize, last: usize) -> Vec<[u32; 
             (first..last).map(|k| basis.harmonic(k)[v as usize].abs() / basis.eigenvalues[k].sqrt()).collect()
         })
         .collect();
-    let distance =
-        |i: usize, j: usize| -> f64 { signatures[i].iter().zip(&signatures[j]).map(|(a, b)| (a - b).powi(2)).sum() };
+    let distance = |i: usize, j: usize| -> f64 {
+        signatures[i].iter().zip(&signatures[j]).map(|(a, b)| (a - b).powi(2)).sum()
+    };
     let nearest: Vec<Option<usize>> = (0..vertices.len())
         .map(|i| {
             (0..vertices.len()).filter(|&j| j != i).min_by(|&a, &b| distance(i, a).total_cmp(&distance(i, b)))
