@@ -94,4 +94,7 @@ pub enum SynthError {
         /// Bytes a buffer may have.
         limit: u64,
     },
+    /// The graphics device does not work for us.
+    #[error("the graphics device cannot be used: {0}")]
+    Device(String),
 }

@@ -42,7 +42,7 @@ mod synthesizer;
 
 pub use cpu::{CpuPath, CpuSynthesizer};
 pub use error::SynthError;
-pub use gpu::{DeviceFrame, DeviceFrameBuffers};
+pub use gpu::{DeviceFrame, DeviceFrameBuffers, GpuContext, GpuSynthesizer};
 pub use item::{Coefficients, Item, Residual, Term};
 pub use model::{SynthModel, displacements_f64};
 pub use normals::area_weighted_normals;

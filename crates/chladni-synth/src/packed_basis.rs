@@ -74,6 +74,12 @@ impl PackedBasis {
         &self.lines[panel * harmonics..][..harmonics]
     }
 
+    /// The lines of a range of panels.
+    pub fn lines(&self, panels: std::ops::Range<usize>) -> &[Line] {
+        let harmonics = self.harmonics();
+        &self.lines[panels.start * harmonics..panels.end * harmonics]
+    }
+
     /// scale_k, K values.
     pub fn scales(&self) -> &[f64] {
         &self.scales

@@ -83,13 +83,14 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Checks `items` and lays them out. On an error the plan is not to be used.
+    /// Checks `items` and lays them out, in blocks of one of the `widths` (ascending). On an
+    /// error the plan is not to be used.
     pub fn lay_out(
         &mut self,
         items: &[Item],
         vertices: usize,
         scales: &[f64],
-        max_width: usize,
+        widths: &[usize],
     ) -> Result<(), SynthError> {
         if items.len().checked_mul(vertices).is_none_or(|n| u32::try_from(n).is_err()) {
             return Err(SynthError::TooLarge { items: items.len(), vertices });
@@ -106,8 +107,9 @@ impl Plan {
         }
         self.active.clear();
         self.active.extend((0_u32..).zip(&self.weighted).filter(|(_, w)| **w).map(|(k, _)| k));
-        self.blocks = columns.div_ceil(max_width);
-        self.width = columns.checked_div(self.blocks).map_or(0, |_| columns.div_ceil(self.blocks));
+        self.blocks = columns.div_ceil(widths.last().copied().unwrap_or(1));
+        let width = if self.blocks > 0 { columns.div_ceil(self.blocks) } else { 0 };
+        self.width = widths.iter().copied().find(|&w| w >= width).unwrap_or(width);
         self.coefficients.clear();
         self.coefficients.resize(self.blocks * self.active.len() * self.width, 0.0);
         let mut column = 0;

@@ -29,7 +29,9 @@ pub trait Synthesizer {
     fn model(&self) -> &SynthModel;
 
     /// Deforms another shape from now on. There is no frame until the next call.
-    fn replace_model(&mut self, model: SynthModel);
+    ///
+    /// Fails if a device has no room for it; the old shape then stays.
+    fn replace_model(&mut self, model: SynthModel) -> Result<(), SynthError>;
 
     /// S, the number of items of the last frame.
     fn items(&self) -> usize;

@@ -101,11 +101,12 @@ impl Synthesizer for CpuSynthesizer {
         &self.model
     }
 
-    fn replace_model(&mut self, model: SynthModel) {
+    fn replace_model(&mut self, model: SynthModel) -> Result<(), SynthError> {
         self.model = model;
         self.items = 0;
         self.positions.clear();
         self.normals.clear();
+        Ok(())
     }
 
     fn items(&self) -> usize {
@@ -115,7 +116,7 @@ impl Synthesizer for CpuSynthesizer {
     fn synthesize_positions(&mut self, items: &[Item]) -> Result<(), SynthError> {
         let Self { model, path, plan, positions, normals, scratch, .. } = self;
         let (basis, vertices) = (&*model.basis, model.vertices());
-        plan.lay_out(items, vertices, basis.scales(), path.max_width())?;
+        plan.lay_out(items, vertices, basis.scales(), path.widths())?;
         self.items = items.len();
         // One more, so that four lanes may be read from the last vertex too.
         positions.resize(items.len() * vertices + 1, [0.0; 3]);

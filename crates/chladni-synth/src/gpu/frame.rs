@@ -1,9 +1,10 @@
 //! Where a frame lies on the device, for whoever draws it.
 
+use super::buffer::GrowingBuffer;
 use crate::{CpuSynthesizer, SynthError, Synthesizer};
 
 /// Bytes of a position or a normal: three f32.
-pub(crate) const VERTEX_BYTES: u64 = 12;
+const VERTEX_BYTES: u64 = 12;
 
 /// One frame on the device, ready to be drawn from without a copy.
 #[derive(Clone, Copy, Debug)]
@@ -22,9 +23,8 @@ pub struct DeviceFrame<'a> {
 /// target of copies. They grow when a frame needs it and are kept otherwise.
 #[derive(Debug)]
 pub struct DeviceFrameBuffers {
-    device: wgpu::Device,
-    positions: wgpu::Buffer,
-    normals: wgpu::Buffer,
+    positions: GrowingBuffer,
+    normals: GrowingBuffer,
     vertices: u32,
     items: u32,
 }
@@ -32,51 +32,39 @@ pub struct DeviceFrameBuffers {
 impl DeviceFrameBuffers {
     /// Buffers without a frame.
     pub fn new(device: &wgpu::Device) -> Self {
-        let (positions, normals) = buffers(device, VERTEX_BYTES);
-        Self { device: device.clone(), positions, normals, vertices: 0, items: 0 }
+        let usage = wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::VERTEX
+            | wgpu::BufferUsages::COPY_SRC
+            | wgpu::BufferUsages::COPY_DST;
+        let buffer = |label| GrowingBuffer::new(device, label, usage);
+        Self {
+            positions: buffer("frame's positions"),
+            normals: buffer("frame's normals"),
+            vertices: 0,
+            items: 0,
+        }
     }
 
     /// The frame they hold.
     pub fn frame(&self) -> DeviceFrame<'_> {
-        let Self { positions, normals, vertices, items, .. } = self;
-        DeviceFrame { positions, normals, vertices: *vertices, items: *items }
+        DeviceFrame {
+            positions: self.positions.buffer(),
+            normals: self.normals.buffer(),
+            vertices: self.vertices,
+            items: self.items,
+        }
     }
 
-    /// Makes room for a frame and says whether the buffers are new ones.
-    pub(crate) fn resize(&mut self, items: usize, vertices: usize) -> Result<bool, SynthError> {
+    /// Makes room for a frame; `true` if the buffers are new ones.
+    pub(super) fn resize(&mut self, items: usize, vertices: usize) -> Result<bool, SynthError> {
         let too_large = || SynthError::TooLarge { items, vertices };
         let narrow = |n: usize| u32::try_from(n).map_err(|_| too_large());
-        let (s, n) = (narrow(items)?, narrow(vertices)?);
-        let bytes = u64::from(s).checked_mul(u64::from(n) * VERTEX_BYTES).ok_or_else(too_large)?;
-        let bytes = bytes.max(VERTEX_BYTES);
-        let limits = self.device.limits();
-        let limit = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-        if bytes > limit {
-            return Err(SynthError::DeviceLimit { what: "frame", needed: bytes, limit });
-        }
-        let grow = bytes > self.positions.size();
-        if grow {
-            (self.positions, self.normals) = buffers(&self.device, bytes);
-        }
-        (self.items, self.vertices) = (s, n);
-        Ok(grow)
+        (self.items, self.vertices) = (narrow(items)?, narrow(vertices)?);
+        let bytes = u64::from(self.items).checked_mul(u64::from(self.vertices) * VERTEX_BYTES);
+        let bytes = bytes.ok_or_else(too_large)?;
+        // Both, whatever the first one says.
+        Ok(self.positions.reserve(bytes)? | self.normals.reserve(bytes)?)
     }
-}
-
-fn buffers(device: &wgpu::Device, size: u64) -> (wgpu::Buffer, wgpu::Buffer) {
-    let usage = wgpu::BufferUsages::STORAGE
-        | wgpu::BufferUsages::VERTEX
-        | wgpu::BufferUsages::COPY_SRC
-        | wgpu::BufferUsages::COPY_DST;
-    let buffer = |label| {
-        device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size,
-            usage,
-            mapped_at_creation: false,
-        })
-    };
-    (buffer("synth positions"), buffer("synth normals"))
 }
 
 impl CpuSynthesizer {
@@ -85,8 +73,8 @@ impl CpuSynthesizer {
     /// Fails if the frame is larger than the device's buffers may be.
     pub fn upload(&self, queue: &wgpu::Queue, buffers: &mut DeviceFrameBuffers) -> Result<(), SynthError> {
         buffers.resize(self.items(), self.model().vertices())?;
-        queue.write_buffer(&buffers.positions, 0, bytemuck::cast_slice(self.all_positions()));
-        queue.write_buffer(&buffers.normals, 0, bytemuck::cast_slice(self.all_normals()));
+        queue.write_buffer(buffers.positions.buffer(), 0, bytemuck::cast_slice(self.all_positions()));
+        queue.write_buffer(buffers.normals.buffer(), 0, bytemuck::cast_slice(self.all_normals()));
         Ok(())
     }
 }

@@ -1,11 +1,12 @@
 //! One suite that every backend and every path passes, against a reference in f64.
 
 mod cases;
+mod device;
 mod reference;
 
 use chladni_synth::{
-    Coefficients, CpuPath, CpuSynthesizer, FrameSettings, Item, Residual, SynthError, SynthModel,
-    Synthesizer, Term,
+    Coefficients, CpuPath, CpuSynthesizer, FrameSettings, GpuSynthesizer, Item, Residual, SynthError,
+    SynthModel, Synthesizer, Term,
 };
 use proptest::prelude::*;
 use reference::{Shape, norm, sub};
@@ -27,13 +28,27 @@ impl Readable for CpuSynthesizer {
     }
 }
 
+impl Readable for GpuSynthesizer {
+    fn name(&self) -> String {
+        format!("GPU {}", self.context().device_name())
+    }
+
+    fn read(&mut self) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+        device::read(self.frame())
+    }
+}
+
 /// Every backend that this machine has.
 fn backends(model: &SynthModel) -> Vec<Box<dyn Readable>> {
     let cpu = CpuPath::available().iter().map(|&path| {
         let backend = CpuSynthesizer::with_path(model.clone(), path);
         Box::new(backend.expect("an available path")) as Box<dyn Readable>
     });
-    cpu.collect()
+    let gpu = device::context().map(|context| {
+        let backend = GpuSynthesizer::new(context, model.clone());
+        Box::new(backend.expect("the model fits the device")) as Box<dyn Readable>
+    });
+    cpu.chain(gpu).collect()
 }
 
 fn model(shape: &Shape) -> SynthModel {
@@ -209,7 +224,7 @@ fn another_model_takes_over() {
     let (first, second) = (cases::shape(6, 8, 8, 12), cases::shape(7, 5, 4, 30));
     for mut backend in backends(&model(&first)) {
         check(&mut *backend, &first, &cases::items(1, &first, 5), 0.0);
-        backend.replace_model(model(&second));
+        backend.replace_model(model(&second)).unwrap();
         assert_eq!(backend.items(), 0);
         check(&mut *backend, &second, &cases::items(2, &second, 7), 0.0);
     }

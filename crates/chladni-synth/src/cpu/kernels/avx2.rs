@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 
 use super::{Lanes, Product, with_width};
 
-pub(super) const MAX_WIDTH: usize = 6;
+pub(super) const WIDTHS: &[usize] = &[1, 2, 3, 4, 5, 6];
 
 pub(super) fn product(product: &Product<'_>, out: &mut [Lanes]) {
     // SAFETY: `CpuPath::available` offers this path only where the processor has AVX2 and FMA.

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 
 use super::{Lanes, Product, with_width};
 
-pub(super) const MAX_WIDTH: usize = 12;
+pub(super) const WIDTHS: &[usize] = &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
 
 pub(super) fn product(product: &Product<'_>, out: &mut [Lanes]) {
     // SAFETY: `CpuPath::available` offers this path only where the processor has AVX-512F and BW.
@@ -21,8 +21,7 @@ fn columns<const W: usize>(product: &Product<'_>, out: &mut [Lanes]) {
     for (i, (row, &k)) in rows.iter().zip(product.active).enumerate() {
         if let Some(&next) = product.fetch.get(i) {
             let line = product.next_panel[next as usize].as_ptr();
-            // SAFETY: fetching has no effect but on time, and the line exists.
-            unsafe { _mm_prefetch::<_MM_HINT_T1>(line.cast()) };
+            _mm_prefetch::<_MM_HINT_T1>(line.cast());
         }
         let line = product.panel[k as usize].as_ptr();
         // SAFETY: a line is 32 values of 16 bits: one register of 64 bytes.

@@ -46,16 +46,16 @@ impl CpuPath {
         &[Self::Portable]
     }
 
-    /// The most columns whose sums a kernel keeps in registers.
-    pub(super) fn max_width(self) -> usize {
+    /// How many columns a kernel can sum at once: up to as many as registers hold.
+    pub(super) fn widths(self) -> &'static [usize] {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => avx512::MAX_WIDTH,
+            Self::Avx512 => avx512::WIDTHS,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx2::MAX_WIDTH,
+            Self::Avx2 => avx2::WIDTHS,
             #[cfg(target_arch = "aarch64")]
-            Self::Neon => neon::MAX_WIDTH,
-            _ => portable::MAX_WIDTH,
+            Self::Neon => neon::WIDTHS,
+            _ => portable::WIDTHS,
         }
     }
 
@@ -106,7 +106,7 @@ macro_rules! with_width {
     ($kernel:ident, $product:ident, $out:ident, [$($width:literal),*]) => {
         match $out.len() {
             $($width => $kernel::<$width>($product, $out),)*
-            width => unreachable!("blocks are at most MAX_WIDTH columns wide, not {width}"),
+            width => unreachable!("no kernel sums {width} columns"),
         }
     };
 }

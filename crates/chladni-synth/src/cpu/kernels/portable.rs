@@ -2,7 +2,7 @@
 
 use super::{Lanes, Product, with_width};
 
-pub(super) const MAX_WIDTH: usize = 4;
+pub(super) const WIDTHS: &[usize] = &[1, 2, 3, 4];
 
 /// Lanes whose sums fit the 16 registers of SSE2 beside the harmonic.
 const LANES: usize = 8;

@@ -1,0 +1,274 @@
+//! The GPU backend: three passes per frame, whose results stay on the device.
+
+use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
+use wgpu::BufferUsages as Usage;
+
+use super::buffer::GrowingBuffer;
+use super::context::{GpuContext, WIDTHS, WORKGROUP, bind, checked};
+use super::frame::{DeviceFrame, DeviceFrameBuffers};
+use super::shape::ShapeOnDevice;
+use super::signals::{Signal, SignalPool};
+use crate::plan::{Plan, columns_of};
+use crate::{FrameSettings, Item, SynthError, SynthModel, Synthesizer};
+
+/// In place of a signal's first scalar where there is no signal.
+const NONE: u32 = u32::MAX;
+
+/// What the product shader multiplies values of the basis by.
+const SHIFT: f64 = 65536.0;
+
+/// `Frame` of product.wgsl.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct FrameUniform {
+    harmonics: u32,
+    active_harmonics: u32,
+    padded_vertices: u32,
+    padding: u32,
+}
+
+/// `Term` of place.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct TermOnDevice {
+    first_column: u32,
+    channels: u32,
+    residual_gain: f32,
+    residual: u32,
+    mask: u32,
+}
+
+/// The bind groups over buffers that grow.
+#[derive(Debug)]
+struct FrameGroups {
+    product: [wgpu::BindGroup; WIDTHS.len()],
+    place: wgpu::BindGroup,
+    normals: wgpu::BindGroup,
+}
+
+/// The GPU backend. Each call submits its own commands; what is submitted to the same queue
+/// afterwards sees the results.
+#[derive(Debug)]
+pub struct GpuSynthesizer {
+    context: GpuContext,
+    model: SynthModel,
+    shape: ShapeOnDevice,
+    plan: Plan,
+    frame: DeviceFrameBuffers,
+    frame_uniform: GrowingBuffer,
+    blending: GrowingBuffer,
+    active: GrowingBuffer,
+    coefficients: GrowingBuffer,
+    columns: GrowingBuffer,
+    items: GrowingBuffer,
+    terms: GrowingBuffer,
+    signals: SignalPool,
+    /// Kept for their memory.
+    item_list: Vec<[u32; 2]>,
+    term_list: Vec<TermOnDevice>,
+    scales: Vec<f64>,
+    groups: Option<FrameGroups>,
+}
+
+impl GpuSynthesizer {
+    /// Uploads the model: its packed basis, rest shape and rings.
+    ///
+    /// Fails if the device is lost, out of memory, or its limits are too small.
+    pub fn new(context: &GpuContext, model: SynthModel) -> Result<Self, SynthError> {
+        context.check_present()?;
+        let device = &context.device;
+        let shape = checked(device, || ShapeOnDevice::new(context, &model))??;
+        let storage = |label| GrowingBuffer::new(device, label, Usage::STORAGE | Usage::COPY_DST);
+        let uniform = |label| GrowingBuffer::new(device, label, Usage::UNIFORM | Usage::COPY_DST);
+        Ok(Self {
+            scales: device_scales(&model),
+            shape,
+            model,
+            plan: Plan::default(),
+            frame: DeviceFrameBuffers::new(device),
+            frame_uniform: uniform("frame"),
+            blending: uniform("normal blending"),
+            active: storage("active harmonics"),
+            coefficients: storage("coefficients"),
+            columns: storage("columns"),
+            items: storage("items"),
+            terms: storage("terms"),
+            signals: SignalPool::new(device),
+            item_list: Vec::new(),
+            term_list: Vec::new(),
+            groups: None,
+            context: context.clone(),
+        })
+    }
+
+    /// The last frame.
+    pub fn frame(&self) -> DeviceFrame<'_> {
+        self.frame.frame()
+    }
+
+    /// The device it runs on.
+    pub fn context(&self) -> &GpuContext {
+        &self.context
+    }
+
+    /// Writes the items to the device; `true` if a buffer was replaced.
+    fn upload(&mut self, items: &[Item]) -> Result<bool, SynthError> {
+        let mut replaced = self.upload_terms(items)?;
+        let Self { plan, shape, model, .. } = self;
+        let queue = &self.context.queue;
+        let columns = 4 * (plan.columns() * shape.padded_vertices) as u64;
+        let frame = FrameUniform {
+            harmonics: model.harmonics() as u32,
+            active_harmonics: plan.active.len() as u32,
+            padded_vertices: shape.padded_vertices as u32,
+            padding: 0,
+        };
+        replaced |= self.columns.reserve(columns)?;
+        replaced |= self.frame.resize(items.len(), model.vertices())?;
+        replaced |= self.frame_uniform.write(queue, bytes_of(&frame))?;
+        replaced |= self.active.write(queue, cast_slice(&plan.active))?;
+        replaced |= self.coefficients.write(queue, cast_slice(&plan.coefficients))?;
+        replaced |= self.items.write(queue, cast_slice(&self.item_list))?;
+        replaced |= self.terms.write(queue, cast_slice(&self.term_list))?;
+        Ok(replaced)
+    }
+
+    /// Lists items and terms as the shader sees them, with their signals on the device.
+    fn upload_terms(&mut self, items: &[Item]) -> Result<bool, SynthError> {
+        let terms = || items.iter().flat_map(|item| &item.terms);
+        self.signals.begin(terms().flat_map(|term| {
+            let mask = term.mask.iter().map(|mask| Signal::Scalar(mask.clone()));
+            mask.chain(term.residual.iter().map(Signal::from))
+        }));
+        self.item_list.clear();
+        self.term_list.clear();
+        let (mut replaced, mut column) = (false, 0);
+        for item in items {
+            self.item_list.push([self.term_list.len() as u32, item.terms.len() as u32]);
+            for term in &item.terms {
+                let mut place = |signal: Option<Signal>| match signal {
+                    None => Ok(NONE),
+                    Some(signal) => self.signals.place(&self.context.queue, signal).map(|(first, grown)| {
+                        replaced |= grown;
+                        first
+                    }),
+                };
+                let residual = term.residual.as_ref().filter(|_| term.residual_gain != 0.0);
+                self.term_list.push(TermOnDevice {
+                    first_column: column,
+                    channels: columns_of(term) as u32,
+                    residual_gain: term.residual_gain,
+                    residual: place(residual.map(Signal::from))?,
+                    mask: place(term.mask.clone().map(Signal::Scalar))?,
+                });
+                column += columns_of(term) as u32;
+            }
+        }
+        Ok(replaced)
+    }
+
+    fn bind_frame(&self) -> FrameGroups {
+        let GpuContext { device, pipelines, .. } = &self.context;
+        let frame = self.frame.frame();
+        let columns = self.columns.buffer();
+        let product =
+            [self.frame_uniform.buffer(), self.active.buffer(), self.coefficients.buffer(), columns];
+        let place =
+            [self.items.buffer(), self.terms.buffer(), self.signals.buffer(), columns, frame.positions];
+        let normals = [self.blending.buffer(), frame.positions, frame.normals];
+        FrameGroups {
+            product: std::array::from_fn(|w| bind(device, &pipelines.product[w].groups[1], &product)),
+            place: bind(device, &pipelines.place.groups[1], &place),
+            normals: bind(device, &pipelines.normals.groups[1], &normals),
+        }
+    }
+
+    fn submit(&self, encode: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
+        let GpuContext { device, queue, .. } = &self.context;
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("synthesis") });
+        encode(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()));
+        queue.submit([encoder.finish()]);
+    }
+
+    /// Workgroups over all vertices of all items.
+    fn vertex_workgroups(&self) -> (u32, u32) {
+        let frame = self.frame.frame();
+        (frame.vertices.div_ceil(WORKGROUP), frame.items)
+    }
+}
+
+/// The scales of the basis, less the shift that the shader leaves in its values.
+fn device_scales(model: &SynthModel) -> Vec<f64> {
+    model.basis.scales().iter().map(|scale| scale / SHIFT).collect()
+}
+
+impl Synthesizer for GpuSynthesizer {
+    fn model(&self) -> &SynthModel {
+        &self.model
+    }
+
+    fn replace_model(&mut self, model: SynthModel) -> Result<(), SynthError> {
+        self.context.check_present()?;
+        self.shape = checked(&self.context.device, || ShapeOnDevice::new(&self.context, &model))??;
+        self.scales = device_scales(&model);
+        self.model = model;
+        self.signals.clear();
+        self.frame.resize(0, 0)?;
+        Ok(())
+    }
+
+    fn items(&self) -> usize {
+        self.frame.frame().items as usize
+    }
+
+    fn synthesize_positions(&mut self, items: &[Item]) -> Result<(), SynthError> {
+        self.context.check_present()?;
+        self.plan.lay_out(items, self.model.vertices(), &self.scales, &WIDTHS)?;
+        let reach = self.context.device.limits().max_compute_workgroups_per_dimension;
+        if items.len().max(self.plan.blocks) > reach as usize {
+            return Err(SynthError::DeviceLimit {
+                what: "number of items",
+                needed: items.len() as u64,
+                limit: u64::from(reach),
+            });
+        }
+        if self.upload(items)? || self.groups.is_none() {
+            self.groups = Some(self.bind_frame());
+        }
+        let Some(groups) = &self.groups else { return Ok(()) };
+        let pipelines = &self.context.pipelines;
+        let (workgroups, items) = self.vertex_workgroups();
+        self.submit(|pass| {
+            if let Some(w) = WIDTHS.iter().position(|&width| width == self.plan.width) {
+                pass.set_pipeline(&pipelines.product[w].pipeline);
+                pass.set_bind_group(1, &groups.product[w], &[]);
+                for chunk in &self.shape.chunks {
+                    pass.set_bind_group(0, &chunk.groups[w], &[]);
+                    pass.dispatch_workgroups(self.plan.blocks as u32, chunk.workgroups, 1);
+                }
+            }
+            pass.set_pipeline(&pipelines.place.pipeline);
+            pass.set_bind_group(0, &self.shape.place, &[]);
+            pass.set_bind_group(1, &groups.place, &[]);
+            pass.dispatch_workgroups(workgroups, items, 1);
+        });
+        Ok(())
+    }
+
+    fn synthesize_normals(&mut self, settings: &FrameSettings) -> Result<(), SynthError> {
+        settings.check()?;
+        self.context.check_present()?;
+        let blending = [settings.normal_blending, 0.0, 0.0, 0.0];
+        self.blending.write(&self.context.queue, bytes_of(&blending))?;
+        let Some(groups) = &self.groups else { return Ok(()) };
+        let (workgroups, items) = self.vertex_workgroups();
+        self.submit(|pass| {
+            pass.set_pipeline(&self.context.pipelines.normals.pipeline);
+            pass.set_bind_group(0, &self.shape.normals, &[]);
+            pass.set_bind_group(1, &groups.normals, &[]);
+            pass.dispatch_workgroups(workgroups, items, 1);
+        });
+        Ok(())
+    }
+}
