@@ -7,18 +7,69 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::eigen::solve_small;
+use crate::field::Field;
 use crate::samples::Sample;
 use crate::surface::Surface;
 use crate::{Scaling, Similarity};
 
-/// The two surfaces and what is sampled of them.
+/// A surface to align, what is sampled of it, and its coarse look-up.
+pub(crate) struct Sampled<'a> {
+    pub surface: &'a Surface,
+    pub samples: Vec<Sample>,
+    pub field: Field,
+}
+
+/// What was found near a query: point, normal, squared distance.
+struct Near {
+    point: DVec3,
+    normal: DVec3,
+    distance_squared: f64,
+}
+
+impl Sampled<'_> {
+    fn first(&self, count: usize) -> &[Sample] {
+        &self.samples[..count.min(self.samples.len())]
+    }
+
+    /// The nearest point within `reach` that is not on an open edge.
+    fn near(&self, query: DVec3, reach: f64, look: Look) -> Option<Near> {
+        match look {
+            Look::Coarse => {
+                let s = self.field.near(query)?;
+                let distance_squared = s.point.distance_squared(query);
+                (distance_squared < reach * reach).then_some(Near {
+                    point: s.point,
+                    normal: s.normal,
+                    distance_squared,
+                })
+            }
+            Look::Exact => {
+                let at = self.surface.closest(query, reach)?;
+                (!self.surface.on_boundary(&at)).then(|| Near {
+                    point: at.point,
+                    normal: self.surface.smooth_normal(&at),
+                    distance_squared: at.distance_squared,
+                })
+            }
+        }
+    }
+}
+
+/// The two surfaces.
 pub(crate) struct Pair<'a> {
-    pub shape: &'a Surface,
-    pub template: &'a Surface,
-    pub shape_samples: &'a [Sample],
-    pub template_samples: &'a [Sample],
+    pub shape: Sampled<'a>,
+    pub template: Sampled<'a>,
     /// Landmarks as (shape point, template point), each surface's own coordinates.
     pub landmarks: &'a [(DVec3, DVec3)],
+}
+
+/// How closely to look for the nearest point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// A sample nearby, from the [`Field`].
+    Coarse,
+    /// The nearest point of the surface.
+    Exact,
 }
 
 /// How one run of ICP goes.
@@ -32,6 +83,7 @@ pub(crate) struct Schedule {
     pub reach: (f64, f64),
     /// Weight of the point-to-point part of the residual.
     pub point_weight: f64,
+    pub look: Look,
     pub scaling: Scaling,
 }
 
@@ -46,43 +98,19 @@ struct Link {
 /// Normals farther apart than this are different sides of a thing (cos 70°).
 const NORMAL_LIMIT: f64 = 0.34;
 
-fn links(pair: &Pair, pose: &Similarity, samples: usize, reach: f64) -> (Vec<Link>, Vec<Link>) {
+fn links(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Vec<Link> {
     let back = pose.inverse();
     let r = pose.rotation_matrix();
-    let near = 4.0 * reach;
-    let from_shape = pair.shape_samples[..samples.min(pair.shape_samples.len())]
-        .iter()
-        .filter_map(|s| {
-            let at = pair.template.closest(back.at(s.point), near * back.scale)?;
-            if pair.template.on_boundary(&at) {
-                return None;
-            }
-            let normal_q = r * pair.template.smooth_normal(&at);
-            (normal_q.dot(s.normal) > NORMAL_LIMIT).then_some(Link {
-                q: at.point,
-                p: s.point,
-                normal_q,
-                normal_p: s.normal,
-            })
-        })
-        .collect();
-    let from_template = pair.template_samples[..samples.min(pair.template_samples.len())]
-        .iter()
-        .filter_map(|s| {
-            let at = pair.shape.closest(pose.at(s.point), near)?;
-            if pair.shape.on_boundary(&at) {
-                return None;
-            }
-            let (normal_q, normal_p) = (r * s.normal, pair.shape.smooth_normal(&at));
-            (normal_q.dot(normal_p) > NORMAL_LIMIT).then_some(Link {
-                q: s.point,
-                p: at.point,
-                normal_q,
-                normal_p,
-            })
-        })
-        .collect();
-    (from_shape, from_template)
+    let reach = 4.0 * c;
+    let from_shape = pair.shape.first(schedule.samples).iter().filter_map(|s| {
+        let at = pair.template.near(back.at(s.point), reach * back.scale, schedule.look)?;
+        Some(Link { q: at.point, p: s.point, normal_q: r * at.normal, normal_p: s.normal })
+    });
+    let from_template = pair.template.first(schedule.samples).iter().filter_map(|s| {
+        let at = pair.shape.near(pose.at(s.point), reach, schedule.look)?;
+        Some(Link { q: s.point, p: at.point, normal_q: r * s.normal, normal_p: at.normal })
+    });
+    from_shape.chain(from_template).filter(|l| l.normal_q.dot(l.normal_p) > NORMAL_LIMIT).collect()
 }
 
 /// Weights of the rows n·(Tq − p) and, × `point_weight`, of the rows Tq − p.
@@ -129,16 +157,15 @@ pub(crate) fn refine(pair: &Pair, mut pose: Similarity, schedule: &Schedule) -> 
 
 /// One Gauss–Newton step, and how far it moves points of unit distance.
 fn improve(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Option<(Similarity, f64)> {
-    let (from_shape, from_template) = links(pair, pose, schedule.samples, c);
-    if from_shape.len() + from_template.len() + pair.landmarks.len() < 4 {
+    let links = links(pair, pose, schedule, c);
+    if links.len() + pair.landmarks.len() < 4 {
         return None;
     }
     // Everything turns and grows about the middle of the linked points.
-    let all = || from_shape.iter().chain(&from_template);
-    let center = all().map(|l| l.p).sum::<DVec3>() / (from_shape.len() + from_template.len()).max(1) as f64;
+    let center = links.iter().map(|l| l.p).sum::<DVec3>() / links.len().max(1) as f64;
     let mut system = System { matrix: [[0.0; 7]; 7], right: [0.0; 7] };
     let mut total = 0.0;
-    for link in all() {
+    for link in &links {
         let q = pose.at(link.q);
         let d2 = q.distance_squared(link.p);
         let w = (c * c / (c * c + d2)).powi(2);
@@ -178,7 +205,7 @@ fn orthonormal(pose: &Similarity) -> Similarity {
 
 /// How badly a pose fits, in [0, 1]: the mean over samples of both surfaces of d²/(c² + d²),
 /// where d² also counts how far the normals disagree. 0 is a perfect fit.
-pub(crate) fn misfit(pair: &Pair, pose: &Similarity, samples: usize, c: f64) -> f64 {
+pub(crate) fn misfit(pair: &Pair, pose: &Similarity, samples: usize, c: f64, look: Look) -> f64 {
     let back = pose.inverse();
     let r = pose.rotation_matrix();
     let cost = |d2: f64, cos: f64| {
@@ -186,26 +213,18 @@ pub(crate) fn misfit(pair: &Pair, pose: &Similarity, samples: usize, c: f64) -> 
         let d2 = d2 + c * c * 2.0 * (1.0 - cos);
         d2 / (c * c + d2)
     };
-    let near = 5.0 * c;
-    let shape = &pair.shape_samples[..samples.min(pair.shape_samples.len())];
-    let template = &pair.template_samples[..samples.min(pair.template_samples.len())];
-    let forth: f64 = shape
-        .iter()
-        .map(|s| match pair.template.closest(back.at(s.point), near * back.scale) {
-            Some(at) => cost(
-                at.distance_squared * pose.scale * pose.scale,
-                (r * pair.template.smooth_normal(&at)).dot(s.normal),
-            ),
-            None => 1.0,
-        })
-        .sum();
-    let home: f64 = template
-        .iter()
-        .map(|s| match pair.shape.closest(pose.at(s.point), near) {
-            Some(at) => cost(at.distance_squared, (r * s.normal).dot(pair.shape.smooth_normal(&at))),
-            None => 1.0,
-        })
-        .sum();
+    let reach = 5.0 * c;
+    let mean = |samples: &[Sample], of: &dyn Fn(&Sample) -> Option<f64>| {
+        samples.iter().map(|s| of(s).unwrap_or(1.0)).sum::<f64>() / samples.len().max(1) as f64
+    };
+    let forth = mean(pair.shape.first(samples), &|s| {
+        let at = pair.template.near(back.at(s.point), reach * back.scale, look)?;
+        Some(cost(at.distance_squared * pose.scale * pose.scale, (r * at.normal).dot(s.normal)))
+    });
+    let home = mean(pair.template.first(samples), &|s| {
+        let at = pair.shape.near(pose.at(s.point), reach, look)?;
+        Some(cost(at.distance_squared, (r * s.normal).dot(at.normal)))
+    });
     // Of a template that shows more than the shape, only a part can be near: the shape counts more.
-    0.65 * forth / shape.len().max(1) as f64 + 0.35 * home / template.len().max(1) as f64
+    0.65 * forth + 0.35 * home
 }

@@ -20,6 +20,7 @@ mod bvh;
 mod correspondence;
 mod eigen;
 mod error;
+mod field;
 mod icp;
 mod landmarks;
 mod matching;

@@ -5,7 +5,8 @@ use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
 use crate::eigen::symmetric_eigen;
-use crate::icp::{Pair, Schedule, misfit, refine};
+use crate::field::Field;
+use crate::icp::{Look, Pair, Sampled, Schedule, misfit, refine};
 use crate::samples::{Sample, spread};
 use crate::similarity::fit_pairs;
 use crate::surface::Surface;
@@ -26,24 +27,36 @@ pub(crate) struct Pose {
 struct Sieve {
     keep: usize,
     schedule: Schedule,
+    /// Samples and c of the misfit.
     judge: (usize, f64),
 }
 
-const fn schedule(samples: usize, iterations: usize, first: f64, last: f64, point_weight: f64) -> Schedule {
-    Schedule { samples, iterations, reach: (first, last), point_weight, scaling: Scaling::Free }
+const fn sieve(
+    keep: usize,
+    look: Look,
+    samples: usize,
+    iterations: usize,
+    reach: (f64, f64),
+    point_weight: f64,
+    judge: (usize, f64),
+) -> Sieve {
+    let schedule = Schedule { samples, iterations, reach, point_weight, look, scaling: Scaling::Free };
+    Sieve { keep, schedule, judge }
 }
 
 /// Candidates are thinned out as the look at each gets closer.
-const SIEVES: [Sieve; 3] = [
-    Sieve { keep: 160, schedule: schedule(150, 8, 0.15, 0.06, 0.3), judge: (250, 0.05) },
-    Sieve { keep: 24, schedule: schedule(600, 15, 0.06, 0.03, 0.05), judge: (1000, 0.03) },
-    Sieve { keep: 5, schedule: schedule(3000, 40, 0.03, 0.02, 0.01), judge: (3000, 0.03) },
+const SIEVES: [Sieve; 4] = [
+    sieve(600, Look::Coarse, 150, 6, (0.15, 0.08), 0.3, (250, 0.06)),
+    sieve(100, Look::Coarse, 500, 12, (0.08, 0.04), 0.2, (600, 0.04)),
+    sieve(16, Look::Exact, 600, 12, (0.05, 0.03), 0.05, (1500, 0.03)),
+    sieve(3, Look::Exact, 2000, 40, (0.03, 0.02), 0.01, (3000, 0.03)),
 ];
 
 /// Samples drawn of each surface.
 const SAMPLES: usize = 3000;
 
-/// Searches all rotations at several sizes; with three landmarks or more, they give the start.
+/// Searches all rotations at several sizes and places; with three landmarks or more, they give
+/// the start.
 pub(crate) fn prealign(
     shape: &Surface,
     template: &Surface,
@@ -51,25 +64,21 @@ pub(crate) fn prealign(
     seed: u64,
     task: &Task,
 ) -> Result<Pose, MatchError> {
-    let shape_samples = spread(shape, SAMPLES, seed);
-    let template_samples = spread(template, SAMPLES, seed ^ 0x5eed);
-    let pair = Pair {
-        shape,
-        template,
-        shape_samples: &shape_samples,
-        template_samples: &template_samples,
-        landmarks,
+    let sampled = |surface, seed| {
+        let samples = spread(surface, SAMPLES, seed);
+        let field = Field::new(&samples);
+        Sampled { surface, samples, field }
     };
+    let pair = Pair { shape: sampled(shape, seed), template: sampled(template, seed ^ 0x5eed), landmarks };
     if landmarks.len() >= 3 {
         let start = fit_pairs(landmarks.iter().map(|(p, q)| (*q, *p, 1.0)), Scaling::Free)?;
         return Ok(settle(&pair, start));
     }
-    let mut candidates = hypotheses(shape, template, &shape_samples, &template_samples);
-    let mut scored = judge(&pair, &candidates, 100, 0.1, task)?;
+    let mut scored = judge(&pair, &hypotheses(&pair), (150, 0.1), Look::Coarse, task)?;
     for sieve in &SIEVES {
         scored.truncate(sieve.keep);
         let stage = task.stage("aligning", scored.len() as u64);
-        candidates = scored
+        let candidates = scored
             .par_iter()
             .map(|(pose, _)| {
                 task.check()?;
@@ -77,8 +86,8 @@ pub(crate) fn prealign(
                 stage.advance(1);
                 Ok(refined)
             })
-            .collect::<Result<_, MatchError>>()?;
-        scored = distinct(judge(&pair, &candidates, sieve.judge.0, sieve.judge.1, task)?);
+            .collect::<Result<Vec<_>, MatchError>>()?;
+        scored = distinct(judge(&pair, &candidates, sieve.judge, sieve.schedule.look, task)?);
     }
     let &(similarity, misfit) = scored.first().ok_or(MatchError::Degenerate)?;
     Ok(Pose { similarity, misfit, runner_up: scored.get(1).map(|s| s.1) })
@@ -86,24 +95,24 @@ pub(crate) fn prealign(
 
 /// The last sieve alone, for a start that is known.
 fn settle(pair: &Pair, start: Similarity) -> Pose {
-    let sieve = &SIEVES[SIEVES.len() - 1];
-    let similarity = refine(pair, start, &sieve.schedule);
-    Pose { similarity, misfit: misfit(pair, &similarity, sieve.judge.0, sieve.judge.1), runner_up: None }
+    let Sieve { schedule, judge: (samples, c), .. } = &SIEVES[SIEVES.len() - 1];
+    let similarity = refine(pair, start, schedule);
+    Pose { similarity, misfit: misfit(pair, &similarity, *samples, *c, schedule.look), runner_up: None }
 }
 
 /// Poses with their misfits, best first.
 fn judge(
     pair: &Pair,
     poses: &[Similarity],
-    samples: usize,
-    c: f64,
+    (samples, c): (usize, f64),
+    look: Look,
     task: &Task,
 ) -> Result<Vec<(Similarity, f64)>, MatchError> {
     let mut scored = poses
         .par_iter()
         .map(|pose| {
             task.check()?;
-            Ok((*pose, misfit(pair, pose, samples, c)))
+            Ok((*pose, misfit(pair, pose, samples, c, look)))
         })
         .collect::<Result<Vec<_>, MatchError>>()?;
     scored.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -128,33 +137,55 @@ fn distinct(scored: Vec<(Similarity, f64)>) -> Vec<(Similarity, f64)> {
 }
 
 /// Starting poses: principal axes in their 24 orders and signs, the files' own axes, and an even
-/// covering of all rotations; centroid on centroid, at the size the spreads tell and around it.
-fn hypotheses(
-    shape: &Surface,
-    template: &Surface,
-    shape_samples: &[Sample],
-    template_samples: &[Sample],
-) -> Vec<Similarity> {
+/// covering of all rotations. Each comes with centroid on centroid at the size the spreads tell
+/// and around it, and, for templates that show more than the shape or less, with the centroid of
+/// one laid on places all over the other.
+fn hypotheses(pair: &Pair) -> Vec<Similarity> {
     let spread_of = |samples: &[Sample]| {
         let sum: f64 = samples.iter().map(|s| s.point.length_squared()).sum();
         (sum / samples.len().max(1) as f64).sqrt()
     };
-    let size = spread_of(shape_samples) / spread_of(template_samples).max(1e-9);
+    let size = spread_of(&pair.shape.samples) / spread_of(&pair.template.samples).max(1e-9);
     let axes = |surface: &Surface| {
         let (_, e) = symmetric_eigen(surface.second_moments());
         let (a, b) = (DVec3::from_array(e[0]), DVec3::from_array(e[1]));
         DMat3::from_cols(a, b, a.cross(b))
     };
-    let (to, from) = (axes(shape), axes(template).transpose());
+    let (to, from) = (axes(pair.shape.surface), axes(pair.template.surface).transpose());
     let mut rotations: Vec<DMat3> = cube_rotations().iter().map(|r| to * *r * from).collect();
     rotations.push(DMat3::IDENTITY);
     rotations.extend((0..ROTATIONS).map(|i| DMat3::from_quat(super_fibonacci(i, ROTATIONS))));
-    let mut poses = Vec::with_capacity(3 * rotations.len());
-    for factor in [1.0, 0.7, 1.4] {
-        // Centroids are the origins of both surfaces.
+    let mut poses = Vec::new();
+    // Centroids are the origins of both surfaces.
+    for factor in [1.0, 0.8, 1.25] {
         poses.extend(rotations.iter().map(|r| Similarity::new(size * factor, *r, DVec3::ZERO)));
     }
+    let on_template = places(&pair.template.samples);
+    let on_shape = places(&pair.shape.samples);
+    for r in &rotations {
+        for factor in [1.4, 2.0] {
+            let scale = size * factor;
+            poses.extend(on_template.iter().map(|q| Similarity::new(scale, *r, *r * *q * -scale)));
+            poses.extend(on_shape.iter().map(|p| Similarity::new(size / factor, *r, *p)));
+        }
+    }
     poses
+}
+
+/// Points between the centroid and places spread over the surface, farthest first.
+fn places(samples: &[Sample]) -> Vec<DVec3> {
+    const PLACES: usize = 8;
+    let mut chosen: Vec<DVec3> = Vec::with_capacity(PLACES);
+    let mut distance: Vec<f64> = samples.iter().map(|s| s.point.length_squared()).collect();
+    while chosen.len() < PLACES {
+        let Some((i, _)) = distance.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else { break };
+        let point = samples[i].point;
+        for (d, s) in distance.iter_mut().zip(samples) {
+            *d = d.min(s.point.distance_squared(point));
+        }
+        chosen.push(point);
+    }
+    chosen.into_iter().map(|p| p * 0.6).collect()
 }
 
 /// Rotations in the covering: neighbours are about 30° apart.
