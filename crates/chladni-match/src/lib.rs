@@ -16,11 +16,13 @@
 //! ```
 
 mod analytic;
+mod bend;
 mod bvh;
 mod correspondence;
 mod eigen;
 mod error;
 mod field;
+mod graph;
 mod icp;
 mod landmarks;
 mod matching;
@@ -28,6 +30,7 @@ mod prealign;
 mod project;
 mod quality;
 mod samples;
+mod settle;
 mod similarity;
 mod surface;
 

@@ -2,11 +2,14 @@
 
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
+use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::bend::{bend, vertex_normals};
 use crate::landmarks::{self, Landmark};
 use crate::prealign::{Pose, prealign};
 use crate::project::{confidence, correspondence, nearest_facing};
+use crate::settle::settle;
 use crate::surface::Surface;
 use crate::{Correspondence, MatchError, Report, Side, same_connectivity};
 
@@ -17,8 +20,10 @@ pub enum Method {
     /// Vertex i ↔ vertex i.
     Same,
     /// The closest point after the best similarity.
-    #[default]
     Icp,
+    /// The closest point after the shape was bent onto the template.
+    #[default]
+    Fit,
 }
 
 /// What is asked for.
@@ -62,28 +67,33 @@ pub fn match_shapes(
     let pairs = landmarks::points(&pinned, &s, &t);
     let pose = prealign(&s, &t, &pairs, settings.seed, task)?;
     let found = match settings.method {
-        Method::Same | Method::Icp => closest_points(shape, &s, template, &t, &pose)?,
+        Method::Same | Method::Icp => closest_points(shape, &s, template, &t, &pose, &s.points)?,
+        Method::Fit => {
+            let bent = bend(&s, &t, &pose.similarity, &pinned, settings.seed, task)?;
+            let settled = settle(&s, &t, &pose.similarity, bent, task)?;
+            closest_points(shape, &s, template, &t, &pose, &settled)?
+        }
     };
     let report = Report::of(&s, &t, &found, Some(&pose));
     Ok(Match { correspondence: found, report })
 }
 
-/// The closest point of the aligned template for each vertex.
+/// The closest point of the aligned template for each vertex, seen from where it was laid.
 fn closest_points(
     shape_mesh: &TriMesh,
     shape: &Surface,
     template_mesh: &TriMesh,
     template: &Surface,
     pose: &Pose,
+    laid: &[DVec3],
 ) -> Result<Correspondence, MatchError> {
     let back = pose.similarity.inverse();
     let turn = back.rotation_matrix();
-    let (at, trust): (Vec<_>, Vec<_>) = shape
-        .points
+    let (at, trust): (Vec<_>, Vec<_>) = laid
         .par_iter()
-        .zip(&shape.normals)
+        .zip(vertex_normals(laid, &shape.triangles))
         .map(|(p, n)| {
-            let normal = turn * *n;
+            let normal = turn * n;
             let at =
                 nearest_facing(template, back.at(*p), normal).ok_or(MatchError::NoSurface(Side::Template))?;
             Ok((at, confidence(template, &at, normal, pose.similarity.scale)))

@@ -1,0 +1,238 @@
+//! Bending a shape onto a template: non-rigid ICP in the manner of Amberg, Romdhani and Vetter
+//! (*Optimal Step Nonrigid ICP*, CVPR 2007), with the affine maps on a graph that gets finer
+//! while the stiffness falls.
+
+use chladni_task::Task;
+use faer::linalg::solvers::Solve;
+use faer::sparse::{SparseColMat, Triplet};
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::graph::{Graph, NodeMap};
+use crate::landmarks::Pinned;
+use crate::project::nearest_facing;
+use crate::surface::Surface;
+use crate::{MatchError, Similarity};
+
+/// One graph: its nodes, and the stiffness and reach at its first and last iteration.
+struct Level {
+    nodes: usize,
+    iterations: usize,
+    stiffness: (f64, f64),
+    reach: (f64, f64),
+}
+
+const LEVELS: [Level; 3] = [
+    Level { nodes: 100, iterations: 10, stiffness: (10.0, 0.3), reach: (0.10, 0.06) },
+    Level { nodes: 400, iterations: 8, stiffness: (1.0, 0.1), reach: (0.06, 0.04) },
+    Level { nodes: 1500, iterations: 6, stiffness: (0.3, 0.05), reach: (0.04, 0.03) },
+];
+
+/// Vertices whose distances are minimised.
+const DATA_VERTICES: usize = 6000;
+/// How strongly a map is drawn to the identity where nothing is known.
+const IDENTITY_WEIGHT: f64 = 1e-3;
+/// Cosine below which two normals are taken to belong to different sides.
+const NORMAL_LIMIT: f64 = 0.4;
+
+/// What a vertex is drawn to: a point in the shape's coordinates and a weight in [0, 1].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pull {
+    pub vertex: u32,
+    pub to: DVec3,
+    pub weight: f64,
+}
+
+/// The shape's vertices laid onto the aligned template, in the shape's surface coordinates.
+pub(crate) fn bend(
+    shape: &Surface,
+    template: &Surface,
+    pose: &Similarity,
+    landmarks: &[Pinned],
+    seed: u64,
+    task: &Task,
+) -> Result<Vec<DVec3>, MatchError> {
+    let mut bent = shape.points.clone();
+    let vertices = data_vertices(shape, seed);
+    let stage = task.stage("bending", LEVELS.iter().map(|l| l.iterations as u64).sum());
+    for level in &LEVELS {
+        let graph = Graph::new(shape, level.nodes.min(shape.points.len()), seed);
+        for step in 0..level.iterations {
+            task.check()?;
+            let along = step as f64 / (level.iterations - 1) as f64;
+            let between = |(a, b): (f64, f64)| a * (b / a).powf(along);
+            let normals = vertex_normals(&bent, &shape.triangles);
+            let mut pulls = pulls(template, pose, &vertices, &bent, &normals, between(level.reach));
+            let weight = 0.02 * vertices.len() as f64;
+            pulls.extend(landmarks.iter().map(|l| Pull {
+                vertex: l.shape,
+                to: pose.at(template.points[l.template as usize]),
+                weight,
+            }));
+            let maps = solve(shape, &graph, &pulls, vertices.len() as f64, between(level.stiffness))?;
+            bent = graph.apply(shape, &maps);
+            stage.advance(1);
+        }
+    }
+    Ok(bent)
+}
+
+/// Vertices spread by area, all of them where there are few.
+fn data_vertices(shape: &Surface, seed: u64) -> Vec<u32> {
+    let n = shape.points.len();
+    if n <= DATA_VERTICES {
+        return (0..n as u32).collect();
+    }
+    // The node set of a fine graph is as even a choice as there is.
+    Graph::nodes_only(shape, DATA_VERTICES, seed ^ 1)
+}
+
+/// Where each data vertex is drawn to; weight 0 is left out.
+pub(crate) fn pulls(
+    template: &Surface,
+    pose: &Similarity,
+    vertices: &[u32],
+    bent: &[DVec3],
+    normals: &[DVec3],
+    reach: f64,
+) -> Vec<Pull> {
+    let back = pose.inverse();
+    let turn = back.rotation_matrix();
+    vertices
+        .par_iter()
+        .filter_map(|&vertex| {
+            let normal = turn * normals[vertex as usize];
+            let at = nearest_facing(template, back.at(bent[vertex as usize]), normal)?;
+            let facing = template.smooth_normal(&at).dot(normal);
+            if facing < NORMAL_LIMIT || template.on_boundary(&at) {
+                return None;
+            }
+            let d2 = at.distance_squared * pose.scale * pose.scale;
+            let c2 = reach * reach;
+            Some(Pull { vertex, to: pose.at(at.point), weight: facing * (c2 / (c2 + d2)).powi(2) })
+        })
+        .collect()
+}
+
+/// Area-weighted unit normals.
+pub(crate) fn vertex_normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+    let mut normals = vec![DVec3::ZERO; points.len()];
+    for t in triangles {
+        let [a, b, c] = t.map(|v| points[v as usize]);
+        let n = (b - a).cross(c - a);
+        for v in t {
+            normals[*v as usize] += n;
+        }
+    }
+    normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+    normals
+}
+
+/// The lower triangle of a symmetric matrix under construction, as dense 4×4 blocks.
+struct Blocks {
+    blocks: std::collections::HashMap<(u32, u32), [[f64; 4]; 4]>,
+}
+
+impl Blocks {
+    /// Adds w (rowᵢ·Xᵢ + rowⱼ·Xⱼ + …)².
+    fn add(&mut self, row: &[(u32, [f64; 4])], w: f64) {
+        for (i, a) in row {
+            for (j, b) in row {
+                if j > i {
+                    continue;
+                }
+                let block = self.blocks.entry((*i, *j)).or_insert([[0.0; 4]; 4]);
+                for r in 0..4 {
+                    for c in 0..4 {
+                        block[r][c] += w * a[r] * b[c];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The maps that minimise
+/// mean w‖y(v) − c(v)‖² + α mean‖map_i(g_j) − map_j(g_j)‖² + α h² mean‖A_i − A_j‖² + ε h²‖A − I‖².
+///
+/// The three coordinates share one matrix; the unknowns are the differences from the identity.
+fn solve(
+    shape: &Surface,
+    graph: &Graph,
+    pulls: &[Pull],
+    data: f64,
+    stiffness: f64,
+) -> Result<Vec<NodeMap>, MatchError> {
+    let n = graph.nodes.len();
+    let g = |j: u32| shape.points[graph.nodes[j as usize] as usize];
+    let mut matrix = Blocks { blocks: std::collections::HashMap::new() };
+    let mut right = faer::Mat::<f64>::zeros(4 * n, 3);
+    for pull in pulls {
+        let x = shape.points[pull.vertex as usize];
+        let row: Vec<(u32, [f64; 4])> = graph.blend[pull.vertex as usize]
+            .iter()
+            .map(|(j, b)| {
+                let d = (x - g(*j)) * *b;
+                (*j, [d.x, d.y, d.z, *b])
+            })
+            .collect();
+        let w = pull.weight / data;
+        matrix.add(&row, w);
+        let wanted = (pull.to - x) * w;
+        for (j, a) in &row {
+            for r in 0..4 {
+                for c in 0..3 {
+                    right[(4 * *j as usize + r, c)] += a[r] * wanted[c];
+                }
+            }
+        }
+    }
+    let h = graph.spacing;
+    let smooth = stiffness / graph.edges.len().max(1) as f64;
+    for &(i, j, w) in &graph.edges {
+        let d = g(j) - g(i);
+        // Both maps should agree about where they put each other's node, and about A.
+        matrix.add(&[(i, [d.x, d.y, d.z, 1.0]), (j, [0.0, 0.0, 0.0, -1.0])], smooth * w);
+        matrix.add(&[(j, [-d.x, -d.y, -d.z, 1.0]), (i, [0.0, 0.0, 0.0, -1.0])], smooth * w);
+        for k in 0..3 {
+            let mut e = [0.0; 4];
+            e[k] = h;
+            matrix.add(&[(i, e), (j, e.map(|x| -x))], smooth * w);
+        }
+    }
+    for j in 0..n as u32 {
+        for k in 0..4 {
+            let mut e = [0.0; 4];
+            e[k] = if k < 3 { h } else { 1e-3 };
+            matrix.add(&[(j, e)], IDENTITY_WEIGHT / n as f64);
+        }
+    }
+    let mut triplets = Vec::with_capacity(matrix.blocks.len() * 16);
+    for ((i, j), block) in &matrix.blocks {
+        for r in 0..4 {
+            for c in 0..4 {
+                let (row, column) = (4 * *i as usize + r, 4 * *j as usize + c);
+                if row >= column {
+                    triplets.push(Triplet::new(row, column, block[r][c]));
+                }
+            }
+        }
+    }
+    let failed = |_| MatchError::Solver("bending");
+    let matrix =
+        SparseColMat::<usize, f64>::try_new_from_triplets(4 * n, 4 * n, &triplets).map_err(failed)?;
+    let factor = matrix.sp_cholesky(faer::Side::Lower).map_err(|_| MatchError::Solver("bending"))?;
+    let x = factor.solve(&right);
+    let maps: Vec<NodeMap> = (0..n)
+        .map(|j| {
+            std::array::from_fn(|c| {
+                std::array::from_fn(|r| x[(4 * j + r, c)] + if r == c { 1.0 } else { 0.0 })
+            })
+        })
+        .collect();
+    if maps.iter().flatten().flatten().all(|x| x.is_finite()) {
+        Ok(maps)
+    } else {
+        Err(MatchError::Solver("bending"))
+    }
+}
