@@ -179,7 +179,8 @@ impl Camera {
             .filter(|p| p.is_finite())
             .fold(0.0_f32, |reach, p| reach.max(p.distance(target)));
         self.reach = reach.max(1e-6);
-        self.distance = distance.max(self.reach * 0.05);
+        // A shape that is much deeper than wide stays in front of the eye.
+        self.distance = distance.max(near - middle + self.reach * 0.1);
         self.target = target.to_array();
     }
 

@@ -1,5 +1,7 @@
 //! The textures that are drawn into, and how their pixels come back.
 
+use std::sync::mpsc::{Receiver, sync_channel};
+
 use crate::pipelines::{DEPTH, SAMPLES};
 use crate::{Gpu, Picture, ViewError};
 
@@ -125,9 +127,11 @@ impl Canvas {
     /// # Errors
     /// [`ViewError::Device`] where the device fails.
     pub fn read(&self, gpu: &Gpu) -> Result<Picture, ViewError> {
-        let readback = Readback::new(gpu, self);
+        let mut readback = Readback::new(gpu, self);
         readback.start(gpu, self);
-        readback.finish(gpu)
+        let mut rgba = Vec::new();
+        readback.finish_into(gpu, &mut rgba)?;
+        Ok(Picture { width: self.width, height: self.height, rgba })
     }
 }
 
@@ -140,6 +144,8 @@ pub(crate) struct Readback {
     /// Bytes of a row in the buffer, a multiple of 256.
     stride: u32,
     blue_first: bool,
+    /// The copy that was started last, and where the word of its mapping arrives.
+    copy: Option<(wgpu::SubmissionIndex, Receiver<Result<(), wgpu::BufferAsyncError>>)>,
 }
 
 impl Readback {
@@ -153,11 +159,11 @@ impl Readback {
         });
         let blue_first =
             matches!(canvas.format, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Bgra8UnormSrgb);
-        Self { buffer, width: canvas.width, height: canvas.height, stride, blue_first }
+        Self { buffer, width: canvas.width, height: canvas.height, stride, blue_first, copy: None }
     }
 
     /// Queues the copy of what has been drawn so far; does not wait.
-    pub(crate) fn start(&self, gpu: &Gpu, canvas: &Canvas) -> wgpu::SubmissionIndex {
+    pub(crate) fn start(&mut self, gpu: &Gpu, canvas: &Canvas) {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_texture_to_buffer(
             canvas.finished.as_image_copy(),
@@ -171,27 +177,21 @@ impl Readback {
             },
             wgpu::Extent3d { width: self.width, height: self.height, depth_or_array_layers: 1 },
         );
-        gpu.queue.submit([encoder.finish()])
-    }
-
-    /// Waits for the copy and unpacks it.
-    pub(crate) fn finish(&self, gpu: &Gpu) -> Result<Picture, ViewError> {
-        let mut rgba = Vec::new();
-        self.finish_into(gpu, &mut rgba)?;
-        Ok(Picture { width: self.width, height: self.height, rgba })
-    }
-
-    /// As [`finish`](Self::finish), reusing a buffer.
-    pub(crate) fn finish_into(&self, gpu: &Gpu, rgba: &mut Vec<u8>) -> Result<(), ViewError> {
-        let (sender, receiver) = std::sync::mpsc::sync_channel(1);
+        let submission = gpu.queue.submit([encoder.finish()]);
+        let (sender, receiver) = sync_channel(1);
         self.buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver outlives the wait below.
+            // Nobody waits for a film that was given up.
             let _ = sender.send(result);
         });
-        gpu.device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|error| ViewError::Device(error.to_string()))?;
-        gpu.check()?;
+        self.copy = Some((submission, receiver));
+    }
+
+    /// Waits for the copy and unpacks it into `rgba`.
+    pub(crate) fn finish_into(&mut self, gpu: &Gpu, rgba: &mut Vec<u8>) -> Result<(), ViewError> {
+        let Some((submission, receiver)) = self.copy.take() else {
+            return Err(ViewError::Device("no picture was asked for".into()));
+        };
+        gpu.wait(submission)?;
         match receiver.try_recv() {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(ViewError::Device(error.to_string())),

@@ -138,6 +138,7 @@ impl PickTree {
         let (origin, direction) = (Vec3::from(ray.origin), Vec3::from(ray.direction));
         // Finite, so that a ray in the plane of a box's side gives 0 and not 0 · ∞.
         let inverse = direction.recip().clamp(Vec3::splat(-1e30), Vec3::splat(1e30));
+        let sheared = Shear::new(origin, direction);
         let mut nearest: Option<Hit> = None;
         // The median split keeps the depth below 33 for any u32 count.
         let mut stack = [0_u32; 64];
@@ -160,7 +161,7 @@ impl PickTree {
                 let Some(at) = triangles.get(t as usize).and_then(|c| corners(positions, *c)) else {
                     continue;
                 };
-                if let Some((distance, barycentric)) = meet_triangle(origin, direction, at)
+                if let Some((distance, barycentric)) = sheared.meet(at)
                     && nearest.is_none_or(|hit| distance < hit.distance)
                 {
                     nearest = Some(Hit { triangle: t, barycentric, distance });
@@ -182,29 +183,45 @@ fn meets(node: &Node, origin: Vec3, inverse: Vec3, limit: f32) -> bool {
     let (enter, leave) = (a.min(b), a.max(b));
     let enter = enter.x.max(enter.y).max(enter.z).max(0.0);
     let leave = leave.x.min(leave.y).min(leave.z).min(limit);
-    enter <= leave
+    // Ize, "Robust BVH Ray Traversal", JCGT 2013: the far side is moved by the rounding error.
+    enter <= leave * 1.000_001 + f32::MIN_POSITIVE
 }
 
-/// Möller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 1997.
-fn meet_triangle(origin: Vec3, direction: Vec3, [a, b, c]: [Vec3; 3]) -> Option<(f32, [f32; 3])> {
-    let (e1, e2) = (b - a, c - a);
-    let p = direction.cross(e2);
-    let determinant = e1.dot(p);
-    if determinant == 0.0 || !determinant.is_finite() {
-        return None;
+/// A ray turned so that it runs along +z, for tests that let nothing through between two
+/// triangles: Woop, Benthin & Wald, "Watertight Ray/Triangle Intersection", JCGT 2013.
+struct Shear {
+    origin: Vec3,
+    /// Which coordinate becomes x, y and z.
+    axes: [usize; 3],
+    shear: Vec3,
+}
+
+impl Shear {
+    fn new(origin: Vec3, direction: Vec3) -> Self {
+        let z = direction.abs().max_position();
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let d = axes.map(|i| direction[i]);
+        Self { origin, axes, shear: Vec3::new(d[0] / d[2], d[1] / d[2], 1.0 / d[2]) }
     }
-    let s = origin - a;
-    let u = s.dot(p) / determinant;
-    let q = s.cross(e1);
-    let v = direction.dot(q) / determinant;
-    let distance = e2.dot(q) / determinant;
-    // A sliver of tolerance keeps shared edges from letting rays through.
-    let inside = u >= -1e-6 && v >= -1e-6 && u + v <= 1.0 + 1e-6;
-    if !inside || distance.is_nan() || distance <= 0.0 {
-        return None;
+
+    /// Distance and barycentric weights where the ray meets a triangle, from either side.
+    fn meet(&self, corners: [Vec3; 3]) -> Option<(f32, [f32; 3])> {
+        let p = corners.map(|corner| {
+            let v = corner - self.origin;
+            let [x, y, z] = self.axes.map(|i| v[i]);
+            Vec3::new(x - self.shear.x * z, y - self.shear.y * z, self.shear.z * z)
+        });
+        // Doubled areas in f64, which represents these products exactly: neighbours agree on
+        // which side of their edge the ray passes.
+        let edge = |a: Vec3, b: Vec3| f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x);
+        let weights = [edge(p[1], p[2]), edge(p[2], p[0]), edge(p[0], p[1])];
+        let sum: f64 = weights.iter().sum();
+        let inside = weights.iter().all(|w| *w >= 0.0) || weights.iter().all(|w| *w <= 0.0);
+        if !inside || sum == 0.0 || !sum.is_finite() {
+            return None;
+        }
+        let barycentric = weights.map(|w| (w / sum) as f32);
+        let distance: f32 = (0..3).map(|i| barycentric[i] * p[i].z).sum();
+        (distance > 0.0).then_some((distance, barycentric))
     }
-    let (u, v) = (u.max(0.0), v.max(0.0));
-    let w = (1.0 - u - v).max(0.0);
-    let sum = u + v + w;
-    Some((distance, [w / sum, u / sum, v / sum]))
 }

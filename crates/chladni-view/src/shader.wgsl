@@ -117,7 +117,8 @@ fn corner_vertex(@builtin(vertex_index) corner: u32) -> Surface {
     let paint = u32(figure.back.w);
     if paint == 1u { out.value = bitcast<f32>(paints[v]); }
     if paint == 2u { out.color = unpack4x8unorm(paints[v]); }
-    if paint == 3u { out.uv = corner_uvs[corner]; }
+    // Images begin at the top, v at the bottom.
+    if paint == 3u { out.uv = vec2f(0.0, 1.0) + corner_uvs[corner] * vec2f(1.0, -1.0); }
     let which = corner % 3u;
     out.barycentric = vec3f(f32(which == 0u), f32(which == 1u), f32(which == 2u));
     return out;

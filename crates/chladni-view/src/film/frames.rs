@@ -1,0 +1,80 @@
+//! Lossless films: an animated PNG, or a folder of pictures.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use super::{Encode, FilmSettings, beside, persist};
+use crate::{Picture, ViewError};
+
+/// One PNG with all frames.
+pub(super) struct Apng {
+    path: PathBuf,
+    file: tempfile::NamedTempFile,
+    writer: png::Writer<BufWriter<File>>,
+}
+
+impl Apng {
+    pub(super) fn create(path: &Path, settings: &FilmSettings) -> Result<Self, ViewError> {
+        let narrow = |n: u32| {
+            u16::try_from(n)
+                .map_err(|_| ViewError::Film(format!("an animated PNG cannot hold a rate with {n}")))
+        };
+        let frames = u32::try_from(settings.frames)
+            .map_err(|_| ViewError::Film(format!("an animated PNG of {} frames", settings.frames)))?;
+        let file = beside(path)?;
+        let handle = file.reopen().map_err(|source| ViewError::File { path: path.to_owned(), source })?;
+        let mut encoder = png::Encoder::new(BufWriter::new(handle), settings.width, settings.height);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.set_animated(frames, 0).map_err(failed)?;
+        encoder
+            .set_frame_delay(narrow(settings.rate.denominator)?, narrow(settings.rate.numerator)?)
+            .map_err(failed)?;
+        let writer = encoder.write_header().map_err(failed)?;
+        Ok(Self { path: path.to_owned(), file, writer })
+    }
+}
+
+fn failed(error: png::EncodingError) -> ViewError {
+    ViewError::Image(error.to_string())
+}
+
+impl Encode for Apng {
+    fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
+        self.writer.write_image_data(&picture.rgba).map_err(failed)
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), ViewError> {
+        let Self { path, file, writer } = *self;
+        writer.finish().map_err(failed)?;
+        persist(file, &path)
+    }
+}
+
+/// `frame-00000.png`, `frame-00001.png`, …
+pub(super) struct Folder {
+    path: PathBuf,
+    written: u64,
+}
+
+impl Folder {
+    pub(super) fn create(path: &Path) -> Result<Self, ViewError> {
+        std::fs::create_dir_all(path).map_err(|source| ViewError::File { path: path.to_owned(), source })?;
+        Ok(Self { path: path.to_owned(), written: 0 })
+    }
+}
+
+impl Encode for Folder {
+    fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
+        let path = self.path.join(format!("frame-{:05}.png", self.written));
+        self.written += 1;
+        let png = picture.to_png()?;
+        chladni_task::write_atomic(&path, &png).map_err(|source| ViewError::File { path, source })
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), ViewError> {
+        Ok(())
+    }
+}

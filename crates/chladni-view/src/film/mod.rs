@@ -1,0 +1,254 @@
+//! Films: frames in, one file (or a folder of frames) out, encoded beside the drawing.
+
+mod frames;
+mod gif;
+mod mp4;
+mod palette;
+mod shoot;
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use crate::{Picture, ViewError};
+
+pub use mp4::ffmpeg_is_there;
+pub use shoot::shoot;
+
+/// Frames per second as a fraction, so that 29.97 (30000/1001) stays exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameRate {
+    /// Frames …
+    pub numerator: u32,
+    /// … in this many seconds.
+    pub denominator: u32,
+}
+
+impl FrameRate {
+    /// `fps` frames per second.
+    pub const fn per_second(fps: u32) -> Self {
+        Self { numerator: fps, denominator: 1 }
+    }
+
+    /// When frame `index` begins, seconds.
+    pub fn start_secs(self, index: u64) -> f64 {
+        index as f64 * f64::from(self.denominator) / f64::from(self.numerator)
+    }
+
+    /// The number of frames that fill `secs`, at least 1.
+    pub fn frames_in(self, secs: f64) -> u64 {
+        (secs * f64::from(self.numerator) / f64::from(self.denominator)).round().max(1.0) as u64
+    }
+}
+
+/// What kind of file a film becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilmFormat {
+    /// H.264 and AAC through ffmpeg.
+    Mp4,
+    /// An animated GIF of at most 50 frames per second, looped, without sound.
+    Gif,
+    /// An animated PNG, looped, without sound; all colours and alpha.
+    Apng,
+    /// A folder of `frame-00000.png` …, without sound.
+    Frames,
+}
+
+impl FilmFormat {
+    /// By the ending of `path`: `.mp4`, `.gif`, `.png` or `.apng`, and none for a folder.
+    ///
+    /// # Errors
+    /// [`ViewError::Film`] for any other ending.
+    pub fn of(path: &Path) -> Result<Self, ViewError> {
+        let Some(ending) = path.extension() else { return Ok(Self::Frames) };
+        match ending.to_string_lossy().to_lowercase().as_str() {
+            "mp4" | "m4v" => Ok(Self::Mp4),
+            "gif" => Ok(Self::Gif),
+            "png" | "apng" => Ok(Self::Apng),
+            other => Err(ViewError::Film(format!(
+                "{}: a film ends in .mp4, .gif or .png, or is a folder; not .{other}",
+                path.display()
+            ))),
+        }
+    }
+}
+
+/// Size, rate and sound of a film.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FilmSettings {
+    /// Pixels in a row; MP4 drops the last column of an odd width.
+    pub width: u32,
+    /// Rows; MP4 drops the last of an odd height.
+    pub height: u32,
+    /// Frames per second.
+    pub rate: FrameRate,
+    /// How many frames there will be.
+    pub frames: u64,
+    /// A sound file that ffmpeg reads (WAV), laid under an MP4 from its first frame on and cut or
+    /// filled with silence to the film's length. The other formats have no sound.
+    pub audio: Option<PathBuf>,
+}
+
+/// A film that is being written. Frames are encoded on a thread of their own. A film that is
+/// dropped before [`finish`](Self::finish) leaves nothing behind (but the whole frames of a folder).
+#[derive(Debug)]
+pub struct Film {
+    settings: FilmSettings,
+    pushed: u64,
+    sender: Option<SyncSender<Message>>,
+    /// Pictures to be filled again.
+    spent: Receiver<Picture>,
+    thread: Option<JoinHandle<Result<(), ViewError>>>,
+}
+
+enum Message {
+    Frame(Picture),
+    Finish,
+}
+
+/// One file format. Dropped without `finish`, it leaves nothing behind.
+trait Encode: Send {
+    fn frame(&mut self, picture: &Picture) -> Result<(), ViewError>;
+    fn finish(self: Box<Self>) -> Result<(), ViewError>;
+}
+
+impl Film {
+    /// Begins a film at `path`, in the format of its ending.
+    ///
+    /// # Errors
+    /// [`ViewError::NoFfmpeg`] for an MP4 without ffmpeg, [`ViewError::Film`] for settings the
+    /// format cannot hold, [`ViewError::File`] where the file cannot be made.
+    pub fn create(path: &Path, settings: FilmSettings) -> Result<Self, ViewError> {
+        let FilmSettings { width, height, rate, frames, .. } = &settings;
+        let sane = 1..=16_384;
+        if !sane.contains(width) || !sane.contains(height) {
+            return Err(ViewError::Size { width: *width, height: *height, limit: 16_384 });
+        }
+        if rate.numerator == 0 || rate.denominator == 0 || *frames == 0 {
+            return Err(ViewError::Film("no frames, or none per second".into()));
+        }
+        let encoder: Box<dyn Encode> = match FilmFormat::of(path)? {
+            FilmFormat::Mp4 => Box::new(mp4::Mp4::create(path, &settings)?),
+            FilmFormat::Gif => Box::new(gif::Gif::create(path, &settings)?),
+            FilmFormat::Apng => Box::new(frames::Apng::create(path, &settings)?),
+            FilmFormat::Frames => Box::new(frames::Folder::create(path)?),
+        };
+        let (sender, receiver) = sync_channel(2);
+        let (give_back, spent) = sync_channel(4);
+        let thread = std::thread::Builder::new()
+            .name("film".into())
+            .spawn(move || encode(encoder, &receiver, &give_back))
+            .map_err(|error| ViewError::Film(format!("no thread to encode on: {error}")))?;
+        Ok(Self { settings, pushed: 0, sender: Some(sender), spent, thread: Some(thread) })
+    }
+
+    /// Size, rate and sound.
+    pub fn settings(&self) -> &FilmSettings {
+        &self.settings
+    }
+
+    /// Adds the next frame; waits while the encoder is two frames behind.
+    ///
+    /// # Errors
+    /// [`ViewError::Film`] for a picture of another size or one too many, and whatever stopped
+    /// the encoder.
+    pub fn push(&mut self, picture: Picture) -> Result<(), ViewError> {
+        let FilmSettings { width, height, frames, .. } = self.settings;
+        let bytes = 4 * width as usize * height as usize;
+        if (picture.width, picture.height, picture.rgba.len()) != (width, height, bytes) {
+            let (w, h) = (picture.width, picture.height);
+            return Err(ViewError::Film(format!("a frame of {w}×{h} in a film of {width}×{height}")));
+        }
+        if self.pushed == frames {
+            return Err(ViewError::Film(format!("more than the {frames} frames it was to have")));
+        }
+        let sent = self.sender.as_ref().is_some_and(|sender| sender.send(Message::Frame(picture)).is_ok());
+        if !sent {
+            return self.join();
+        }
+        self.pushed += 1;
+        Ok(())
+    }
+
+    /// A picture that was encoded and can be filled again, or an empty one.
+    pub(crate) fn spent(&self) -> Picture {
+        let empty = || Picture { width: self.settings.width, height: self.settings.height, rgba: Vec::new() };
+        self.spent.try_recv().unwrap_or_else(|_| empty())
+    }
+
+    /// Ends the film: its file appears.
+    ///
+    /// # Errors
+    /// [`ViewError::Film`] where frames are missing, and whatever the encoder says.
+    pub fn finish(mut self) -> Result<(), ViewError> {
+        let wanted = self.settings.frames;
+        if self.pushed != wanted {
+            return Err(ViewError::Film(format!("{} frames of {wanted}", self.pushed)));
+        }
+        if let Some(sender) = self.sender.take() {
+            // If the encoder has stopped, join says why.
+            let _ = sender.send(Message::Finish);
+        }
+        self.join()
+    }
+
+    fn join(&mut self) -> Result<(), ViewError> {
+        self.sender = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(_)) | None => Err(ViewError::Film("its encoder stopped".into())),
+        }
+    }
+}
+
+impl Drop for Film {
+    fn drop(&mut self) {
+        if self.thread.is_some() {
+            // Whoever drops a film does not want it.
+            let _ = self.join();
+        }
+    }
+}
+
+fn encode(
+    mut encoder: Box<dyn Encode>,
+    frames: &Receiver<Message>,
+    give_back: &SyncSender<Picture>,
+) -> Result<(), ViewError> {
+    for message in frames {
+        match message {
+            Message::Frame(picture) => {
+                encoder.frame(&picture)?;
+                let _ = give_back.try_send(picture);
+            }
+            Message::Finish => return encoder.finish(),
+        }
+    }
+    Ok(())
+}
+
+/// A temporary file beside `path`, with its ending, that becomes `path` when it is complete.
+fn beside(path: &Path) -> Result<tempfile::NamedTempFile, ViewError> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let ending = path.extension().map(|e| format!(".{}", e.to_string_lossy())).unwrap_or_default();
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".chladni-").suffix(&ending);
+    #[cfg(unix)]
+    {
+        // A temporary file is private by default; what a user saves is theirs to share.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder).map_err(|source| ViewError::File { path: path.to_owned(), source })
+}
+
+/// Flushes a complete temporary file and gives it its name.
+fn persist(file: tempfile::NamedTempFile, path: &Path) -> Result<(), ViewError> {
+    let failed = |source| ViewError::File { path: path.to_owned(), source };
+    file.as_file().sync_all().map_err(failed)?;
+    file.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}

@@ -1,0 +1,167 @@
+//! Cameras and picking, which need no device.
+
+mod shapes;
+
+use chladni_view::{Camera, PickTree, Projection, Ray, Rect, UpAxis, View};
+use proptest::prelude::*;
+use shapes::sphere;
+
+fn camera() -> impl Strategy<Value = Camera> {
+    let angles = (-3.1_f32..3.1, -1.57_f32..1.57);
+    (angles, 0.3_f32..1.2, any::<bool>(), any::<bool>()).prop_map(
+        |((yaw_rad, pitch_rad), fov, flat, z_up)| Camera {
+            yaw_rad,
+            pitch_rad,
+            fov_y_rad: fov,
+            projection: if flat { Projection::Orthographic } else { Projection::Perspective },
+            up_axis: if z_up { UpAxis::Z } else { UpAxis::Y },
+            ..Camera::default()
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn a_fitted_frame_holds_every_point_and_touches_one(
+        mut camera in camera(),
+        points in prop::collection::vec(prop::array::uniform3(-5.0_f32..9.0), 2..40),
+        aspect in 0.4_f32..2.5,
+    ) {
+        camera.fit(points.iter().copied(), aspect, 0.8);
+        let viewport = Rect::of_size((1000.0 * aspect) as u32, 1000);
+        let aspect = viewport.aspect();
+        let mut most = 0.0_f32;
+        for point in points {
+            let ([x, y], depth) = camera.project(point, viewport).unwrap();
+            prop_assert!((0.0..=1.0).contains(&depth), "depth {depth}");
+            let off_center = ((x / 500.0 / aspect - 1.0).abs()).max((y / 500.0 - 1.0).abs());
+            most = most.max(off_center);
+        }
+        // Only a shape much deeper than wide is drawn smaller: it must stay before the eye.
+        let shallow = camera.distance > 1.2 * camera.reach;
+        prop_assert!(most < 0.81 && (most > 0.79 || !shallow), "{most}");
+    }
+
+    #[test]
+    fn the_ray_through_a_projected_point_meets_it(
+        mut camera in camera(),
+        point in prop::array::uniform3(-1.0_f32..1.0),
+    ) {
+        let viewport = Rect { x: 30, y: 50, width: 640, height: 480 };
+        camera.fit([[-1.0_f32; 3], [1.0; 3]], viewport.aspect(), 0.9);
+        let ([x, y], _) = camera.project(point, viewport).unwrap();
+        let Ray { origin, direction } = camera.ray(x, y, viewport);
+        let to: [f32; 3] = std::array::from_fn(|i| point[i] - origin[i]);
+        let along: f32 = (0..3).map(|i| to[i] * direction[i]).sum();
+        let miss = (0..3).map(|i| (to[i] - along * direction[i]).powi(2)).sum::<f32>().sqrt();
+        prop_assert!(along > 0.0 && miss < 2e-3, "{along} {miss}");
+    }
+
+    #[test]
+    fn the_tree_finds_what_looking_at_all_triangles_finds(
+        origin in prop::array::uniform3(-3.0_f32..3.0),
+        target in prop::array::uniform3(-0.9_f32..0.9),
+        stretch in 0.5_f32..2.0,
+    ) {
+        let (mut positions, triangles) = sphere(9);
+        let mut tree = PickTree::new(&positions, &triangles);
+        for p in &mut positions {
+            p[1] *= stretch;
+        }
+        tree.refit(&positions, &triangles);
+        let d: [f32; 3] = std::array::from_fn(|i| target[i] - origin[i]);
+        let length = d.iter().map(|d| d * d).sum::<f32>().sqrt();
+        prop_assume!(length > 1e-3);
+        let ray = Ray { origin, direction: d.map(|d| d / length) };
+        let all = triangles
+            .iter()
+            .filter_map(|t| PickTree::new(&positions, &[*t]).pick(&ray, &positions, &[*t]))
+            .map(|hit| hit.distance)
+            .fold(f32::INFINITY, f32::min);
+        let found = tree.pick(&ray, &positions, &triangles).map_or(f32::INFINITY, |hit| hit.distance);
+        prop_assert_eq!(found, all);
+    }
+}
+
+#[test]
+fn a_vertex_that_is_seen_is_picked_through_its_pixel() {
+    let (positions, triangles) = sphere(24);
+    let tree = PickTree::new(&positions, &triangles);
+    let viewport = Rect::of_size(800, 600);
+    for (yaw_rad, pitch_rad) in [(0.0, 0.0), (1.0, 0.4), (-2.5, -1.2)] {
+        let mut camera = Camera { yaw_rad, pitch_rad, ..Camera::default() };
+        camera.fit(positions.iter().copied(), viewport.aspect(), 0.9);
+        let eye = camera.eye();
+        let mut seen = 0;
+        for (v, p) in positions.iter().enumerate() {
+            // Well within the near side of the sphere.
+            let facing: f32 = (0..3).map(|i| p[i] * (eye[i] - p[i])).sum();
+            if facing < 0.5 || p[1].abs() > 0.999 {
+                continue;
+            }
+            seen += 1;
+            let ([x, y], _) = camera.project(*p, viewport).unwrap();
+            let ray = camera.ray(x, y, viewport);
+            let hit = tree.pick(&ray, &positions, &triangles).unwrap();
+            let corner = triangles[hit.triangle as usize][hit.nearest_corner()] as usize;
+            assert_eq!(corner, v, "{hit:?} {p:?} {:?} {x} {y} {camera:?}", positions[corner]);
+            assert!(hit.point(&ray).iter().zip(p).all(|(a, b)| (a - b).abs() < 1e-3));
+            assert!((hit.barycentric.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+        }
+        assert!(seen > 100);
+    }
+}
+
+#[test]
+fn nothing_and_nonsense_are_never_hit() {
+    let ray = Ray { origin: [0.0, 0.0, 5.0], direction: [0.0, 0.0, -1.0] };
+    assert!(PickTree::new(&[], &[]).pick(&ray, &[], &[]).is_none());
+    let positions = [[f32::NAN; 3], [0.0; 3], [1.0, 0.0, 0.0]];
+    let triangles = [[0, 1, 2], [1, 1, 1], [7, 8, 9]];
+    assert!(PickTree::new(&positions, &triangles).pick(&ray, &positions, &triangles).is_none());
+}
+
+#[test]
+fn standard_views_look_along_the_axes() {
+    let eye = |view, up_axis| {
+        let camera = Camera { up_axis, ..Camera::looking(view) };
+        camera.eye().map(|c| (c / camera.distance).round() as i32)
+    };
+    assert_eq!(eye(View::Front, UpAxis::Y), [0, 0, 1]);
+    assert_eq!(eye(View::Right, UpAxis::Y), [1, 0, 0]);
+    assert_eq!(eye(View::Top, UpAxis::Y), [0, 1, 0]);
+    assert_eq!(eye(View::Front, UpAxis::Z), [0, -1, 0]);
+    assert_eq!(eye(View::Right, UpAxis::Z), [1, 0, 0]);
+    assert_eq!(eye(View::Top, UpAxis::Z), [0, 0, 1]);
+}
+
+#[test]
+fn dragging_pans_the_target_with_the_pointer_and_zoom_is_bounded() {
+    let viewport = Rect::of_size(640, 480);
+    let mut camera = Camera { yaw_rad: 0.7, pitch_rad: 0.3, ..Camera::default() };
+    let before = camera.target;
+    camera.pan(40.0, -25.0, 480.0);
+    let ([x, y], _) = camera.project(before, viewport).unwrap();
+    assert!((x - 360.0).abs() < 0.5 && (y - 215.0).abs() < 0.5, "{x} {y}");
+    camera.zoom(1e6);
+    assert!(camera.distance > 0.0);
+    camera.zoom(-1e6);
+    assert!(camera.distance.is_finite());
+    camera.orbit(1e4, -1e6);
+    assert!(camera.pitch_rad >= -std::f32::consts::FRAC_PI_2 && camera.yaw_rad.abs() <= 3.1416);
+}
+
+#[test]
+fn a_turntable_keeps_the_shape_in_the_frame_at_every_yaw() {
+    let points = [[2.0_f32, 0.0, 0.3], [-0.5, 1.0, 0.0], [0.0, -1.0, -1.5], [0.4, 0.2, 0.9]];
+    let mut camera = Camera { pitch_rad: 0.25, ..Camera::default() };
+    camera.fit_turntable(&points, 1.5, 0.9);
+    let viewport = Rect::of_size(300, 200);
+    for step in 0..36 {
+        camera.yaw_rad = step as f32 / 36.0 * std::f32::consts::TAU;
+        for p in points {
+            let ([x, y], _) = camera.project(p, viewport).unwrap();
+            assert!((0.0..300.0).contains(&x) && (0.0..200.0).contains(&y), "{x} {y} at step {step}");
+        }
+    }
+}

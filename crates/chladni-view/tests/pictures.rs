@@ -1,0 +1,315 @@
+//! Pixels that must be there.
+
+mod shapes;
+
+use chladni_view::{
+    Background, Brush, Camera, Canvas, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint,
+    Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Skin, Style, Topology, VertexPaint, View,
+    ViewError, Wire, render_picture, render_picture_with, smooth_normals,
+};
+use shapes::{gpu, sphere};
+
+fn transparent(
+    width: u32,
+    height: u32,
+    shapes: &[PictureShape<'_>],
+    camera: Option<Camera>,
+) -> Option<Picture> {
+    let style = Style { background: Background::TRANSPARENT, ..Style::default() };
+    Some(render_picture(&gpu()?, &PictureRequest { shapes, width, height, camera, style }).unwrap())
+}
+
+/// Left, top, right, bottom (inclusive) of what is covered.
+fn silhouette(picture: &Picture) -> [u32; 4] {
+    let mut bounds = [u32::MAX, u32::MAX, 0, 0];
+    for y in 0..picture.height {
+        for x in 0..picture.width {
+            if picture.pixel(x, y).unwrap()[3] > 127 {
+                bounds = [bounds[0].min(x), bounds[1].min(y), bounds[2].max(x), bounds[3].max(y)];
+            }
+        }
+    }
+    bounds
+}
+
+#[test]
+fn a_fitted_shape_fills_its_frame_and_stays_inside() {
+    let (mut positions, triangles) = sphere(24);
+    for p in &mut positions {
+        // An odd place and size: the fit must not depend on them.
+        *p = [100.0 + 7.0 * p[0], -40.0 + 7.0 * p[1], 3.0 + 7.0 * p[2]];
+    }
+    let mut camera = Camera::looking(View::ThreeQuarter);
+    camera.fit(positions.iter().copied(), 320.0 / 200.0, 0.9);
+    let shape = PictureShape { positions: &positions, triangles: &triangles, ..Default::default() };
+    let Some(picture) = transparent(320, 200, &[shape], Some(camera)) else { return };
+    let [left, top, right, bottom] = silhouette(&picture);
+    // 90 % of 200 rows, from row 10 to row 190, and the same across, in the middle.
+    assert!(top.abs_diff(10) <= 1 && bottom.abs_diff(189) <= 1, "{top} {bottom}");
+    assert!(left.abs_diff(70) <= 2 && right.abs_diff(249) <= 2, "{left} {right}");
+    // The area of the disc, within 2 %.
+    let covered = picture.rgba.chunks(4).filter(|pixel| pixel[3] > 127).count() as f64;
+    let disc = std::f64::consts::PI * 90.0 * 90.0;
+    assert!((covered / disc - 1.0).abs() < 0.02, "{covered} {disc}");
+}
+
+#[test]
+fn edges_are_smooth_and_light_comes_from_above_left() {
+    let (positions, triangles) = sphere(32);
+    let shape = PictureShape { positions: &positions, triangles: &triangles, ..Default::default() };
+    let camera = {
+        let mut camera = Camera::default();
+        camera.fit(positions.iter().copied(), 1.0, 0.9);
+        camera
+    };
+    let Some(picture) = transparent(200, 200, &[shape], Some(camera)) else { return };
+    let partial = picture.rgba.chunks(4).filter(|pixel| pixel[3] > 0 && pixel[3] < 255).count();
+    assert!(partial > 150, "{partial} pixels of the outline are partly covered");
+    let light = |x, y| picture.pixel(x, y).unwrap()[..3].iter().map(|c| u32::from(*c)).sum::<u32>();
+    assert!(light(65, 60) > light(140, 150) + 60);
+}
+
+#[test]
+fn each_item_is_drawn_in_its_own_cell_from_one_set_of_buffers() {
+    let Some(gpu) = gpu() else { return };
+    let (positions, triangles) = sphere(12);
+    let n = positions.len();
+    let topology = Topology::new(&gpu, n, &triangles).unwrap();
+    let buffers = ItemBuffers::new(&gpu, n, 3);
+    let normals = smooth_normals(&positions, &triangles);
+    for (item, size) in [1.0_f32, 0.6, 0.3].into_iter().enumerate() {
+        let scaled: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|c| c * size)).collect();
+        buffers.write(&gpu, item, &scaled, &normals).unwrap();
+    }
+    let mut camera = Camera::default();
+    camera.fit(positions.iter().copied(), 1.0, 0.9);
+    let figures: Vec<Figure<'_>> = (0..3).map(|item| Figure::new(&topology, &buffers, item)).collect();
+    let cells: Vec<Cell<'_>> = chladni_view::layout::grid(Rect::of_size(300, 100), 1, 3, 0, 3)
+        .into_iter()
+        .zip(&figures)
+        .map(|(viewport, figure)| Cell {
+            viewport,
+            camera,
+            lights: Lights::STUDIO,
+            background: Background::TRANSPARENT,
+            figures: std::slice::from_ref(figure),
+            markers: &[],
+        })
+        .collect();
+    let canvas = Canvas::new(&gpu, 300, 100).unwrap();
+    let mut renderer = Renderer::new(&gpu);
+    // Twice: nothing of the first frame may stay.
+    for _ in 0..2 {
+        renderer.draw(&canvas, &cells).unwrap();
+    }
+    let picture = canvas.read(&gpu).unwrap();
+    let width = |cell: u32| {
+        (100 * cell..100 * (cell + 1)).filter(|x| picture.pixel(*x, 50).unwrap()[3] > 127).count()
+    };
+    let widths = [width(0), width(1), width(2)];
+    for (found, wanted) in widths.into_iter().zip([90, 53, 26]) {
+        assert!(found.abs_diff(wanted) <= 3, "{widths:?}");
+    }
+}
+
+#[test]
+fn a_heat_map_shows_the_colours_of_its_legend() {
+    let (positions, triangles) = sphere(24);
+    let values: Vec<f32> = positions.iter().map(|p| if p[0] < 0.0 { 0.0 } else { 1.0 }).collect();
+    let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
+    let mut camera = Camera::default();
+    camera.fit(positions.iter().copied(), 1.0, 0.9);
+    let shape = PictureShape {
+        positions: &positions,
+        triangles: &triangles,
+        values: Some((&values, scale)),
+        ..Default::default()
+    };
+    let Some(picture) = transparent(100, 100, &[shape], Some(camera)) else { return };
+    for (x, t) in [(30, 0.0), (70, 1.0)] {
+        let (found, legend) = (picture.pixel(x, 45).unwrap(), ColorMap::Viridis.color(t));
+        // Light only darkens a heat map, and gently: the hue stays.
+        for i in 0..3 {
+            let (found, legend) = (f32::from(found[i]), f32::from(legend[i]));
+            assert!(found <= legend + 12.0 && found >= 0.7 * legend - 12.0, "{found} {legend} at {x}");
+        }
+    }
+}
+
+#[test]
+fn wires_skins_colours_brushes_and_markers_leave_their_marks() {
+    let Some(gpu) = gpu() else { return };
+    let (positions, triangles) = sphere(10);
+    let n = positions.len();
+    let uvs: Vec<[f32; 2]> = triangles
+        .iter()
+        .flatten()
+        .map(|v| positions[*v as usize])
+        .map(|p| [0.5 + 0.5 * p[0], 0.5 + 0.5 * p[1]])
+        .collect();
+    let topology = Topology::with_uvs(&gpu, n, &triangles, &uvs).unwrap();
+    let buffers = ItemBuffers::new(&gpu, n, 2);
+    // Item 1 is the one drawn: offsets count in every path.
+    buffers.write(&gpu, 1, &positions, &smooth_normals(&positions, &triangles)).unwrap();
+    let colors = VertexPaint::new(&gpu, n);
+    colors.write_colors(&gpu, &vec![[0, 255, 0, 255]; n]).unwrap();
+    // Red above, blue below.
+    let mut pixels = [[255, 0, 0, 255]; 64];
+    pixels[32..].fill([0, 0, 255, 255]);
+    let skin = Skin::new(&gpu, 8, 8, pixels.as_flattened()).unwrap();
+    let mut camera = Camera::default();
+    camera.fit(positions.iter().copied(), 1.0, 0.9);
+    let mut renderer = Renderer::new(&gpu);
+    let canvas = Canvas::new(&gpu, 120, 120).unwrap();
+    let mut draw = |figure: Figure<'_>, markers: &[Marker]| {
+        let cell = Cell {
+            viewport: Rect::of_size(120, 120),
+            camera,
+            lights: Lights::SOFT,
+            background: Background::TRANSPARENT,
+            figures: &[figure],
+            markers,
+        };
+        renderer.draw(&canvas, &[cell]).unwrap();
+        canvas.read(&gpu).unwrap()
+    };
+    let plain = Figure { material: Material::PORCELAIN, ..Figure::new(&topology, &buffers, 1) };
+    let bare = draw(plain, &[]);
+    let differing = |a: &Picture, b: &Picture| {
+        a.rgba
+            .chunks(4)
+            .zip(b.rgba.chunks(4))
+            .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 20))
+            .count()
+    };
+    let wired = draw(Figure { wire: Some(Wire { opacity: 1.0, ..Wire::default() }), ..plain }, &[]);
+    assert!(differing(&bare, &wired) > 400);
+    assert!(differing(&bare, &wired) < 8000, "a wire is not a fill");
+
+    let green = draw(Figure { paint: Paint::Colors(&colors), ..plain }, &[]).pixel(60, 60).unwrap();
+    assert!(green[1] > 2 * green[0] && green[1] > 2 * green[2], "{green:?}");
+    let both = Figure {
+        paint: Paint::Colors(&colors),
+        wire: Some(Wire { width_px: 0.1, ..Wire::default() }),
+        ..plain
+    };
+    let green = draw(both, &[]).pixel(62, 57).unwrap();
+    assert!(green[1] > 2 * green[0] && green[1] > 2 * green[2], "{green:?}");
+
+    let skinned = draw(Figure { paint: Paint::Skin(&skin), ..plain }, &[]);
+    let (above, below) = (skinned.pixel(60, 35).unwrap(), skinned.pixel(60, 85).unwrap());
+    assert!(above[0] > 2 * above[2] && below[2] > 2 * below[0], "{above:?} {below:?}");
+
+    let brush = Brush { center: [0.0, 0.0, 1.0], radius: 0.4, color: [255, 0, 255] };
+    let brushed = draw(Figure { brush: Some(brush), ..plain }, &[]);
+    assert!((30..2500).contains(&differing(&bare, &brushed)));
+
+    let marker = |z| Marker { position: [0.0, 0.0, z], radius_px: 6.0, color: [255, 0, 0, 255] };
+    let in_front = draw(plain, &[marker(1.0)]).pixel(60, 60).unwrap();
+    assert!(in_front[0] > 200 && in_front[1] < 60, "{in_front:?}");
+    let behind = draw(plain, &[marker(-1.0)]).pixel(60, 60).unwrap();
+    assert!(behind[1] > 100 && behind[0] > behind[1], "{behind:?}");
+}
+
+#[test]
+fn every_target_format_shows_the_same_colours() {
+    let Some(gpu) = gpu() else { return };
+    let (positions, triangles) = sphere(16);
+    let topology = Topology::new(&gpu, positions.len(), &triangles).unwrap();
+    let buffers = ItemBuffers::new(&gpu, positions.len(), 1);
+    buffers.write(&gpu, 0, &positions, &smooth_normals(&positions, &triangles)).unwrap();
+    let mut camera = Camera::default();
+    camera.fit(positions.iter().copied(), 1.0, 0.9);
+    let cell = Cell {
+        viewport: Rect::of_size(64, 64),
+        camera,
+        lights: Lights::STUDIO,
+        background: Background::SLATE,
+        figures: &[Figure::new(&topology, &buffers, 0)],
+        markers: &[],
+    };
+    use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
+    let pictures = [Rgba8Unorm, Bgra8Unorm, Rgba8UnormSrgb, Bgra8UnormSrgb].map(|format| {
+        let canvas = Canvas::with_format(&gpu, 64, 64, format).unwrap();
+        Renderer::with_format(&gpu, format).draw(&canvas, &[cell]).unwrap();
+        canvas.read(&gpu).unwrap()
+    });
+    for other in &pictures[1..] {
+        // Inside and outside; the resolve of an edge may differ between the encodings.
+        for (x, y) in [(32, 32), (20, 24), (44, 40), (2, 2), (60, 3)] {
+            let (a, b) = (pictures[0].pixel(x, y).unwrap(), other.pixel(x, y).unwrap());
+            assert!(a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 3), "{a:?} {b:?}");
+        }
+    }
+    let wrong = Canvas::with_format(&gpu, 64, 64, Bgra8Unorm).unwrap();
+    assert!(matches!(Renderer::new(&gpu).draw(&wrong, &[cell]), Err(ViewError::Shape(_))));
+}
+
+#[test]
+fn back_faces_are_seen_and_tinted() {
+    let positions = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+    let shape = |triangles| PictureShape { positions: &positions, triangles, ..Default::default() };
+    let camera = Some(Camera::default());
+    let Some(front) = transparent(50, 50, &[shape(&[[0, 1, 2]])], camera) else { return };
+    let Some(back) = transparent(50, 50, &[shape(&[[0, 2, 1]])], camera) else { return };
+    let (front, back) = (front.pixel(25, 28).unwrap(), back.pixel(25, 28).unwrap());
+    assert_eq!((front[3], back[3]), (255, 255));
+    assert!(back[1] < front[1] && back[1] > front[1] / 3, "{front:?} {back:?}");
+}
+
+#[test]
+fn what_does_not_fit_is_an_error() {
+    let Some(gpu) = gpu() else { return };
+    let shape = |triangles| PictureShape { positions: &[[0.0; 3]; 3], triangles, ..Default::default() };
+    let mut renderer = Renderer::new(&gpu);
+    let mut ask = |shape, width| {
+        let request =
+            PictureRequest { shapes: &[shape], width, height: 8, camera: None, style: Style::default() };
+        render_picture_with(&mut renderer, &request)
+    };
+    assert!(matches!(ask(shape(&[[0, 1, 3]]), 8), Err(ViewError::Shape(_))));
+    assert!(matches!(ask(shape(&[]), 0), Err(ViewError::Size { .. })));
+    assert!(matches!(ask(shape(&[]), 1 << 20), Err(ViewError::Size { .. })));
+    let short = PictureShape { normals: Some(&[[0.0; 3]; 2]), ..shape(&[]) };
+    assert!(matches!(ask(short, 8), Err(ViewError::Shape(_))));
+    // No triangle, no extent, no number: a picture of the background all the same.
+    assert!(ask(shape(&[]), 8).is_ok());
+    assert!(ask(shape(&[[0, 1, 2]]), 8).is_ok());
+    let broken = [[f32::NAN, 0.0, 0.0], [f32::INFINITY; 3], [0.0; 3]];
+    assert!(ask(PictureShape { positions: &broken, ..shape(&[[0, 1, 2]]) }, 8).is_ok());
+    gpu.check().unwrap();
+}
+
+#[test]
+fn a_device_that_is_gone_is_an_error_and_no_panic() {
+    let Some(gpu) = gpu() else { return };
+    let mut renderer = Renderer::new(&gpu);
+    let canvas = Canvas::new(&gpu, 16, 16).unwrap();
+    gpu.device.destroy();
+    let drawn = renderer.draw(&canvas, &[]).and_then(|_| canvas.read(&gpu));
+    assert!(matches!(drawn, Err(ViewError::Device(_))), "{drawn:?}");
+}
+
+#[test]
+fn png_files_come_back_as_they_were() {
+    let mut picture = Picture::filled(7, 5, [10, 200, 30, 255]);
+    for opaque in [true, false] {
+        if !opaque {
+            picture.rgba[3] = 17;
+        }
+        let bytes = picture.to_png().unwrap();
+        assert_eq!(Picture::decode(&bytes).unwrap(), picture);
+        assert!(Picture::decode(&bytes[..bytes.len() / 2]).is_err());
+    }
+    assert!(matches!(Picture::decode(b"no picture"), Err(ViewError::Image(_))));
+}
+
+#[test]
+fn pasting_cuts_off_what_hangs_over_and_respects_alpha() {
+    let mut sheet = Picture::filled(4, 4, [0, 0, 0, 255]);
+    sheet.paste(&Picture::filled(3, 3, [255, 255, 255, 128]), 2, 3);
+    assert_eq!(sheet.pixel(1, 3), Some([0, 0, 0, 255]));
+    assert_eq!(sheet.pixel(3, 3), Some([128, 128, 128, 255]));
+    sheet.paste(&Picture::filled(1, 1, [9; 4]), 9, 9);
+    assert_eq!(sheet.halved().pixel(1, 1), Some([64, 64, 64, 255]));
+}
