@@ -86,6 +86,18 @@ pub struct Spectrum {
     pub mid: Vec<f32>,
     /// Of (left − right) / 2, times the side's gain, one per band.
     pub side: Vec<f32>,
+    /// Of the left channel, one per band: magnitudes of mid and side alone do not tell left
+    /// from right.
+    pub left: Vec<f32>,
+    /// Of the right channel, one per band.
+    pub right: Vec<f32>,
+}
+
+impl Spectrum {
+    fn silent(bands: usize) -> Self {
+        let silence = vec![0.0; bands];
+        Self { mid: silence.clone(), side: silence.clone(), left: silence.clone(), right: silence }
+    }
 }
 
 /// Turns windows of samples into spectra. What it returns is a function of the samples and times
@@ -99,7 +111,8 @@ pub struct SpectrumAnalyser {
     /// Hann window, scaled so that a unit sine on a bin has amplitude 1 there.
     window: Vec<f32>,
     samples: Vec<f32>,
-    bins: Vec<Complex<f32>>,
+    left_bins: Vec<Complex<f32>>,
+    right_bins: Vec<Complex<f32>>,
     scratch: Vec<Complex<f32>>,
     power: Vec<f32>,
     /// This frame's amplitudes before decay and level.
@@ -122,7 +135,7 @@ impl SpectrumAnalyser {
             f64::from(settings.rate_hz),
             n,
         );
-        let silence = Spectrum { mid: vec![0.0; settings.bands], side: vec![0.0; settings.bands] };
+        let silence = Spectrum::silent(settings.bands);
         let window = (0..n)
             .map(|i| {
                 let phase = std::f64::consts::TAU * i as f64 / n as f64;
@@ -134,7 +147,8 @@ impl SpectrumAnalyser {
             bands,
             window,
             samples: fft.make_input_vec(),
-            bins: fft.make_output_vec(),
+            left_bins: fft.make_output_vec(),
+            right_bins: fft.make_output_vec(),
             scratch: fft.make_scratch_vec(),
             power: vec![0.0; n / 2 + 1],
             fft,
@@ -167,8 +181,7 @@ impl SpectrumAnalyser {
 
     /// Forgets level and decay, as after a seek or at a new song.
     pub fn reset(&mut self) {
-        self.spectrum.mid.fill(0.0);
-        self.spectrum.side.fill(0.0);
+        self.spectrum = Spectrum::silent(self.settings.bands);
         self.follower = LevelFollower::new();
     }
 
@@ -176,16 +189,23 @@ impl SpectrumAnalyser {
     /// taken as preceded by silence), `dt_secs` after the window before. Let the window be centred
     /// on the playback position where the song is known ahead, and end there where it is not.
     ///
-    /// Mid and side are combined before the transform, which is linear: the same as combining the
-    /// complex spectra and then taking magnitudes. Then, for each band,
+    /// Mid and side are combined as complex spectra, then magnitudes are taken. Then, for each band,
     /// f ← w′ f + (1 − w′) f_new with w′ = w^(`dt_secs` / 50 ms): two steps of 25 ms do what one
     /// of 50 ms does.
     pub fn analyse(&mut self, left: &[f32], right: &[f32], dt_secs: f64) -> &Spectrum {
         let dt_secs = if dt_secs.is_finite() { dt_secs.max(0.0) } else { 0.0 };
-        self.transform(left, right, 0.5);
-        self.bands.amplitudes(&self.power, &mut self.fresh.mid);
-        self.transform(left, right, -0.5);
-        self.bands.amplitudes(&self.power, &mut self.fresh.side);
+        self.transform(left, right);
+        let Self { bands, power, left_bins, right_bins, fresh, .. } = self;
+        let mut amplitudes = |left_gain: f32, right_gain: f32, out: &mut [f32]| {
+            for ((power, l), r) in power.iter_mut().zip(&*left_bins).zip(&*right_bins) {
+                *power = (l * left_gain + r * right_gain).norm_sqr();
+            }
+            bands.amplitudes(power, out);
+        };
+        amplitudes(0.5, 0.5, &mut fresh.mid);
+        amplitudes(0.5, -0.5, &mut fresh.side);
+        amplitudes(1.0, 0.0, &mut fresh.left);
+        amplitudes(0.0, 1.0, &mut fresh.right);
         let both = self.fresh.mid.iter().chain(&self.fresh.side);
         let loudest = both.fold(0.0f32, |a, &b| a.max(b));
         let gain = match self.settings.level {
@@ -197,6 +217,8 @@ impl SpectrumAnalyser {
         for (f, fresh, gain) in [
             (&mut self.spectrum.mid, &self.fresh.mid, gain),
             (&mut self.spectrum.side, &self.fresh.side, side_gain),
+            (&mut self.spectrum.left, &self.fresh.left, gain),
+            (&mut self.spectrum.right, &self.fresh.right, gain),
         ] {
             for (f, fresh) in f.iter_mut().zip(fresh) {
                 *f = keep * *f + (1.0 - keep) * gain * fresh;
@@ -205,21 +227,19 @@ impl SpectrumAnalyser {
         &self.spectrum
     }
 
-    /// Power of the bins of ½ left + `right_gain` · right.
-    fn transform(&mut self, left: &[f32], right: &[f32], right_gain: f32) {
+    /// The windowed transforms of left and right.
+    fn transform(&mut self, left: &[f32], right: &[f32]) {
         let n = self.samples.len();
         let have = left.len().min(right.len()).min(n);
-        let (left, right) = (&left[left.len() - have..], &right[right.len() - have..]);
-        self.samples[..n - have].fill(0.0);
-        let tail = &mut self.samples[n - have..];
-        for (((sample, l), r), w) in tail.iter_mut().zip(left).zip(right).zip(&self.window[n - have..]) {
-            let value = w * (0.5 * l + right_gain * r);
-            *sample = if value.is_finite() { value } else { 0.0 };
-        }
-        let done = self.fft.process_with_scratch(&mut self.samples, &mut self.bins, &mut self.scratch);
-        debug_assert!(done.is_ok(), "the buffers were made by this plan");
-        for (power, bin) in self.power.iter_mut().zip(&self.bins) {
-            *power = bin.norm_sqr();
+        for (channel, bins) in [(left, &mut self.left_bins), (right, &mut self.right_bins)] {
+            self.samples[..n - have].fill(0.0);
+            let tail = self.samples[n - have..].iter_mut().zip(&self.window[n - have..]);
+            for ((sample, w), x) in tail.zip(&channel[channel.len() - have..]) {
+                let value = w * x;
+                *sample = if value.is_finite() { value } else { 0.0 };
+            }
+            let done = self.fft.process_with_scratch(&mut self.samples, bins, &mut self.scratch);
+            debug_assert!(done.is_ok(), "the buffers were made by this plan");
         }
     }
 }
