@@ -98,3 +98,10 @@ pub enum SynthError {
     #[error("the graphics device cannot be used: {0}")]
     Device(String),
 }
+
+impl SynthError {
+    /// Whether the graphics device is at fault, and not the request.
+    pub fn is_of_device(&self) -> bool {
+        matches!(self, Self::DeviceLimit { .. } | Self::Device(_))
+    }
+}

@@ -29,6 +29,7 @@
 //! sums in f32, so two backends agree to rounding and not bit for bit; the bound is in
 //! docs/synthesis.md. Exports use [`displacements_f64`], which has none of this.
 
+mod auto;
 mod cpu;
 mod error;
 mod exact;
@@ -40,6 +41,7 @@ mod packed_basis;
 mod plan;
 mod synthesizer;
 
+pub use auto::{AutoSynthesizer, Backend, Fallback};
 pub use cpu::{CpuPath, CpuSynthesizer};
 pub use error::SynthError;
 pub use gpu::{DeviceFrame, DeviceFrameBuffers, GpuContext, GpuSynthesizer};

@@ -4,8 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use crate::SynthError;
 
-/// Columns that one thread sums: narrow for few columns, wide to read the basis seldom.
-pub(super) const WIDTHS: [usize; 3] = [4, 8, 12];
+/// Columns that one thread sums, multiples of 4: narrow for few columns, wide to read the basis seldom.
+pub(super) const WIDTHS: [usize; 2] = [4, 12];
 
 /// Threads of a workgroup, in every shader.
 pub(super) const WORKGROUP: u32 = 64;
@@ -13,8 +13,8 @@ pub(super) const WORKGROUP: u32 = 64;
 /// A device made ready for synthesis. Cloning is cheap; make one per device.
 #[derive(Clone, Debug)]
 pub struct GpuContext {
-    pub(super) device: wgpu::Device,
-    pub(super) queue: wgpu::Queue,
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
     pub(super) pipelines: Arc<Pipelines>,
     lost: Arc<OnceLock<String>>,
 }

@@ -23,8 +23,8 @@ const SHIFT: f64 = 65536.0;
 struct FrameUniform {
     harmonics: u32,
     active_harmonics: u32,
+    runs: u32,
     padded_vertices: u32,
-    padding: u32,
 }
 
 /// `Term` of place.wgsl.
@@ -57,13 +57,14 @@ pub struct GpuSynthesizer {
     frame: DeviceFrameBuffers,
     frame_uniform: GrowingBuffer,
     blending: GrowingBuffer,
-    active: GrowingBuffer,
+    runs: GrowingBuffer,
     coefficients: GrowingBuffer,
     columns: GrowingBuffer,
     items: GrowingBuffer,
     terms: GrowingBuffer,
     signals: SignalPool,
     /// Kept for their memory.
+    run_list: Vec<[u32; 2]>,
     item_list: Vec<[u32; 2]>,
     term_list: Vec<TermOnDevice>,
     scales: Vec<f64>,
@@ -88,12 +89,13 @@ impl GpuSynthesizer {
             frame: DeviceFrameBuffers::new(device),
             frame_uniform: uniform("frame"),
             blending: uniform("normal blending"),
-            active: storage("active harmonics"),
+            runs: storage("runs of harmonics"),
             coefficients: storage("coefficients"),
             columns: storage("columns"),
             items: storage("items"),
             terms: storage("terms"),
             signals: SignalPool::new(device),
+            run_list: Vec::new(),
             item_list: Vec::new(),
             term_list: Vec::new(),
             groups: None,
@@ -114,19 +116,20 @@ impl GpuSynthesizer {
     /// Writes the items to the device; `true` if a buffer was replaced.
     fn upload(&mut self, items: &[Item]) -> Result<bool, SynthError> {
         let mut replaced = self.upload_terms(items)?;
-        let Self { plan, shape, model, .. } = self;
+        let Self { plan, shape, model, run_list, .. } = self;
+        list_runs(&plan.active, run_list);
         let queue = &self.context.queue;
         let columns = 4 * (plan.columns() * shape.padded_vertices) as u64;
         let frame = FrameUniform {
             harmonics: model.harmonics() as u32,
             active_harmonics: plan.active.len() as u32,
+            runs: run_list.len() as u32,
             padded_vertices: shape.padded_vertices as u32,
-            padding: 0,
         };
         replaced |= self.columns.reserve(columns)?;
         replaced |= self.frame.resize(items.len(), model.vertices())?;
         replaced |= self.frame_uniform.write(queue, bytes_of(&frame))?;
-        replaced |= self.active.write(queue, cast_slice(&plan.active))?;
+        replaced |= self.runs.write(queue, cast_slice(run_list))?;
         replaced |= self.coefficients.write(queue, cast_slice(&plan.coefficients))?;
         replaced |= self.items.write(queue, cast_slice(&self.item_list))?;
         replaced |= self.terms.write(queue, cast_slice(&self.term_list))?;
@@ -171,8 +174,7 @@ impl GpuSynthesizer {
         let GpuContext { device, pipelines, .. } = &self.context;
         let frame = self.frame.frame();
         let columns = self.columns.buffer();
-        let product =
-            [self.frame_uniform.buffer(), self.active.buffer(), self.coefficients.buffer(), columns];
+        let product = [self.frame_uniform.buffer(), self.runs.buffer(), self.coefficients.buffer(), columns];
         let place =
             [self.items.buffer(), self.terms.buffer(), self.signals.buffer(), columns, frame.positions];
         let normals = [self.blending.buffer(), frame.positions, frame.normals];
@@ -195,6 +197,17 @@ impl GpuSynthesizer {
     fn vertex_workgroups(&self) -> (u32, u32) {
         let frame = self.frame.frame();
         (frame.vertices.div_ceil(WORKGROUP), frame.items)
+    }
+}
+
+/// The runs, first and end, that ascending harmonics form.
+fn list_runs(active: &[u32], runs: &mut Vec<[u32; 2]>) {
+    runs.clear();
+    for &k in active {
+        match runs.last_mut() {
+            Some([_, end]) if *end == k => *end += 1,
+            _ => runs.push([k, k + 1]),
+        }
     }
 }
 

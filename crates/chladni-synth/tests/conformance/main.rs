@@ -4,9 +4,11 @@ mod cases;
 mod device;
 mod reference;
 
+use chladni_harmonics::{Basis, Body, Certificate};
+use chladni_mesh::Frame;
 use chladni_synth::{
-    Coefficients, CpuPath, CpuSynthesizer, FrameSettings, GpuSynthesizer, Item, Residual, SynthError,
-    SynthModel, Synthesizer, Term,
+    AutoSynthesizer, Backend, Coefficients, CpuPath, CpuSynthesizer, DeviceFrameBuffers, FrameSettings,
+    GpuContext, GpuSynthesizer, Item, Residual, SynthError, SynthModel, Synthesizer, Term, displacements_f64,
 };
 use proptest::prelude::*;
 use reference::{Shape, norm, sub};
@@ -62,6 +64,22 @@ fn check(backend: &mut dyn Readable, shape: &Shape, items: &[Item], normal_blend
     let (positions, normals) = backend.read();
     let n = shape.vertices();
     assert_eq!((positions.len(), normals.len()), (n * items.len(), n * items.len()), "{name}");
+    check_positions(&name, shape, items, &positions);
+    for s in 0..items.len() {
+        let found = &positions[s * n..(s + 1) * n];
+        let (expected, bounds) = reference::normals(shape, found, f64::from(normal_blending));
+        for v in 0..n {
+            let found = normals[s * n + v].map(f64::from);
+            let error = norm(sub(found, expected[v]));
+            assert!(error <= bounds[v], "{name}: item {s}, normal {v}: {found:?} for {:?}", expected[v]);
+            assert!((norm(found) - 1.0).abs() < 1e-5, "{name}: normals have unit length");
+        }
+    }
+}
+
+/// Compares every coordinate of every item with the reference.
+fn check_positions(name: &str, shape: &Shape, items: &[Item], positions: &[[f32; 3]]) {
+    let n = shape.vertices();
     for (s, item) in items.iter().enumerate() {
         let found = &positions[s * n..(s + 1) * n];
         let (expected, bounds) = reference::positions(shape, item);
@@ -69,13 +87,6 @@ fn check(backend: &mut dyn Readable, shape: &Shape, items: &[Item], normal_blend
             let error = sub(found[v].map(f64::from), expected[v]);
             let within = (0..3).all(|i| error[i].abs() <= bounds[v][i]);
             assert!(within, "{name}: item {s}, vertex {v}: {error:?} against {:?}", bounds[v]);
-        }
-        let (expected, bounds) = reference::normals(shape, found, f64::from(normal_blending));
-        for v in 0..n {
-            let found = normals[s * n + v].map(f64::from);
-            let error = norm(sub(found, expected[v]));
-            assert!(error <= bounds[v], "{name}: item {s}, normal {v}: {found:?} for {:?}", expected[v]);
-            assert!((norm(found) - 1.0).abs() < 1e-5, "{name}: normals have unit length");
         }
     }
 }
@@ -228,4 +239,110 @@ fn another_model_takes_over() {
         assert_eq!(backend.items(), 0);
         check(&mut *backend, &second, &cases::items(2, &second, 7), 0.0);
     }
+}
+
+#[test]
+fn what_the_device_cannot_hold_is_synthesized_on_the_cpu() {
+    // 64 KiB per binding: too little for one panel of 2000 harmonics, enough for one of 100 in many chunks.
+    let Some((device, queue)) = device::open(|limits| limits.max_storage_buffer_binding_size = 1 << 16)
+    else {
+        return;
+    };
+    let context = GpuContext::new(&device, &queue).unwrap();
+    let settings = FrameSettings::default();
+    for (rings, harmonics, fits) in [(20, 100, true), (4, 2000, false)] {
+        let shape = cases::shape(11, rings, 16, harmonics);
+        let items = cases::items(12, &shape, 2);
+        let mut auto = AutoSynthesizer::new(&context, model(&shape), Backend::Gpu);
+        assert_eq!(auto.take_fallback().is_none(), fits);
+        assert_eq!(auto.take_fallback(), None, "told once");
+        auto.synthesize(&items, &settings).unwrap();
+        assert_eq!(auto.cpu().is_none(), fits);
+        let found = device::read_buffer(&device, &queue, auto.frame().positions, &auto.frame());
+        check_positions(&auto.device_name(), &shape, &items, &found);
+    }
+}
+
+#[test]
+fn the_cpu_takes_over_when_the_device_is_lost() {
+    let Some((device, queue)) = device::open(|_| ()) else { return };
+    let context = GpuContext::new(&device, &queue).unwrap();
+    let shape = cases::shape(13, 9, 9, 30);
+    let items = cases::items(14, &shape, 5);
+    let mut auto = AutoSynthesizer::new(&context, model(&shape), Backend::Gpu);
+    auto.synthesize(&items, &FrameSettings::default()).unwrap();
+    assert!(auto.cpu().is_none() && auto.take_fallback().is_none());
+    device.destroy();
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    assert!(context.lost().is_some());
+    auto.synthesize(&items, &FrameSettings::default()).unwrap();
+    let fallback = auto.take_fallback().expect("it says so");
+    assert!(fallback.to_string().contains("lost"), "{fallback}");
+    check_positions("after the loss", &shape, &items, auto.cpu().unwrap().all_positions());
+    assert!(GpuSynthesizer::new(&context, model(&shape)).is_err());
+}
+
+#[test]
+fn frames_of_the_cpu_reach_the_device() {
+    let Some((device, queue)) = device::open(|_| ()) else { return };
+    let shape = cases::shape(15, 30, 9, 30);
+    let mut cpu = CpuSynthesizer::new(model(&shape));
+    let mut buffers = DeviceFrameBuffers::new(&device);
+    for count in [2, 7, 1] {
+        cpu.synthesize(&cases::items(16, &shape, count), &FrameSettings::default()).unwrap();
+        cpu.upload(&queue, &mut buffers).unwrap();
+        let frame = buffers.frame();
+        assert_eq!((frame.items as usize, frame.vertices as usize), (count, shape.vertices()));
+        let read = |buffer| device::read_buffer(&device, &queue, buffer, &frame);
+        assert_eq!(read(frame.positions), cpu.all_positions());
+        assert_eq!(read(frame.normals), cpu.all_normals());
+    }
+}
+
+#[test]
+fn masks_and_residuals_may_come_and_go() {
+    let shape = cases::shape(17, 8, 8, 6);
+    let n = shape.vertices();
+    for mut backend in backends(&model(&shape)) {
+        let keep: std::sync::Arc<[f32]> = vec![0.25; n].into();
+        for frame in 0..6_u8 {
+            let mask = if frame % 2 == 0 { keep.clone() } else { vec![f32::from(frame); n].into() };
+            let residual = Some(Residual::Vector(vec![[f32::from(frame); 3]; n].into()));
+            let first = Term { mask: Some(mask), ..normal(vec![0.1; 6]) };
+            let second =
+                Term { residual, residual_gain: 0.1, mask: Some(keep.clone()), ..vector(vec![[0.1; 3]; 2]) };
+            check(&mut *backend, &shape, &[item(first), item(second)], 0.0);
+        }
+    }
+}
+
+#[test]
+fn exports_are_exact() {
+    let shape = cases::shape(18, 9, 9, 40);
+    let n = shape.vertices();
+    let certificate =
+        Certificate { inertia_counts_match: true, max_relative_residual: 0.0, max_orthogonality_error: 0.0 };
+    let body = Body {
+        frame: Frame { center: [0.0; 3], scale: 1.0 },
+        positions: shape.positions.clone(),
+        triangles: shape.triangles.clone(),
+        operator_vertex: (0..n as u32).map(Some).collect(),
+        basis: std::sync::Arc::new(Basis {
+            eigenvalues: vec![0.0; 40],
+            vectors: shape.basis.clone(),
+            mass: vec![1.0; n],
+            certificate,
+        }),
+    };
+    for item in cases::items(19, &shape, 12) {
+        let found = displacements_f64(&body, &item).unwrap();
+        let (expected, _) = reference::positions(&shape, &item);
+        for v in 0..n {
+            let error = norm(sub(found[v], sub(expected[v], shape.positions[v])));
+            assert!(error < 1e-12, "{error}");
+        }
+    }
+    let nothing = Item { terms: vec![vector(vec![[0.0; 3]; 40]), normal(vec![])] };
+    assert_eq!(displacements_f64(&body, &nothing).unwrap(), vec![[0.0; 3]; n]);
+    assert!(displacements_f64(&body, &item(normal(vec![f32::NAN]))).is_err());
 }

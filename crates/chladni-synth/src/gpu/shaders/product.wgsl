@@ -17,17 +17,24 @@ struct Chunk {
 struct Frame {
     // K.
     harmonics: u32,
-    // Harmonics with weight.
+    // Harmonics with weight, and the runs they form.
     active_harmonics: u32,
+    runs: u32,
     // Vertices padded to whole panels.
     padded_vertices: u32,
+}
+
+// Harmonics with weight that follow each other.
+struct Run {
+    first: u32,
+    end: u32,
 }
 
 @group(0) @binding(0) var<storage, read> basis: array<vec2<i32>>;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> active_list: array<u32>;
-@group(1) @binding(2) var<storage, read> coefficients: array<f32>;
+@group(1) @binding(1) var<storage, read> runs: array<Run>;
+@group(1) @binding(2) var<storage, read> coefficients: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> columns: array<vec4<f32>>;
 
 @compute @workgroup_size(64)
@@ -39,20 +46,24 @@ fn product(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocatio
         return;
     }
     let line = panel * frame.harmonics * THREADS_PER_LINE + thread % THREADS_PER_LINE;
-    let rows = block * frame.active_harmonics * WIDTH;
+    var row = block * frame.active_harmonics * (WIDTH / 4u);
     var sums: array<vec4<f32>, WIDTH>;
-    for (var c = 0u; c < WIDTH; c++) {
-        sums[c] = vec4<f32>();
-    }
-    for (var i = 0u; i < frame.active_harmonics; i++) {
-        let words = basis[line + active_list[i] * THREADS_PER_LINE];
-        // 65536 q: the coefficients have the reciprocal in them.
-        let low = words << vec2<u32>(16u);
-        let high = words & vec2<i32>(-65536);
-        let h = vec4<f32>(vec4<i32>(low.x, high.x, low.y, high.y));
-        let row = rows + i * WIDTH;
-        for (var c = 0u; c < WIDTH; c++) {
-            sums[c] += h * coefficients[row + c];
+    for (var r = 0u; r < frame.runs; r++) {
+        let run = runs[r];
+        for (var k = run.first; k < run.end; k++) {
+            let words = basis[line + k * THREADS_PER_LINE];
+            // 65536 q: the coefficients have the reciprocal in them.
+            let low = words << vec2<u32>(16u);
+            let high = words & vec2<i32>(-65536);
+            let h = vec4<f32>(vec4<i32>(low.x, high.x, low.y, high.y));
+            for (var c = 0u; c < WIDTH / 4u; c++) {
+                let weights = coefficients[row + c];
+                sums[4u * c] += h * weights.x;
+                sums[4u * c + 1u] += h * weights.y;
+                sums[4u * c + 2u] += h * weights.z;
+                sums[4u * c + 3u] += h * weights.w;
+            }
+            row += WIDTH / 4u;
         }
     }
     let first = chunk.first_panel * THREADS_PER_LINE + thread;
