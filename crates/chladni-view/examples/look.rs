@@ -78,4 +78,31 @@ fn main() {
         .unwrap();
         std::fs::write(format!("/tmp/view_{name}.png"), pic.to_png().unwrap()).unwrap();
     }
+    // timing
+    let topology = Topology::new(&gpu, p.len(), &t).unwrap();
+    let buffers = ItemBuffers::new(&gpu, p.len(), 1);
+    buffers.write(&gpu, 0, &p, &smooth_normals(&p, &t)).unwrap();
+    for (w, h) in [(480, 360), (640, 480), (1280, 720)] {
+        let canvas = Canvas::new(&gpu, w, h).unwrap();
+        let mut camera = Camera::looking(View::ThreeQuarter);
+        camera.fit(p.iter().copied(), w as f32 / h as f32, 0.9);
+        for shadow in [0.0, 0.8] {
+            let cell = Cell {
+                viewport: Rect::of_size(w, h),
+                camera,
+                lights: Lights { shadow, ..Lights::STUDIO },
+                background: Background::SLATE,
+                figures: &[Figure::new(&topology, &buffers, 0)],
+                markers: &[],
+            };
+            let mut best = f64::MAX;
+            for _ in 0..6 {
+                let t0 = std::time::Instant::now();
+                renderer.draw(&canvas, &[cell]).unwrap();
+                canvas.read(&gpu).unwrap();
+                best = best.min(t0.elapsed().as_secs_f64());
+            }
+            println!("{w}x{h} shadow {shadow}: {:.1} ms", best * 1e3);
+        }
+    }
 }

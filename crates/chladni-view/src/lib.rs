@@ -26,7 +26,7 @@
 //! [`Figure`]s on a [`Canvas`]; the buffers may belong to a synthesizer on the same device.
 //!
 //! Not guaranteed: pixels differ in their last bits from driver to driver. Translucent figures
-//! are not sorted. Shapes cast no shadows on each other.
+//! are not sorted. Only the key light casts shadows, within a cell.
 
 mod camera;
 mod canvas;
@@ -34,6 +34,7 @@ mod colormap;
 mod error;
 pub mod film;
 mod gpu;
+mod images;
 pub mod layout;
 mod pick;
 mod picture;

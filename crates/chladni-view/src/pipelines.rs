@@ -18,6 +18,7 @@ pub(crate) struct Layouts {
 }
 
 pub(crate) struct Pipelines {
+    pub(crate) shadow: RenderPipeline,
     pub(crate) backdrop: RenderPipeline,
     pub(crate) plain: RenderPipeline,
     pub(crate) values: RenderPipeline,
@@ -44,6 +45,11 @@ impl Layouts {
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
+        let depth = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Depth,
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
+        };
         let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         let storage = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: true },
@@ -57,7 +63,14 @@ impl Layouts {
             images: layout(
                 device,
                 "images",
-                &[(fragment, image), (fragment, sampler), (fragment, image), (fragment, sampler)],
+                &[
+                    (fragment, image),
+                    (fragment, sampler),
+                    (fragment, image),
+                    (fragment, sampler),
+                    (fragment, depth),
+                    (fragment, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison)),
+                ],
             ),
             corners: layout(device, "corners", &[(ShaderStages::VERTEX, storage); 5]),
         }
@@ -104,7 +117,7 @@ impl Pipelines {
                 immediate_size: 0,
             })
         };
-        let (indexed, cornered) = (pipeline_layout(3), pipeline_layout(4));
+        let (shadowed, indexed, cornered) = (pipeline_layout(2), pipeline_layout(3), pipeline_layout(4));
         let build = |layout: &wgpu::PipelineLayout, kind: Kind| {
             device.create_render_pipeline(&descriptor(&module, layout, &kind, &[Some(target(format))]))
         };
@@ -145,7 +158,15 @@ impl Pipelines {
             strip: true,
             depth: (false, compare),
         };
+        // The same attributes, seen from the key light: no colour, one sample.
+        let mut shadow = descriptor(&module, &shadowed, &surface("shadow", "shadow_vertex", &body[..1]), &[]);
+        shadow.fragment = None;
+        shadow.multisample.count = 1;
+        if let Some(depth) = &mut shadow.depth_stencil {
+            depth.bias = wgpu::DepthBiasState { constant: 2, slope_scale: 1.5, clamp: 0.0 };
+        }
         Self {
+            shadow: device.create_render_pipeline(&shadow),
             backdrop: build(
                 &indexed,
                 Kind {

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
+use crate::images::Images;
 use crate::pipelines::{Layouts, MARKER_BYTES, Pipelines};
 use crate::style::linear;
-use crate::{Canvas, Cell, ColorMap, Figure, Gpu, Paint, ViewError};
+use crate::{Canvas, Cell, Figure, Gpu, Paint, ViewError};
 
 /// The pipelines of one device and target format, and the uniform buffers they share. Make one
 /// and keep it: pipelines are compiled here.
@@ -16,10 +17,7 @@ pub struct Renderer {
     format: wgpu::TextureFormat,
     layouts: Layouts,
     pipelines: Pipelines,
-    maps: wgpu::TextureView,
-    map_sampler: wgpu::Sampler,
-    skin_sampler: wgpu::Sampler,
-    images: wgpu::BindGroup,
+    images: Images,
     cells: Uniforms<CellUniform>,
     figures: Uniforms<FigureUniform>,
     markers: wgpu::Buffer,
@@ -44,6 +42,8 @@ struct CellUniform {
     background_corner: [f32; 4],
     viewport: [f32; 4],
     output: [f32; 4],
+    shadow: [[f32; 4]; 4],
+    shadow_map: [f32; 4],
 }
 
 #[repr(C)]
@@ -79,22 +79,7 @@ impl Renderer {
         let device = &gpu.device;
         let layouts = Layouts::new(device);
         let pipelines = Pipelines::new(device, &layouts, format);
-        let sampler = |mode, anisotropy_clamp| {
-            device.create_sampler(&wgpu::SamplerDescriptor {
-                address_mode_u: mode,
-                address_mode_v: mode,
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                mipmap_filter: wgpu::MipmapFilterMode::Linear,
-                anisotropy_clamp,
-                ..Default::default()
-            })
-        };
-        let maps = map_texture(gpu);
-        let map_sampler = sampler(wgpu::AddressMode::ClampToEdge, 1);
-        let skin_sampler = sampler(wgpu::AddressMode::Repeat, 4);
-        // Nothing samples the maps as a skin unless a figure has one.
-        let images = image_group(device, &layouts, [&maps, &maps], [&map_sampler, &skin_sampler]);
+        let images = Images::new(gpu, &layouts);
         let cells = Uniforms::new(device, &layouts.cell, "cells");
         let figures = Uniforms::new(device, &layouts.figure, "figures");
         let markers = marker_buffer(device, 64);
@@ -103,9 +88,6 @@ impl Renderer {
             format,
             layouts,
             pipelines,
-            maps,
-            map_sampler,
-            skin_sampler,
             images,
             cells,
             figures,
@@ -133,6 +115,7 @@ impl Renderer {
         self.stage(canvas, cells)?;
         let device = &self.gpu.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.draw_shadows(&mut encoder, cells);
         {
             let mut pass = canvas.pass(&mut encoder);
             let (mut figure_index, mut first_marker) = (0, 0);
@@ -142,7 +125,7 @@ impl Renderer {
                 pass.set_scissor_rect(r.x, r.y, r.width, r.height);
                 pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
                 pass.set_bind_group(1, &self.figures.group, &[0]);
-                pass.set_bind_group(2, &self.images, &[]);
+                pass.set_bind_group(2, &self.images.group, &[]);
                 if cell.background.opacity > 0.0 {
                     pass.set_pipeline(&self.pipelines.backdrop);
                     pass.draw(0..3, 0..1);
@@ -166,6 +149,28 @@ impl Renderer {
         Ok(self.gpu.queue.submit([encoder.finish()]))
     }
 
+    /// One pass per cell whose key light casts shadows.
+    fn draw_shadows(&self, encoder: &mut wgpu::CommandEncoder, cells: &[Cell<'_>]) {
+        let (mut figure_index, mut layer) = (0, 0);
+        for (cell_index, cell) in cells.iter().enumerate() {
+            let first_figure = figure_index;
+            figure_index += cell.figures.len();
+            if !casts_shadows(cell) {
+                continue;
+            }
+            let mut pass = self.images.shadows.pass(encoder, layer);
+            layer += 1;
+            pass.set_pipeline(&self.pipelines.shadow);
+            pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
+            for (i, figure) in cell.figures.iter().enumerate().filter(|(_, figure)| figure.opacity >= 1.0) {
+                pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
+                pass.set_vertex_buffer(0, figure.buffers.positions.slice(item_bytes(figure)));
+                pass.set_index_buffer(figure.topology.indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(0..3 * figure.topology.triangles as u32, 0, 0..1);
+            }
+        }
+    }
+
     fn draw_figure(&self, pass: &mut wgpu::RenderPass<'_>, figure: &Figure<'_>) {
         let Figure { topology, buffers, .. } = figure;
         let corners = 3 * topology.triangles as u32;
@@ -173,11 +178,10 @@ impl Renderer {
             self.bind_corners(pass, figure);
             pass.set_pipeline(&self.pipelines.corners);
             pass.draw(0..corners, 0..1);
-            pass.set_bind_group(2, &self.images, &[]);
+            pass.set_bind_group(2, &self.images.group, &[]);
             return;
         }
-        let bytes = (buffers.vertices * 12) as u64;
-        let item = figure.item as u64 * bytes..(figure.item as u64 + 1) * bytes;
+        let item = item_bytes(figure);
         pass.set_vertex_buffer(0, buffers.positions.slice(item.clone()));
         pass.set_vertex_buffer(1, buffers.normals.slice(item));
         let pipeline = match figure.paint {
@@ -221,9 +225,7 @@ impl Renderer {
         });
         pass.set_bind_group(3, &group, &[]);
         if let Paint::Skin(skin) = figure.paint {
-            let views = [&self.maps, &skin.view];
-            let samplers = [&self.map_sampler, &self.skin_sampler];
-            pass.set_bind_group(2, &image_group(device, &self.layouts, views, samplers), &[]);
+            pass.set_bind_group(2, &self.images.group_with(device, &self.layouts, &skin.view), &[]);
         }
     }
 
@@ -232,6 +234,9 @@ impl Renderer {
         self.cells.clear();
         self.figures.clear();
         self.marker_bytes.clear();
+        let shadowed = cells.iter().filter(|cell| casts_shadows(cell)).count();
+        self.images.make_room(&self.gpu.device, &self.layouts, shadowed);
+        let mut layer = 0;
         for cell in cells {
             let r = cell.viewport;
             let fits = |start: u32, length: u32, limit: u32| {
@@ -241,7 +246,13 @@ impl Renderer {
                 let (w, h) = (canvas.width(), canvas.height());
                 return Err(ViewError::Shape(format!("a cell at {r:?} on a canvas of {w}×{h}")));
             }
-            self.cells.push(&cell_uniform(cell, !self.format.is_srgb()));
+            let mut uniform = cell_uniform(cell, !self.format.is_srgb());
+            if casts_shadows(cell) {
+                let size = self.images.shadows.size;
+                (uniform.shadow, uniform.shadow_map) = key_light_view(cell, layer, size);
+                layer += 1;
+            }
+            self.cells.push(&uniform);
             for figure in cell.figures {
                 check_figure(figure)?;
                 self.figures.push(&figure_uniform(figure));
@@ -268,6 +279,37 @@ impl Renderer {
         }
         Ok(())
     }
+}
+
+/// Heat maps and bare backgrounds have no shadows.
+fn casts_shadows(cell: &Cell<'_>) -> bool {
+    let shaded = |figure: &Figure<'_>| !matches!(figure.paint, Paint::Values(..));
+    cell.lights.shadow > 0.0 && cell.figures.iter().any(shaded)
+}
+
+/// Where the positions (and normals) of a figure's item lie in its buffers.
+fn item_bytes(figure: &Figure<'_>) -> std::ops::Range<u64> {
+    let bytes = (figure.buffers.vertices * 12) as u64;
+    let start = figure.item as u64 * bytes;
+    start..start + bytes
+}
+
+/// The key light's parallel view of all that the camera can reach, and how its map is read.
+fn key_light_view(cell: &Cell<'_>, layer: u32, size: u32) -> ([[f32; 4]; 4], [f32; 4]) {
+    let camera = &cell.camera;
+    let [right, up, back] = camera.axes();
+    let d = Vec3::from(cell.lights.lights[0].direction).normalize_or(Vec3::Y);
+    let z = (right * d.x + up * d.y + back * d.z).normalize();
+    let x = z.any_orthonormal_vector();
+    let y = z.cross(x);
+    // Deformed shapes may leave the rest pose's reach a little.
+    let radius = camera.reach * 1.25;
+    let target = Vec3::from(camera.target);
+    let (x, y, z) = (x / radius, y / radius, -z / (2.0 * radius));
+    let row = |axis: Vec3, offset: f32| axis.extend(offset - axis.dot(target));
+    let matrix = Mat4::from_rows(row(x, 0.0), row(y, 0.0), row(z, 0.5), glam::Vec4::W);
+    let texel = 1.0 / size as f32;
+    (matrix.to_cols_array_2d(), [cell.lights.shadow, layer as f32, texel, 2.0 * radius * texel])
 }
 
 fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
@@ -305,6 +347,8 @@ fn cell_uniform(cell: &Cell<'_>, encode: bool) -> CellUniform {
         background_corner: srgb(cell.background.corner, 0.0),
         viewport: [r.x as f32, r.y as f32, r.width as f32, r.height as f32],
         output: [f32::from(u8::from(encode)), cell.lights.exposure, f32::from(u8::from(orthographic)), 0.0],
+        shadow: [[0.0; 4]; 4],
+        shadow_map: [0.0; 4],
     }
 }
 
@@ -409,52 +453,5 @@ fn marker_buffer(device: &wgpu::Device, count: u64) -> wgpu::Buffer {
         size: count * MARKER_BYTES,
         usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
-    })
-}
-
-/// All colour maps, one a row.
-fn map_texture(gpu: &Gpu) -> wgpu::TextureView {
-    use wgpu::util::DeviceExt;
-    let pixels: Vec<u8> = ColorMap::ALL
-        .iter()
-        .flat_map(|map| (0..256).map(|i| map.color(i as f32 / 255.0)))
-        .flat_map(|[r, g, b]| [r, g, b, 255])
-        .collect();
-    let texture = gpu.device.create_texture_with_data(
-        &gpu.queue,
-        &wgpu::TextureDescriptor {
-            label: Some("colour maps"),
-            size: wgpu::Extent3d { width: 256, height: ColorMap::ALL.len() as u32, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8UnormSrgb,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        },
-        wgpu::util::TextureDataOrder::LayerMajor,
-        &pixels,
-    );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
-}
-
-fn image_group(
-    device: &wgpu::Device,
-    layouts: &Layouts,
-    [maps, skin]: [&wgpu::TextureView; 2],
-    [map_sampler, skin_sampler]: [&wgpu::Sampler; 2],
-) -> wgpu::BindGroup {
-    let resources = [
-        wgpu::BindingResource::TextureView(maps),
-        wgpu::BindingResource::Sampler(map_sampler),
-        wgpu::BindingResource::TextureView(skin),
-        wgpu::BindingResource::Sampler(skin_sampler),
-    ];
-    let entries: Vec<_> =
-        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("images"),
-        layout: &layouts.images,
-        entries: &entries,
     })
 }

@@ -16,6 +16,10 @@ struct Cell {
     viewport: vec4f,
     // x: 1 where the target wants sRGB-encoded numbers; y: exposure; z: 1 in orthographic views.
     output: vec4f,
+    // From the scene to the key light's clip space.
+    shadow: mat4x4f,
+    // Strength, layer of the map, size of a texel in the map and in the scene.
+    shadow_map: vec4f,
 }
 
 struct Figure {
@@ -43,6 +47,8 @@ struct Figure {
 @group(2) @binding(1) var map_sampler: sampler;
 @group(2) @binding(2) var skin: texture_2d<f32>;
 @group(2) @binding(3) var skin_sampler: sampler;
+@group(2) @binding(4) var shadows: texture_depth_2d_array;
+@group(2) @binding(5) var shadow_sampler: sampler_comparison;
 @group(3) @binding(0) var<storage, read> positions: array<f32>;
 @group(3) @binding(1) var<storage, read> normals: array<f32>;
 @group(3) @binding(2) var<storage, read> corners: array<u32>;
@@ -103,6 +109,12 @@ fn color_vertex(
     var out = surface(position, normal);
     out.color = color;
     return out;
+}
+
+// What the key light sees.
+@vertex
+fn shadow_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
+    return cell.shadow * figure.model * vec4f(position, 1.0);
 }
 
 // One vertex per corner, for what lives on corners: UVs with seams, and wires.
@@ -166,7 +178,27 @@ fn studio(d: vec3f, roughness: f32) -> vec3f {
     return c;
 }
 
-fn shaded(base: vec3f, n: vec3f, v: vec3f) -> vec3f {
+// Share of the key light that reaches `place`: a disc of 16 filtered samples (Vogel's spiral).
+fn lit_by_key(place: vec3f, n: vec3f) -> f32 {
+    if cell.shadow_map.x <= 0.0 { return 1.0; }
+    // Step off the surface, more where the light grazes it.
+    let facing = max(dot(n, cell.lights[0].direction.xyz), 0.0);
+    let world_n = transpose(mat3x3f(cell.view[0].xyz, cell.view[1].xyz, cell.view[2].xyz)) * n;
+    let off = cell.shadow_map.w * (1.0 + 3.0 * (1.0 - facing));
+    let clip = cell.shadow * vec4f(place + world_n * off, 1.0);
+    let at = clip.xy * vec2f(0.5, -0.5) + 0.5;
+    if any(at < vec2f(0.0)) || any(at > vec2f(1.0)) { return 1.0; }
+    var lit = 0.0;
+    for (var i = 0; i < 16; i++) {
+        let r = sqrt((f32(i) + 0.5) / 16.0) * 3.6 * cell.shadow_map.z;
+        let turn = f32(i) * 2.39996;
+        let tap = at + r * vec2f(cos(turn), sin(turn));
+        lit += textureSampleCompareLevel(shadows, shadow_sampler, tap, i32(cell.shadow_map.y), clip.z);
+    }
+    return mix(1.0, lit / 16.0, cell.shadow_map.x);
+}
+
+fn shaded(base: vec3f, n: vec3f, v: vec3f, key: f32) -> vec3f {
     let roughness = figure.material.x;
     let metal = figure.material.y;
     let softness = figure.material.z;
@@ -184,7 +216,7 @@ fn shaded(base: vec3f, n: vec3f, v: vec3f) -> vec3f {
     var gloss = vec3f(0.0);
     for (var i = 0; i < 3; i++) {
         let l = cell.lights[i].direction.xyz;
-        let light = cell.lights[i].color.rgb;
+        let light = cell.lights[i].color.rgb * select(1.0, key, i == 0);
         let wrap = 0.45 * softness;
         let nl = dot(n, l);
         let lit = max((nl + wrap) / (1.0 + wrap), 0.0);
@@ -237,7 +269,7 @@ fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @locatio
     if paint == 3u { base = skin_color; }
     if !front { base = base * figure.back.rgb; }
     var light: vec3f;
-    if paint == 1u { light = painted(base, n, v); } else { light = toned(shaded(base, n, v)); }
+    if paint == 1u { light = painted(base, n, v); } else { light = toned(shaded(base, n, v, lit_by_key(in.place, n))); }
     var c = encoded(light);
 
     if figure.brush.w > 0.0 {

@@ -35,10 +35,10 @@ impl Material {
         Self { color: [201, 172, 150], roughness: 0.62, metal: 0.0, softness: 0.25, iridescence: 0.0 };
     /// Glazed white porcelain.
     pub const PORCELAIN: Self =
-        Self { color: [236, 233, 228], roughness: 0.22, metal: 0.0, softness: 0.45, iridescence: 0.0 };
+        Self { color: [224, 221, 215], roughness: 0.24, metal: 0.0, softness: 0.45, iridescence: 0.0 };
     /// Cast bronze.
     pub const BRONZE: Self =
-        Self { color: [196, 138, 82], roughness: 0.36, metal: 1.0, softness: 0.0, iridescence: 0.0 };
+        Self { color: [201, 146, 96], roughness: 0.34, metal: 1.0, softness: 0.0, iridescence: 0.0 };
     /// Mother-of-pearl.
     pub const PEARL: Self =
         Self { color: [226, 222, 226], roughness: 0.3, metal: 0.15, softness: 0.35, iridescence: 0.75 };
@@ -81,6 +81,8 @@ pub struct Lights {
     pub ground: [f32; 3],
     /// Multiplies all light.
     pub exposure: f32,
+    /// How dark the key light's shadows are, in [0, 1]; 0 draws none and saves a pass.
+    pub shadow: f32,
 }
 
 impl Default for Lights {
@@ -93,13 +95,14 @@ impl Lights {
     /// Neutral studio: a large key from the upper left, a cool fill, a rim from behind.
     pub const STUDIO: Self = Self {
         lights: [
-            Light { direction: [-0.55, 0.65, 0.62], color: [0.92, 0.88, 0.82] },
-            Light { direction: [0.85, 0.1, 0.5], color: [0.17, 0.2, 0.25] },
+            Light { direction: [-0.55, 0.65, 0.62], color: [1.08, 1.02, 0.94] },
+            Light { direction: [0.85, 0.1, 0.5], color: [0.13, 0.16, 0.2] },
             Light { direction: [0.45, 0.55, -0.75], color: [0.6, 0.62, 0.66] },
         ],
-        sky: [0.34, 0.36, 0.4],
-        ground: [0.13, 0.115, 0.1],
+        sky: [0.23, 0.25, 0.28],
+        ground: [0.085, 0.075, 0.065],
         exposure: 1.0,
+        shadow: 0.8,
     };
     /// An overcast day: little shadow, for reading colours and maps.
     pub const SOFT: Self = Self {
@@ -111,6 +114,7 @@ impl Lights {
         sky: [0.48, 0.49, 0.51],
         ground: [0.27, 0.265, 0.26],
         exposure: 1.0,
+        shadow: 0.0,
     };
     /// One hard key from the side, deep shadow, strong rim.
     pub const DRAMATIC: Self = Self {
@@ -122,6 +126,7 @@ impl Lights {
         sky: [0.08, 0.09, 0.11],
         ground: [0.03, 0.03, 0.03],
         exposure: 1.0,
+        shadow: 0.9,
     };
     /// Two colours from either side, for the stage.
     pub const STAGE: Self = Self {
@@ -133,6 +138,7 @@ impl Lights {
         sky: [0.13, 0.12, 0.17],
         ground: [0.06, 0.05, 0.08],
         exposure: 1.0,
+        shadow: 0.7,
     };
     /// Names and presets, for menus and the command line.
     pub const PRESETS: [(&'static str, Self); 4] = [

@@ -1,0 +1,178 @@
+//! The images that every pipeline reads: colour maps, the skin, and the key light's shadow maps.
+
+use wgpu::util::DeviceExt;
+
+use crate::pipelines::{DEPTH, Layouts};
+use crate::{ColorMap, Gpu};
+
+/// Textures and samplers of bind group 2.
+pub(crate) struct Images {
+    maps: wgpu::TextureView,
+    map_sampler: wgpu::Sampler,
+    skin_sampler: wgpu::Sampler,
+    shadow_sampler: wgpu::Sampler,
+    pub(crate) shadows: ShadowMaps,
+    /// Without a skin.
+    pub(crate) group: wgpu::BindGroup,
+}
+
+impl Images {
+    pub(crate) fn new(gpu: &Gpu, layouts: &Layouts) -> Self {
+        let device = &gpu.device;
+        let sampler = |mode, anisotropy_clamp, compare| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                address_mode_u: mode,
+                address_mode_v: mode,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                anisotropy_clamp,
+                compare,
+                ..Default::default()
+            })
+        };
+        let (clamp, repeat) = (wgpu::AddressMode::ClampToEdge, wgpu::AddressMode::Repeat);
+        let maps = map_texture(gpu);
+        let map_sampler = sampler(clamp, 1, None);
+        let skin_sampler = sampler(repeat, 4, None);
+        let shadow_sampler = sampler(clamp, 1, Some(wgpu::CompareFunction::LessEqual));
+        let shadows = ShadowMaps::new(device, 1, 1);
+        let samplers = [&map_sampler, &skin_sampler, &shadow_sampler];
+        // Nothing samples the maps as a skin unless a figure has one.
+        let group = group(device, layouts, &maps, &maps, &shadows, samplers);
+        Self { maps, map_sampler, skin_sampler, shadow_sampler, shadows, group }
+    }
+
+    /// The group of a figure that has a skin.
+    pub(crate) fn group_with(
+        &self,
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        skin: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        let samplers = [&self.map_sampler, &self.skin_sampler, &self.shadow_sampler];
+        group(device, layouts, &self.maps, skin, &self.shadows, samplers)
+    }
+
+    /// Sees to it that `count` cells can have shadows: one large map, or many smaller ones.
+    pub(crate) fn make_room(&mut self, device: &wgpu::Device, layouts: &Layouts, count: usize) {
+        let (size, layers) = match count {
+            0 => return,
+            1 => (1024, 1),
+            _ => (512, (count as u32).next_power_of_two()),
+        };
+        if self.shadows.size == size && self.shadows.layers.len() as u32 >= layers {
+            return;
+        }
+        self.shadows = ShadowMaps::new(device, size, layers);
+        self.group = self.group_with(device, layouts, &self.maps);
+    }
+}
+
+/// Depth as the key light sees it, one layer a cell.
+pub(crate) struct ShadowMaps {
+    /// Texels of a side.
+    pub(crate) size: u32,
+    all: wgpu::TextureView,
+    layers: Vec<wgpu::TextureView>,
+}
+
+impl ShadowMaps {
+    fn new(device: &wgpu::Device, size: u32, layers: u32) -> Self {
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("shadows"),
+            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: DEPTH,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let all = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let layers = (0..layers)
+            .map(|layer| {
+                texture.create_view(&wgpu::TextureViewDescriptor {
+                    dimension: Some(wgpu::TextureViewDimension::D2),
+                    base_array_layer: layer,
+                    array_layer_count: Some(1),
+                    ..Default::default()
+                })
+            })
+            .collect();
+        Self { size, all, layers }
+    }
+
+    pub(crate) fn pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        layer: usize,
+    ) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("shadows"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.layers[layer],
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        })
+    }
+}
+
+fn group(
+    device: &wgpu::Device,
+    layouts: &Layouts,
+    maps: &wgpu::TextureView,
+    skin: &wgpu::TextureView,
+    shadows: &ShadowMaps,
+    [map_sampler, skin_sampler, shadow_sampler]: [&wgpu::Sampler; 3],
+) -> wgpu::BindGroup {
+    let resources = [
+        wgpu::BindingResource::TextureView(maps),
+        wgpu::BindingResource::Sampler(map_sampler),
+        wgpu::BindingResource::TextureView(skin),
+        wgpu::BindingResource::Sampler(skin_sampler),
+        wgpu::BindingResource::TextureView(&shadows.all),
+        wgpu::BindingResource::Sampler(shadow_sampler),
+    ];
+    let entries: Vec<_> =
+        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("images"),
+        layout: &layouts.images,
+        entries: &entries,
+    })
+}
+
+/// All colour maps, one a row.
+fn map_texture(gpu: &Gpu) -> wgpu::TextureView {
+    let pixels: Vec<u8> = ColorMap::ALL
+        .iter()
+        .flat_map(|map| (0..256).map(|i| map.color(i as f32 / 255.0)))
+        .flat_map(|[r, g, b]| [r, g, b, 255])
+        .collect();
+    let height = ColorMap::ALL.len() as u32;
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("colour maps"),
+            size: wgpu::Extent3d { width: 256, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        &pixels,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
