@@ -46,26 +46,37 @@ impl std::str::FromStr for Model {
     }
 }
 
-/// A shape that a layer starts from: positions and normals of the N operator vertices and, once
-/// asked for, their transform.
+/// A shape that a layer starts from: positions of the N operator vertices and, once asked for,
+/// their normals and transform.
 #[derive(Debug)]
 pub struct Base {
     basis: Arc<Basis>,
+    surface: Arc<Surface>,
     /// x(v), N, working frame.
     pub positions: Vec<Vec3>,
-    /// n(v), N unit normals (zero where undefined).
-    pub normals: Vec<Vec3>,
+    normals: OnceLock<Vec<Vec3>>,
     spectrum: OnceLock<Vec<Vec3>>,
 }
 
 impl Base {
     /// The shape whose vertices lie at `positions`, on the connectivity of `surface` and the
     /// harmonics of `basis`.
-    pub fn new(basis: Arc<Basis>, surface: &Surface, positions: Vec<Vec3>) -> Result<Self, Error> {
+    pub fn new(basis: Arc<Basis>, surface: Arc<Surface>, positions: Vec<Vec3>) -> Result<Self, Error> {
         check_count("the shape's positions", positions.len(), &basis)?;
         check_count("the surface", surface.vertices(), &basis)?;
-        let normals = surface.normals(&positions);
-        Ok(Self { basis, positions, normals, spectrum: OnceLock::new() })
+        Ok(Self { basis, surface, positions, normals: OnceLock::new(), spectrum: OnceLock::new() })
+    }
+
+    /// This shape with its vertices moved by `displacement` (N).
+    pub(crate) fn moved(&self, displacement: &[Vec3]) -> Self {
+        let positions = self.positions.par_iter().zip(displacement).map(|(x, d)| add(*x, *d)).collect();
+        let (basis, surface) = (self.basis.clone(), self.surface.clone());
+        Self { basis, surface, positions, normals: OnceLock::new(), spectrum: OnceLock::new() }
+    }
+
+    /// n(v), N area-weighted unit normals; zero where undefined.
+    pub fn normals(&self) -> &[Vec3] {
+        self.normals.get_or_init(|| self.surface.normals(&self.positions))
     }
 
     /// x̃_k, K×3.
@@ -165,8 +176,7 @@ pub struct Difference {
     pub target: Arc<Target>,
     /// x^δ(v), N.
     pub delta: Vec<Vec3>,
-    /// ξ(v) = ⟨x^δ(v), n(v)⟩, N.
-    pub xi: Vec<f64>,
+    xi: OnceLock<Vec<f64>>,
     delta_spectrum: OnceLock<Vec<Vec3>>,
     xi_spectrum: OnceLock<Vec<f64>>,
     psi: OnceLock<Psi>,
@@ -191,9 +201,16 @@ impl Difference {
         check_count("the template's points", target.points.len(), &base.basis)?;
         let pairs = target.points.par_iter().zip(&base.positions);
         let delta: Vec<Vec3> = pairs.map(|(r, x)| sub(*r, *x)).collect();
-        let xi = delta.par_iter().zip(&base.normals).map(|(d, n)| dot(*d, *n)).collect();
-        let (delta_spectrum, xi_spectrum, psi) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Ok(Self { base, target, delta, xi, delta_spectrum, xi_spectrum, psi })
+        let (delta_spectrum, xi, xi_spectrum) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Ok(Self { base, target, delta, xi, delta_spectrum, xi_spectrum, psi: OnceLock::new() })
+    }
+
+    /// ξ(v) = ⟨x^δ(v), n(v)⟩, N.
+    pub fn xi(&self) -> &[f64] {
+        self.xi.get_or_init(|| {
+            let pairs = self.delta.par_iter().zip(self.base.normals());
+            pairs.map(|(d, n)| dot(*d, *n)).collect()
+        })
     }
 
     /// Transforms all that the three models need and that is not there yet, in one pass.
@@ -201,7 +218,7 @@ impl Difference {
         let basis = &self.base.basis;
         let k = basis.harmonics();
         if self.base.spectrum.get().is_none() && self.xi_spectrum.get().is_none() {
-            let (x, xi) = (&self.base.positions, &self.xi);
+            let (x, xi) = (&self.base.positions, self.xi());
             let both = analyse(basis, k, |v| [x[v][0], x[v][1], x[v][2], xi[v]]);
             // Another thread may have been first; its values are the same.
             let _ = self.base.spectrum.set(both.iter().map(|c| [c[0], c[1], c[2]]).collect());
@@ -223,8 +240,10 @@ impl Difference {
     /// ξ̃_k, K.
     pub fn xi_spectrum(&self) -> &[f64] {
         let basis = &self.base.basis;
-        let one = || analyse(basis, basis.harmonics(), |v| [self.xi[v]]).iter().map(|c| c[0]).collect();
-        self.xi_spectrum.get_or_init(one)
+        self.xi_spectrum.get_or_init(|| {
+            let xi = self.xi();
+            analyse(basis, basis.harmonics(), |v| [xi[v]]).iter().map(|c| c[0]).collect()
+        })
     }
 
     /// ψ_k and ψ_d: the minimum of ½ Σ_v a(v) ‖φx(v) − x^δ(v)‖² (appendix A, area-weighted).
@@ -272,7 +291,7 @@ impl Difference {
 
     /// dξ(v), N: the part of ξ above K.
     pub fn xi_residual(&self) -> Vec<f64> {
-        let mut out = self.xi.clone();
+        let mut out = self.xi().to_vec();
         let coefficients: Vec<[f64; 1]> = self.xi_spectrum().iter().map(|c| [*c]).collect();
         synthesise(&self.base.basis, &coefficients, &mut out, |_, [low], xi| *xi -= low);
         out

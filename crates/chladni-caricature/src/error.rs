@@ -38,6 +38,20 @@ pub enum Error {
     /// An action names a layer that the project does not have.
     #[error("there is no layer {0}")]
     NoLayer(u64),
+    /// Painting was asked for before the shape was loaded.
+    #[error("a region can only be painted on a loaded shape")]
+    NoSurface,
+    /// A template could not be loaded or matched.
+    #[error("template {template}: {why}")]
+    Template {
+        /// The template, as written in the project.
+        template: String,
+        /// What went wrong.
+        why: String,
+    },
+    /// The match that a layer needs failed before; the text is that failure's.
+    #[error("{0}")]
+    Unmatched(String),
     /// A project file is not valid.
     #[error("{}: {why}", path.display())]
     ProjectFile {

@@ -68,7 +68,7 @@ impl Difference {
         let basis = self.base.basis();
         if model == Model::Normal {
             let split = split_normal(self, curve);
-            let mut out: Vec<f64> = self.xi.iter().map(|xi| split.whole * xi).collect();
+            let mut out: Vec<f64> = self.xi().iter().map(|xi| split.whole * xi).collect();
             if !split.coefficients.is_empty() {
                 synthesise(basis, &split.coefficients, &mut out, |_, [sum], f| *f += sum);
             }
@@ -125,7 +125,7 @@ impl Signals {
         Self {
             shape: single(&difference.base.positions),
             delta: single(&difference.delta),
-            xi: difference.xi.iter().map(|x| *x as f32).collect(),
+            xi: difference.xi().iter().map(|x| *x as f32).collect(),
         }
     }
 }
@@ -141,9 +141,7 @@ impl Field {
     pub fn displacement(&self, normals: &[Vec3], mu: f64, mask: Option<&[f32]>) -> Vec<Vec3> {
         let gain = |v: usize| mu * mask.map_or(1.0, |m| f64::from(m[v]));
         match self {
-            Self::Vector(field) => {
-                field.par_iter().enumerate().map(|(v, f)| scale(*f, gain(v))).collect()
-            }
+            Self::Vector(field) => field.par_iter().enumerate().map(|(v, f)| scale(*f, gain(v))).collect(),
             Self::Normal(field) => {
                 let pairs = field.par_iter().zip(normals).enumerate();
                 pairs.map(|(v, (f, n))| scale(*n, f * gain(v))).collect()
@@ -180,7 +178,7 @@ mod tests {
                 let c: Vec<f64> = d.xi_spectrum().iter().zip(&phi).map(|(c, p)| c * p).collect();
                 let low = basis.synthesize(&c);
                 let dxi = d.xi_residual();
-                let along = low.iter().zip(dxi).zip(&d.base.normals);
+                let along = low.iter().zip(dxi).zip(d.base.normals());
                 along.map(|((f, r), n)| scale(*n, f + curve.residual * r)).collect()
             }
         }
@@ -197,7 +195,7 @@ mod tests {
         let d = Difference::new(base.clone(), target).unwrap();
         for model in Model::ALL {
             for curve in curves() {
-                let ours = d.field(model, &curve).displacement(&base.normals, -1.3, None);
+                let ours = d.field(model, &curve).displacement(base.normals(), -1.3, None);
                 for (a, b) in ours.iter().zip(by_the_paper(&d, model, &curve)) {
                     assert!(distance(*a, scale(b, -1.3)) < 1e-12, "{model}");
                 }
@@ -213,18 +211,24 @@ mod tests {
         let mask: Arc<[f32]> = (0..base.positions.len()).map(|v| (v % 7) as f32 / 6.0).collect();
         for model in Model::ALL {
             for curve in curves() {
-                let ours = d.field(model, &curve).displacement(&base.normals, -1.3, Some(&mask));
+                let ours = d.field(model, &curve).displacement(base.normals(), -1.3, Some(&mask));
                 let term = d.term(&signals, model, &curve, -1.3, Some(mask.clone()));
                 let gain = f64::from(term.residual_gain);
                 for v in 0..base.positions.len() {
                     let f: Vec3 = match (&term.coefficients, term.residual.as_ref().unwrap()) {
                         (Coefficients::Vector(c), Residual::Vector(r)) => std::array::from_fn(|i| {
-                            let low = c.iter().enumerate().map(|(k, c)| d.base.basis().harmonic(k)[v] * f64::from(c[i]));
+                            let low = c
+                                .iter()
+                                .enumerate()
+                                .map(|(k, c)| d.base.basis().harmonic(k)[v] * f64::from(c[i]));
                             low.sum::<f64>() + gain * f64::from(r[v][i])
                         }),
                         (Coefficients::Normal(c), Residual::Normal(r)) => {
-                            let low = c.iter().enumerate().map(|(k, c)| d.base.basis().harmonic(k)[v] * f64::from(*c));
-                            scale(base.normals[v], low.sum::<f64>() + gain * f64::from(r[v]))
+                            let low = c
+                                .iter()
+                                .enumerate()
+                                .map(|(k, c)| d.base.basis().harmonic(k)[v] * f64::from(*c));
+                            scale(base.normals()[v], low.sum::<f64>() + gain * f64::from(r[v]))
                         }
                         _ => panic!("a term mixes forms"),
                     };
@@ -239,13 +243,13 @@ mod tests {
         let (body, _, base, target) = base_and_target();
         let d = Difference::new(base.clone(), target.clone()).unwrap();
         let field = d.field(Model::Coordinate, &ScaleCurve::flat(1.0));
-        let one = field.displacement(&base.normals, 1.0, None);
+        let one = field.displacement(base.normals(), 1.0, None);
         for ((x, d), r) in base.positions.iter().zip(&one).zip(&target.points) {
             assert!(distance(add(*x, *d), *r) <= 4.0 * f64::EPSILON);
         }
         let file: Vec<Vec3> = body.positions.iter().map(|p| body.frame.to_file(*p)).collect();
         for model in Model::ALL {
-            let zero = d.field(model, &ScaleCurve::mid()).displacement(&base.normals, 0.0, None);
+            let zero = d.field(model, &ScaleCurve::mid()).displacement(base.normals(), 0.0, None);
             let back = body.displaced_file_positions(&file, &zero);
             let bits = |p: &[Vec3]| p.iter().flatten().map(|c| c.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(&back), bits(&file));
@@ -256,7 +260,8 @@ mod tests {
     fn parseval_holds_for_the_difference() {
         let (body, _, base, target) = base_and_target();
         let d = Difference::new(base, target).unwrap();
-        let energy = |f: &[Vec3]| f.iter().zip(&body.basis.mass).map(|(f, a)| a * norm(*f).powi(2)).sum::<f64>();
+        let energy =
+            |f: &[Vec3]| f.iter().zip(&body.basis.mass).map(|(f, a)| a * norm(*f).powi(2)).sum::<f64>();
         let harmonics: f64 = d.amplitudes().iter().map(|a| a * a).sum();
         let whole = energy(&d.delta);
         assert!((harmonics + energy(&d.delta_residual()) - whole).abs() < 1e-12 * whole);
@@ -294,13 +299,13 @@ mod tests {
     fn psi_does_not_divide_noise_by_noise() {
         let (points, triangles) = crate::fixture::icosphere(3);
         let (body, ..) = base_and_target();
-        let surface = crate::Surface::of(points.clone(), triangles);
+        let surface = crate::Surface::of(points.clone(), triangles, body.frame);
         // A round sphere has amplitude in its three harmonics of degree 1 only.
         let mass = vec![1.0 / points.len() as f64; points.len()];
         let basis = crate::fixture::polynomials(&points, mass);
         assert_eq!(basis.harmonics(), body.basis.harmonics());
         let basis = Arc::new(basis);
-        let base = Arc::new(crate::Base::new(basis.clone(), &surface, points.clone()).unwrap());
+        let base = Arc::new(crate::Base::new(basis.clone(), Arc::new(surface), points.clone()).unwrap());
         let lump = points.iter().map(|p| scale(*p, 1.0 + 0.3 * p[0] * p[1] * p[2])).collect();
         let target = Arc::new(crate::Target::new(basis, lump).unwrap());
         let psi = Difference::new(base, target).unwrap().psi().clone();
@@ -314,7 +319,8 @@ mod tests {
     fn the_self_templates_know_their_transform() {
         let (body, _, base, _) = base_and_target();
         let plain = |points: &[Vec3]| body.basis.transform3(points);
-        for target in [crate::Target::scaled(base.clone(), 0.9), crate::Target::low_passed(base.clone(), 20)] {
+        for target in [crate::Target::scaled(base.clone(), 0.9), crate::Target::low_passed(base.clone(), 20)]
+        {
             for (a, b) in target.spectrum().iter().zip(plain(&target.points)) {
                 assert!(distance(*a, b) < 1e-12);
             }

@@ -30,14 +30,14 @@ pub(crate) fn bumpy_sphere() -> (Arc<Body>, Surface) {
     let operator_vertex = (0..positions.len() as u32).map(Some).collect();
     let basis = Arc::new(polynomials(&points, mass));
     let frame = Frame { center: [10.0, -3.0, 0.25], scale: 0.37 };
-    let surface = Surface::of(positions.clone(), triangles.clone());
+    let surface = Surface::of(positions.clone(), triangles.clone(), frame);
     (Arc::new(Body { frame, positions, triangles, operator_vertex, basis }), surface)
 }
 
 /// The body's rest shape as a base, and a template that is another lump with the same vertices.
 pub(crate) fn base_and_target() -> (Arc<Body>, Surface, Arc<Base>, Arc<Target>) {
     let (body, surface) = bumpy_sphere();
-    let base = Base::new(body.basis.clone(), &surface, body.positions.clone()).unwrap();
+    let base = Base::new(body.basis.clone(), Arc::new(surface.clone()), body.positions.clone()).unwrap();
     let target = body.positions.iter().map(|p| {
         let r = norm(*p);
         [p[0] * 0.9 + 0.05 * (5.0 * p[1]).sin(), p[1] * (0.8 + 0.3 * r), p[2] + 0.1 * p[0] * p[1] - 0.02]
@@ -92,7 +92,8 @@ pub(crate) fn icosphere(levels: usize) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         for b in a + 1..12 {
             for c in b + 1..12 {
                 if near(a, b) && near(b, c) && near(a, c) {
-                    let outward = crate::vector::dot(area_normal(&points, [a, b, c]), points[a as usize]) > 0.0;
+                    let outward =
+                        crate::vector::dot(area_normal(&points, [a, b, c]), points[a as usize]) > 0.0;
                     triangles.push(if outward { [a, b, c] } else { [a, c, b] });
                 }
             }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use chladni_harmonics::Basis;
 use serde::{Deserialize, Serialize};
 
+use crate::Error;
 use crate::difference::check_count;
 use crate::transform::{analyse, synthesise};
 use crate::vector::{Vec3, distance};
-use crate::Error;
 
 /// The part of the shape that a layer deforms.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -19,7 +19,11 @@ pub(crate) fn to_text(values: &[f32]) -> String {
             text.push(' ');
         }
         // Writing to a String cannot fail.
-        let _ = if run.len() == 1 { write!(text, "{}", run[0]) } else { write!(text, "{}*{}", run.len(), run[0]) };
+        let _ = if run.len() == 1 {
+            write!(text, "{}", run[0])
+        } else {
+            write!(text, "{}*{}", run.len(), run[0])
+        };
     }
     text
 }

@@ -60,7 +60,11 @@ impl ScaleCurve {
     pub fn validate(&self) -> Result<(), Error> {
         for (i, &[u, gain]) in self.points.iter().enumerate() {
             if !(0.0..=1.0).contains(&u) {
-                return Err(Error::Range { what: "a frequency of the scale curve", value: u, range: "0 to 1" });
+                return Err(Error::Range {
+                    what: "a frequency of the scale curve",
+                    value: u,
+                    range: "0 to 1",
+                });
             }
             if i > 0 && u <= self.points[i - 1][0] {
                 let range = "above the point before it";

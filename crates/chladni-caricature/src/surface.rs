@@ -1,6 +1,7 @@
-//! Who neighbours whom on the operator vertices of a body.
+//! The operator vertices of a body as a surface to walk and paint on.
 
 use chladni_harmonics::Body;
+use chladni_mesh::{Frame, Rows, vertex_triangles};
 use rayon::prelude::*;
 
 use crate::vector::{Vec3, add, cross, norm, scale, sub};
@@ -12,38 +13,21 @@ pub struct Surface {
     pub positions: Vec<Vec3>,
     /// Triangles over operator vertices, as in the body.
     pub triangles: Vec<[u32; 3]>,
-    start: Vec<u32>,
-    around: Vec<u32>,
+    /// The similarity between file and working frame.
+    pub frame: Frame,
+    around: Rows,
 }
 
 impl Surface {
     /// The surface of `body` at rest.
     pub fn new(body: &Body) -> Self {
-        Self::of(body.positions.clone(), body.triangles.clone())
+        Self::of(body.positions.clone(), body.triangles.clone(), body.frame)
     }
 
-    /// The surface of `triangles`, each over indices below `positions.len()`; a triangle with
-    /// an index beyond is dropped from the neighbourhoods.
-    pub(crate) fn of(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
-        let n = positions.len();
-        let mut start = vec![0_u32; n + 1];
-        let valid = |t: &[u32; 3]| t.iter().all(|v| (*v as usize) < n);
-        for t in triangles.iter().filter(|t| valid(t)) {
-            t.iter().for_each(|v| start[*v as usize + 1] += 1);
-        }
-        for v in 0..n {
-            start[v + 1] += start[v];
-        }
-        let mut next = start.clone();
-        let mut around = vec![0; start[n] as usize];
-        for (i, t) in triangles.iter().enumerate().filter(|(_, t)| valid(t)) {
-            for v in t {
-                let slot = &mut next[*v as usize];
-                around[*slot as usize] = i as u32;
-                *slot += 1;
-            }
-        }
-        Self { positions, triangles, start, around }
+    /// The surface of `triangles`, whose indices must lie below `positions.len()`.
+    pub(crate) fn of(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, frame: Frame) -> Self {
+        let around = vertex_triangles(positions.len(), &triangles);
+        Self { positions, triangles, frame, around }
     }
 
     /// N, the number of operator vertices.
@@ -51,13 +35,14 @@ impl Surface {
         self.positions.len()
     }
 
-    /// The triangles that use vertex `v`; none where there is no such vertex.
-    pub fn triangles_around(&self, v: u32) -> &[u32] {
-        let bounds = (self.start.get(v as usize), self.start.get(v as usize + 1));
-        match bounds {
-            (Some(&a), Some(&b)) => &self.around[a as usize..b as usize],
-            _ => &[],
-        }
+    /// The triangles that use vertex `v` < N.
+    pub(crate) fn triangles_around(&self, v: u32) -> &[u32] {
+        self.around.row(v as usize)
+    }
+
+    /// The operator vertices' positions in the coordinates of the file, N.
+    pub fn file_positions(&self) -> Vec<Vec3> {
+        self.positions.iter().map(|p| self.frame.to_file(*p)).collect()
     }
 
     /// Unit vertex normals, area-weighted, of this surface with its vertices at `positions` (N).
@@ -76,11 +61,8 @@ impl Surface {
     }
 }
 
-/// (b − a) × (c − a): the normal of a triangle, as long as twice its area; zero where an index
-/// is out of range.
+/// (b − a) × (c − a): the normal of a triangle, as long as twice its area.
 pub(crate) fn area_normal(positions: &[Vec3], triangle: [u32; 3]) -> Vec3 {
-    let [Some(&a), Some(&b), Some(&c)] = triangle.map(|v| positions.get(v as usize)) else {
-        return [0.0; 3];
-    };
+    let [a, b, c] = triangle.map(|v| positions[v as usize]);
     cross(sub(b, a), sub(c, a))
 }

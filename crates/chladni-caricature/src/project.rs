@@ -1,0 +1,258 @@
+//! The document: a shape and its stack of layers, and the actions that change it.
+
+use std::sync::Arc;
+
+use chladni_match::Settings as MatchSettings;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Error, Layer, LayerId, Model, PaintEdit, Painted, ScaleCurve, ShapeSource, Smoothing, Surface, Template,
+};
+
+/// What is saved: which shape, how many harmonics, which layers. Cloning shares the layers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Project {
+    /// Where the shape comes from.
+    pub shape: ShapeSource,
+    /// K, the number of harmonics to solve for.
+    pub harmonics: usize,
+    layers: Vec<(LayerId, Arc<Layer>)>,
+    next_id: u64,
+}
+
+/// Everything a user can do to a project. Ids of layers are given out in order, so that a
+/// recorded list of actions replays to the same project.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// Puts a layer at `index` of the stack (0 is the lowest).
+    Add {
+        /// Where, at most the number of layers.
+        index: usize,
+        /// The new layer.
+        layer: Box<Layer>,
+    },
+    /// Takes a layer away.
+    Remove(LayerId),
+    /// Puts a copy directly above a layer.
+    Duplicate(LayerId),
+    /// Moves a layer to `index` of the stack.
+    Move {
+        /// The layer.
+        layer: LayerId,
+        /// Its new place; beyond the top is the top.
+        index: usize,
+    },
+    /// Changes one property of a layer.
+    Set {
+        /// The layer.
+        layer: LayerId,
+        /// The property and its new value.
+        to: Property,
+    },
+    /// Paints the region of a layer.
+    Paint {
+        /// The layer.
+        layer: LayerId,
+        /// What the brush did.
+        edit: PaintEdit,
+    },
+    /// Changes the number of harmonics; the basis has to be solved again.
+    SetHarmonics(usize),
+}
+
+/// A property of a layer with its new value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Property {
+    /// Its name.
+    Name(String),
+    /// Its template.
+    Template(Template),
+    /// How the template is matched, landmarks included.
+    Matching(MatchSettings),
+    /// Its model.
+    Model(Model),
+    /// μ.
+    Mu(f64),
+    /// The factor on μ.
+    Strength(f64),
+    /// How the region is smoothed.
+    Smoothing(Smoothing),
+    /// Φ.
+    Curve(ScaleCurve),
+    /// Whether it acts.
+    Enabled(bool),
+    /// Whether only it and other soloed layers act.
+    Solo(bool),
+}
+
+impl Project {
+    /// A project without layers.
+    pub fn new(shape: ShapeSource, harmonics: usize) -> Self {
+        Self { shape, harmonics, layers: Vec::new(), next_id: 1 }
+    }
+
+    /// The layers with their ids, lowest first.
+    pub fn layers(&self) -> &[(LayerId, Arc<Layer>)] {
+        &self.layers
+    }
+
+    /// The layer called `id`.
+    pub fn layer(&self, id: LayerId) -> Option<&Arc<Layer>> {
+        self.layers.iter().find(|(i, _)| *i == id).map(|(_, l)| l)
+    }
+
+    /// Whether a layer acts: it is enabled, and soloed where any layer is.
+    pub fn acts(&self, layer: &Layer) -> bool {
+        layer.enabled && (layer.solo || !self.layers.iter().any(|(_, l)| l.solo))
+    }
+
+    /// The id that the next new layer gets.
+    pub fn next_id(&self) -> LayerId {
+        LayerId(self.next_id)
+    }
+
+    /// Adds a layer on top and returns its id.
+    pub fn push(&mut self, layer: Layer) -> Result<LayerId, Error> {
+        layer.validate()?;
+        Ok(self.insert(self.layers.len(), Arc::new(layer)))
+    }
+
+    fn insert(&mut self, index: usize, layer: Arc<Layer>) -> LayerId {
+        let id = LayerId(self.next_id);
+        self.next_id += 1;
+        self.layers.insert(index.min(self.layers.len()), (id, layer));
+        id
+    }
+
+    fn index(&self, id: LayerId) -> Result<usize, Error> {
+        self.layers.iter().position(|(i, _)| *i == id).ok_or(Error::NoLayer(id.0))
+    }
+
+    /// Does `action`. Painting needs the `surface` of the shape. On an error nothing has changed.
+    pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), Error> {
+        match action {
+            Action::Add { index, layer } => {
+                layer.validate()?;
+                self.insert(*index, Arc::new(Layer::clone(layer)));
+            }
+            Action::Remove(id) => {
+                let index = self.index(*id)?;
+                self.layers.remove(index);
+            }
+            Action::Duplicate(id) => {
+                let index = self.index(*id)?;
+                let mut copy = Layer::clone(&self.layers[index].1);
+                copy.name.push_str(" copy");
+                self.insert(index + 1, Arc::new(copy));
+            }
+            Action::Move { layer, index } => {
+                let from = self.index(*layer)?;
+                let entry = self.layers.remove(from);
+                self.layers.insert((*index).min(self.layers.len()), entry);
+            }
+            Action::Set { layer, to } => self.change(*layer, |l| to.put(l))?,
+            Action::Paint { layer, edit } => {
+                let surface = surface.ok_or(Error::NoSurface)?;
+                self.change(*layer, |l| {
+                    l.region.painted = edit.apply(&l.region.painted, surface)?;
+                    Ok(())
+                })?;
+            }
+            Action::SetHarmonics(0) => {
+                return Err(Error::Range { what: "the number of harmonics", value: 0.0, range: "1 or more" });
+            }
+            Action::SetHarmonics(harmonics) => self.harmonics = *harmonics,
+        }
+        Ok(())
+    }
+
+    fn change(
+        &mut self,
+        id: LayerId,
+        put: impl FnOnce(&mut Layer) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let index = self.index(id)?;
+        let mut layer = Layer::clone(&self.layers[index].1);
+        put(&mut layer)?;
+        layer.validate()?;
+        self.layers[index].1 = Arc::new(layer);
+        Ok(())
+    }
+
+    /// Checks that every painted region has one value for each of `vertices` operator vertices.
+    pub fn check_vertices(&self, vertices: usize) -> Result<(), Error> {
+        for (_, layer) in &self.layers {
+            if let Painted::Vertices(values) = &layer.region.painted
+                && values.len() != vertices
+            {
+                let found = values.len();
+                return Err(Error::VertexCount { what: "a painted region", found, expected: vertices });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Property {
+    fn put(&self, layer: &mut Layer) -> Result<(), Error> {
+        match self.clone() {
+            Self::Name(name) => layer.name = name,
+            Self::Template(template) => layer.template = template,
+            Self::Matching(matching) => layer.matching = matching,
+            Self::Model(model) => layer.model = model,
+            Self::Mu(mu) => layer.mu = mu,
+            Self::Strength(strength) => layer.strength = strength,
+            Self::Smoothing(smoothing) => layer.region.smoothing = smoothing,
+            Self::Curve(curve) => layer.curve = curve,
+            Self::Enabled(enabled) => layer.enabled = enabled,
+            Self::Solo(solo) => layer.solo = solo,
+        }
+        Ok(())
+    }
+}
+
+impl Action {
+    /// What undo and redo call it.
+    pub fn label(&self) -> &'static str {
+        match self {
+            Self::Add { .. } => "add layer",
+            Self::Remove(_) => "delete layer",
+            Self::Duplicate(_) => "duplicate layer",
+            Self::Move { .. } => "reorder layers",
+            Self::Paint { edit, .. } => match edit {
+                PaintEdit::Dab(dab) if dab.erase => "erase",
+                PaintEdit::Dab(_) => "paint",
+                PaintEdit::FillComponent { .. } => "fill component",
+                PaintEdit::Grow => "grow region",
+                PaintEdit::Shrink => "shrink region",
+                PaintEdit::Invert => "invert region",
+                PaintEdit::Clear => "clear region",
+                PaintEdit::Set(_) => "set region",
+            },
+            Self::SetHarmonics(_) => "number of harmonics",
+            Self::Set { to, .. } => match to {
+                Property::Name(_) => "rename layer",
+                Property::Template(_) => "template",
+                Property::Matching(_) => "match",
+                Property::Model(_) => "model",
+                Property::Mu(_) => "μ",
+                Property::Strength(_) => "strength",
+                Property::Smoothing(_) => "region smoothing",
+                Property::Curve(_) => "scale curve",
+                Property::Enabled(_) => "show layer",
+                Property::Solo(_) => "solo layer",
+            },
+        }
+    }
+
+    /// The layer it changes, where it changes one.
+    pub fn layer(&self) -> Option<LayerId> {
+        match self {
+            Self::Set { layer, .. } | Self::Paint { layer, .. } | Self::Move { layer, .. } => Some(*layer),
+            Self::Remove(layer) | Self::Duplicate(layer) => Some(*layer),
+            Self::Add { .. } | Self::SetHarmonics(_) => None,
+        }
+    }
+}

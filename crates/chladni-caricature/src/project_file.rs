@@ -1,0 +1,308 @@
+//! Project files: text that a person can read and change, and that is never half written.
+//!
+//! docs/caricature.md describes the format.
+
+use std::path::{Component, Path, PathBuf};
+
+use chladni_match::Settings as MatchSettings;
+use serde::{Deserialize, Serialize};
+
+use crate::migration::{FORMAT_VERSION, migrate};
+use crate::{
+    Error, Layer, Model, Painted, Project, Region, ScaleCurve, ShapeSource, Smoothing, Sphere, Template, runs,
+};
+
+/// The whole file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    format_version: i64,
+    /// In recovery files: where the project was saved before, if it was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    recovered_from: Option<PathBuf>,
+    shape: ShapeTable,
+    #[serde(default, rename = "layer")]
+    layers: Vec<LayerTable>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShapeTable {
+    source: String,
+    #[serde(default = "default_harmonics")]
+    harmonics: usize,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LayerTable {
+    name: String,
+    template: String,
+    #[serde(default = "default_model")]
+    model: Model,
+    mu: f64,
+    #[serde(default = "one")]
+    strength: f64,
+    #[serde(default = "yes")]
+    enabled: bool,
+    #[serde(default)]
+    solo: bool,
+    /// Only what differs from the default of the program that wrote it has to be here.
+    #[serde(default, rename = "match", skip_serializing_if = "toml::Table::is_empty")]
+    matching: toml::Table,
+    #[serde(default)]
+    region: RegionTable,
+    #[serde(default)]
+    scale: ScaleCurve,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RegionTable {
+    /// `x,y,z,radius` in the shape's file units, each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    spheres: Vec<String>,
+    /// Run-length text over the operator vertices.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    painted: Option<String>,
+    cutoff: usize,
+    roll_off: crate::RollOff,
+    clamp: bool,
+}
+
+impl Default for RegionTable {
+    fn default() -> Self {
+        let Smoothing { cutoff, roll_off, clamp } = Smoothing::default();
+        Self { spheres: Vec::new(), painted: None, cutoff, roll_off, clamp }
+    }
+}
+
+/// K of a project that names none.
+pub const DEFAULT_HARMONICS: usize = 512;
+
+fn default_harmonics() -> usize {
+    DEFAULT_HARMONICS
+}
+fn default_model() -> Model {
+    Model::Coordinate
+}
+fn one() -> f64 {
+    1.0
+}
+fn yes() -> bool {
+    true
+}
+
+impl Project {
+    /// Reads the project file at `path`. Paths in it are taken from its folder.
+    ///
+    /// Files of older formats are brought up to date in memory. Fails, naming line and column
+    /// where it can, on anything that is not a valid project, and on a newer format.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.into(), source })?;
+        Ok(Self::from_text(&text, path)?.0)
+    }
+
+    /// Writes the project to `path`: readers see the old file or the whole new one, whatever
+    /// happens to this process meanwhile.
+    pub fn save(&self, path: &Path) -> Result<(), Error> {
+        let text = self.to_text(path, None)?;
+        chladni_task::write_atomic(path, text.as_bytes())
+            .map_err(|source| Error::Io { path: path.into(), source })
+    }
+
+    /// The text of a project file at `path`; with `recovered_from`, of a recovery file.
+    pub(crate) fn to_text(&self, path: &Path, recovered_from: Option<PathBuf>) -> Result<String, Error> {
+        let invalid = |why: String| Error::ProjectFile { path: path.into(), why };
+        let folder = folder_of(path);
+        let source = match &self.shape {
+            ShapeSource::File(file) => relative_text(file, &folder).map_err(invalid)?,
+            sample @ ShapeSource::Sample(_) => sample.to_string(),
+        };
+        let layers = self.layers().iter().map(|(_, l)| LayerTable::of(l, &folder));
+        let document = Document {
+            format_version: FORMAT_VERSION,
+            recovered_from,
+            shape: ShapeTable { source, harmonics: self.harmonics },
+            layers: layers.collect::<Result<_, _>>().map_err(invalid)?,
+        };
+        toml::to_string(&document).map_err(|e| invalid(e.to_string()))
+    }
+
+    /// A project and, from a recovery file, where it was saved before.
+    pub(crate) fn from_text(text: &str, path: &Path) -> Result<(Self, Option<PathBuf>), Error> {
+        let invalid = |why: String| Error::ProjectFile { path: path.into(), why };
+        let table: toml::Table = text.parse().map_err(|e: toml::de::Error| invalid(one_line(&e, text)))?;
+        let migrated = migrate(table, path)?;
+        // Parsing the text itself where it is up to date gives errors their line and column.
+        let document: Document = match migrated {
+            None => toml::from_str(text).map_err(|e| invalid(one_line(&e, text)))?,
+            Some(table) => table.try_into().map_err(|e: toml::de::Error| invalid(e.message().to_owned()))?,
+        };
+        let folder = folder_of(path);
+        let shape = document.shape.source.parse().map_err(|e: Error| invalid(e.to_string()))?;
+        let shape = match shape {
+            ShapeSource::File(file) => ShapeSource::File(resolved(&file, &folder)),
+            sample @ ShapeSource::Sample(_) => sample,
+        };
+        if document.shape.harmonics == 0 {
+            return Err(invalid("the number of harmonics is 0".to_owned()));
+        }
+        let mut project = Self::new(shape, document.shape.harmonics);
+        for (i, table) in document.layers.into_iter().enumerate() {
+            let place = format!("layer {} ({})", i + 1, table.name);
+            let layer = table.into_layer(&folder).and_then(|l| project.push(l));
+            layer.map_err(|e| invalid(format!("{place}: {e}")))?;
+        }
+        Ok((project, document.recovered_from))
+    }
+}
+
+impl LayerTable {
+    fn of(layer: &Layer, folder: &Path) -> Result<Self, String> {
+        let template = match &layer.template {
+            Template::File(file) => relative_text(file, folder)?,
+            other => other.to_string(),
+        };
+        let Smoothing { cutoff, roll_off, clamp } = layer.region.smoothing;
+        let (spheres, painted) = match &layer.region.painted {
+            Painted::Everywhere => (Vec::new(), None),
+            Painted::Spheres(spheres) => (spheres.iter().map(Sphere::to_string).collect(), None),
+            Painted::Vertices(values) => (Vec::new(), Some(runs::to_text(values))),
+        };
+        let mut matching = table_of(&layer.matching)?;
+        let default = table_of(&MatchSettings::default())?;
+        matching.retain(|key, value| default.get(key) != Some(value));
+        Ok(Self {
+            name: layer.name.clone(),
+            template,
+            model: layer.model,
+            mu: layer.mu,
+            strength: layer.strength,
+            enabled: layer.enabled,
+            solo: layer.solo,
+            matching,
+            region: RegionTable { spheres, painted, cutoff, roll_off, clamp },
+            scale: layer.curve.clone(),
+        })
+    }
+
+    fn into_layer(self, folder: &Path) -> Result<Layer, Error> {
+        let template = match self.template.parse()? {
+            Template::File(file) => Template::File(resolved(&file, folder)),
+            other => other,
+        };
+        let bad_match = |why: String| Error::Syntax { what: "match", text: String::new(), why };
+        let mut matching = table_of(&MatchSettings::default()).map_err(bad_match)?;
+        if let Some(unknown) = self.matching.keys().find(|k| !matching.contains_key(*k)) {
+            return Err(bad_match(format!("there is no setting `{unknown}`")));
+        }
+        matching.extend(self.matching);
+        let matching = matching.try_into().map_err(|e: toml::de::Error| bad_match(e.message().to_owned()))?;
+        let RegionTable { spheres, painted, cutoff, roll_off, clamp } = self.region;
+        let painted = match painted {
+            Some(text) if spheres.is_empty() => Painted::Vertices(runs::from_text(&text)?),
+            Some(_) => {
+                return Err(Error::syntax("region", "painted", "spheres and painted exclude each other"));
+            }
+            None if spheres.is_empty() => Painted::Everywhere,
+            None => Painted::Spheres(spheres.iter().map(|s| s.parse()).collect::<Result<_, _>>()?),
+        };
+        Ok(Layer {
+            name: self.name,
+            template,
+            matching,
+            model: self.model,
+            mu: self.mu,
+            strength: self.strength,
+            region: Region { painted, smoothing: Smoothing { cutoff, roll_off, clamp } },
+            curve: self.scale,
+            enabled: self.enabled,
+            solo: self.solo,
+        })
+    }
+}
+
+fn table_of(settings: &MatchSettings) -> Result<toml::Table, String> {
+    toml::Table::try_from(settings).map_err(|e| e.to_string())
+}
+
+/// "line 3, column 7: what is wrong", without the quoted source.
+fn one_line(error: &toml::de::Error, text: &str) -> String {
+    let what = error.message().lines().next().unwrap_or("not valid TOML");
+    match error.span().and_then(|span| text.get(..span.start)) {
+        Some(before) => {
+            let line = before.matches('\n').count() + 1;
+            let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+            format!("line {line}, column {column}: {what}")
+        }
+        None => what.to_owned(),
+    }
+}
+
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.into(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// `file` as it is written into a project in `folder`: relative, with forward slashes.
+fn relative_text(file: &Path, folder: &Path) -> Result<String, String> {
+    let relative = relative(file, folder).unwrap_or_else(|| file.to_owned());
+    let parts = relative.iter().map(|part| part.to_str());
+    let parts: Option<Vec<&str>> = parts.collect();
+    let parts = parts.ok_or_else(|| format!("{}: its name is not valid Unicode", file.display()))?;
+    let text = if relative.is_absolute() { relative.display().to_string() } else { parts.join("/") };
+    // A file may be called like a template.
+    let is_file = matches!(text.parse(), Ok(Template::File(_)));
+    Ok(if is_file { text } else { format!("./{text}") })
+}
+
+/// `file` of a project in `folder` as an absolute path; by its names alone, as it was written.
+fn resolved(file: &Path, folder: &Path) -> PathBuf {
+    let joined = folder.join(file);
+    std::path::absolute(&joined).map_or(joined, |path| tidy(&path))
+}
+
+/// The way from `folder` to `file`; `None` where there is none, as between two drives.
+fn relative(file: &Path, folder: &Path) -> Option<PathBuf> {
+    let (file, folder) = (tidy(&std::path::absolute(file).ok()?), tidy(&std::path::absolute(folder).ok()?));
+    let (file, folder): (Vec<_>, Vec<_>) = (file.components().collect(), folder.components().collect());
+    let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return None;
+    }
+    let up = folder[shared..].iter().map(|_| Component::ParentDir);
+    Some(up.chain(file[shared..].iter().copied()).collect())
+}
+
+/// Takes `.` and `..` out of an absolute path by its names alone.
+fn tidy(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => {
+                out.pop();
+            }
+            Component::CurDir => {}
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_relative_to_the_project() {
+        let text = |file: &str, folder: &str| relative_text(Path::new(file), Path::new(folder)).unwrap();
+        assert_eq!(text("/a/b/head.obj", "/a/b"), "head.obj");
+        assert_eq!(text("/a/c/./x/../head.obj", "/a/b/d"), "../../c/head.obj");
+        assert_eq!(text("head.obj", "."), "head.obj");
+        assert_eq!(text("/a/ellipsoid", "/a"), "./ellipsoid");
+        assert_eq!(text("/a/self:scale=2", "/a"), "./self:scale=2");
+    }
+}

@@ -1,0 +1,311 @@
+//! The layer stack evaluated on one body: each layer's result is the shape of the next.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use chladni_harmonics::Body;
+use chladni_synth::Term;
+use rayon::prelude::*;
+
+use crate::matching::own_target;
+use crate::memo::{Memo, Same};
+use crate::vector::{Vec3, add};
+use crate::{
+    Base, Difference, Error, Field, Layer, LayerId, MatchRequest, Matched, Model, Painted, Project,
+    ScaleCurve, Signals, Smoothing, Surface, Target, Template,
+};
+
+/// Evaluates projects on one body, and remembers what it computed.
+///
+/// Basis and correspondences never change; a layer whose inputs are the same as the last time
+/// costs nothing, so that a change to layer i is paid for from i upwards only.
+#[derive(Debug)]
+pub struct Stack {
+    body: Arc<Body>,
+    surface: Arc<Surface>,
+    file_positions: Vec<Vec3>,
+    original: Arc<Base>,
+    matches: Vec<(MatchRequest, Result<Arc<Matched>, String>)>,
+    layers: HashMap<LayerId, LayerMemo>,
+}
+
+/// What one layer computed last.
+#[derive(Debug, Default)]
+struct LayerMemo {
+    mask: Memo<(Painted, Smoothing), Mask>,
+    own_target: Memo<(Same<Base>, Template), Arc<Target>>,
+    difference: Memo<(Same<Base>, Same<Target>), Arc<Difference>>,
+    /// One per model, so that the three can be shown side by side.
+    fields: [Memo<(Same<Difference>, ScaleCurve), Arc<Field>>; 3],
+    displacement: Memo<(Same<Field>, f64, Option<Same<[f32]>>), Arc<Vec<Vec3>>>,
+    result: Memo<(Same<Base>, Same<Vec<Vec3>>), Arc<Base>>,
+    signals: Memo<Same<Difference>, Signals>,
+}
+
+type Mask = Option<Arc<[f32]>>;
+
+/// What a project looks like.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// The layers, lowest first.
+    pub layers: Vec<EvaluatedLayer>,
+    /// The shape on top of all layers.
+    pub result: Arc<Base>,
+}
+
+/// What one layer does.
+#[derive(Clone, Debug)]
+pub struct EvaluatedLayer {
+    /// The layer.
+    pub id: LayerId,
+    /// Its name.
+    pub name: String,
+    /// Whether it acts, and why not.
+    pub state: LayerState,
+    /// The shape it starts from.
+    pub base: Arc<Base>,
+    /// χ; `None` is 1 everywhere.
+    pub mask: Option<Arc<[f32]>>,
+    /// Its difference, where it acts.
+    pub difference: Option<Arc<Difference>>,
+    /// The displacement it adds, N, working frame; `None` where it does not act.
+    pub displacement: Option<Arc<Vec<Vec3>>>,
+}
+
+/// Whether a layer acts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LayerState {
+    /// It does.
+    Acts,
+    /// It is switched off, or others are soloed.
+    Off,
+    /// Its template is not matched yet; see [`Stack::missing`].
+    Waiting,
+    /// It cannot: the reason.
+    Failed(String),
+}
+
+impl Stack {
+    /// A stack on `body`, with nothing matched.
+    pub fn new(body: Arc<Body>) -> Result<Self, Error> {
+        let surface = Arc::new(Surface::new(&body));
+        let original = Base::new(body.basis.clone(), surface.clone(), body.positions.clone())?;
+        let file_positions = surface.file_positions();
+        let (matches, layers) = (Vec::new(), HashMap::new());
+        Ok(Self { body, surface, file_positions, original: Arc::new(original), matches, layers })
+    }
+
+    /// The body that is deformed.
+    pub fn body(&self) -> &Arc<Body> {
+        &self.body
+    }
+
+    /// The body's surface, to paint on.
+    pub fn surface(&self) -> &Arc<Surface> {
+        &self.surface
+    }
+
+    /// The shape under all layers.
+    pub fn original(&self) -> &Arc<Base> {
+        &self.original
+    }
+
+    /// The matches that acting layers wait for, each once. Run them away from the window and
+    /// [`install`](Self::install) what they find.
+    pub fn missing(&self, project: &Project) -> Vec<MatchRequest> {
+        let mut missing: Vec<MatchRequest> = Vec::new();
+        for (_, layer) in project.layers().iter().filter(|(_, l)| project.acts(l)) {
+            let unknown = |r: &MatchRequest| !self.matches.iter().any(|(known, _)| known == r);
+            if let Some(request) = MatchRequest::of(layer).filter(|r| unknown(r) && !missing.contains(r)) {
+                missing.push(request);
+            }
+        }
+        missing
+    }
+
+    /// Keeps a match for all layers that ask for it, now and later, so that undoing a change of
+    /// template does not match again. A failed one puts its layers in [`LayerState::Failed`].
+    pub fn install(&mut self, request: MatchRequest, matched: Result<Matched, Error>) {
+        self.forget(&request);
+        self.matches.push((request, matched.map(Arc::new).map_err(|why| why.to_string())));
+    }
+
+    /// Forgets a match, so that it is [`missing`](Self::missing) again: its file has changed.
+    pub fn forget(&mut self, request: &MatchRequest) {
+        self.matches.retain(|(known, _)| known != request);
+    }
+
+    /// The match that answers `request`, where there is one.
+    pub fn matched(&self, request: &MatchRequest) -> Option<&Arc<Matched>> {
+        let (_, found) = self.matches.iter().find(|(known, _)| known == request)?;
+        found.as_ref().ok()
+    }
+
+    /// Evaluates every layer of `project`, lowest first. Layers that cannot act leave the shape
+    /// as it is and say why in their state.
+    pub fn evaluate(&mut self, project: &Project) -> Evaluation {
+        let mut memos = std::mem::take(&mut self.layers);
+        let mut base = self.original.clone();
+        let mut layers = Vec::with_capacity(project.layers().len());
+        for (id, layer) in project.layers() {
+            let memo = self.layers.entry(*id).or_insert_with(|| memos.remove(id).unwrap_or_default());
+            let scene =
+                Scene { matches: &self.matches, original: &self.original, places: &self.file_positions };
+            let mut evaluated = EvaluatedLayer {
+                id: *id,
+                name: layer.name.clone(),
+                state: LayerState::Off,
+                base: base.clone(),
+                mask: None,
+                difference: None,
+                displacement: None,
+            };
+            if project.acts(layer) {
+                match memo.evaluate(&scene, layer, &base) {
+                    Ok(Some(acting)) => {
+                        base = acting.result;
+                        evaluated.state = LayerState::Acts;
+                        evaluated.mask = acting.mask;
+                        evaluated.difference = Some(acting.difference);
+                        evaluated.displacement = Some(acting.displacement);
+                    }
+                    Ok(None) => evaluated.state = LayerState::Waiting,
+                    Err(why) => evaluated.state = LayerState::Failed(why.to_string()),
+                }
+            }
+            layers.push(evaluated);
+        }
+        Evaluation { layers, result: base }
+    }
+
+    /// The layer's result under each of the three models, in the order of [`Model::ALL`], N
+    /// positions each; `None` where the layer does not act.
+    pub fn three_models(&mut self, project: &Project, id: LayerId) -> Option<[Vec<Vec3>; 3]> {
+        let evaluated = self.evaluate(project).layers.into_iter().find(|l| l.id == id)?;
+        let (difference, layer) = (evaluated.difference?, project.layer(id)?);
+        let memo = self.layers.get_mut(&id)?;
+        difference.prepare();
+        let base = &difference.base;
+        Some(Model::ALL.map(|model| {
+            let field = memo.field(&difference, model, &layer.curve);
+            let moved = field.displacement(base.normals(), layer.effective_mu(), evaluated.mask.as_deref());
+            base.positions.par_iter().zip(moved).map(|(x, d)| add(*x, d)).collect()
+        }))
+    }
+
+    /// The layer under each of the three models as terms for a synthesizer that rests on the
+    /// layer's base (`EvaluatedLayer::base`), in the order of [`Model::ALL`]; `None` where the
+    /// layer does not act.
+    pub fn terms(&mut self, project: &Project, id: LayerId) -> Option<[Term; 3]> {
+        let evaluated = self.evaluate(project).layers.into_iter().find(|l| l.id == id)?;
+        let (difference, layer) = (evaluated.difference?, project.layer(id)?);
+        let memo = self.layers.get_mut(&id)?;
+        difference.prepare();
+        let of = || Ok::<_, std::convert::Infallible>(Signals::of(&difference));
+        let Ok(signals) = memo.signals.get(Same::from(&difference), of);
+        let mu = layer.effective_mu();
+        Some(Model::ALL.map(|m| difference.term(&signals, m, &layer.curve, mu, evaluated.mask.clone())))
+    }
+}
+
+/// What all layers of a stack share.
+struct Scene<'a> {
+    matches: &'a [(MatchRequest, Result<Arc<Matched>, String>)],
+    original: &'a Arc<Base>,
+    places: &'a [Vec3],
+}
+
+/// A layer that acts.
+struct Acting {
+    mask: Mask,
+    difference: Arc<Difference>,
+    displacement: Arc<Vec<Vec3>>,
+    result: Arc<Base>,
+}
+
+impl LayerMemo {
+    /// `None` while the template is not matched.
+    fn evaluate(
+        &mut self,
+        scene: &Scene<'_>,
+        layer: &Layer,
+        base: &Arc<Base>,
+    ) -> Result<Option<Acting>, Error> {
+        let Some(target) = self.target(scene, layer, base)? else { return Ok(None) };
+        let inputs = (Same::from(base), Same::from(&target));
+        let new = || Difference::new(base.clone(), target.clone()).map(Arc::new);
+        let difference = self.difference.get(inputs, new)?;
+        let region = &layer.region;
+        let smooth = || region.smoothed(base.basis(), scene.places);
+        let mask = self.mask.get((region.painted.clone(), region.smoothing), smooth)?;
+        let field = self.field(&difference, layer.model, &layer.curve);
+        let mu = layer.effective_mu();
+        let inputs = (Same::from(&field), mu, mask.as_ref().map(Same::from));
+        let normals = || if layer.model == Model::Normal { base.normals() } else { &[] };
+        let displace = || Ok::<_, Error>(Arc::new(field.displacement(normals(), mu, mask.as_deref())));
+        let displacement = self.displacement.get(inputs, displace)?;
+        let inputs = (Same::from(base), Same::from(&displacement));
+        let result = self.result.get(inputs, || Ok::<_, Error>(Arc::new(base.moved(&displacement))))?;
+        Ok(Some(Acting { mask, difference, displacement, result }))
+    }
+
+    fn target(
+        &mut self,
+        scene: &Scene<'_>,
+        layer: &Layer,
+        base: &Arc<Base>,
+    ) -> Result<Option<Arc<Target>>, Error> {
+        if let Some(request) = MatchRequest::of(layer) {
+            return match scene.matches.iter().find(|(known, _)| *known == request) {
+                None => Ok(None),
+                Some((_, Ok(matched))) => Ok(Some(matched.target.clone())),
+                Some((_, Err(why))) => Err(Error::Unmatched(why.clone())),
+            };
+        }
+        let inputs = (Same::from(base), layer.template.clone());
+        let make = || {
+            let own = own_target(&layer.template, base, scene.original).map(Arc::new);
+            own.ok_or_else(|| Error::Template {
+                template: layer.template.to_string(),
+                why: "needs a match".into(),
+            })
+        };
+        self.own_target.get(inputs, make).map(Some)
+    }
+
+    fn field(&mut self, difference: &Arc<Difference>, model: Model, curve: &ScaleCurve) -> Arc<Field> {
+        let slot = &mut self.fields[model as usize];
+        let compute = || Ok::<_, std::convert::Infallible>(Arc::new(difference.field(model, curve)));
+        let Ok(field) = slot.get((Same::from(difference), curve.clone()), compute);
+        field
+    }
+}
+
+impl Evaluation {
+    /// The displacement of all layers together, N, working frame; exactly zero where no layer
+    /// moves anything.
+    pub fn displacement(&self) -> Vec<Vec3> {
+        let mut sum = vec![[0.0; 3]; self.result.positions.len()];
+        for layer in self.layers.iter().filter_map(|l| l.displacement.as_ref()) {
+            sum.par_iter_mut().zip(layer.par_iter()).for_each(|(s, d)| *s = add(*s, *d));
+        }
+        sum
+    }
+
+    /// The n vertices of the result in the coordinates of the file, whose own vertices are
+    /// `file_positions`.
+    pub fn file_positions(&self, body: &Body, file_positions: &[Vec3]) -> Vec<Vec3> {
+        body.displaced_file_positions(file_positions, &self.displacement())
+    }
+
+    /// For each acting layer its name and the displacement of the n file vertices, in file
+    /// units: morph targets that add up to the result.
+    pub fn morph_targets(&self, body: &Body) -> Vec<(String, Vec<Vec3>)> {
+        let to_file = |displacement: &[Vec3], v: &Option<u32>| {
+            let moved = v.and_then(|v| displacement.get(v as usize));
+            moved.map_or([0.0; 3], |d| body.frame.displacement_to_file(*d))
+        };
+        let acting = self.layers.iter().filter_map(|l| Some((l.name.clone(), l.displacement.as_ref()?)));
+        acting.map(|(name, d)| (name, body.operator_vertex.iter().map(|v| to_file(d, v)).collect())).collect()
+    }
+}

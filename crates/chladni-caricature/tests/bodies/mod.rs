@@ -1,0 +1,23 @@
+//! A small lumpy shape with solved harmonics.
+
+use std::sync::Arc;
+
+use chladni_harmonics::{BasisSettings, Body};
+use chladni_mesh::{TriMesh, samples::icosphere};
+use chladni_task::Task;
+
+/// A lumpy ball of 642 vertices, away from the origin.
+pub fn lump() -> TriMesh {
+    let mut mesh = icosphere(3);
+    for p in &mut mesh.positions {
+        let [x, y, z] = *p;
+        let r = 30.0 + 6.0 * (3.0 * x).sin() + 4.0 * y * z + 2.0 * (7.0 * z).cos() * x;
+        *p = [100.0 + r * x, r * y, 0.7 * r * z - 5.0];
+    }
+    mesh
+}
+
+/// Its first 64 harmonics.
+pub fn body(mesh: &TriMesh) -> Arc<Body> {
+    Arc::new(Body::build(mesh, &BasisSettings::new(64), &Task::new()).unwrap())
+}

@@ -1,0 +1,246 @@
+//! Projects as documents: undo, files, formats, recovery, crashes.
+
+mod bodies;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use chladni_caricature::*;
+use proptest::prelude::*;
+
+fn action() -> impl Strategy<Value = Action> {
+    let id = || (1..9_u64).prop_map(LayerId);
+    let at = (0..1280_u32).prop_map(|triangle| SurfacePoint { triangle, weights: [0.2, 0.3, 0.5] });
+    let dab = (at, 0.05..0.5_f64, 0_f32..=1.0, any::<bool>()).prop_map(|(at, radius, intensity, erase)| {
+        PaintEdit::Dab(Dab { at, radius, intensity, erase, mirror: None })
+    });
+    let edit = prop_oneof![dab, Just(PaintEdit::Grow), Just(PaintEdit::Invert), Just(PaintEdit::Clear)];
+    let property = prop_oneof![
+        (-3.0..3.0).prop_map(Property::Mu),
+        (0.0..2.0).prop_map(Property::Strength), // above 1 is refused
+        any::<bool>().prop_map(Property::Solo),
+        "[a-zé \"\n]{0,8}".prop_map(Property::Name),
+        (0.0..4.0).prop_map(|g| Property::Curve(ScaleCurve::flat(g))),
+        Just(Property::Model(Model::Normal)),
+        Just(Property::Template(Template::LowPass(12))),
+    ];
+    prop_oneof![
+        (0..4_usize)
+            .prop_map(|index| Action::Add { index, layer: Box::new(Layer::new("new", Template::Sphere)) }),
+        id().prop_map(Action::Remove),
+        id().prop_map(Action::Duplicate),
+        (id(), 0..5_usize).prop_map(|(layer, index)| Action::Move { layer, index }),
+        (id(), property).prop_map(|(layer, to)| Action::Set { layer, to }),
+        (id(), edit).prop_map(|(layer, edit)| Action::Paint { layer, edit }),
+        (0..300_usize).prop_map(Action::SetHarmonics),
+    ]
+}
+
+fn empty() -> Project {
+    Project::new(ShapeSource::File(std::path::absolute("shape.obj").unwrap()), 64)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(24) })]
+    #[test]
+    fn undo_takes_every_action_back_and_a_saved_project_is_read_back(
+        actions in prop::collection::vec((action(), any::<bool>()), 1..30)
+    ) {
+        let mesh = bodies::lump();
+        let body = chladni_harmonics::Body {
+            frame: chladni_mesh::Frame::of(&mesh),
+            positions: mesh.positions.clone(),
+            triangles: mesh.triangles.clone(),
+            operator_vertex: (0..mesh.positions.len() as u32).map(Some).collect(),
+            basis: Arc::new(chladni_harmonics::Basis {
+                eigenvalues: vec![], vectors: vec![], mass: vec![1.0; mesh.positions.len()],
+                certificate: chladni_harmonics::Certificate {
+                    inertia_counts_match: true, max_relative_residual: 0.0, max_orthogonality_error: 0.0 },
+            }),
+        };
+        let surface = Surface::new(&body);
+        let mut history = History::new(empty());
+        let mut states = vec![empty()];
+        for (action, live) in &actions {
+            let before = history.project().clone();
+            let json = serde_json::to_string(action).unwrap();
+            prop_assert_eq!(&serde_json::from_str::<Action>(&json).unwrap(), action);
+            let steps = history.steps();
+            let done = if *live { history.apply_live(action, Some(&surface)) } else { history.apply(action, Some(&surface)) };
+            match done {
+                Err(_) => prop_assert_eq!(&before, history.project()),
+                Ok(()) if history.steps() > steps => states.push(history.project().clone()),
+                Ok(()) => *states.last_mut().unwrap() = history.project().clone(),
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.chladni");
+        history.project().save(&path).unwrap();
+        let loaded = Project::load(&path).unwrap();
+        prop_assert_eq!(&loaded.shape, &history.project().shape);
+        let layers = |p: &Project| p.layers().iter().map(|(_, l)| l.clone()).collect::<Vec<_>>();
+        prop_assert_eq!(layers(&loaded), layers(history.project()));
+        for state in states.iter().rev().skip(1) {
+            history.undo().unwrap();
+            prop_assert_eq!(history.project(), state);
+        }
+        prop_assert!(history.undo().is_none() && !history.is_modified());
+        for state in states.iter().skip(1) {
+            history.redo().unwrap();
+            prop_assert_eq!(history.project(), state);
+        }
+        prop_assert!(history.redo().is_none());
+    }
+}
+
+#[test]
+fn a_drag_is_one_step() {
+    let mut history = History::new(empty());
+    let add = Action::Add { index: 0, layer: Box::new(Layer::new("a", Template::Ellipsoid)) };
+    history.apply(&add, None).unwrap();
+    let id = history.project().layers()[0].0;
+    let mu = |mu| Action::Set { layer: id, to: Property::Mu(mu) };
+    let now = |history: &History| history.project().layers()[0].1.mu;
+    for i in 0..50 {
+        history.apply_live(&mu(-f64::from(i) / 10.0), None).unwrap();
+    }
+    history.finish();
+    history.apply_live(&mu(2.0), None).unwrap();
+    assert_eq!((history.steps(), history.undo_label()), (3, Some("μ")));
+    history.undo();
+    assert_eq!(now(&history), -4.9);
+    history.undo();
+    assert_eq!(now(&history), -0.5);
+    history.redo();
+    assert_eq!(now(&history), -4.9);
+    assert!(history.apply(&mu(f64::NAN), None).is_err());
+    assert_eq!(history.redo_label(), Some("μ"), "a refused action leaves the future alone");
+}
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name)
+}
+
+#[test]
+fn older_formats_load_and_newer_ones_say_so() {
+    let project = Project::load(&fixture("format-1.chladni")).unwrap();
+    assert_eq!(project.shape, ShapeSource::File(fixture("heads/igea.ply")));
+    assert_eq!((project.harmonics, project.layers().len()), (256, 2));
+    let nose = &project.layers()[0].1;
+    assert_eq!(nose.template, Template::File(fixture("heads/decimated-max.obj")));
+    assert_eq!((nose.model, nose.mu), (Model::Distance, -6.0));
+    let sharp = Smoothing { cutoff: 32, roll_off: RollOff::Sharp, clamp: false };
+    assert_eq!(nose.region.smoothing, sharp);
+    let sphere = Sphere { center: [0.0, 0.1, 0.9], radius: 0.35 };
+    assert_eq!(nose.region.painted, Painted::Spheres(vec![sphere]));
+    assert_eq!(nose.curve, ScaleCurve { points: vec![[0.0, 0.0], [0.5, 2.0], [1.0, 1.0]], residual: 0.5 });
+    assert!(!project.layers()[1].1.enabled);
+
+    let newer = Project::load(&fixture("format-99.chladni"));
+    assert!(matches!(newer, Err(Error::NewerFormat { found: 99, supported: FORMAT_VERSION, .. })));
+}
+
+#[test]
+fn a_file_made_by_hand_may_leave_out_what_is_usual() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.chladni");
+    let text = "format_version = 2\nshape.source = 'h.obj'\n\n[[layer]]\nname = 'n'\ntemplate = 'ellipsoid'\nmu = -1\n\
+                match.seed = 7\n";
+    std::fs::write(&path, text).unwrap();
+    let project = Project::load(&path).unwrap();
+    let mut expected = Layer { mu: -1.0, ..Layer::new("n", Template::Ellipsoid) };
+    expected.matching.seed = 7;
+    assert_eq!(*project.layers()[0].1, expected);
+    assert_eq!(project.harmonics, DEFAULT_HARMONICS);
+}
+
+#[test]
+fn what_is_wrong_with_a_file_is_told_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.chladni");
+    let head = "format_version = 2\nshape.source = 'h.obj'\n";
+    let layer = "[[layer]]\nname = 'n'\ntemplate = 'sphere'\nmu = 1\n";
+    let cases = [
+        (String::new(), "format_version"),
+        ("format_version = 'two'".into(), "format_version"),
+        ("format_version = 0".into(), "never existed"),
+        ("format_version = 2".into(), "shape"),
+        (format!("{head}[[layer]]\nname = "), "line 4"),
+        (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'sphere'\nmu = 1\nmuu = 2\n"), "line 7, column 1"),
+        (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'self:loud'\nmu = 1\n"), "layer 1 (n)"),
+        (format!("{head}{layer}strength = 7\n"), "strength"),
+        (format!("{head}{layer}mu = nan\n").replacen("mu = 1\n", "", 1), "μ"),
+        (format!("{head}{layer}[layer.region]\npainted = '99999999999*1'\n"), "more vertices"),
+        (format!("{head}{layer}[layer.region]\npainted = '1'\nspheres = ['1,1,1,1']\n"), "exclude"),
+        (format!("{head}{layer}[layer.match]\nmethud = 'icp'\n"), "methud"),
+        (
+            format!("{head}{layer}[layer.scale]\npoints = [[0.5, 1.0], [0.1, 1.0]]\nresidual = 1.0\n"),
+            "above the point",
+        ),
+        ("\u{0}\u{1}".into(), "p.chladni"),
+    ];
+    for (text, expected) in cases {
+        std::fs::write(&path, &text).unwrap();
+        let told = Project::load(&path).unwrap_err().to_string();
+        assert!(told.contains(expected) && !told.contains('\n'), "{text:?}: {told}");
+    }
+}
+
+#[test]
+fn a_dead_session_is_found_and_a_living_one_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let state = folder.path().join("state");
+    assert!(Recovery::find(&state).0.is_empty());
+    let session = Recovery::start(&state, 7).unwrap();
+    session.keep(&empty(), Some(Path::new("/somewhere/mine.chladni"))).unwrap();
+    assert!(Recovery::find(&state).0.is_empty(), "it lives");
+    drop(session);
+    let second = Recovery::start(&state, 7).unwrap();
+    second.keep(&empty(), None).unwrap();
+    let (found, unreadable) = Recovery::find(&state);
+    assert!(unreadable.is_empty());
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].project, empty());
+    assert_eq!(found[0].original.as_deref(), Some(Path::new("/somewhere/mine.chladni")));
+    found[0].discard();
+    second.finish();
+    assert_eq!(std::fs::read_dir(&state).unwrap().count(), 0);
+}
+
+/// The child of the test below: saves two projects in turn until it is killed.
+#[test]
+fn saves_until_killed() {
+    let Some(path) = std::env::var_os("CHLADNI_TEST_SAVE_FOREVER") else { return };
+    let mut large = empty();
+    let painted: Arc<[f32]> = (0..20_000).map(|i| (i % 97) as f32 / 96.0).collect();
+    let region = Region { painted: Painted::Vertices(painted), smoothing: Smoothing::default() };
+    large.push(Layer { region, ..Layer::new("painted", Template::Ellipsoid) }).unwrap();
+    loop {
+        large.save(Path::new(&path)).unwrap();
+        empty().save(Path::new(&path)).unwrap();
+    }
+}
+
+#[test]
+fn a_project_always_opens_after_a_kill_during_save() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.chladni");
+    empty().save(&path).unwrap();
+    let program = std::env::current_exe().unwrap();
+    let mut seen = [0, 0];
+    for round in 0..200_u64 {
+        let mut child = std::process::Command::new(&program)
+            .args(["--exact", "saves_until_killed", "--test-threads=1"])
+            .env("CHLADNI_TEST_SAVE_FOREVER", &path)
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        // Different moments of a save that takes about a millisecond.
+        std::thread::sleep(std::time::Duration::from_micros(4000 + 137 * (round % 60)));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let project = Project::load(&path).unwrap();
+        seen[project.layers().len()] += 1;
+    }
+    assert!(seen.iter().all(|s| *s > 0), "both projects were being saved: {seen:?}");
+}

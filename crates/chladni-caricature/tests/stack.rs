@@ -1,0 +1,167 @@
+//! The layer stack on a small body: results, caching, terms, morph targets.
+
+mod bodies;
+
+use std::sync::Arc;
+
+use chladni_caricature::*;
+use chladni_synth::displacements_f64;
+use chladni_task::Task;
+
+fn sphere_region() -> Region {
+    let painted = Painted::Spheres(vec![Sphere { center: [130.0, 0.0, -5.0], radius: 20.0 }]);
+    Region { painted, smoothing: Smoothing { cutoff: 20, ..Smoothing::default() } }
+}
+
+/// An ellipsoid layer, a low-pass layer in a region, the shape scaled down.
+fn project() -> Project {
+    let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
+    let first = Layer { model: Model::Distance, mu: -1.5, ..Layer::new("whole", Template::Ellipsoid) };
+    let second = Layer {
+        model: Model::Normal,
+        mu: -2.0,
+        strength: 0.5,
+        region: sphere_region(),
+        curve: ScaleCurve::mid(),
+        ..Layer::new("detail", Template::LowPass(16))
+    };
+    let third = Layer { mu: -0.4, ..Layer::new("magnify", Template::Scaled(0.9)) };
+    for layer in [first, second, third] {
+        project.push(layer).unwrap();
+    }
+    project
+}
+
+fn stack() -> (chladni_mesh::TriMesh, Stack) {
+    let mesh = bodies::lump();
+    let body = bodies::body(&mesh);
+    let mut stack = Stack::new(body.clone()).unwrap();
+    for request in stack.missing(&project()) {
+        let matched = request.run(&mesh, &body, None, &Task::new());
+        stack.install(request, matched);
+    }
+    (mesh, stack)
+}
+
+fn largest(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    let each = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
+    each.fold(0.0, f64::max)
+}
+
+#[test]
+fn layers_add_up_and_morph_targets_give_the_result() {
+    let (mesh, mut stack) = stack();
+    let project = project();
+    assert!(stack.missing(&project).is_empty());
+    let evaluation = stack.evaluate(&project);
+    assert!(evaluation.layers.iter().all(|l| l.state == LayerState::Acts));
+    let body = stack.body().clone();
+    let result = evaluation.file_positions(&body, &mesh.positions);
+    let mut sum = mesh.positions.clone();
+    let targets = evaluation.morph_targets(&body);
+    assert_eq!(targets.iter().map(|t| &t.0[..]).collect::<Vec<_>>(), ["whole", "detail", "magnify"]);
+    for (_, target) in &targets {
+        sum.iter_mut().flatten().zip(target.iter().flatten()).for_each(|(s, d)| *s += d);
+    }
+    assert!(largest(&sum, &result) < 1e-10);
+    let in_file: Vec<[f64; 3]> = evaluation.result.positions.iter().map(|p| body.frame.to_file(*p)).collect();
+    assert!(largest(&in_file, &result) < 1e-10);
+    assert!(largest(&result, &mesh.positions) > 1.0, "the layers do something");
+    // The third layer magnifies what is below it: x + μ (0.9 x − x) = 1.04 x.
+    let base = &evaluation.layers[2].base.positions;
+    let grown: Vec<[f64; 3]> = base.iter().map(|p| p.map(|c| 1.04 * c)).collect();
+    assert!(largest(&grown, &evaluation.result.positions) < 1e-12);
+}
+
+#[test]
+fn a_change_recomputes_only_from_its_layer_up() {
+    let (_, mut stack) = stack();
+    let mut project = project();
+    let before = stack.evaluate(&project);
+    let same = stack.evaluate(&project);
+    assert!(Arc::ptr_eq(&before.result, &same.result));
+    let middle = project.layers()[1].0;
+    project.apply(&Action::Set { layer: middle, to: Property::Mu(1.0) }, None).unwrap();
+    let after = stack.evaluate(&project);
+    let shared = |i: usize| {
+        let d = |e: &Evaluation| e.layers[i].displacement.clone().unwrap();
+        Arc::ptr_eq(&d(&before), &d(&after))
+    };
+    assert!(shared(0) && !shared(1) && !shared(2));
+    assert!(Arc::ptr_eq(&before.layers[1].base, &after.layers[1].base));
+    // What is remembered is what a fresh stack computes.
+    let fresh = self::stack().1.evaluate(&project);
+    assert_eq!(fresh.result.positions, after.result.positions);
+}
+
+#[test]
+fn off_solo_waiting_and_failed_layers_leave_the_shape_alone() {
+    let (mesh, mut stack) = stack();
+    let mut project = project();
+    let ids: Vec<LayerId> = project.layers().iter().map(|(id, _)| *id).collect();
+    let set = |project: &mut Project, layer, to| project.apply(&Action::Set { layer, to }, None).unwrap();
+    set(&mut project, ids[2], Property::Solo(true));
+    let states = |e: &Evaluation| e.layers.iter().map(|l| l.state.clone()).collect::<Vec<_>>();
+    assert_eq!(states(&stack.evaluate(&project)), [LayerState::Off, LayerState::Off, LayerState::Acts]);
+    set(&mut project, ids[2], Property::Enabled(false));
+    let evaluation = stack.evaluate(&project);
+    assert!(Arc::ptr_eq(&evaluation.result, stack.original()));
+    let bits = |p: &[[f64; 3]]| p.iter().flatten().map(|c| c.to_bits()).collect::<Vec<_>>();
+    let exported = evaluation.file_positions(stack.body(), &mesh.positions);
+    assert_eq!(bits(&exported), bits(&mesh.positions));
+    set(&mut project, ids[2], Property::Solo(false));
+    set(&mut project, ids[0], Property::Template(Template::File("absent.obj".into())));
+    assert_eq!(states(&stack.evaluate(&project))[0], LayerState::Waiting);
+    let request = stack.missing(&project).remove(0);
+    let failed = request.run(&mesh, &stack.body().clone(), None, &Task::new());
+    stack.install(request, failed);
+    assert!(stack.missing(&project).is_empty());
+    assert!(
+        matches!(&states(&stack.evaluate(&project))[0], LayerState::Failed(why) if why.contains("absent.obj"))
+    );
+}
+
+#[test]
+fn mu_zero_exports_the_file_and_mu_one_is_the_template() {
+    let (mesh, mut stack) = stack();
+    let body = stack.body().clone();
+    for model in Model::ALL {
+        let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
+        let layer =
+            Layer { model, mu: 0.0, region: sphere_region(), ..Layer::new("none", Template::Ellipsoid) };
+        project.push(layer).unwrap();
+        let exported = stack.evaluate(&project).file_positions(&body, &mesh.positions);
+        let bits = |p: &[[f64; 3]]| p.iter().flatten().map(|c| c.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&exported), bits(&mesh.positions), "{model}");
+    }
+    let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
+    project.push(Layer { mu: 1.0, ..Layer::new("all", Template::Sphere) }).unwrap();
+    let evaluation = stack.evaluate(&project);
+    let target = &evaluation.layers[0].difference.as_ref().unwrap().target.points;
+    assert!(largest(target, &evaluation.result.positions) < 4.0 * f64::EPSILON);
+}
+
+#[test]
+fn terms_and_side_by_side_models_agree_with_the_evaluation() {
+    let (_, mut stack) = stack();
+    let mut project = project();
+    let id = project.layers()[1].0;
+    for (m, model) in Model::ALL.into_iter().enumerate() {
+        project.apply(&Action::Set { layer: id, to: Property::Model(model) }, None).unwrap();
+        let layer = stack.evaluate(&project).layers.remove(1);
+        let displacement = layer.displacement.unwrap();
+        let moved: Vec<[f64; 3]> = layer
+            .base
+            .positions
+            .iter()
+            .zip(displacement.iter())
+            .map(|(x, d)| std::array::from_fn(|i| x[i] + d[i]))
+            .collect();
+        assert!(largest(&stack.three_models(&project, id).unwrap()[m], &moved) < 1e-12);
+        let term = stack.terms(&project, id).unwrap()[m].clone();
+        let body =
+            chladni_harmonics::Body { positions: layer.base.positions.clone(), ..(**stack.body()).clone() };
+        let item = chladni_synth::Item { terms: vec![term] };
+        assert!(largest(&displacements_f64(&body, &item).unwrap(), &displacement) < 1e-5, "{model}");
+    }
+}
