@@ -21,11 +21,16 @@
 //! Not guaranteed: the exact samples that a lossy codec decodes to (they may change with the
 //! decoder's version), and that a tracker's beats are a listener's beats: read its confidence.
 
+mod beat;
 mod decode;
 mod error;
 mod spectrum;
 mod tune;
 
+pub use beat::{
+    BeatFollower, BeatMoment, BeatScore, Beats, ONSET_RATE_HZ, OnsetDetector, beat_score, track_beats,
+    track_beats_causally,
+};
 pub use decode::{Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav};
 pub use error::SoundError;
 pub use spectrum::{FrontEnd, Level, Spectrum, SpectrumAnalyser, SpectrumSettings};

@@ -1,0 +1,292 @@
+//! The beat while listening: no future samples.
+
+use super::meter::{Meter, Normaliser};
+use super::onset::{ONSET_RATE_HZ, OnsetDetector};
+use crate::SoundError;
+
+/// What is known about the beat at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BeatMoment {
+    /// Beats per minute; 0 before anything was heard.
+    pub tempo_bpm: f64,
+    /// Place within the beat, in [0, 1).
+    pub phase: f64,
+    /// When the next beat is expected, in seconds.
+    pub next_beat_secs: f64,
+    /// Belief in tempo and phase, in [0, 1].
+    pub confidence: f64,
+}
+
+/// Share of the belief that is spread over all states at each beat, so that a lost tracker can
+/// find another tempo.
+const DOUBT: f32 = 0.002;
+/// Beats are not announced closer together than this share of a beat.
+const SHORTEST_GAP: f64 = 0.6;
+/// A beat that is only recognised this long after it happened is still announced.
+const LATEST_SECS: f64 = 0.06;
+
+/// Follows the beat of a stream of samples: a forward filter over the bar pointer's states. What
+/// it says about a time depends on no sample after it.
+pub struct BeatFollower {
+    meter: Meter,
+    /// e^(z · expected) needs one exponential per state; these are its inputs and output.
+    belief: Vec<f32>,
+    arriving: Vec<f32>,
+    /// Probability of changing from tempo j to tempo i.
+    change: Vec<f32>,
+    onsets: OnsetDetector,
+    fresh: Vec<f32>,
+    normaliser: Normaliser,
+    rate_hz: f64,
+    frames_heard: u64,
+    samples_heard: u64,
+    best: Best,
+    last_beat_secs: f64,
+    pending: Option<f64>,
+    /// Beats announced per beat tracked: 2 after "double", ½ after "halve".
+    speed: f64,
+    taps: Taps,
+    /// Slow mean of how strong the onsets on the beats are.
+    clarity: f64,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Best {
+    period: usize,
+    place: usize,
+    mass: f32,
+}
+
+/// The last few taps of a hand.
+#[derive(Default)]
+struct Taps {
+    secs: [f64; 8],
+    count: usize,
+}
+
+impl BeatFollower {
+    /// For samples at `rate_hz`.
+    pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
+        let meter = Meter::new();
+        let states = meter.expected.len();
+        Ok(Self {
+            belief: vec![1.0 / states as f32; states],
+            arriving: vec![0.0; meter.tempi.len()],
+            change: meter.change.iter().map(|c| c.exp()).collect(),
+            meter,
+            onsets: OnsetDetector::new(rate_hz)?,
+            fresh: Vec::with_capacity(64),
+            normaliser: Normaliser::new(),
+            rate_hz: f64::from(rate_hz),
+            frames_heard: 0,
+            samples_heard: 0,
+            best: Best::default(),
+            last_beat_secs: f64::MIN,
+            pending: None,
+            speed: 1.0,
+            taps: Taps::default(),
+            clarity: 0.0,
+        })
+    }
+
+    /// Takes the next samples that have been heard.
+    pub fn push(&mut self, left: &[f32], right: &[f32]) {
+        self.samples_heard += left.len().min(right.len()) as u64;
+        let mut fresh = std::mem::take(&mut self.fresh);
+        fresh.clear();
+        self.onsets.push(left, right, &mut fresh);
+        for &onset in &fresh {
+            self.step(onset);
+        }
+        self.fresh = fresh;
+        self.announce();
+    }
+
+    /// The time up to which samples have been pushed, in seconds.
+    pub fn now_secs(&self) -> f64 {
+        self.samples_heard as f64 / self.rate_hz
+    }
+
+    /// A beat that was due since the last call, if any.
+    pub fn take_beat(&mut self) -> Option<f64> {
+        self.pending.take()
+    }
+
+    /// Tempo, phase and confidence now.
+    pub fn moment(&self) -> BeatMoment {
+        self.moment_at(self.now_secs())
+    }
+
+    /// Tempo, phase and confidence at a time, at or after what was heard: the beat goes on as it
+    /// was.
+    pub fn moment_at(&self, secs: f64) -> BeatMoment {
+        if self.best.period == 0 {
+            return BeatMoment::default();
+        }
+        let (begin, gap) = self.grid();
+        let beats = (secs - begin) / gap;
+        let phase = beats - beats.floor();
+        BeatMoment {
+            tempo_bpm: 60.0 / gap,
+            phase,
+            next_beat_secs: secs + (1.0 - phase) * gap,
+            confidence: self.confidence(),
+        }
+    }
+
+    /// Announce twice as many beats.
+    pub fn double(&mut self) {
+        self.speed = (self.speed * 2.0).min(4.0);
+    }
+
+    /// Announce half as many beats.
+    pub fn halve(&mut self) {
+        self.speed = (self.speed / 2.0).max(0.25);
+    }
+
+    /// A tap by hand at a time: the phase is believed at once, the tempo from the second tap on.
+    pub fn tap(&mut self, secs: f64) {
+        let gap = self.taps.add(secs);
+        self.speed = 1.0;
+        let frames_ago = ((self.frames_heard as f64 / ONSET_RATE_HZ - secs) * ONSET_RATE_HZ).round();
+        let count = self.belief.len() as f32;
+        self.belief.fill(DOUBT / count);
+        for tempo in &self.meter.tempi {
+            let period = tempo.period as f64;
+            // A gap within 8 % of a tempo supports it; without a gap the last best tempo does.
+            let wanted = gap.map_or(self.best.period as f64, |gap| gap * ONSET_RATE_HZ);
+            let off = if wanted > 0.0 { (period / wanted).ln() / 0.04 } else { 0.0 };
+            let place = frames_ago.rem_euclid(period) as usize % tempo.period;
+            let index = (place + tempo.period - self.ring_start(tempo.period)) % tempo.period;
+            self.belief[tempo.first + index] += (-0.5 * off * off).exp() as f32;
+        }
+        self.normalise();
+        self.find_best();
+    }
+
+    /// Forgets everything, as after a seek; taps and halving too.
+    pub fn reset(&mut self) -> Result<(), SoundError> {
+        *self = Self::new(self.rate_hz as u32)?;
+        Ok(())
+    }
+
+    /// Ring index of place 0 is (−t) mod period, t being the frame last heard.
+    fn ring_start(&self, period: usize) -> usize {
+        (self.frames_heard.saturating_sub(1) % period as u64) as usize
+    }
+
+    /// One frame: walk on, perhaps change tempo at a beat, weigh by what was heard.
+    fn step(&mut self, onset: f32) {
+        let z = self.normaliser.next(onset);
+        let t = self.frames_heard;
+        self.frames_heard += 1;
+        let count = self.meter.tempi.len();
+        let begin = |tempo: &super::meter::Tempo| {
+            let period = tempo.period as u64;
+            tempo.first + ((period - t % period) % period) as usize
+        };
+        for (value, tempo) in self.arriving.iter_mut().zip(&self.meter.tempi) {
+            *value = self.belief[begin(tempo)];
+        }
+        let doubt = DOUBT * self.arriving.iter().sum::<f32>() / count as f32;
+        for (i, tempo) in self.meter.tempi.iter().enumerate() {
+            let rows = self.change.chunks_exact(count);
+            let sum: f32 = self.arriving.iter().zip(rows).map(|(a, row)| a * row[i]).sum();
+            self.belief[begin(tempo)] = (1.0 - DOUBT) * sum + doubt;
+        }
+        for tempo in &self.meter.tempi {
+            let start = begin(tempo) - tempo.first;
+            let states = &mut self.belief[tempo.first..tempo.first + tempo.period];
+            let expected = &self.meter.expected[tempo.first..tempo.first + tempo.period];
+            let (before, from_start) = states.split_at_mut(start);
+            for (s, e) in from_start.iter_mut().zip(expected) {
+                *s *= (z * e).exp();
+            }
+            for (s, e) in before.iter_mut().zip(&expected[tempo.period - start..]) {
+                *s *= (z * e).exp();
+            }
+        }
+        self.normalise();
+        self.find_best();
+        self.listen_for_clarity(z);
+    }
+
+    fn normalise(&mut self) {
+        let sum: f32 = self.belief.iter().sum();
+        let count = self.belief.len() as f32;
+        if sum > 0.0 && sum.is_finite() {
+            let scale = 1.0 / sum;
+            // What has become impossible may become possible again.
+            let least = 1e-9 / count;
+            for b in &mut self.belief {
+                *b = (*b * scale).max(least);
+            }
+        } else {
+            self.belief.fill(1.0 / count);
+        }
+    }
+
+    fn find_best(&mut self) {
+        let mut best = (0.0f32, 0, 0);
+        for (i, tempo) in self.meter.tempi.iter().enumerate() {
+            for (index, &b) in self.belief[tempo.first..tempo.first + tempo.period].iter().enumerate() {
+                if b > best.0 {
+                    best = (b, i, index);
+                }
+            }
+        }
+        let tempo = self.meter.tempi[best.1];
+        let place = (best.2 + self.ring_start(tempo.period)) % tempo.period;
+        self.best = Best { period: tempo.period, place, mass: best.0 };
+    }
+
+    fn listen_for_clarity(&mut self, z: f32) {
+        if self.best.place.min(self.best.period - self.best.place) <= 3 {
+            let keep = 0.98;
+            self.clarity = keep * self.clarity + (1.0 - keep) * f64::from(z.max(0.0));
+        }
+    }
+
+    fn confidence(&self) -> f64 {
+        // Mean deviation near beats: chance gives 0.4, a clear pulse more than 1.5.
+        ((self.clarity - 0.4) / 1.1).clamp(0.0, 1.0)
+    }
+
+    /// A time at which a beat began and the time between beats, as announced.
+    fn grid(&self) -> (f64, f64) {
+        let frame_secs = self.frames_heard.saturating_sub(1) as f64 / ONSET_RATE_HZ;
+        let begin = frame_secs - self.best.place as f64 / ONSET_RATE_HZ;
+        (begin, self.best.period as f64 / ONSET_RATE_HZ / self.speed)
+    }
+
+    fn announce(&mut self) {
+        if self.best.period == 0 || self.best.mass <= 0.0 || self.clarity <= 0.0 {
+            return;
+        }
+        let now = self.now_secs();
+        let (begin, gap) = self.grid();
+        let last = begin + ((now - begin) / gap).floor() * gap;
+        let rested = last - self.last_beat_secs > SHORTEST_GAP * gap;
+        if rested && now - last <= LATEST_SECS {
+            self.last_beat_secs = now;
+            self.pending = Some(now);
+        }
+    }
+}
+
+impl Taps {
+    /// The time between taps once there are two; a pause of 2 s begins anew.
+    fn add(&mut self, secs: f64) -> Option<f64> {
+        let last = self.count.checked_sub(1).map(|i| self.secs[i]);
+        if last.is_some_and(|last| !(0.0..2.0).contains(&(secs - last))) {
+            self.count = 0;
+        }
+        if self.count == self.secs.len() {
+            self.secs.rotate_left(1);
+            self.count -= 1;
+        }
+        self.secs[self.count] = secs;
+        self.count += 1;
+        (self.count >= 2).then(|| (secs - self.secs[0]) / (self.count - 1) as f64)
+    }
+}

@@ -1,0 +1,138 @@
+//! The bar pointer: every tempo and every place within a beat that the music may be at.
+//!
+//! A pointer walks through a beat of `period` frames one frame at a time and may change its
+//! period only when a beat begins (N. Whiteley, A. T. Cemgil and S. Godsill, ISMIR 2006, in the
+//! form of F. Krebs, S. Böck and G. Widmer, "An efficient state-space model for joint tempo and
+//! meter tracking", ISMIR 2015). What is heard is not a network's beat activation as there but onset
+//! strength, so that its log-likelihood is a product: what was heard, less its mean, times
+//! what a beat at this place makes one expect, less its mean. Random onsets then favour no tempo, a beat
+//! without an onset counts against, and so does an onset where none belongs.
+
+use super::onset::ONSET_RATE_HZ;
+
+pub(super) const SLOWEST_BPM: f64 = 42.0;
+pub(super) const FASTEST_BPM: f64 = 216.0;
+/// Expected onsets around a beat: a Gaussian of this many frames (20 ms).
+const BEAT_WIDTH: f64 = 2.0;
+/// What is expected halfway between two beats, as a share of what a beat makes.
+const OFFBEAT: f64 = 0.35;
+/// A change of period by the factor r costs this times |ln r|.
+const TEMPO_STIFFNESS: f64 = 90.0;
+/// Preferred tempo and its spread in octaves (as D. Ellis 2007, narrower).
+const PREFERRED_BPM: f64 = 118.0;
+const SPREAD_OCTAVES: f64 = 1.0;
+/// How much an onset one standard deviation above the mean says, in nats.
+const TRUST: f64 = 0.6;
+
+/// One tempo's place among the states.
+#[derive(Clone, Copy)]
+pub(super) struct Tempo {
+    /// Frames per beat.
+    pub period: usize,
+    /// Its first state.
+    pub first: usize,
+}
+
+/// All tempi, what each place expects, and what changes of tempo cost.
+pub(super) struct Meter {
+    pub tempi: Vec<Tempo>,
+    /// For each state what is expected to be heard there, weighted by how likely the tempo is.
+    pub expected: Vec<f32>,
+    /// Log-probability of going from tempo j (row) to tempo i.
+    pub change: Vec<f32>,
+}
+
+impl Meter {
+    pub fn new() -> Self {
+        let shortest = (60.0 * ONSET_RATE_HZ / FASTEST_BPM).floor() as usize;
+        let longest = (60.0 * ONSET_RATE_HZ / SLOWEST_BPM).ceil() as usize;
+        let mut tempi = Vec::new();
+        let mut expected = Vec::new();
+        for period in shortest..=longest {
+            tempi.push(Tempo { period, first: expected.len() });
+            let weight = TRUST * preference(period);
+            let raw: Vec<f64> = (0..period).map(|place| template(place, period)).collect();
+            let mean = raw.iter().sum::<f64>() / period as f64;
+            expected.extend(raw.iter().map(|e| (weight * (e - mean)) as f32));
+        }
+        let mut change = Vec::with_capacity(tempi.len() * tempi.len());
+        for from in &tempi {
+            let cost = |to: &Tempo| -TEMPO_STIFFNESS * (to.period as f64 / from.period as f64).ln().abs();
+            let total: f64 = tempi.iter().map(|to| cost(to).exp()).sum();
+            change.extend(tempi.iter().map(|to| (cost(to) - total.ln()) as f32));
+        }
+        Self { tempi, expected, change }
+    }
+}
+
+/// How strong an onset is expected at a place within a beat of this period.
+fn template(place: usize, period: usize) -> f64 {
+    let bump = |centre: f64| {
+        let off = (place as f64 - centre).abs();
+        let off = off.min(period as f64 - off);
+        (-0.5 * (off / BEAT_WIDTH).powi(2)).exp()
+    };
+    bump(0.0) + OFFBEAT * bump(period as f64 / 2.0)
+}
+
+fn preference(period: usize) -> f64 {
+    let bpm = 60.0 * ONSET_RATE_HZ / period as f64;
+    (-0.5 * ((bpm / PREFERRED_BPM).log2() / SPREAD_OCTAVES).powi(2)).exp()
+}
+
+/// Brings onset strength to mean 0 and deviation 1 over the last seconds.
+#[derive(Clone, Copy)]
+pub(super) struct Normaliser {
+    mean: f64,
+    square: f64,
+    weight: f64,
+}
+
+/// Memory of the normaliser.
+const NORMAL_SECS: f64 = 5.0;
+/// No onset says more than this many deviations.
+const MOST: f64 = 4.0;
+
+impl Normaliser {
+    pub fn new() -> Self {
+        Self { mean: 0.0, square: 0.0, weight: 0.0 }
+    }
+
+    pub fn next(&mut self, onset: f32) -> f32 {
+        let keep = (-1.0 / (NORMAL_SECS * ONSET_RATE_HZ)).exp();
+        let onset = f64::from(onset);
+        self.mean = keep * self.mean + (1.0 - keep) * onset;
+        self.square = keep * self.square + (1.0 - keep) * onset * onset;
+        self.weight = keep * self.weight + (1.0 - keep);
+        self.value(onset)
+    }
+
+    fn value(&self, onset: f64) -> f32 {
+        let mean = self.mean / self.weight;
+        let deviation = (self.square / self.weight - mean * mean).max(0.0).sqrt();
+        // Below this the flux is rounding noise: silence has no onsets.
+        if deviation < 1e-4 { 0.0 } else { ((onset - mean) / deviation).min(MOST) as f32 }
+    }
+
+    /// The whole at once, with as much memory of what follows as of what came before.
+    pub fn both_ways(onsets: &[f32]) -> Vec<f32> {
+        let run = |values: &mut dyn Iterator<Item = &f32>| {
+            let mut state = Self::new();
+            values
+                .map(|&o| {
+                    state.next(o);
+                    state
+                })
+                .collect::<Vec<_>>()
+        };
+        let forward = run(&mut onsets.iter());
+        let mut backward = run(&mut onsets.iter().rev());
+        backward.reverse();
+        let mix = |a: &Self, b: &Self| Self {
+            mean: a.mean + b.mean,
+            square: a.square + b.square,
+            weight: a.weight + b.weight,
+        };
+        forward.iter().zip(&backward).zip(onsets).map(|((a, b), &o)| mix(a, b).value(f64::from(o))).collect()
+    }
+}

@@ -1,0 +1,12 @@
+//! When to move: onsets, tempo and beats, after the fact or while listening.
+
+mod follow;
+mod meter;
+mod onset;
+mod score;
+mod track;
+
+pub use follow::{BeatFollower, BeatMoment};
+pub use onset::{ONSET_RATE_HZ, OnsetDetector};
+pub use score::{BeatScore, beat_score};
+pub use track::{Beats, track_beats, track_beats_causally};

@@ -1,0 +1,248 @@
+//! Onset strength: how much new sound begins at each moment.
+//!
+//! Spectral flux over logarithmic bands with a maximum filter, so that a vibrato that wanders into
+//! the next band is no onset: SuperFlux (S. Böck and G. Widmer, "Maximum filter vibrato suppression
+//! for onset detection", DAFx 2013). Unlike there, magnitudes are taken relative to a slow
+//! follower of the level, so that a quiet master has the same onsets, and both channels are heard.
+
+use realfft::num_complex::Complex;
+use realfft::{RealFftPlanner, RealToComplex};
+use std::sync::Arc;
+
+use crate::SoundError;
+
+/// Onset values per second.
+pub const ONSET_RATE_HZ: f64 = 100.0;
+
+const WINDOW_SECS: f64 = 0.046;
+const BANDS_PER_OCTAVE: f64 = 24.0;
+const LOWEST_HZ: f64 = 30.0;
+const HIGHEST_HZ: f64 = 17_000.0;
+/// Compression: a band 60 dB below the level counts as ln 2.
+const COMPRESSION: f32 = 1000.0;
+/// The level sinks by 1/e in this time.
+const LEVEL_SECS: f64 = 10.0;
+/// Amplitude of the loudest band below which all is noise (−90 dB).
+const FLOOR: f32 = 3e-5;
+/// A frame is compared with the one this many frames before: there the window has moved by about
+/// half its effective width.
+const LAG: usize = 2;
+
+/// Streaming onset strength. Value n belongs to the time n / [`ONSET_RATE_HZ`] and needs
+/// [`latency_secs`](Self::latency_secs) of sound after it.
+pub struct OnsetDetector {
+    rate_hz: f64,
+    fft: Arc<dyn RealToComplex<f32>>,
+    window: Vec<f32>,
+    samples: Vec<f32>,
+    bins: Vec<Complex<f32>>,
+    scratch: Vec<Complex<f32>>,
+    /// For each band its first bin and its triangular weights.
+    bands: Vec<(usize, Vec<f32>)>,
+    channels: [Channel; 2],
+    /// Frame number (in samples) of the first sample that is kept.
+    kept_from: i64,
+    frames_done: u64,
+    level: f32,
+}
+
+/// One channel's samples on their way and its last band magnitudes, newest last.
+struct Channel {
+    samples: Vec<f32>,
+    past: [Vec<f32>; LAG + 1],
+}
+
+impl OnsetDetector {
+    /// For samples at `rate_hz`.
+    pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
+        crate::check_rate("onset detector", rate_hz)?;
+        let rate = f64::from(rate_hz);
+        let n = ((rate * WINDOW_SECS) as usize).next_power_of_two();
+        let n = if n as f64 > 1.5 * rate * WINDOW_SECS { n / 2 } else { n }.max(64);
+        let fft = RealFftPlanner::new().plan_fft_forward(n);
+        let bands = bands(rate, n);
+        let quiet = vec![0.0; bands.len()];
+        let channel = || Channel {
+            // Before the first sample there was silence.
+            samples: vec![0.0; n / 2],
+            past: std::array::from_fn(|_| quiet.clone()),
+        };
+        Ok(Self {
+            rate_hz: rate,
+            window: (0..n)
+                .map(|i| {
+                    let phase = std::f64::consts::TAU * i as f64 / n as f64;
+                    ((1.0 - phase.cos()) * 2.0 / n as f64) as f32
+                })
+                .collect(),
+            samples: fft.make_input_vec(),
+            bins: fft.make_output_vec(),
+            scratch: fft.make_scratch_vec(),
+            fft,
+            channels: [channel(), channel()],
+            bands,
+            kept_from: -(n as i64) / 2,
+            frames_done: 0,
+            level: FLOOR,
+        })
+    }
+
+    /// How much sound after its time a value needs.
+    pub fn latency_secs(&self) -> f64 {
+        self.window.len() as f64 / 2.0 / self.rate_hz
+    }
+
+    /// How many values there have been.
+    pub fn values_done(&self) -> u64 {
+        self.frames_done
+    }
+
+    /// Takes the next samples and appends the values that are now known to `out`, at least 0.
+    pub fn push(&mut self, left: &[f32], right: &[f32], out: &mut Vec<f32>) {
+        let count = left.len().min(right.len());
+        self.channels[0].samples.extend_from_slice(&left[..count]);
+        self.channels[1].samples.extend_from_slice(&right[..count]);
+        let n = self.window.len();
+        loop {
+            let centre = (self.frames_done as f64 * self.rate_hz / ONSET_RATE_HZ).round() as i64;
+            let start = (centre - n as i64 / 2 - self.kept_from) as usize;
+            if start + n > self.channels[0].samples.len() {
+                break;
+            }
+            out.push(self.frame(start));
+            self.frames_done += 1;
+            // Moving the rest to the front now and then is cheaper than after every frame.
+            if start > 8 * n {
+                for channel in &mut self.channels {
+                    channel.samples.drain(..start);
+                }
+                self.kept_from += start as i64;
+            }
+        }
+    }
+
+    fn frame(&mut self, start: usize) -> f32 {
+        let n = self.window.len();
+        let mut loudest = 0.0f32;
+        for channel in &mut self.channels {
+            let heard = &channel.samples[start..start + n];
+            for ((to, from), w) in self.samples.iter_mut().zip(heard).zip(&self.window) {
+                *to = if from.is_finite() { from * w } else { 0.0 };
+            }
+            let done = self.fft.process_with_scratch(&mut self.samples, &mut self.bins, &mut self.scratch);
+            debug_assert!(done.is_ok(), "the buffers were made by this plan");
+            channel.past.rotate_left(1);
+            for ((first, weights), value) in self.bands.iter().zip(&mut channel.past[LAG]) {
+                let bins = &self.bins[*first..*first + weights.len()];
+                *value = weights.iter().zip(bins).map(|(w, bin)| w * bin.norm()).sum();
+                loudest = loudest.max(*value);
+            }
+        }
+        let fade = (-1.0 / (LEVEL_SECS * ONSET_RATE_HZ)).exp() as f32;
+        self.level = loudest.max(self.level * fade).max(FLOOR);
+        let scale = COMPRESSION / self.level;
+        let flux: f32 = self.channels.iter().map(|channel| flux(&channel.past, scale)).sum();
+        flux / (2.0 * self.bands.len() as f32)
+    }
+}
+
+/// Sum over bands of what is new against the loudest of three neighbours `LAG` frames ago.
+fn flux(past: &[Vec<f32>; LAG + 1], scale: f32) -> f32 {
+    let (before, now) = (&past[0], &past[LAG]);
+    let last = now.len().saturating_sub(1);
+    let mut sum = 0.0;
+    for (b, &magnitude) in now.iter().enumerate() {
+        let neighbours = &before[b.saturating_sub(1)..=(b + 1).min(last)];
+        let loudest = neighbours.iter().fold(0.0f32, |a, &x| a.max(x));
+        if magnitude > loudest {
+            sum += ((1.0 + scale * magnitude) / (1.0 + scale * loudest)).ln();
+        }
+    }
+    sum
+}
+
+/// Triangular bands in equal steps of pitch; where bins are further apart than that, one band per
+/// bin.
+fn bands(rate_hz: f64, n: usize) -> Vec<(usize, Vec<f32>)> {
+    let bin_hz = rate_hz / n as f64;
+    let top = HIGHEST_HZ.min(0.48 * rate_hz);
+    let mut centres: Vec<usize> = Vec::new();
+    let mut hz = LOWEST_HZ;
+    while hz < top {
+        let bin = (hz / bin_hz).round().max(1.0) as usize;
+        if centres.last() != Some(&bin) {
+            centres.push(bin);
+        }
+        hz *= (1.0 / BANDS_PER_OCTAVE).exp2();
+    }
+    let triangle = |w: &[usize]| {
+        let (a, b, c) = (w[0], w[1], w[2]);
+        let weights: Vec<f32> =
+            (a + 1..c)
+                .map(|bin| {
+                    if bin <= b {
+                        (bin - a) as f32 / (b - a) as f32
+                    } else {
+                        (c - bin) as f32 / (c - b) as f32
+                    }
+                })
+                .collect();
+        let sum: f32 = weights.iter().sum();
+        (a + 1, weights.iter().map(|w| w / sum).collect())
+    };
+    centres.windows(3).map(triangle).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn onsets(left: &[f32], right: &[f32]) -> Vec<f32> {
+        let mut out = Vec::new();
+        OnsetDetector::new(44_100).unwrap().push(left, right, &mut out);
+        out
+    }
+
+    #[test]
+    fn a_click_is_found_in_either_channel_at_its_time_and_at_any_level() {
+        let silence = vec![0.0f32; 88_200];
+        for gain in [1.0, 0.01] {
+            let mut click = silence.clone();
+            click[44_100] = gain;
+            for (left, right) in [(&click, &silence), (&silence, &click)] {
+                let found = onsets(left, right);
+                let peak = (0..found.len()).max_by(|&a, &b| found[a].total_cmp(&found[b])).unwrap();
+                assert!((98..=101).contains(&peak), "{peak}");
+                assert!(found[..95].iter().all(|&x| x < 1e-6));
+            }
+        }
+    }
+
+    #[test]
+    fn it_does_not_matter_how_the_sound_is_cut_into_blocks() {
+        let tune = crate::sample_tune();
+        let (left, right) = (&tune.left[..200_000], &tune.right[..200_000]);
+        let whole = onsets(left, right);
+        let mut detector = OnsetDetector::new(44_100).unwrap();
+        let mut pieces = Vec::new();
+        for (l, r) in left.chunks(733).zip(right.chunks(733)) {
+            detector.push(l, r, &mut pieces);
+        }
+        assert_eq!(whole, pieces);
+    }
+
+    #[test]
+    fn a_vibrato_is_no_onset() {
+        let tone: Vec<f32> = (0..132_300)
+            .map(|n| {
+                let t = n as f32 / 44_100.0;
+                0.3 * (std::f32::consts::TAU * 440.0 * t + 4.0 * (std::f32::consts::TAU * 6.0 * t).sin())
+                    .sin()
+            })
+            .collect();
+        let found = onsets(&tone, &tone);
+        let start = found[..20].iter().fold(0.0f32, |a, &b| a.max(b));
+        let later = found[50..280].iter().fold(0.0f32, |a, &b| a.max(b));
+        assert!(later < 0.15 * start, "{later} against {start}");
+    }
+}

@@ -1,0 +1,203 @@
+//! Beats of a whole song.
+
+use chladni_task::{Cancelled, Task};
+
+use super::follow::BeatFollower;
+use super::meter::{Meter, Normaliser};
+use super::onset::{ONSET_RATE_HZ, OnsetDetector};
+use crate::{Song, SoundError};
+
+/// The beats of a song.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Beats {
+    /// Beats per minute; 0 where no beat was found. An octave (half, double) is a matter of taste:
+    /// see [`other_octaves_bpm`](Self::other_octaves_bpm).
+    pub tempo_bpm: f64,
+    /// Times of the beats, ascending.
+    pub beats_secs: Vec<f64>,
+    /// How much the onsets lie on the beats, from 0 (not at all) to 1 (all of them).
+    pub confidence: f64,
+    /// Half and twice the tempo: what other listeners may tap.
+    pub other_octaves_bpm: [f64; 2],
+}
+
+impl Beats {
+    fn new(beats_secs: Vec<f64>, confidence: f64) -> Self {
+        let tempo_bpm = tempo_of(&beats_secs);
+        let other_octaves_bpm = [tempo_bpm / 2.0, tempo_bpm * 2.0];
+        Self { tempo_bpm, beats_secs, confidence, other_octaves_bpm }
+    }
+}
+
+/// The most likely beats, all of the song being known: the best path of the bar pointer (Viterbi).
+pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
+    let onsets = onsets(song, task)?;
+    let heard = Normaliser::both_ways(&onsets);
+    let frames = best_path(&Meter::new(), &heard, task)?;
+    let frames = within_the_music(&frames, &heard);
+    let strengths = frames.iter().map(|&f| peak_near(&heard, f));
+    let confidence = agreement(strengths, &heard);
+    let beats_secs = frames.iter().map(|&f| refined(&heard, f) / ONSET_RATE_HZ).collect();
+    Ok(Beats::new(beats_secs, confidence))
+}
+
+/// The beats as a listener who does not know what comes announces them: what
+/// [`BeatFollower`] says while the song is played to it in blocks of 10 ms.
+pub fn track_beats_causally(song: &Song, task: &Task) -> Result<Beats, SoundError> {
+    let mut follower = BeatFollower::new(song.rate_hz)?;
+    let block = (song.rate_hz / 100) as usize;
+    let stage = task.stage("following the beat", song.frames() as u64);
+    let mut beats_secs = Vec::new();
+    for (left, right) in song.left.chunks(block).zip(song.right.chunks(block)) {
+        task.check()?;
+        follower.push(left, right);
+        beats_secs.extend(follower.take_beat());
+        stage.advance(left.len() as u64);
+    }
+    let confidence = follower.moment().confidence;
+    Ok(Beats::new(beats_secs, confidence))
+}
+
+fn onsets(song: &Song, task: &Task) -> Result<Vec<f32>, SoundError> {
+    let mut detector = OnsetDetector::new(song.rate_hz)?;
+    let stage = task.stage("finding onsets", song.frames() as u64);
+    let mut onsets = Vec::new();
+    for (left, right) in song.left.chunks(1 << 16).zip(song.right.chunks(1 << 16)) {
+        task.check()?;
+        detector.push(left, right, &mut onsets);
+        stage.advance(left.len() as u64);
+    }
+    // Silence behind the end gives the last values their window.
+    let silence = vec![0.0; (detector.latency_secs() * f64::from(song.rate_hz)) as usize + 1];
+    detector.push(&silence, &silence, &mut onsets);
+    Ok(onsets)
+}
+
+/// Frames at which the best path through the meter begins a beat.
+fn best_path(meter: &Meter, heard: &[f32], task: &Task) -> Result<Vec<usize>, Cancelled> {
+    let stage = task.stage("tracking beats", heard.len() as u64);
+    let count = meter.tempi.len();
+    // The places of a tempo are a ring: walking on moves its start, not its values. Place p of
+    // tempo i at frame t is at ring index (p − t) mod period.
+    let mut score = vec![0.0f32; meter.expected.len()];
+    let mut came_from = vec![0u16; heard.len() * count];
+    let mut arriving = vec![0.0f32; count];
+    for (t, &z) in heard.iter().enumerate() {
+        if t % 1024 == 0 {
+            task.check()?;
+            stage.advance(1024);
+        }
+        let begin = |i: usize| meter.tempi[i].first + ring(0, t, meter.tempi[i].period);
+        // What was at the last place of each tempo now begins a beat.
+        for (i, value) in arriving.iter_mut().enumerate() {
+            *value = score[begin(i)];
+        }
+        for i in 0..count {
+            let mut best = (f32::MIN, 0);
+            for (j, &value) in arriving.iter().enumerate() {
+                let candidate = value + meter.change[j * count + i];
+                if candidate > best.0 {
+                    best = (candidate, j);
+                }
+            }
+            score[begin(i)] = best.0;
+            came_from[t * count + i] = best.1 as u16;
+        }
+        for tempo in &meter.tempi {
+            let start = ring(0, t, tempo.period);
+            let states = &mut score[tempo.first..tempo.first + tempo.period];
+            let expected = &meter.expected[tempo.first..tempo.first + tempo.period];
+            let (before, from_start) = states.split_at_mut(start);
+            for (s, e) in from_start.iter_mut().zip(expected) {
+                *s += z * e;
+            }
+            for (s, e) in before.iter_mut().zip(&expected[tempo.period - start..]) {
+                *s += z * e;
+            }
+        }
+    }
+    Ok(walk_back(meter, &score, &came_from, heard.len()))
+}
+
+/// Ring index of `place` at frame `t`.
+fn ring(place: usize, t: usize, period: usize) -> usize {
+    (place + period - t % period) % period
+}
+
+fn walk_back(meter: &Meter, score: &[f32], came_from: &[u16], frames: usize) -> Vec<usize> {
+    let count = meter.tempi.len();
+    let Some(last) = frames.checked_sub(1) else { return Vec::new() };
+    let best =
+        (0..count).flat_map(|i| (0..meter.tempi[i].period).map(move |place| (i, place))).max_by(|&a, &b| {
+            let value = |(i, place): (usize, usize)| {
+                score[meter.tempi[i].first + ring(place, last, meter.tempi[i].period)]
+            };
+            value(a).total_cmp(&value(b))
+        });
+    let Some((mut tempo, place)) = best else { return Vec::new() };
+    let mut beats = Vec::new();
+    let mut at = last.checked_sub(place);
+    while let Some(t) = at {
+        beats.push(t);
+        tempo = usize::from(came_from[t * count + tempo]);
+        at = t.checked_sub(meter.tempi[tempo].period);
+    }
+    beats.reverse();
+    beats
+}
+
+/// Largest value within ±50 ms of a frame.
+fn peak_near(heard: &[f32], frame: usize) -> f32 {
+    let range = frame.saturating_sub(5)..(frame + 6).min(heard.len());
+    heard[range].iter().fold(0.0f32, |a, &b| a.max(b))
+}
+
+/// Beats before the first onset and after the last are only a habit: cut off.
+fn within_the_music<'a>(beats: &'a [usize], heard: &[f32]) -> &'a [usize] {
+    let strengths: Vec<f32> = beats.iter().map(|&f| peak_near(heard, f)).collect();
+    let mean = strengths.iter().sum::<f32>() / strengths.len().max(1) as f32;
+    let strong = |s: &f32| *s > 0.25 * mean;
+    match (strengths.iter().position(strong), strengths.iter().rposition(strong)) {
+        (Some(first), Some(last)) => &beats[first..=last],
+        _ => &[],
+    }
+}
+
+/// Mean strength of the beats over the mean of as many strongest moments, less what a beat by
+/// chance would have.
+fn agreement(strengths: impl ExactSizeIterator<Item = f32>, heard: &[f32]) -> f64 {
+    let count = strengths.len();
+    if count < 2 {
+        return 0.0;
+    }
+    let mean = strengths.sum::<f32>() / count as f32;
+    let mut peaks: Vec<f32> =
+        heard.windows(3).filter(|w| w[1] > 0.0 && w[1] >= w[0] && w[1] > w[2]).map(|w| w[1]).collect();
+    peaks.sort_by(|a, b| b.total_cmp(a));
+    peaks.truncate(count);
+    let best = peaks.iter().sum::<f32>() / peaks.len().max(1) as f32;
+    const CHANCE: f32 = 0.3;
+    if best <= 0.0 { 0.0 } else { f64::from(((mean / best - CHANCE) / (1.0 - CHANCE)).clamp(0.0, 1.0)) }
+}
+
+/// The onset's own place near a beat, between frames: the centre of what is above the mean.
+fn refined(heard: &[f32], frame: usize) -> f64 {
+    let (mut sum, mut moment) = (0.0, 0.0);
+    for f in frame.saturating_sub(2)..(frame + 3).min(heard.len()) {
+        let weight = f64::from(heard[f].max(0.0));
+        sum += weight;
+        moment += weight * f as f64;
+    }
+    if sum > 0.5 { moment / sum } else { frame as f64 }
+}
+
+/// Tempo of the straight line through the beats, in pieces where the tempo moves: the median gap
+/// picks the piece, the mean of the gaps near it is exact.
+fn tempo_of(beats_secs: &[f64]) -> f64 {
+    let mut gaps: Vec<f64> = beats_secs.windows(2).map(|w| w[1] - w[0]).collect();
+    gaps.sort_by(f64::total_cmp);
+    let Some(&median) = gaps.get(gaps.len() / 2) else { return 0.0 };
+    let near: Vec<f64> = gaps.iter().copied().filter(|g| (g / median - 1.0).abs() < 0.1).collect();
+    let mean = near.iter().sum::<f64>() / near.len().max(1) as f64;
+    if mean > 0.0 { 60.0 / mean } else { 0.0 }
+}
