@@ -15,12 +15,15 @@ pub(super) const FASTEST_BPM: f64 = 216.0;
 /// Expected onsets around a beat: a Gaussian of this many frames (20 ms).
 const BEAT_WIDTH: f64 = 2.0;
 /// What is expected halfway between two beats, as a share of what a beat makes.
-const OFFBEAT: f64 = 0.35;
+const OFFBEAT: f64 = 0.1;
 /// A change of period by the factor r costs this times |ln r|.
 const TEMPO_STIFFNESS: f64 = 90.0;
 /// Preferred tempo and its spread in octaves (as D. Ellis 2007, narrower).
 const PREFERRED_BPM: f64 = 118.0;
-const SPREAD_OCTAVES: f64 = 1.0;
+const SPREAD_OCTAVES: f64 = 0.8;
+/// What a beat costs, in the units of what onsets bring: the slower of two tempi that explain
+/// the same onsets is the simpler.
+const BEAT_COST: f64 = 4.0;
 /// How much an onset one standard deviation above the mean says, in nats.
 const TRUST: f64 = 0.6;
 
@@ -38,7 +41,7 @@ pub(super) struct Meter {
     pub tempi: Vec<Tempo>,
     /// For each state what is expected to be heard there, weighted by how likely the tempo is.
     pub expected: Vec<f32>,
-    /// Log-probability of going from tempo j (row) to tempo i.
+    /// Log-probability of going from tempo j (row) to tempo i, less the cost of the beat that begins.
     pub change: Vec<f32>,
 }
 
@@ -59,7 +62,8 @@ impl Meter {
         for from in &tempi {
             let cost = |to: &Tempo| -TEMPO_STIFFNESS * (to.period as f64 / from.period as f64).ln().abs();
             let total: f64 = tempi.iter().map(|to| cost(to).exp()).sum();
-            change.extend(tempi.iter().map(|to| (cost(to) - total.ln()) as f32));
+            let beat = |to: &Tempo| BEAT_COST * TRUST * preference(to.period);
+            change.extend(tempi.iter().map(|to| (cost(to) - total.ln() - beat(to)) as f32));
         }
         Self { tempi, expected, change }
     }

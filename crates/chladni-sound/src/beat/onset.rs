@@ -18,8 +18,8 @@ const WINDOW_SECS: f64 = 0.046;
 const BANDS_PER_OCTAVE: f64 = 24.0;
 const LOWEST_HZ: f64 = 30.0;
 const HIGHEST_HZ: f64 = 17_000.0;
-/// Compression: a band 60 dB below the level counts as ln 2.
-const COMPRESSION: f32 = 1000.0;
+/// Compression: a band 20 dB below the level counts as ln 2, so that what is loud counts more.
+const COMPRESSION: f32 = 10.0;
 /// The level sinks by 1/e in this time.
 const LEVEL_SECS: f64 = 10.0;
 /// Amplitude of the loudest band below which all is noise (−90 dB).

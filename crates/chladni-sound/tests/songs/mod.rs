@@ -33,41 +33,123 @@ enum Instrument {
 use Instrument::*;
 
 const ROCK: Pattern = &[
-    (0.0, Kick, 0.9), (2.0, Kick, 0.8), (2.5, Kick, 0.6), (1.0, Snare, 0.7), (3.0, Snare, 0.7),
-    (0.0, Hat, 0.3), (0.5, Hat, 0.2), (1.0, Hat, 0.3), (1.5, Hat, 0.2), (2.0, Hat, 0.3), (2.5, Hat, 0.2),
-    (3.0, Hat, 0.3), (3.5, Hat, 0.2), (0.0, Bass(33), 0.5), (1.5, Bass(33), 0.4), (2.0, Bass(40), 0.5), (3.5, Bass(36), 0.4),
+    (0.0, Kick, 0.9),
+    (2.0, Kick, 0.8),
+    (2.5, Kick, 0.6),
+    (1.0, Snare, 0.7),
+    (3.0, Snare, 0.7),
+    (0.0, Hat, 0.3),
+    (0.5, Hat, 0.2),
+    (1.0, Hat, 0.3),
+    (1.5, Hat, 0.2),
+    (2.0, Hat, 0.3),
+    (2.5, Hat, 0.2),
+    (3.0, Hat, 0.3),
+    (3.5, Hat, 0.2),
+    (0.0, Bass(33), 0.5),
+    (1.5, Bass(33), 0.4),
+    (2.0, Bass(40), 0.5),
+    (3.5, Bass(36), 0.4),
 ];
 const HOUSE: Pattern = &[
-    (0.0, Kick, 1.0), (1.0, Kick, 1.0), (2.0, Kick, 1.0), (3.0, Kick, 1.0), (1.0, Snare, 0.4), (3.0, Snare, 0.4),
-    (0.5, Hat, 0.5), (1.5, Hat, 0.5), (2.5, Hat, 0.5), (3.5, Hat, 0.5), (0.5, Bass(33), 0.4), (1.5, Bass(33), 0.4),
-    (2.5, Bass(36), 0.4), (3.5, Bass(31), 0.4),
+    (0.0, Kick, 1.0),
+    (1.0, Kick, 1.0),
+    (2.0, Kick, 1.0),
+    (3.0, Kick, 1.0),
+    (1.0, Snare, 0.4),
+    (3.0, Snare, 0.4),
+    (0.5, Hat, 0.25),
+    (1.5, Hat, 0.25),
+    (2.5, Hat, 0.25),
+    (3.5, Hat, 0.25),
+    (0.5, Bass(33), 0.4),
+    (1.5, Bass(33), 0.4),
+    (2.5, Bass(36), 0.4),
+    (3.5, Bass(31), 0.4),
 ];
 const SWING: Pattern = &[
-    (0.0, Ride, 0.4), (1.0, Ride, 0.5), (1.667, Ride, 0.3), (2.0, Ride, 0.4), (3.0, Ride, 0.5), (3.667, Ride, 0.3),
-    (1.0, Hat, 0.4), (3.0, Hat, 0.4), (0.0, Bass(36), 0.6), (1.0, Bass(40), 0.6), (2.0, Bass(43), 0.6), (3.0, Bass(45), 0.6),
-    (1.667, Piano(60), 0.3), (3.0, Piano(64), 0.2),
+    (0.0, Ride, 0.4),
+    (1.0, Ride, 0.5),
+    (1.667, Ride, 0.3),
+    (2.0, Ride, 0.4),
+    (3.0, Ride, 0.5),
+    (3.667, Ride, 0.3),
+    (1.0, Hat, 0.4),
+    (3.0, Hat, 0.4),
+    (0.0, Bass(36), 0.6),
+    (1.0, Bass(40), 0.6),
+    (2.0, Bass(43), 0.6),
+    (3.0, Bass(45), 0.6),
+    (1.667, Piano(60), 0.3),
+    (3.0, Piano(64), 0.2),
 ];
 const SYNCOPATED: Pattern = &[
-    (0.0, Kick, 0.9), (0.75, Kick, 0.6), (1.5, Kick, 0.8), (2.75, Kick, 0.6), (1.0, Snare, 0.7), (3.0, Snare, 0.7),
-    (0.0, Hat, 0.2), (0.25, Hat, 0.1), (0.5, Hat, 0.2), (0.75, Hat, 0.1), (1.0, Hat, 0.2), (1.25, Hat, 0.1),
-    (1.5, Hat, 0.2), (1.75, Hat, 0.1), (2.0, Hat, 0.2), (2.25, Hat, 0.1), (2.5, Hat, 0.2), (2.75, Hat, 0.1),
-    (3.0, Hat, 0.2), (3.25, Hat, 0.1), (3.5, Hat, 0.2), (3.75, Hat, 0.1), (0.75, Bass(33), 0.5), (1.5, Bass(36), 0.5), (3.25, Bass(31), 0.5),
+    (0.0, Kick, 0.9),
+    (0.75, Kick, 0.6),
+    (1.5, Kick, 0.8),
+    (2.75, Kick, 0.6),
+    (1.0, Snare, 0.7),
+    (3.0, Snare, 0.7),
+    (0.0, Hat, 0.2),
+    (0.25, Hat, 0.1),
+    (0.5, Hat, 0.2),
+    (0.75, Hat, 0.1),
+    (1.0, Hat, 0.2),
+    (1.25, Hat, 0.1),
+    (1.5, Hat, 0.2),
+    (1.75, Hat, 0.1),
+    (2.0, Hat, 0.2),
+    (2.25, Hat, 0.1),
+    (2.5, Hat, 0.2),
+    (2.75, Hat, 0.1),
+    (3.0, Hat, 0.2),
+    (3.25, Hat, 0.1),
+    (3.5, Hat, 0.2),
+    (3.75, Hat, 0.1),
+    (0.75, Bass(33), 0.5),
+    (1.5, Bass(36), 0.5),
+    (3.25, Bass(31), 0.5),
 ];
 const WALTZ: Pattern = &[
-    (0.0, Bass(36), 0.7), (1.0, Piano(60), 0.4), (2.0, Piano(60), 0.4), (0.0, Piano(72), 0.4), (1.5, Piano(74), 0.25), (2.0, Piano(76), 0.3),
+    (0.0, Bass(36), 0.7),
+    (1.0, Piano(60), 0.4),
+    (2.0, Piano(60), 0.4),
+    (0.0, Piano(72), 0.4),
+    (1.5, Piano(74), 0.25),
+    (2.0, Piano(76), 0.3),
 ];
-const CHORALE: Pattern = &[
-    (0.0, Strings(57), 0.5), (1.0, Strings(60), 0.5), (2.0, Strings(64), 0.5), (3.0, Strings(62), 0.5),
-];
+const CHORALE: Pattern =
+    &[(0.0, Strings(57), 0.5), (1.0, Strings(60), 0.5), (2.0, Strings(64), 0.5), (3.0, Strings(62), 0.5)];
 const PIANO: Pattern = &[
-    (0.0, Piano(48), 0.6), (0.0, Piano(64), 0.5), (0.5, Piano(67), 0.3), (1.0, Piano(72), 0.5), (1.5, Piano(67), 0.3),
-    (2.0, Piano(45), 0.6), (2.0, Piano(64), 0.5), (2.5, Piano(69), 0.3), (3.0, Piano(72), 0.5), (3.5, Piano(69), 0.3),
+    (0.0, Piano(48), 0.6),
+    (0.0, Piano(64), 0.5),
+    (0.5, Piano(67), 0.3),
+    (1.0, Piano(72), 0.5),
+    (1.5, Piano(67), 0.3),
+    (2.0, Piano(45), 0.6),
+    (2.0, Piano(64), 0.5),
+    (2.5, Piano(69), 0.3),
+    (3.0, Piano(72), 0.5),
+    (3.5, Piano(69), 0.3),
 ];
 const CLICKS: Pattern = &[(0.0, Click, 0.8), (1.0, Click, 0.8), (2.0, Click, 0.8), (3.0, Click, 0.8)];
 const BREAKBEAT: Pattern = &[
-    (0.0, Kick, 1.0), (2.5, Kick, 0.9), (1.0, Snare, 0.8), (3.0, Snare, 0.8), (0.0, Hat, 0.3), (0.5, Hat, 0.3), (1.0, Hat, 0.3),
-    (1.5, Hat, 0.3), (2.0, Hat, 0.3), (2.5, Hat, 0.3), (3.0, Hat, 0.3), (3.5, Hat, 0.3), (1.75, Snare, 0.25), (2.25, Snare, 0.25),
-    (0.0, Bass(28), 0.6), (2.5, Bass(31), 0.5),
+    (0.0, Kick, 1.0),
+    (2.5, Kick, 0.9),
+    (1.0, Snare, 0.8),
+    (3.0, Snare, 0.8),
+    (0.0, Hat, 0.3),
+    (0.5, Hat, 0.3),
+    (1.0, Hat, 0.3),
+    (1.5, Hat, 0.3),
+    (2.0, Hat, 0.3),
+    (2.5, Hat, 0.3),
+    (3.0, Hat, 0.3),
+    (3.5, Hat, 0.3),
+    (1.75, Snare, 0.25),
+    (2.25, Snare, 0.25),
+    (0.0, Bass(28), 0.6),
+    (2.5, Bass(31), 0.5),
 ];
 
 fn steady(bpm: f64, _: usize) -> f64 {
@@ -85,16 +167,29 @@ fn human(bpm: f64, beat: usize) -> f64 {
 /// The whole collection, 24 s each.
 pub fn songs() -> Vec<Made> {
     let list: [(&str, f64, f64, Pattern, Tempo); 24] = [
-        ("clicks", 60.0, 4.0, CLICKS, steady), ("clicks", 93.0, 4.0, CLICKS, steady),
-        ("clicks", 140.0, 4.0, CLICKS, steady), ("clicks", 180.0, 4.0, CLICKS, steady),
-        ("rock", 84.0, 4.0, ROCK, steady), ("rock", 104.0, 4.0, ROCK, steady), ("rock", 128.0, 4.0, ROCK, steady),
-        ("rock-human", 116.0, 4.0, ROCK, human), ("rock-faster", 96.0, 4.0, ROCK, faster),
-        ("house", 121.5, 4.0, HOUSE, steady), ("house", 132.0, 4.0, HOUSE, steady), ("house-faster", 112.0, 4.0, HOUSE, faster),
-        ("swing", 112.0, 4.0, SWING, steady), ("swing", 152.0, 4.0, SWING, steady), ("swing-human", 132.0, 4.0, SWING, human),
-        ("syncopated", 92.0, 4.0, SYNCOPATED, steady), ("syncopated", 108.0, 4.0, SYNCOPATED, steady),
-        ("waltz", 90.0, 3.0, WALTZ, steady), ("waltz", 144.0, 3.0, WALTZ, human),
-        ("chorale", 72.0, 4.0, CHORALE, steady), ("chorale", 100.0, 4.0, CHORALE, human),
-        ("piano", 76.0, 4.0, PIANO, human), ("piano", 110.0, 4.0, PIANO, steady),
+        ("clicks", 60.0, 4.0, CLICKS, steady),
+        ("clicks", 93.0, 4.0, CLICKS, steady),
+        ("clicks", 140.0, 4.0, CLICKS, steady),
+        ("clicks", 180.0, 4.0, CLICKS, steady),
+        ("rock", 84.0, 4.0, ROCK, steady),
+        ("rock", 104.0, 4.0, ROCK, steady),
+        ("rock", 128.0, 4.0, ROCK, steady),
+        ("rock-human", 116.0, 4.0, ROCK, human),
+        ("rock-faster", 96.0, 4.0, ROCK, faster),
+        ("house", 121.5, 4.0, HOUSE, steady),
+        ("house", 132.0, 4.0, HOUSE, steady),
+        ("house-faster", 112.0, 4.0, HOUSE, faster),
+        ("swing", 112.0, 4.0, SWING, steady),
+        ("swing", 152.0, 4.0, SWING, steady),
+        ("swing-human", 132.0, 4.0, SWING, human),
+        ("syncopated", 92.0, 4.0, SYNCOPATED, steady),
+        ("syncopated", 108.0, 4.0, SYNCOPATED, steady),
+        ("waltz", 90.0, 3.0, WALTZ, steady),
+        ("waltz", 144.0, 3.0, WALTZ, human),
+        ("chorale", 72.0, 4.0, CHORALE, steady),
+        ("chorale", 100.0, 4.0, CHORALE, human),
+        ("piano", 76.0, 4.0, PIANO, human),
+        ("piano", 110.0, 4.0, PIANO, steady),
         ("breakbeat", 170.0, 4.0, BREAKBEAT, steady),
     ];
     list.iter().map(|&(name, bpm, bar, pattern, tempo)| make(name, bpm, bar, pattern, tempo)).collect()
@@ -140,7 +235,10 @@ fn add(song: &mut Song, at: f64, gain: f32, instrument: Instrument, step: u8, no
         let hiss = *noise as f32 / u32::MAX as f32 * 2.0 - 1.0;
         let attack = |secs: f32| (t / secs).min(1.0);
         let value = match instrument {
-            Kick => (TAU * (50.0 * t + 3.0 * (1.0 - (-t / 0.03).exp()))).sin() * (-t / 0.12).exp(),
+            Kick => {
+                let skin = (TAU * (50.0 * t + 3.0 * (1.0 - (-t / 0.03).exp()))).sin() * (-t / 0.12).exp();
+                skin + 0.4 * hiss * (-t / 0.004).exp()
+            }
             Snare => (0.6 * hiss + 0.4 * (TAU * 190.0 * t).sin()) * (-t / 0.09).exp(),
             Hat => hiss * (-t / 0.03).exp(),
             Ride => (0.5 * hiss + 0.5 * (TAU * 5200.0 * t).sin()) * (-t / 0.2).exp(),
@@ -148,7 +246,8 @@ fn add(song: &mut Song, at: f64, gain: f32, instrument: Instrument, step: u8, no
             Bass(note) => harmonics(hz(note), t, 5) * attack(0.008) * (-t / 0.3).exp(),
             Piano(note) => harmonics(hz(note), t, 8) * attack(0.003) * (-t / 0.5).exp(),
             Strings(note) => {
-                let chord = harmonics(hz(note), t, 5) + harmonics(hz(note + 4), t, 5) + harmonics(hz(note + 7), t, 5);
+                let chord =
+                    harmonics(hz(note), t, 5) + harmonics(hz(note + 4), t, 5) + harmonics(hz(note + 7), t, 5);
                 0.4 * chord * attack(0.06) * (-((t - 0.3).max(0.0)) / 0.15).exp()
             }
         };

@@ -1,0 +1,116 @@
+//! Beats against files and songs whose beats are known.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+mod songs;
+
+use chladni_sound::{
+    BeatFollower, Song, TUNE_BPM, beat_score, sample_tune, sample_tune_beats_secs, track_beats,
+    track_beats_causally,
+};
+use chladni_task::Task;
+use chladni_testdata::shared;
+
+fn truth(name: &str) -> Option<Vec<f64>> {
+    let text = std::fs::read_to_string(shared(&format!("audio/{name}"))?).unwrap();
+    let lines = text.lines().filter(|line| !line.starts_with('#'));
+    Some(lines.filter_map(|line| line.split_whitespace().next()?.parse().ok()).collect())
+}
+
+#[test]
+fn files_with_known_beats() {
+    let listed = [
+        ("impulses_1second_44100_st.wav", "impulses.beats.txt", 0.95),
+        ("impulses_1second_48000_st.mp3", "impulses.beats.txt", 0.95),
+        ("impulses_1second_22050_st.ogg", "impulses.beats.txt", 0.95),
+        ("techno_loop.mp3", "techno_loop.beats.txt", 0.95),
+        ("Chord_Detection_Test.flac", "Chord_Detection_Test.beats.txt", 0.9),
+        ("sample.wav", "sample.beats", 0.7),
+    ];
+    for (name, beats, least) in listed {
+        let (Some(path), Some(truth)) = (shared(&format!("audio/{name}")), truth(beats)) else { return };
+        let found = track_beats(&Song::open(&path).unwrap(), &Task::new()).unwrap();
+        let score = beat_score(&found.beats_secs, &truth, 0.07);
+        let true_bpm = 60.0 * (truth.len() - 1) as f64 / (truth[truth.len() - 1] - truth[0]);
+        eprintln!("{name}: {score:?}, {} bpm, confidence {}", found.tempo_bpm, found.confidence);
+        assert!(score.f_measure >= least, "{name}: {score:?}");
+        assert!((found.tempo_bpm / true_bpm - 1.0).abs() < 0.02, "{name}: {} bpm", found.tempo_bpm);
+    }
+}
+
+#[test]
+fn our_own_tune_is_followed_exactly() {
+    let (tune, truth) = (sample_tune(), sample_tune_beats_secs());
+    let found = track_beats(&tune, &Task::new()).unwrap();
+    let score = beat_score(&found.beats_secs, &truth, 0.07);
+    assert!(score.f_measure > 0.95, "{score:?}");
+    assert!((found.tempo_bpm / TUNE_BPM - 1.0).abs() < 0.01, "{}", found.tempo_bpm);
+    let heard = track_beats_causally(&tune, &Task::new()).unwrap();
+    let later = |beats: &[f64]| beats.iter().copied().filter(|b| *b > 5.0).collect::<Vec<_>>();
+    let score = beat_score(&later(&heard.beats_secs), &later(&truth), 0.07);
+    assert!(score.f_measure > 0.9, "while listening: {score:?}");
+}
+
+#[test]
+fn many_manners_and_tempi() {
+    let mut sum = 0.0;
+    let made = songs::songs();
+    for made in &made {
+        let found = track_beats(&made.song, &Task::new()).unwrap();
+        let score = beat_score(&found.beats_secs, &made.beats_secs, 0.07);
+        eprintln!("{}: {:.1} bpm, F {:.3}", made.name, found.tempo_bpm, score.f_measure);
+        sum += score.f_measure;
+    }
+    let mean = sum / made.len() as f64;
+    assert!(mean > 0.83, "mean F-measure {mean}");
+}
+
+#[test]
+fn a_listener_does_not_know_what_comes() {
+    let tune = sample_tune();
+    let cut = 10 * tune.rate_hz as usize;
+    let mut half = tune.clone();
+    half.left[cut..].fill(0.0);
+    half.right[cut..].reverse();
+    let beats = |song: &Song| {
+        let all = track_beats_causally(song, &Task::new()).unwrap().beats_secs;
+        all.into_iter().filter(|b| *b <= 10.0).collect::<Vec<_>>()
+    };
+    let known = beats(&tune);
+    assert!(known.len() > 12);
+    assert_eq!(known, beats(&half));
+}
+
+#[test]
+fn nothing_has_no_beat() {
+    let silence = Song { rate_hz: 44_100, left: vec![0.0; 200_000], right: vec![0.0; 200_000] };
+    let empty = Song { rate_hz: 44_100, left: Vec::new(), right: Vec::new() };
+    for song in [&silence, &empty] {
+        let found = track_beats(song, &Task::new()).unwrap();
+        assert!(found.beats_secs.is_empty() && found.tempo_bpm == 0.0 && found.confidence == 0.0);
+        assert!(track_beats_causally(song, &Task::new()).unwrap().beats_secs.is_empty());
+    }
+}
+
+#[test]
+fn taps_halving_and_doubling_are_obeyed() {
+    let mut follower = BeatFollower::new(44_100).unwrap();
+    let silence = vec![0.0; 4410];
+    for step in 0..40 {
+        follower.push(&silence, &silence);
+        // Four taps at 100 beats per minute.
+        if step % 6 == 5 && step < 30 {
+            follower.tap(follower.now_secs());
+        }
+    }
+    let moment = follower.moment();
+    assert!((moment.tempo_bpm - 100.0).abs() < 3.0, "{moment:?}");
+    // The last tap was at 3.0 s: 4.2 s is a beat.
+    let off = (follower.moment_at(4.2).phase + 0.5).fract() - 0.5;
+    assert!(off.abs() < 0.12, "{off}");
+    follower.double();
+    assert!((follower.moment().tempo_bpm - 200.0).abs() < 6.0);
+    follower.halve();
+    follower.halve();
+    assert!((follower.moment().tempo_bpm - 50.0).abs() < 1.5);
+}
