@@ -33,8 +33,10 @@ mod cache;
 mod eigen;
 mod error;
 mod laplacian;
+mod ldlt;
 mod operator;
 mod settings;
+mod simd;
 mod sparse;
 
 pub use basis::{Basis, Certificate};
@@ -42,5 +44,5 @@ pub use body::Body;
 pub use cache::BasisCache;
 pub use error::HarmonicsError;
 pub use operator::Operator;
-pub use settings::{BasisSettings, BuildReport, BuildSeconds};
+pub use settings::{BasisSettings, BuildReport, BuildSeconds, SolveProfile};
 pub use sparse::SymmetricSparse;

@@ -28,6 +28,8 @@ pub struct BuildReport {
     /// K cuts a group of equal eigenvalues: λ_{K−1} and λ_K agree to 1e-7. The harmonics of
     /// the part that is there are then one of many equally good choices.
     pub cuts_cluster: bool,
+    /// Where the time of a solve by slices went; all zero if cached or solved densely.
+    pub profile: SolveProfile,
     /// Why the cache could not be used or written; the basis itself is not affected.
     pub cache_warning: Option<String>,
 }
@@ -41,4 +43,42 @@ pub struct BuildSeconds {
     pub solve: f64,
     /// All of it, the cache included.
     pub total: f64,
+}
+
+/// Where the time of a solve went. `analyze`, `plan` and `assemble` are wall-clock seconds,
+/// the others seconds of one thread summed over all threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct SolveProfile {
+    /// Elimination order and symbolic analysis (wall clock).
+    pub analyze: f64,
+    /// Counting eigenvalues to place the slices (wall clock).
+    pub plan: f64,
+    /// Certificate, and the vectors written out in the mesh's order (wall clock).
+    pub assemble: f64,
+    /// Numerical factorizations.
+    pub factor: f64,
+    /// Triangular solves.
+    pub solve: f64,
+    /// Orthogonalisation of the Krylov blocks.
+    pub orthogonalize: f64,
+    /// Small dense eigenproblems.
+    pub project: f64,
+    /// Eigenvectors from the Krylov blocks.
+    pub vectors: f64,
+    /// Factorizations made.
+    pub factored: u64,
+    /// Right-hand sides solved for.
+    pub solved_columns: u64,
+}
+
+impl SolveProfile {
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.factor += other.factor;
+        self.solve += other.solve;
+        self.orthogonalize += other.orthogonalize;
+        self.project += other.project;
+        self.vectors += other.vectors;
+        self.factored += other.factored;
+        self.solved_columns += other.solved_columns;
+    }
 }

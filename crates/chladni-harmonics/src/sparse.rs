@@ -89,3 +89,33 @@ impl SymmetricSparse {
         (0..self.size()).map(|j| self.column(j).map(|(i, v)| v * x[i]).sum()).collect()
     }
 }
+
+impl SymmetricSparse {
+    /// D P A Pᵀ D: row and column i are the old `old[i]`, each value times `scale` of its old
+    /// row and column.
+    pub(crate) fn permuted_and_scaled(&self, old: &[u32], scale: &[f64]) -> Self {
+        let n = old.len();
+        let mut new = vec![0_u32; n];
+        for (i, &o) in old.iter().enumerate() {
+            new[o as usize] = i as u32;
+        }
+        let mut out = Self {
+            column_starts: Vec::with_capacity(n + 1),
+            rows: Vec::with_capacity(self.rows.len()),
+            values: Vec::with_capacity(self.values.len()),
+        };
+        out.column_starts.push(0);
+        let mut column = Vec::new();
+        for &o in old {
+            column.clear();
+            let s = scale[o as usize];
+            // Symmetric to the last bit: the product of the two scales comes first.
+            column.extend(self.column(o as usize).map(|(i, v)| (new[i], (scale[i] * s) * v)));
+            column.sort_unstable_by_key(|e| e.0);
+            out.rows.extend(column.iter().map(|e| e.0));
+            out.values.extend(column.iter().map(|e| e.1));
+            out.column_starts.push(out.rows.len());
+        }
+        out
+    }
+}

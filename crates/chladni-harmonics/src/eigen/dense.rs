@@ -3,11 +3,17 @@
 use chladni_task::Task;
 use faer::{Mat, Side};
 
-use super::{Solved, certify, fix_signs};
-use crate::{Basis, HarmonicsError, Operator};
+use super::slicing::CLUSTER;
+use super::{Solved, certify, fix_sign};
+use crate::{Basis, HarmonicsError, Operator, SolveProfile};
 
 /// Solves M^-½ S M^-½ as a dense matrix: every pair is there, so nothing can be missed.
-pub(crate) fn solve(operator: &Operator, harmonics: usize, task: &Task) -> Result<Solved, HarmonicsError> {
+pub(super) fn solve(
+    operator: &Operator,
+    harmonics: usize,
+    whole_clusters: bool,
+    task: &Task,
+) -> Result<Solved, HarmonicsError> {
     let n = operator.vertices();
     let stage = task.stage("harmonics", 1);
     let scale: Vec<f64> = operator.mass.iter().map(|a| a.sqrt().recip()).collect();
@@ -21,18 +27,20 @@ pub(crate) fn solve(operator: &Operator, harmonics: usize, task: &Task) -> Resul
         .self_adjoint_eigen(Side::Lower)
         .map_err(|e| HarmonicsError::NotCertified { reason: format!("the dense solver failed: {e:?}") })?;
     let components = operator.components();
-    let mut eigenvalues: Vec<f64> = (0..harmonics).map(|k| eigen.S()[k]).collect();
-    eigenvalues.iter_mut().take(components).for_each(|l| *l = 0.0);
-    let mut vectors = vec![0.0; n * harmonics];
-    for k in 0..harmonics {
+    let exact = |k: usize| if k < components { 0.0 } else { eigen.S()[k] };
+    let is_gap = |k: usize| k == n || exact(k) - exact(k - 1) > CLUSTER * exact(k);
+    let cluster_end = (harmonics..=n).find(|&k| is_gap(k)).unwrap_or(n);
+    let keep = if whole_clusters { cluster_end } else { harmonics };
+    let eigenvalues: Vec<f64> = (0..keep).map(exact).collect();
+    let mut vectors = vec![0.0; n * keep];
+    for (k, h) in vectors.chunks_exact_mut(n).enumerate() {
         for v in 0..n {
-            vectors[k * n + v] = eigen.U()[(v, k)] * scale[v];
+            h[v] = eigen.U()[(v, k)] * scale[v];
         }
+        fix_sign(h);
     }
-    fix_signs(&mut vectors, n);
     let certificate = certify(operator, &eigenvalues, &vectors, true);
-    let cuts_cluster =
-        harmonics < n && eigen.S()[harmonics] - eigen.S()[harmonics - 1] <= 1e-7 * eigen.S()[harmonics];
     stage.advance(1);
-    Ok(Solved { basis: Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate }, cuts_cluster })
+    let basis = Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate };
+    Ok(Solved { basis, cuts_cluster: keep < cluster_end, profile: SolveProfile::default() })
 }

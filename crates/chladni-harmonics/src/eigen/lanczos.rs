@@ -1,84 +1,291 @@
-//! Block Lanczos on (A + σI)⁻¹ with full reorthogonalisation, one shift for all pairs.
+//! Block Lanczos on (A − σI)⁻¹: the eigenpairs of A nearest to one shift.
 
-use chladni_task::Task;
-use faer::linalg::solvers::Solve;
-use faer::sparse::{SparseColMat, Triplet};
+use std::time::Instant;
+
+use chladni_task::{Cancelled, Task};
 use faer::{Mat, Side};
 
-use super::{Solved, certify, fix_signs};
-use crate::{Basis, HarmonicsError, Operator};
+use super::problem::{Problem, Profile};
+use super::tall::{Block, Small, orthonormalize, overlaps, subtract_products};
+use crate::ldlt::{Factor, Row, Workspace};
 
-const BLOCK: usize = 16;
+/// Vectors of eight columns in a block.
+pub(super) const W: usize = 2;
+/// Columns of a block.
+pub(super) const BLOCK: usize = 8 * W;
 
-/// Grows an orthonormal basis V of the Krylov space and takes Ritz pairs of V^T OP V.
-pub(crate) fn solve(operator: &Operator, harmonics: usize, task: &Task) -> Result<Solved, HarmonicsError> {
-    let n = operator.vertices();
-    let stage = task.stage("harmonics", 0);
-    let failed = |reason: String| HarmonicsError::NotCertified { reason };
-    let scale: Vec<f64> = operator.mass.iter().map(|a| a.sqrt().recip()).collect();
-    let shift = 4.0 / operator.mass.iter().sum::<f64>();
-    let mut triplets = Vec::new();
-    for j in 0..n {
-        for (i, value) in operator.stiffness.column(j) {
-            let a = value * scale[i] * scale[j];
-            triplets.push(Triplet::new(i, j, if i == j { a + shift } else { a }));
-        }
+/// How far a run must go on one side of its shift.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Reach {
+    /// Everything up to this eigenvalue, and the first pair beyond it, must converge.
+    Beyond(f64),
+    /// This many pairs must converge.
+    Count(usize),
+}
+
+/// What one run has to find around its shift.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    pub below: Reach,
+    pub above: Reach,
+    /// Zero lies in the window: its eigenvectors, which are known, are kept out of the space.
+    pub from_zero: bool,
+    /// How wide the window is in λ.
+    pub width: f64,
+    /// How many pairs are expected, which only decides when to look first.
+    pub expected: usize,
+}
+
+/// Converged pairs nearest to a shift, none left out on either side as far as Lanczos can tell.
+#[derive(Debug, Default)]
+pub(super) struct Pairs {
+    /// Eigenvalues, ascending.
+    pub values: Vec<f64>,
+    /// Their orthonormal vectors, BLOCK to a block in the order of `values`; the last block
+    /// is filled up with zeros.
+    pub blocks: Vec<Block<W>>,
+}
+
+/// Why a run stopped without its pairs.
+#[derive(Debug)]
+pub(super) enum Stopped {
+    Cancelled,
+    /// The shift is too close to an eigenvalue, or the factorization lost its precision.
+    BadShift,
+    /// The space was used up before the window had converged.
+    Exhausted,
+}
+
+impl From<Cancelled> for Stopped {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
     }
-    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets)
-        .map_err(|e| failed(format!("{e:?}")))?;
-    let factor = matrix.sp_cholesky(Side::Lower).map_err(|e| failed(format!("{e:?}")))?;
-    let mut seed = 0x2545_f491_4f6c_dd1d_u64;
-    let mut random = || {
-        seed ^= seed << 13;
-        seed ^= seed >> 7;
-        seed ^= seed << 17;
-        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    };
-    let mut basis = Mat::<f64>::zeros(n, 0);
-    let mut image = Mat::<f64>::zeros(n, 0);
-    let mut next = Mat::from_fn(n, BLOCK, |_, _| random());
+}
+
+/// Pairs around `shift`, given its `factor`, orthogonal to the pairs in `locked`.
+pub(super) fn run(
+    problem: &Problem,
+    factor: &Factor,
+    shift: f64,
+    window: &Window,
+    locked: &[&Pairs],
+    seed: u64,
+    profile: &mut Profile,
+    task: &Task,
+) -> Result<Pairs, Stopped> {
+    let n = problem.matrix.size();
+    let locked: Vec<&[Row<W>]> = locked.iter().flat_map(|p| p.blocks.iter().map(Vec::as_slice)).collect();
+    let mut krylov = Krylov { basis: Vec::new(), diagonal: Vec::new(), below: Vec::new() };
+    let mut next = random_block(n, seed);
+    problem.remove_constants(window, &mut next);
+    for _ in 0..2 {
+        subtract_projections(&mut next, &locked);
+        orthonormalize(&mut next).ok_or(Stopped::BadShift)?;
+    }
     loop {
         task.check()?;
-        for _ in 0..2 {
-            let overlap = basis.transpose() * &next;
-            next -= &basis * overlap;
-            next = next.qr().compute_thin_Q();
+        let start = Instant::now();
+        let mut image = next.clone();
+        factor.solve(&problem.symbolic, &mut image);
+        profile.solve += start.elapsed().as_secs_f64();
+        profile.solved_columns += BLOCK as u64;
+        let start = Instant::now();
+        krylov.basis.push(next);
+        problem.remove_constants(window, &mut image);
+        subtract_projections(&mut image, &locked);
+        let basis: Vec<&[Row<W>]> = krylov.basis.iter().map(Vec::as_slice).collect();
+        let mut coefficients = overlaps(&basis, &image);
+        subtract_products(&mut image, &basis, &coefficients);
+        let upper = orthonormalize(&mut image);
+        profile.orthogonalize += start.elapsed().as_secs_f64();
+        let triangular = upper.ok_or(Stopped::BadShift)?;
+        krylov.diagonal.push(coefficients.pop().unwrap_or_default());
+        krylov.below.push(triangular.r);
+        next = image;
+        let m = krylov.basis.len() * BLOCK;
+        if m + 2 * BLOCK > n {
+            return Err(Stopped::Exhausted);
         }
-        let solved = factor.solve(&next);
-        let m = basis.ncols();
-        basis = Mat::from_fn(n, m + BLOCK, |i, j| if j < m { basis[(i, j)] } else { next[(i, j - m)] });
-        image = Mat::from_fn(n, m + BLOCK, |i, j| if j < m { image[(i, j)] } else { solved[(i, j - m)] });
-        next = solved;
-        stage.advance(1);
-        let m = m + BLOCK;
-        if m < (harmonics * 3 / 2 + 48).min(n - BLOCK) || (m / BLOCK) % 4 != 0 && m + BLOCK <= n {
+        if m < window.expected * 3 / 2 + 2 * BLOCK {
             continue;
         }
-        let projected = basis.transpose() * &image;
-        let ritz = projected.self_adjoint_eigen(Side::Lower).map_err(|e| failed(format!("{e:?}")))?;
-        // Largest θ first: λ = 1/θ − σ ascending.
-        let coordinates = Mat::from_fn(m, harmonics, |i, k| ritz.U()[(i, m - 1 - k)]);
-        let vectors = &image * &coordinates;
-        let mut eigenvalues: Vec<f64> = (0..harmonics).map(|k| 1.0 / ritz.S()[m - 1 - k] - shift).collect();
-        eigenvalues.iter_mut().take(operator.components()).for_each(|l| *l = 0.0);
-        let mut flat = vec![0.0; n * harmonics];
-        for k in 0..harmonics {
-            let norm = (0..n).map(|v| vectors[(v, k)].powi(2)).sum::<f64>().sqrt();
-            for v in 0..n {
-                flat[k * n + v] = vectors[(v, k)] * scale[v] / norm;
-            }
-        }
-        fix_signs(&mut flat, n);
-        let certificate = certify(operator, &eigenvalues, &flat, true);
-        if certificate.max_relative_residual < 1e-9 && certificate.max_orthogonality_error < 1e-8 {
-            let mass = operator.mass.clone();
-            return Ok(Solved {
-                basis: Basis { eigenvalues, vectors: flat, mass, certificate },
-                cuts_cluster: false,
-            });
-        }
-        if m + BLOCK > n {
-            return Err(failed("the Krylov space is exhausted".into()));
+        let start = Instant::now();
+        let ritz = krylov.ritz(shift).ok_or(Stopped::BadShift)?;
+        let chosen = ritz.converged(window, problem, shift);
+        profile.project += start.elapsed().as_secs_f64();
+        if let Some(chosen) = chosen {
+            let start = Instant::now();
+            let pairs = krylov.vectors(&ritz, chosen, &next);
+            profile.vectors += start.elapsed().as_secs_f64();
+            return Ok(pairs);
         }
     }
+}
+
+fn subtract_projections(x: &mut [Row<W>], onto: &[&[Row<W>]]) {
+    if !onto.is_empty() {
+        let coefficients = overlaps(onto, x);
+        subtract_products(x, onto, &coefficients);
+    }
+}
+
+/// Uniform in [-½, ½) by SplitMix64, the same for every number of threads.
+fn random_block(n: usize, seed: u64) -> Block<W> {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x1405_7b7e_f767_814f;
+    let mut random = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    (0..n).map(|_| std::array::from_fn(|_| std::array::from_fn(|_| random()))).collect()
+}
+
+/// An orthonormal basis V of blocks and the block tridiagonal T = Vᵀ OP V.
+struct Krylov {
+    basis: Vec<Block<W>>,
+    /// V_jᵀ OP V_j.
+    diagonal: Vec<Small<W>>,
+    /// The triangular factor of what OP V_j has outside V_0 … V_j.
+    below: Vec<Small<W>>,
+}
+
+/// Eigenpairs of T.
+struct Ritz {
+    /// Approximations of eigenvalues of A, ascending.
+    values: Vec<f64>,
+    /// Which eigenvector of T each belongs to, and its θ = 1 / (λ − σ).
+    from: Vec<(usize, f64)>,
+    /// ‖A x − λ x‖ of each after the free purification step (see [`Krylov::vectors`]).
+    residuals: Vec<f64>,
+    coordinates: Mat<f64>,
+    /// R · last block of coordinates: what each leaves in the next block.
+    leaving: Mat<f64>,
+}
+
+impl Krylov {
+    fn ritz(&self, shift: f64) -> Option<Ritz> {
+        let blocks = self.basis.len();
+        let m = blocks * BLOCK;
+        let at = |s: &Small<W>, i: usize, j: usize| s[i][j / 8][j % 8];
+        let mut t = Mat::<f64>::zeros(m, m);
+        for block in 0..blocks {
+            let first = block * BLOCK;
+            for i in 0..BLOCK {
+                for j in 0..BLOCK {
+                    let d = &self.diagonal[block];
+                    t[(first + i, first + j)] = 0.5 * (at(d, i, j) + at(d, j, i));
+                    if block + 1 < blocks {
+                        let value = at(&self.below[block], i, j);
+                        t[(first + BLOCK + i, first + j)] = value;
+                        t[(first + j, first + BLOCK + i)] = value;
+                    }
+                }
+            }
+        }
+        let eigen = t.self_adjoint_eigen(Side::Lower).ok()?;
+        let last = &self.below[blocks - 1];
+        let mut leaving = Mat::<f64>::zeros(BLOCK, m);
+        for j in 0..m {
+            for i in 0..BLOCK {
+                leaving[(i, j)] = (i..BLOCK).map(|k| at(last, i, k) * eigen.U()[(m - BLOCK + k, j)]).sum();
+            }
+        }
+        let mut order: Vec<(f64, usize, f64)> = (0..m)
+            .map(|j| (eigen.S()[j], j))
+            .filter(|(theta, _)| *theta != 0.0)
+            .map(|(theta, j)| (shift + 1.0 / theta, j, theta))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let residual = |j: usize, theta: f64| {
+            (0..BLOCK).map(|i| leaving[(i, j)].powi(2)).sum::<f64>().sqrt() / (theta * theta)
+        };
+        Some(Ritz {
+            values: order.iter().map(|e| e.0).collect(),
+            from: order.iter().map(|e| (e.1, e.2)).collect(),
+            residuals: order.iter().map(|e| residual(e.1, e.2)).collect(),
+            coordinates: eigen.U().to_owned(),
+            leaving,
+        })
+    }
+
+    /// The chosen Ritz vectors with one step of inverse iteration that costs no solve: by the
+    /// Lanczos relation OP V s / θ = V s + V_next R s_last / θ (Ericsson & Ruhe 1980).
+    fn vectors(&self, ritz: &Ritz, chosen: std::ops::Range<usize>, next: &Block<W>) -> Pairs {
+        let chosen: Vec<usize> = chosen.collect();
+        let n = next.len();
+        let mut blocks = Vec::with_capacity(chosen.len().div_ceil(BLOCK));
+        let mut basis: Vec<&[Row<W>]> = self.basis.iter().map(Vec::as_slice).collect();
+        basis.push(next);
+        for group in chosen.chunks(BLOCK) {
+            let mut coefficients = vec![vec![[[0.0; 8]; W]; BLOCK]; basis.len()];
+            for (column, &pair) in group.iter().enumerate() {
+                let (j, theta) = ritz.from[pair];
+                let extra: f64 = (0..BLOCK).map(|i| (ritz.leaving[(i, j)] / theta).powi(2)).sum();
+                // Minus, because the kernel subtracts.
+                let scale = -1.0 / (1.0 + extra).sqrt();
+                for (block, c) in coefficients.iter_mut().enumerate() {
+                    for i in 0..BLOCK {
+                        c[i][column / 8][column % 8] = scale
+                            * if block < self.basis.len() {
+                                ritz.coordinates[(block * BLOCK + i, j)]
+                            } else {
+                                ritz.leaving[(i, j)] / theta
+                            };
+                    }
+                }
+            }
+            let mut x = vec![[[0.0; 8]; W]; n];
+            subtract_products(&mut x, &basis, &coefficients);
+            blocks.push(x);
+        }
+        Pairs { values: chosen.iter().map(|&p| ritz.values[p]).collect(), blocks }
+    }
+}
+
+impl Ritz {
+    /// The pairs to keep, once all that the window asks for has converged: those from the shift
+    /// outwards, on each side up to the first that has not.
+    fn converged(&self, window: &Window, problem: &Problem, shift: f64) -> Option<std::ops::Range<usize>> {
+        let good = |i: usize| self.residuals[i] <= problem.tolerance(self.values[i], window);
+        let split = self.values.partition_point(|l| *l < shift);
+        let above = (split..self.values.len()).take_while(|&i| good(i)).count();
+        let below = (0..split).rev().take_while(|&i| self.values[i] > 0.0 && good(i)).count();
+        let needed_above = match window.above {
+            Reach::Count(count) => count,
+            Reach::Beyond(end) => self.values[split..].partition_point(|l| *l <= end) + 1,
+        };
+        let needed_below = match window.below {
+            Reach::Count(count) => count,
+            Reach::Beyond(end) => split - self.values[..split].partition_point(|l| *l < end) + 1,
+        };
+        // A few beyond the window give a choice of gaps to cut at; more would only cost time.
+        let keep = |found: usize, needed: usize| found.min(needed + 3);
+        (above >= needed_above && below >= needed_below)
+            .then(|| split - keep(below, needed_below)..split + keep(above, needed_above))
+    }
+}
+
+/// Factors A − σI, moving the shift by small steps while it sits on an eigenvalue.
+pub(super) fn factor_near(
+    problem: &Problem,
+    shift: &mut f64,
+    nudge: f64,
+    factor: &mut Factor,
+    workspace: &mut Workspace,
+    profile: &mut Profile,
+) -> bool {
+    let start = Instant::now();
+    let mut done = false;
+    for attempt in 0..8 {
+        if factor.compute(&problem.symbolic, &problem.matrix, *shift, workspace).is_ok() {
+            done = true;
+            break;
+        }
+        *shift += nudge * f64::from(attempt + 1);
+    }
+    profile.factor += start.elapsed().as_secs_f64();
+    profile.factored += 1;
+    done
 }

@@ -1,16 +1,28 @@
 //! The K smallest eigenpairs of S h = λ M h.
 
+mod assemble;
 mod dense;
+mod join;
 mod lanczos;
+mod plan;
+mod problem;
+mod slicing;
+mod tall;
 
 use chladni_task::Task;
 
-use crate::{Basis, Certificate, HarmonicsError, Operator};
+use crate::{Basis, Certificate, HarmonicsError, Operator, SolveProfile};
+
+/// Up to this many vertices a dense solve is quicker than slices.
+const DENSE: usize = 300;
+/// Up to this many a dense solve is the way where a large share of all pairs is asked for.
+const DENSE_SHARE: usize = 4000;
 
 /// Eigenpairs and what must be said about them.
 pub(crate) struct Solved {
     pub basis: Basis,
     pub cuts_cluster: bool,
+    pub profile: SolveProfile,
 }
 
 /// Solves for the first `harmonics` pairs of `operator`.
@@ -25,16 +37,15 @@ pub(crate) fn solve(
         return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices: n });
     }
     task.check()?;
-    let _ = whole_clusters;
-    if n <= 1000 || harmonics * 4 > n {
-        dense::solve(operator, harmonics, task)
+    if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
+        dense::solve(operator, harmonics, whole_clusters, task)
     } else {
-        lanczos::solve(operator, harmonics, task)
+        slicing::solve(operator, harmonics, whole_clusters, task)
     }
 }
 
 /// Measures pairs against the operator.
-pub(crate) fn certify(operator: &Operator, eigenvalues: &[f64], vectors: &[f64], inertia: bool) -> Certificate {
+fn certify(operator: &Operator, eigenvalues: &[f64], vectors: &[f64], inertia: bool) -> Certificate {
     use faer::MatRef;
     let (n, k) = (operator.vertices(), eigenvalues.len());
     let mut residual = 0.0_f64;
@@ -57,17 +68,16 @@ pub(crate) fn certify(operator: &Operator, eigenvalues: &[f64], vectors: &[f64],
     Certificate { inertia_counts_match: inertia, max_relative_residual: residual, max_orthogonality_error: orthogonality }
 }
 
-/// The sign rule: the entry of largest magnitude (the first of equals) is positive.
-pub(crate) fn fix_signs(vectors: &mut [f64], n: usize) {
-    for h in vectors.chunks_exact_mut(n) {
-        let mut largest = 0.0_f64;
-        for &x in h.iter() {
-            if x.abs() > largest.abs() * (1.0 + 1e-6) {
-                largest = x;
-            }
+/// The sign rule: the entry of largest magnitude is positive; of several that agree to 1e-6,
+/// the first.
+fn fix_sign(h: &mut [f64]) {
+    let mut largest = 0.0_f64;
+    for &x in h.iter() {
+        if x.abs() > largest.abs() * (1.0 + 1e-6) {
+            largest = x;
         }
-        if largest < 0.0 {
-            h.iter_mut().for_each(|x| *x = -*x);
-        }
+    }
+    if largest < 0.0 {
+        h.iter_mut().for_each(|x| *x = -*x);
     }
 }

@@ -1,0 +1,122 @@
+//! One ascending list of pairs out of many slices, each place in it proven by inertia.
+
+use super::problem::Problem;
+use super::slicing::{CLUSTER, Found};
+
+/// A pair of one slice.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub value: f64,
+    pub slice: usize,
+    pub run: usize,
+    pub column: usize,
+}
+
+/// The pairs number `components` … `cluster_end` − 1 of the whole problem.
+#[derive(Debug)]
+pub(super) struct Known {
+    pub entries: Vec<Entry>,
+    /// The first place at or after K where neighbouring eigenvalues differ.
+    pub cluster_end: usize,
+}
+
+/// What joining came to.
+pub(super) enum Join {
+    /// Every count agrees.
+    Whole(Known),
+    /// The number of eigenvalues below this λ must be known.
+    NeedsCount(f64),
+    /// The top slice must go on.
+    NeedsMore,
+    /// Between these two slices (or in one of them, twice) a pair is missing or doubled.
+    Missing(usize, usize),
+}
+
+impl Join {
+    /// Joins `slices`; `top` is a λ above all that is wanted and the number of eigenvalues
+    /// below it, once it is known.
+    pub(super) fn of(problem: &Problem, slices: &[Found], harmonics: usize, top: Option<(f64, usize)>) -> Self {
+        let zeros = problem.components();
+        let sides: Vec<(Vec<Entry>, Vec<Entry>)> =
+            slices.iter().enumerate().map(|(s, found)| found.sides(s)).collect();
+        let (Some(first), Some(last)) = (sides.first(), sides.last()) else { return Self::NeedsMore };
+        if zeros + first.0.len() != slices[0].below_shift {
+            return Self::Missing(0, 0);
+        }
+        let mut entries = first.0.clone();
+        for s in 1..slices.len() {
+            let Some(between) = slices[s].below_shift.checked_sub(slices[s - 1].below_shift) else {
+                return Self::Missing(s - 1, s);
+            };
+            match cut(&sides[s - 1].1, &sides[s].0, between) {
+                Some(taken) => {
+                    entries.extend(&sides[s - 1].1[..taken]);
+                    entries.extend(&sides[s].0[sides[s].0.len() - (between - taken)..]);
+                }
+                None => return Self::Missing(s - 1, s),
+            }
+        }
+        entries.extend(&last.1);
+        let value = |index: usize| index.checked_sub(zeros).map_or(0.0, |i| entries[i].value);
+        let known = zeros + entries.len();
+        let Some(cluster_end) =
+            (harmonics..known).find(|&e| value(e) - value(e - 1) > CLUSTER * value(e))
+        else {
+            return Self::NeedsMore;
+        };
+        let (below, above) = (value(cluster_end - 1), value(cluster_end));
+        match top {
+            Some((lambda, count)) if lambda > below && lambda < above => {
+                if count != cluster_end {
+                    return Self::Missing(slices.len() - 1, slices.len() - 1);
+                }
+                entries.truncate(cluster_end - zeros);
+                Self::Whole(Known { entries, cluster_end })
+            }
+            _ => Self::NeedsCount(0.5 * (below + above)),
+        }
+    }
+}
+
+impl Found {
+    /// The pairs below and above the shift, each ascending.
+    fn sides(&self, slice: usize) -> (Vec<Entry>, Vec<Entry>) {
+        let mut all: Vec<Entry> = Vec::new();
+        for (run, pairs) in self.runs.iter().enumerate() {
+            all.extend(pairs.values.iter().enumerate().map(|(column, &value)| Entry { value, slice, run, column }));
+        }
+        all.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let split = all.partition_point(|e| e.value < self.slice.shift);
+        let above = all.split_off(split);
+        (all, above)
+    }
+}
+
+/// How many of the `between` pairs between two shifts to take from the lower slice, the rest
+/// coming from the upper one, so that the cut falls into the widest gap between eigenvalues.
+/// `None` where no cut gives an ascending list: then one side lacks a pair, and lists that
+/// should overlap do not.
+fn cut(lower: &[Entry], upper: &[Entry], between: usize) -> Option<usize> {
+    let mut best: Option<(f64, usize)> = None;
+    for taken in between.saturating_sub(upper.len())..=lower.len().min(between) {
+        let below = taken.checked_sub(1).map(|i| lower[i].value);
+        let above = upper.get(upper.len() - (between - taken)).map(|e| e.value);
+        let gap = match (below, above) {
+            (Some(below), Some(above)) if taken < between => above - below,
+            // Everything from one side: the other's first pair beyond must not be among them.
+            (Some(below), _) if taken == between => {
+                lower.get(taken).map_or(f64::MAX, |next| next.value) - below
+            }
+            (None, Some(above)) => {
+                let before = upper.len() - between;
+                above - before.checked_sub(1).map_or(f64::MIN, |i| upper[i].value)
+            }
+            _ => f64::MAX,
+        };
+        let width = above.or(below).unwrap_or(0.0).abs();
+        if gap > 1e-9 * width && best.is_none_or(|(widest, _)| gap > widest) {
+            best = Some((gap, taken));
+        }
+    }
+    best.map(|(_, taken)| taken)
+}

@@ -1,0 +1,144 @@
+//! Where the slices go: the counting function N(λ) sampled by inertia.
+
+use chladni_task::Task;
+use rayon::prelude::*;
+
+use super::lanczos::Stopped;
+use super::problem::{Problem, Profile};
+use crate::ldlt::{Factor, Workspace};
+
+/// Eigenpairs per slice that are aimed at.
+const PER_SLICE: usize = 32;
+/// Counts taken side by side in each round; not the number of threads, on which the plan must
+/// not depend.
+const PROBES: usize = 4;
+
+/// A shift and what is to be found around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slice {
+    pub shift: f64,
+    /// The part of the spectrum that is its own; 0 is the lower end of the first slice.
+    pub low: f64,
+    pub high: f64,
+    /// Eigenvalues that are thought to be in it.
+    pub expected: usize,
+    /// The last slice: it goes on until it knows λ_K and a gap above it.
+    pub top: bool,
+}
+
+/// Slices that cover the `harmonics` smallest eigenvalues.
+pub(super) fn plan(
+    problem: &Problem,
+    harmonics: usize,
+    profile: &mut Profile,
+    task: &Task,
+) -> Result<Vec<Slice>, Stopped> {
+    let zeros = problem.components();
+    // Two more than asked for, so that the top slice has pairs on both sides of λ_K.
+    let wanted = (harmonics.max(zeros) + 2) as f64;
+    let counting = count(problem, zeros, wanted, profile, task)?;
+    let slices = (harmonics.saturating_sub(zeros).div_ceil(PER_SLICE)).max(1);
+    let slices = if slices > 2 { slices.next_multiple_of(4) } else { slices };
+    let at = |count: f64| counting.inverse(count);
+    let step = (wanted - zeros as f64) / slices as f64;
+    let bound = |i: usize| at(zeros as f64 + step * i as f64);
+    Ok((0..slices)
+        .map(|i| {
+            let (low, high) = (if i == 0 { 0.0 } else { bound(i) }, bound(i + 1));
+            let shift = at(zeros as f64 + step * (i as f64 + 0.5));
+            Slice { shift, low, high, expected: step.ceil() as usize, top: i + 1 == slices }
+        })
+        .collect())
+}
+
+/// Samples (λ, N(λ)) ascending in both, from (0, number of zeros) on.
+struct Counting(Vec<(f64, f64)>);
+
+impl Counting {
+    /// λ where N reaches `count`, linear between samples and beyond the last.
+    fn inverse(&self, count: f64) -> f64 {
+        let samples = &self.0;
+        let next = samples.partition_point(|s| s.1 < count).clamp(1, samples.len() - 1);
+        let (a, b) = (samples[next - 1], samples[next]);
+        if b.1 > a.1 { a.0 + (b.0 - a.0) * (count - a.1) / (b.1 - a.1) } else { b.0 }
+    }
+}
+
+/// Samples N(λ) until it is known beyond `wanted` and densely enough to interpolate.
+fn count(
+    problem: &Problem,
+    zeros: usize,
+    wanted: f64,
+    profile: &mut Profile,
+    task: &Task,
+) -> Result<Counting, Stopped> {
+    let n = problem.matrix.size() as f64;
+    let mut counting = Counting(vec![(0.0, zeros as f64)]);
+    // Weyl's law: N(λ) ≈ λ area / 4π.
+    let mut top = 4.0 * std::f64::consts::PI * wanted / problem.area;
+    for _ in 0..60 {
+        task.check()?;
+        let known = counting.0.last().map_or(0.0, |s| s.1);
+        if known >= wanted {
+            break;
+        }
+        let from = counting.0.last().map_or(0.0, |s| s.0);
+        let probes: Vec<f64> =
+            (1..=PROBES).map(|i| from + (top - from) * (i as f64 / PROBES as f64).powf(0.8)).collect();
+        sample(problem, &probes, &mut counting, profile)?;
+        let (last, reached) = counting.0.last().copied().unwrap_or((top, n));
+        // Proportional to what is missing, never timid, never wild.
+        let grow = ((wanted + 2.0) / reached.max(1.0)).clamp(1.02, 4.0);
+        top = last * (1.0 + 1.3 * (grow - 1.0));
+    }
+    // Where a quarter of all wanted pairs lies between two samples, N is not known well
+    // enough to cut there.
+    for _ in 0..8 {
+        task.check()?;
+        let coarse = (wanted * 0.3).max(PER_SLICE as f64);
+        let mut gaps: Vec<(f64, f64)> = counting
+            .0
+            .windows(2)
+            .filter(|w| w[0].1 < wanted && w[1].1 - w[0].1 > coarse && w[1].0 > w[0].0 * (1.0 + 1e-6))
+            .map(|w| (w[1].1 - w[0].1, 0.5 * (w[0].0 + w[1].0)))
+            .collect();
+        if gaps.is_empty() {
+            break;
+        }
+        gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let probes: Vec<f64> = gaps.iter().take(PROBES).map(|g| g.1).collect();
+        sample(problem, &probes, &mut counting, profile)?;
+    }
+    Ok(counting)
+}
+
+fn sample(problem: &Problem, probes: &[f64], counting: &mut Counting, profile: &mut Profile) -> Result<(), Stopped> {
+    let found: Vec<Result<((f64, f64), Profile), Stopped>> = probes
+        .par_iter()
+        .with_max_len(1)
+        .map(|&probe| {
+            let mut profile = Profile::default();
+            let count = inertia(problem, probe, &mut profile)?;
+            Ok(((count.0, count.1 as f64), profile))
+        })
+        .collect();
+    for found in found {
+        let (point, part) = found?;
+        profile.add(&part);
+        counting.0.push(point);
+    }
+    counting.0.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(())
+}
+
+/// The number of eigenvalues below `lambda`, or a little beside it where it is an eigenvalue.
+pub(super) fn inertia(problem: &Problem, lambda: f64, profile: &mut Profile) -> Result<(f64, usize), Stopped> {
+    let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
+    let mut at = lambda;
+    let nudge = lambda * 1e-9;
+    if super::lanczos::factor_near(problem, &mut at, nudge, &mut factor, &mut workspace, profile) {
+        Ok((at, factor.below_shift))
+    } else {
+        Err(Stopped::BadShift)
+    }
+}

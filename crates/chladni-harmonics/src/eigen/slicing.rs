@@ -1,0 +1,192 @@
+//! All slices solved side by side, joined, and mended where their counts do not agree.
+
+use chladni_task::Task;
+use rayon::prelude::*;
+
+use super::join::{Join, Known};
+use super::lanczos::{self, Pairs, Reach, Stopped, Window, factor_near};
+use super::plan::{Slice, inertia, plan};
+use super::problem::{Problem, Profile};
+use super::{Solved, assemble};
+use crate::ldlt::{Factor, Workspace};
+use crate::{HarmonicsError, Operator};
+
+/// Two eigenvalues that agree to this share count as one that is multiple.
+pub(super) const CLUSTER: f64 = 1e-7;
+/// Runs beyond the first that a slice gets before the solve is given up.
+const REPAIRS: usize = 24;
+
+/// One slice's shift, its count, and the pairs found so far (one entry per run).
+pub(super) struct Found {
+    pub slice: Slice,
+    pub below_shift: usize,
+    pub runs: Vec<Pairs>,
+    next_seed: u64,
+}
+
+/// Solves for the first `harmonics` pairs.
+pub(super) fn solve(
+    operator: &Operator,
+    harmonics: usize,
+    whole_clusters: bool,
+    task: &Task,
+) -> Result<Solved, HarmonicsError> {
+    let mut profile = Profile::default();
+    let stage = task.stage("ordering", 0);
+    let start = std::time::Instant::now();
+    let problem = Problem::of(operator);
+    profile.analyze = start.elapsed().as_secs_f64();
+    drop(stage);
+    let start = std::time::Instant::now();
+    let slices = plan(&problem, harmonics, &mut profile, task).map_err(told)?;
+    profile.plan = start.elapsed().as_secs_f64();
+    let stage = task.stage("harmonics", slices.len() as u64 + 1);
+    // The top slice has the most to do, so it goes first.
+    let found: Vec<Result<(Found, Profile), Stopped>> = slices
+        .par_iter()
+        .with_max_len(1)
+        .rev()
+        .map(|slice| {
+            let mut profile = Profile::default();
+            let found = Found::new(&problem, *slice, harmonics, &mut profile, task)?;
+            stage.advance(1);
+            Ok((found, profile))
+        })
+        .collect();
+    let mut slices = Vec::with_capacity(found.len());
+    for found in found.into_iter().rev() {
+        let (found, part) = found.map_err(told)?;
+        profile.add(&part);
+        slices.push(found);
+    }
+    let known = mend(&problem, &mut slices, harmonics, &mut profile, task)?;
+    let keep = if whole_clusters { known.cluster_end } else { harmonics };
+    let cuts_cluster = keep < known.cluster_end;
+    let start = std::time::Instant::now();
+    let basis = assemble::assemble(&problem, operator, slices, &known, keep, task)?;
+    profile.assemble = start.elapsed().as_secs_f64();
+    stage.advance(1);
+    Ok(Solved { basis, cuts_cluster, profile })
+}
+
+fn told(stopped: Stopped) -> HarmonicsError {
+    match stopped {
+        Stopped::Cancelled => HarmonicsError::Cancelled(chladni_task::Cancelled),
+        Stopped::BadShift => not_certified("no shift near the planned one could be factored"),
+        Stopped::Exhausted => not_certified("the Krylov space was used up before all pairs had converged"),
+    }
+}
+
+pub(super) fn not_certified(reason: impl Into<String>) -> HarmonicsError {
+    HarmonicsError::NotCertified { reason: reason.into() }
+}
+
+impl Found {
+    fn new(
+        problem: &Problem,
+        slice: Slice,
+        harmonics: usize,
+        profile: &mut Profile,
+        task: &Task,
+    ) -> Result<Self, Stopped> {
+        let mut found = Self { slice, below_shift: 0, runs: Vec::new(), next_seed: slice.shift.to_bits() };
+        found.search(problem, harmonics + 1, profile, task)?;
+        Ok(found)
+    }
+
+    /// Looks for pairs that no run has found yet. The top slice looks until it knows `count`
+    /// eigenvalues of the whole problem.
+    fn search(
+        &mut self,
+        problem: &Problem,
+        count: usize,
+        profile: &mut Profile,
+        task: &Task,
+    ) -> Result<(), Stopped> {
+        let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
+        let width = self.slice.high - self.slice.low;
+        for attempt in 1..=4 {
+            let mut shift = self.slice.shift;
+            if !factor_near(problem, &mut shift, width * 1e-5, &mut factor, &mut workspace, profile) {
+                return Err(Stopped::BadShift);
+            }
+            if shift != self.slice.shift {
+                // Pairs are told apart by their side of the shift: a moved shift starts anew.
+                self.runs.clear();
+            }
+            self.slice.shift = shift;
+            self.below_shift = factor.below_shift;
+            let window = self.window(problem, count);
+            let locked: Vec<&Pairs> = self.runs.iter().collect();
+            self.next_seed = self.next_seed.wrapping_add(1);
+            match lanczos::run(problem, &factor, shift, &window, &locked, self.next_seed, profile, task) {
+                Ok(pairs) => {
+                    self.runs.push(pairs);
+                    return Ok(());
+                }
+                Err(Stopped::BadShift) => {
+                    // On or beside an eigenvalue: step aside and start anew.
+                    self.runs.clear();
+                    self.slice.shift += width * 0.003 * f64::from(attempt);
+                }
+                Err(other) => return Err(other),
+            }
+        }
+        Err(Stopped::BadShift)
+    }
+
+    fn window(&self, problem: &Problem, count: usize) -> Window {
+        let slice = &self.slice;
+        let known = |below: bool| {
+            let values = self.runs.iter().flat_map(|r| &r.values);
+            values.filter(|l| (**l < slice.shift) == below).count()
+        };
+        let from_zero = slice.low == 0.0;
+        Window {
+            below: if from_zero {
+                Reach::Count((self.below_shift).saturating_sub(problem.components() + known(true)))
+            } else {
+                Reach::Beyond(slice.low)
+            },
+            above: if slice.top {
+                Reach::Count(count.saturating_sub(self.below_shift + known(false)))
+            } else {
+                Reach::Beyond(slice.high)
+            },
+            from_zero,
+            width: slice.high - slice.low,
+            expected: if self.runs.is_empty() { slice.expected } else { slice.expected / 2 },
+        }
+    }
+}
+
+/// Joins the slices, searching again wherever a count says that a pair is missing.
+fn mend(
+    problem: &Problem,
+    slices: &mut [Found],
+    harmonics: usize,
+    profile: &mut Profile,
+    task: &Task,
+) -> Result<Known, HarmonicsError> {
+    let mut top_count: Option<(f64, usize)> = None;
+    for repair in 0..REPAIRS {
+        task.check()?;
+        match Join::of(problem, slices, harmonics, top_count) {
+            Join::Whole(known) => return Ok(known),
+            Join::NeedsCount(at) => {
+                top_count = Some(inertia(problem, at, profile).map_err(told)?);
+            }
+            Join::NeedsMore => {
+                let last = slices.len() - 1;
+                slices[last].search(problem, harmonics + 8 * (repair + 1), profile, task).map_err(told)?;
+            }
+            Join::Missing(below, above) => {
+                // The two slices beside the place, in turn.
+                let which = if repair % 2 == 0 { below } else { above };
+                slices[which].search(problem, harmonics + 1, profile, task).map_err(told)?;
+                top_count = None;
+            }
+        }
+    }
+    Err(not_certified(format!("after {REPAIRS} searches the counts of eigenvalues still disagree")))
+}

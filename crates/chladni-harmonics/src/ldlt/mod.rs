@@ -1,0 +1,16 @@
+//! Sparse L D Lᵀ of A − σI for many shifts of one matrix: ordered and analysed once,
+//! factored by the multifrontal method, solved for blocks of right-hand sides.
+
+mod factor;
+mod front;
+mod ordering;
+mod solve;
+mod symbolic;
+
+pub(crate) use factor::{Factor, Workspace};
+pub(crate) use ordering::nested_dissection;
+pub(crate) use solve::Row;
+pub(crate) use symbolic::Symbolic;
+
+#[cfg(test)]
+mod tests;

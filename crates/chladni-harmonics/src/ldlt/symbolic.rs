@@ -1,0 +1,282 @@
+//! Where the entries of L are: elimination tree, supernodes and their rows.
+
+use crate::SymmetricSparse;
+
+/// Consecutive columns of L that share the rows below them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Supernode {
+    /// First column and number of columns.
+    pub first: usize,
+    pub width: usize,
+    /// Its rows below are `rows[rows_start ..][.. below]` of the analysis.
+    pub rows_start: usize,
+    pub below: usize,
+    /// Its values of L: `width²` of the diagonal block, then `below · width`, row by row.
+    pub values_start: usize,
+    /// How many supernodes hang directly below it in the tree; in postorder they are the last
+    /// ones that were finished and not yet used.
+    pub children: usize,
+}
+
+/// The analysis of one pattern, good for every shift.
+#[derive(Debug)]
+pub(crate) struct Symbolic {
+    /// The old index of each new one: the elimination order, postordered.
+    pub old: Vec<u32>,
+    pub supernodes: Vec<Supernode>,
+    /// Rows below each supernode, ascending, in new indices.
+    pub rows: Vec<u32>,
+    /// For each of `rows` its place in the front of the supernode's parent.
+    pub into_parent: Vec<u32>,
+    /// Number of stored values of L.
+    pub values: usize,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Symbolic {
+    /// Analyses `matrix` eliminated in the order `old` (old index of each new one).
+    pub(crate) fn of(matrix: &SymmetricSparse, old: Vec<u32>) -> Self {
+        let (lower, parent) = lower_rows_and_tree(matrix, &old);
+        let post = postorder(&parent);
+        let old: Vec<u32> = post.iter().map(|&v| old[v as usize]).collect();
+        drop(lower);
+        // Once more in the final order, where children come before parents and side by side.
+        let (lower, parent) = lower_rows_and_tree(matrix, &old);
+        let counts = column_counts(&lower, &parent);
+        let spans = supernode_spans(&parent, &counts);
+        Self::with_rows(old, &lower, &spans)
+    }
+
+    fn with_rows(old: Vec<u32>, lower: &Rows, spans: &[(usize, usize)]) -> Self {
+        let n = old.len();
+        let mut of_column = vec![0_u32; n];
+        for (s, &(first, end)) in spans.iter().enumerate() {
+            of_column[first..end].fill(s as u32);
+        }
+        // Columns of the lower triangle, from the rows.
+        let columns = lower.transposed();
+        let mut mark = vec![NONE; n];
+        let mut children: Vec<Vec<u32>> = vec![Vec::new(); spans.len()];
+        let mut supernodes: Vec<Supernode> = Vec::with_capacity(spans.len());
+        let mut rows: Vec<u32> = Vec::new();
+        let mut values_start = 0;
+        for (s, &(first, end)) in spans.iter().enumerate() {
+            let rows_start = rows.len();
+            for j in first..end {
+                for &i in columns.of(j) {
+                    if i as usize >= end && mark[i as usize] != s as u32 {
+                        mark[i as usize] = s as u32;
+                        rows.push(i);
+                    }
+                }
+            }
+            for &child in &children[s] {
+                let c = supernodes[child as usize];
+                for at in c.rows_start..c.rows_start + c.below {
+                    let i = rows[at];
+                    if i as usize >= end && mark[i as usize] != s as u32 {
+                        mark[i as usize] = s as u32;
+                        rows.push(i);
+                    }
+                }
+            }
+            rows[rows_start..].sort_unstable();
+            let (width, below) = (end - first, rows.len() - rows_start);
+            if let Some(&i) = rows.get(rows_start) {
+                children[of_column[i as usize] as usize].push(s as u32);
+            }
+            supernodes.push(Supernode { first, width, rows_start, below, values_start, children: children[s].len() });
+            values_start += width * (width + below);
+        }
+        let mut into_parent = vec![0_u32; rows.len()];
+        let mut place = vec![0_u32; n];
+        for (s, node) in supernodes.iter().enumerate() {
+            for (at, &i) in rows[node.rows_start..node.rows_start + node.below].iter().enumerate() {
+                place[i as usize] = (node.width + at) as u32;
+            }
+            for &child in &children[s] {
+                let c = supernodes[child as usize];
+                for at in c.rows_start..c.rows_start + c.below {
+                    let i = rows[at] as usize;
+                    into_parent[at] =
+                        if i < node.first + node.width { (i - node.first) as u32 } else { place[i] };
+                }
+            }
+        }
+        Self { old, supernodes, rows, into_parent, values: values_start }
+    }
+
+    /// n.
+    pub(crate) fn size(&self) -> usize {
+        self.old.len()
+    }
+}
+
+/// Lists of indices, one per row.
+struct Rows {
+    starts: Vec<usize>,
+    indices: Vec<u32>,
+}
+
+impl Rows {
+    fn of(&self, i: usize) -> &[u32] {
+        &self.indices[self.starts[i]..self.starts[i + 1]]
+    }
+
+    fn transposed(&self) -> Self {
+        let n = self.starts.len() - 1;
+        let mut starts = vec![0; n + 1];
+        for &j in &self.indices {
+            starts[j as usize + 1] += 1;
+        }
+        for j in 0..n {
+            starts[j + 1] += starts[j];
+        }
+        let mut next = starts.clone();
+        let mut indices = vec![0; self.indices.len()];
+        for i in 0..n {
+            for &j in self.of(i) {
+                indices[next[j as usize]] = i as u32;
+                next[j as usize] += 1;
+            }
+        }
+        Self { starts, indices }
+    }
+}
+
+/// The entries left of the diagonal of each row in the new order, and the elimination tree
+/// (Liu 1990, with path compression).
+fn lower_rows_and_tree(matrix: &SymmetricSparse, old: &[u32]) -> (Rows, Vec<u32>) {
+    let n = old.len();
+    let mut new = vec![0_u32; n];
+    for (i, &o) in old.iter().enumerate() {
+        new[o as usize] = i as u32;
+    }
+    let mut rows = Rows { starts: Vec::with_capacity(n + 1), indices: Vec::with_capacity(matrix.rows.len() / 2) };
+    rows.starts.push(0);
+    let mut parent = vec![NONE; n];
+    let mut ancestor = vec![NONE; n];
+    for i in 0..n {
+        for (o, _) in matrix.column(old[i] as usize) {
+            let k = new[o];
+            if k as usize >= i {
+                continue;
+            }
+            rows.indices.push(k);
+            let mut j = k;
+            while ancestor[j as usize] != i as u32 {
+                let up = ancestor[j as usize];
+                ancestor[j as usize] = i as u32;
+                if up == NONE {
+                    parent[j as usize] = i as u32;
+                    break;
+                }
+                j = up;
+            }
+        }
+        rows.starts.push(rows.indices.len());
+    }
+    (rows, parent)
+}
+
+/// The vertices of a forest, children before parents and subtrees side by side.
+fn postorder(parent: &[u32]) -> Vec<u32> {
+    let n = parent.len();
+    // Children as linked lists, in ascending order.
+    let (mut first_child, mut sibling) = (vec![NONE; n], vec![NONE; n]);
+    for v in (0..n).rev() {
+        if parent[v] != NONE {
+            sibling[v] = first_child[parent[v] as usize];
+            first_child[parent[v] as usize] = v as u32;
+        }
+    }
+    let mut order = Vec::with_capacity(n);
+    let mut stack = Vec::new();
+    for root in (0..n as u32).filter(|&v| parent[v as usize] == NONE) {
+        stack.push(root);
+        while let Some(&v) = stack.last() {
+            let child = first_child[v as usize];
+            if child == NONE {
+                order.push(v);
+                stack.pop();
+            } else {
+                first_child[v as usize] = sibling[child as usize];
+                stack.push(child);
+            }
+        }
+    }
+    order
+}
+
+/// Entries below the diagonal in each column of L, by climbing the tree from each row's entries.
+fn column_counts(lower: &Rows, parent: &[u32]) -> Vec<u32> {
+    let n = parent.len();
+    let mut count = vec![0; n];
+    let mut mark = vec![NONE; n];
+    for i in 0..n {
+        mark[i] = i as u32;
+        for &k in lower.of(i) {
+            let mut j = k as usize;
+            while mark[j] != i as u32 {
+                mark[j] = i as u32;
+                count[j] += 1;
+                j = parent[j] as usize;
+            }
+        }
+    }
+    count
+}
+
+/// Columns grouped into supernodes, as (first, end): those with equal rows, and further those
+/// where a few stored zeros buy larger dense blocks.
+fn supernode_spans(parent: &[u32], counts: &[u32]) -> Vec<(usize, usize)> {
+    struct Node {
+        first: usize,
+        end: usize,
+        below: usize,
+        zeros: usize,
+    }
+    let n = parent.len();
+    let mut nodes: Vec<Node> = Vec::new();
+    for j in 0..n {
+        let joins = j > 0 && parent[j - 1] == j as u32 && counts[j - 1] == counts[j] + 1;
+        match nodes.last_mut() {
+            Some(last) if joins => {
+                last.end = j + 1;
+                last.below = counts[j] as usize;
+            }
+            _ => nodes.push(Node { first: j, end: j + 1, below: counts[j] as usize, zeros: 0 }),
+        }
+    }
+    let mut merged: Vec<Node> = Vec::with_capacity(nodes.len());
+    for node in nodes {
+        merged.push(node);
+        while merged.len() >= 2 {
+            let (child, node) = (&merged[merged.len() - 2], &merged[merged.len() - 1]);
+            // In postorder the node just before is the last child, if there is one.
+            if parent[child.end - 1] as usize != node.first {
+                break;
+            }
+            let (wc, w) = (child.end - child.first, node.end - node.first);
+            let width = wc + w;
+            let extra = wc * (w + node.below - child.below);
+            let zeros = child.zeros + node.zeros + extra;
+            let stored = width * (width + 1) / 2 + width * node.below;
+            let share = zeros as f64 / stored as f64;
+            let worth = match width {
+                ..=8 => true,
+                ..=24 => share < 0.5,
+                ..=64 => share < 0.15,
+                _ => share < 0.05,
+            };
+            if !worth {
+                break;
+            }
+            let joined = Node { first: child.first, end: node.end, below: node.below, zeros };
+            merged.truncate(merged.len() - 2);
+            merged.push(joined);
+        }
+    }
+    merged.into_iter().map(|node| (node.first, node.end)).collect()
+}

@@ -1,0 +1,117 @@
+//! The factorization against the matrix it came from.
+
+use super::{Factor, Symbolic, Workspace, nested_dissection};
+use crate::SymmetricSparse;
+
+/// The graph Laplacian of a grid with diagonals and a few long edges.
+fn grid(side: u32) -> SymmetricSparse {
+    let mut edges = Vec::new();
+    for y in 0..side {
+        for x in 0..side {
+            let v = y * side + x;
+            let w = 1.0 + 0.1 * f64::from(v % 7);
+            if x + 1 < side {
+                edges.push((v, v + 1, w));
+            }
+            if y + 1 < side {
+                edges.push((v, v + side, w * 1.3));
+            }
+            if x + 1 < side && y + 1 < side {
+                edges.push((v, v + side + 1, 0.5));
+            }
+        }
+    }
+    edges.push((0, side * side - 1, 0.7));
+    SymmetricSparse::laplacian((side * side) as usize, &edges)
+}
+
+fn solves<const W: usize>(side: u32, shift: f64) -> usize {
+    let matrix = grid(side);
+    let n = matrix.size();
+    let symbolic = Symbolic::of(&matrix, nested_dissection(&matrix));
+    let matrix = matrix.permuted_and_scaled(&symbolic.old, &vec![1.0; n]);
+    let mut factor = Factor::default();
+    factor.compute(&symbolic, &matrix, shift, &mut Workspace::default()).unwrap();
+    let value = |i: usize, j: usize| ((i * 31 + j * 17) % 101) as f64 / 50.0 - 1.0;
+    let b: Vec<[[f64; 8]; W]> =
+        (0..n).map(|i| std::array::from_fn(|g| std::array::from_fn(|j| value(i, 8 * g + j)))).collect();
+    let mut x = b.clone();
+    factor.solve(&symbolic, &mut x);
+    for j in 0..8 * W {
+        let column: Vec<f64> = x.iter().map(|row| row[j / 8][j % 8]).collect();
+        let image = matrix.times(&column);
+        let size = column.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        for i in 0..n {
+            let residual = image[i] - shift * column[i] - b[i][j / 8][j % 8];
+            assert!(residual.abs() < 1e-12 * (1.0 + 10.0 * size), "{residual} at {i}, {j}");
+        }
+    }
+    factor.below_shift
+}
+
+#[test]
+fn solutions_satisfy_their_equations_and_inertia_counts_eigenvalues() {
+    assert_eq!(solves::<1>(3, -0.5), 0);
+    assert_eq!(solves::<2>(40, -0.01), 0);
+    let side = 23;
+    for shift in [0.013, 0.37, 2.9] {
+        let below = solves::<2>(side, shift);
+        assert_eq!(below, solves::<1>(side, shift));
+        let matrix = grid(side);
+        let n = matrix.size();
+        let mut dense = faer::Mat::<f64>::zeros(n, n);
+        for j in 0..n {
+            for (i, v) in matrix.column(j) {
+                dense[(i, j)] = v;
+            }
+        }
+        let exact = dense.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+        assert_eq!(below, exact.iter().filter(|l| **l < shift).count(), "at {shift}");
+    }
+}
+
+#[test]
+fn orders_are_permutations_also_of_scattered_graphs() {
+    for edges in [vec![], vec![(0, 1, 1.0), (5, 6, 1.0)], (1..150).map(|i| (0, i, 1.0)).collect()] {
+        let matrix = SymmetricSparse::laplacian(200, &edges);
+        let mut order = nested_dissection(&matrix);
+        order.sort_unstable();
+        assert!(order.iter().enumerate().all(|(i, o)| i == *o as usize));
+    }
+}
+
+#[test]
+#[ignore = "a measurement, not a test: cargo test --release -- --ignored --nocapture ldlt_speed"]
+#[allow(clippy::print_stderr, reason = "prints what it measured")]
+fn ldlt_speed() {
+    use std::time::Instant;
+    for side in [187, 366] {
+        let matrix = grid(side);
+        let n = matrix.size();
+        let t = Instant::now();
+        let order = nested_dissection(&matrix);
+        let t1 = t.elapsed();
+        let t = Instant::now();
+        let symbolic = Symbolic::of(&matrix, order);
+        let t2 = t.elapsed();
+        let flops: f64 = symbolic.supernodes.iter().map(|s| (0..s.width).map(|k| ((s.width - k + s.below) as f64).powi(2)).sum::<f64>()).sum();
+        eprintln!("n {n}: order {t1:?}, analysis {t2:?}, {} supernodes, {} values, {:.3} Gflop", symbolic.supernodes.len(), symbolic.values, flops / 1e9);
+        let matrix = matrix.permuted_and_scaled(&symbolic.old, &vec![1.0; n]);
+        let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
+        for _ in 0..8 {
+            let t = Instant::now();
+            factor.compute(&symbolic, &matrix, 0.0137, &mut workspace).unwrap();
+            eprintln!("  factor {:?}", t.elapsed());
+        }
+        let mut x = vec![[[1.0; 8]; 1]; n];
+        let mut y = vec![[[1.0; 8]; 2]; n];
+        for _ in 0..8 {
+            let t = Instant::now();
+            factor.solve(&symbolic, &mut x);
+            let a = t.elapsed() / 8;
+            let t = Instant::now();
+            factor.solve(&symbolic, &mut y);
+            eprintln!("  per right-hand side {a:?} of 8, {:?} of 16", t.elapsed() / 16);
+        }
+    }
+}
