@@ -3,14 +3,16 @@
 use std::time::Instant;
 
 use chladni_task::{Cancelled, Task};
-use faer::{Mat, Side};
+use faer::{Mat, Par};
+
+use super::dense::symmetric_eigen;
 
 use super::problem::{Problem, Profile};
 use super::tall::{Block, Small, orthonormalize, overlaps, subtract_products};
 use crate::ldlt::{Factor, Row, Workspace};
 
 /// Vectors of eight columns in a block.
-pub(super) const W: usize = 2;
+pub(super) const W: usize = 1;
 /// Columns of a block.
 pub(super) const BLOCK: usize = 8 * W;
 
@@ -106,7 +108,7 @@ pub(super) fn run(
         if m + 2 * BLOCK > n {
             return Err(Stopped::Exhausted);
         }
-        if m < window.expected * 3 / 2 + 2 * BLOCK {
+        if m < window.expected * 2 + 2 * BLOCK {
             continue;
         }
         let start = Instant::now();
@@ -184,16 +186,16 @@ impl Krylov {
                 }
             }
         }
-        let eigen = t.self_adjoint_eigen(Side::Lower).ok()?;
+        let (thetas, coordinates) = symmetric_eigen(&t, Par::Seq)?;
         let last = &self.below[blocks - 1];
         let mut leaving = Mat::<f64>::zeros(BLOCK, m);
         for j in 0..m {
             for i in 0..BLOCK {
-                leaving[(i, j)] = (i..BLOCK).map(|k| at(last, i, k) * eigen.U()[(m - BLOCK + k, j)]).sum();
+                leaving[(i, j)] = (i..BLOCK).map(|k| at(last, i, k) * coordinates[(m - BLOCK + k, j)]).sum();
             }
         }
         let mut order: Vec<(f64, usize, f64)> = (0..m)
-            .map(|j| (eigen.S()[j], j))
+            .map(|j| (thetas[j], j))
             .filter(|(theta, _)| *theta != 0.0)
             .map(|(theta, j)| (shift + 1.0 / theta, j, theta))
             .collect();
@@ -205,7 +207,7 @@ impl Krylov {
             values: order.iter().map(|e| e.0).collect(),
             from: order.iter().map(|e| (e.1, e.2)).collect(),
             residuals: order.iter().map(|e| residual(e.1, e.2)).collect(),
-            coordinates: eigen.U().to_owned(),
+            coordinates,
             leaving,
         })
     }

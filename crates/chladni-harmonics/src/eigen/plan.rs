@@ -37,7 +37,8 @@ pub(super) fn plan(
     // Two more than asked for, so that the top slice has pairs on both sides of λ_K.
     let wanted = (harmonics.max(zeros) + 2) as f64;
     let counting = count(problem, zeros, wanted, profile, task)?;
-    let slices = (harmonics.saturating_sub(zeros).div_ceil(PER_SLICE)).max(1);
+    let per = std::env::var("PER").ok().and_then(|p| p.parse().ok()).unwrap_or(PER_SLICE);
+    let slices = (harmonics.saturating_sub(zeros).div_ceil(per)).max(1);
     let slices = if slices > 2 { slices.next_multiple_of(4) } else { slices };
     let at = |count: f64| counting.inverse(count);
     let step = (wanted - zeros as f64) / slices as f64;

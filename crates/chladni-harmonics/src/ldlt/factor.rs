@@ -10,7 +10,9 @@ use crate::simd::{Kernel, Lanes, dispatch};
 pub(crate) struct Factor {
     /// Values of L in the layout of [`Symbolic`].
     pub values: Vec<f64>,
-    /// 1 / D, by new index.
+    /// The column of its supernode that each place is, by new index (see [`eliminate`]).
+    pub order: Vec<u32>,
+    /// 1 / D, by new index and in that order.
     pub inverse_pivots: Vec<f64>,
     /// How many pivots are negative: the number of eigenvalues of A below σ (Sylvester).
     pub below_shift: usize,
@@ -36,6 +38,7 @@ impl Factor {
     ) -> Result<(), ZeroPivot> {
         self.values.resize(symbolic.values, 0.0);
         self.inverse_pivots.resize(symbolic.size(), 0.0);
+        self.order.resize(symbolic.size(), 0);
         dispatch(Factorize { factor: self, symbolic, matrix, shift, workspace })
     }
 }
@@ -98,7 +101,8 @@ impl Kernel for Factorize<'_> {
             }
             pivots.clear();
             pivots.resize(node.width, 0.0);
-            eliminate(lanes, front, size, node.width, &mut pivots, &mut workspace.packed, smallest)?;
+            let order = &mut factor.order[node.first..end];
+            eliminate(lanes, front, size, node.width, &mut pivots, order, &mut workspace.packed, smallest)?;
             for (inverse, pivot) in factor.inverse_pivots[node.first..end].iter_mut().zip(&pivots) {
                 *inverse = 1.0 / pivot;
                 factor.below_shift += usize::from(*pivot < 0.0);

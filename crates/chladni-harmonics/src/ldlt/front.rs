@@ -3,7 +3,7 @@
 use crate::simd::Lanes;
 
 /// Columns eliminated at a time, and columns of an update tile: two vectors.
-const TILE: usize = 16;
+pub(super) const TILE: usize = 16;
 /// Rows of an update tile.
 const TALL: usize = 8;
 
@@ -18,7 +18,9 @@ pub(super) fn stride(size: usize) -> usize {
 
 /// Eliminates the first `width` columns of the symmetric front `f` (row-major, lower triangle,
 /// [`stride`] rows that far apart): column k < width then holds L below the diagonal,
-/// `pivots[k]` = D_kk, and the rest holds its Schur complement. What lies above the diagonal
+/// `pivots[k]` = D_kk, and the rest holds its Schur complement. Within each [`TILE`] of columns
+/// the largest diagonal is eliminated first, which keeps L from growing where a shift inside
+/// the spectrum makes a pivot small: place k is column `order[k]` of the front. What lies above the diagonal
 /// or past `size` is garbage. `packed` is scratch of `stride · width` values.
 #[inline(always)]
 pub(super) fn eliminate<L: Lanes>(
@@ -27,6 +29,7 @@ pub(super) fn eliminate<L: Lanes>(
     size: usize,
     width: usize,
     pivots: &mut [f64],
+    order: &mut [u32],
     packed: &mut [f64],
     smallest: f64,
 ) -> Result<(), ZeroPivot> {
@@ -35,6 +38,9 @@ pub(super) fn eliminate<L: Lanes>(
     while k0 < width {
         let k1 = (k0 + TILE).min(width);
         let block = eliminate_diagonal_block(lanes, f, ld, k0, k1, pivots, smallest)?;
+        for (k, &from) in block.order[..k1 - k0].iter().enumerate() {
+            order[k0 + k] = (k0 + from) as u32;
+        }
         for tile in k1 / TILE..ld / TILE {
             solve_rows_below(lanes, f, ld, tile, size, (k0, k1), &block, pivots, &mut packed[tile * width * TILE..]);
         }
@@ -50,7 +56,15 @@ pub(super) fn eliminate<L: Lanes>(
     Ok(())
 }
 
-/// L D Lᵀ of the block [k0, k1)², in place; returns its L.
+/// An eliminated diagonal block.
+struct Eliminated {
+    /// Its L, in the order of elimination.
+    lower: [[f64; TILE]; TILE],
+    /// The column of the block that each place is.
+    order: [usize; TILE],
+}
+
+/// L D Lᵀ of the block [k0, k1)², in place.
 #[inline(always)]
 fn eliminate_diagonal_block<L: Lanes>(
     lanes: L,
@@ -60,10 +74,11 @@ fn eliminate_diagonal_block<L: Lanes>(
     k1: usize,
     pivots: &mut [f64],
     smallest: f64,
-) -> Result<[[f64; TILE]; TILE], ZeroPivot> {
+) -> Result<Eliminated, ZeroPivot> {
     let kb = k1 - k0;
     let mut block = [[[0.0_f64; 8]; 2]; TILE];
     let mut lower = [[0.0_f64; TILE]; TILE];
+    let mut order: [usize; TILE] = std::array::from_fn(|k| k);
     // Mirrored, so that the update of a row runs over contiguous columns.
     for i in 0..kb {
         for j in 0..=i {
@@ -73,6 +88,25 @@ fn eliminate_diagonal_block<L: Lanes>(
         }
     }
     for k in 0..kb {
+        let mut largest = k;
+        for i in k + 1..kb {
+            if block[i][i / 8][i % 8].abs() > 1.5 * block[largest][largest / 8][largest % 8].abs() {
+                largest = i;
+            }
+        }
+        if largest != k {
+            order.swap(k, largest);
+            lower.swap(k, largest);
+            block.swap(k, largest);
+            for row in &mut block {
+                let kept = row[k / 8][k % 8];
+                row[k / 8][k % 8] = row[largest / 8][largest % 8];
+                row[largest / 8][largest % 8] = kept;
+            }
+            // What earlier blocks left of these two rows of L.
+            let (upper, low) = f.split_at_mut((k0 + largest) * ld);
+            upper[(k0 + k) * ld..(k0 + k) * ld + k0].swap_with_slice(&mut low[..k0]);
+        }
         let pivot = block[k][k / 8][k % 8];
         // Also refuses NaN.
         if !(pivot.abs() > smallest) {
@@ -90,10 +124,12 @@ fn eliminate_diagonal_block<L: Lanes>(
                 lanes.store(value, row);
             }
             lower[i][k] = l;
-            f[(k0 + i) * ld + k0 + k] = l;
         }
     }
-    Ok(lower)
+    for i in 1..kb {
+        f[(k0 + i) * ld + k0..(k0 + i) * ld + k0 + i].copy_from_slice(&lower[i][..i]);
+    }
+    Ok(Eliminated { lower, order })
 }
 
 /// L of one tile of rows below the block `ks`², and D Lᵀ of it, packed column after column.
@@ -105,7 +141,7 @@ fn solve_rows_below<L: Lanes>(
     tile: usize,
     size: usize,
     (k0, k1): (usize, usize),
-    lower: &[[f64; TILE]; TILE],
+    block: &Eliminated,
     pivots: &[f64],
     packed: &mut [f64],
 ) {
@@ -121,10 +157,14 @@ fn solve_rows_below<L: Lanes>(
             let rows = std::array::from_fn(|r| lanes.load(eight(&f[(row + r) * ld + k0 + 8 * part..])));
             y[8 * part..8 * part + 8].copy_from_slice(&lanes.transpose(rows));
         }
+        let unordered = y;
+        for k in 0..kb {
+            y[k] = unordered[block.order[k]];
+        }
         for k in 1..kb {
             let mut sum = y[k];
             for j in 0..k {
-                sum = lanes.mul_sub_from(lanes.splat(lower[k][j]), y[j], sum);
+                sum = lanes.mul_sub_from(lanes.splat(block.lower[k][j]), y[j], sum);
             }
             y[k] = sum;
         }

@@ -1,5 +1,6 @@
 //! Solving with many right-hand sides at once.
 
+use super::front::TILE;
 use super::symbolic::Supernode;
 use super::{Factor, Symbolic};
 use crate::simd::{Kernel, Lanes, dispatch};
@@ -31,6 +32,7 @@ impl<const W: usize> Kernel for Solve<'_, W> {
             let end = node.first + node.width;
             let (head, tail) = x.split_at_mut(end);
             let own = &mut head[node.first..];
+            reorder(own, &factor.order[node.first..end], false);
             forward_diagonal(lanes, diagonal, node.width, own);
             forward_below(lanes, below, node.width, rows, own, tail, end);
         }
@@ -46,6 +48,29 @@ impl<const W: usize> Kernel for Solve<'_, W> {
             }
             backward_below(lanes, below, node.width, rows, own, tail, end);
             backward_diagonal(lanes, diagonal, node.width, own);
+            reorder(own, &factor.order[node.first..end], true);
+        }
+    }
+}
+
+/// Puts the rows of a supernode in the order of elimination, or `back`. They move within
+/// groups of [`TILE`] only.
+#[inline(always)]
+fn reorder<const W: usize>(own: &mut [Row<W>], order: &[u32], back: bool) {
+    for (group, (rows, order)) in own.chunks_mut(TILE).zip(order.chunks(TILE)).enumerate() {
+        let first = group * TILE;
+        if order.iter().enumerate().all(|(k, &from)| first + k == from as usize) {
+            continue;
+        }
+        let mut kept = [[[0.0; 8]; W]; TILE];
+        kept[..rows.len()].copy_from_slice(rows);
+        for (k, &from) in order.iter().enumerate() {
+            let from = from as usize - first;
+            if back {
+                rows[from] = kept[k];
+            } else {
+                rows[k] = kept[from];
+            }
         }
     }
 }
