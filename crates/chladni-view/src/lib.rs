@@ -54,7 +54,9 @@ pub use layout::Rect;
 pub use pick::{Hit, PickTree, Ray};
 pub use picture::Picture;
 pub use renderer::Renderer;
-pub use request::{PictureRequest, PictureShape, Style, render_picture, render_picture_with, smooth_normals};
+pub use request::{
+    PictureRequest, PictureShape, Style, film_turntable, render_picture, render_picture_with, smooth_normals,
+};
 pub use scene::{
     Brush, Cell, Figure, IDENTITY, ItemBuffers, Marker, Paint, Skin, Topology, VertexPaint, Wire,
 };

@@ -2,11 +2,13 @@
 
 use std::collections::HashMap;
 
+use chladni_task::Task;
 use glam::Vec3;
 
+use crate::film::shoot;
 use crate::{
-    Background, Camera, Canvas, Cell, Figure, Gpu, ItemBuffers, Lights, Marker, Material, Paint, Picture,
-    Rect, Renderer, Scale, Topology, VertexPaint, View, ViewError, Wire, layout,
+    Background, Camera, Canvas, Cell, Figure, Film, Gpu, ItemBuffers, Lights, Marker, Material, Paint,
+    Picture, Rect, Renderer, Scale, Topology, VertexPaint, View, ViewError, Wire, layout,
 };
 
 /// One shape to be drawn, each in a cell of its own.
@@ -75,8 +77,68 @@ pub fn render_picture_with(
 ) -> Result<Picture, ViewError> {
     let gpu = renderer.gpu().clone();
     let canvas = Canvas::new(&gpu, request.width, request.height)?;
-    let loaded: Vec<Loaded> =
-        request.shapes.iter().map(|shape| Loaded::new(&gpu, shape)).collect::<Result<_, _>>()?;
+    let loaded = load(&gpu, request)?;
+    let camera = request.camera.unwrap_or_else(|| {
+        let mut camera = Camera::looking(View::ThreeQuarter);
+        let points = request.shapes.iter().flat_map(|shape| shape.positions.iter().copied());
+        camera.fit(points, cell_aspect(request), 0.88);
+        camera
+    });
+    draw(renderer, &canvas, request, &loaded, camera)?;
+    canvas.read(&gpu)
+}
+
+/// Films the shapes of `request` turning once around, and finishes the film. A camera that is not
+/// given is fitted so that nothing leaves the frame at any angle.
+///
+/// # Errors
+/// See [`render_picture`] and [`shoot`].
+pub fn film_turntable(
+    renderer: &mut Renderer,
+    request: &PictureRequest<'_>,
+    film: Film,
+    task: &Task,
+) -> Result<(), ViewError> {
+    let gpu = renderer.gpu().clone();
+    let canvas = Canvas::new(&gpu, request.width, request.height)?;
+    let loaded = load(&gpu, request)?;
+    let start = request.camera.unwrap_or_else(|| {
+        let mut camera = Camera::looking(View::ThreeQuarter);
+        let points: Vec<[f32; 3]> = request.shapes.iter().flat_map(|s| s.positions).copied().collect();
+        camera.fit_turntable(&points, cell_aspect(request), 0.92);
+        camera
+    });
+    let frames = film.settings().frames;
+    shoot(renderer, &canvas, film, task, |renderer, canvas, frame| {
+        let turn = std::f32::consts::TAU * frame as f32 / frames as f32;
+        let camera = Camera { yaw_rad: start.yaw_rad - turn, ..start };
+        draw(renderer, canvas, request, &loaded, camera)
+    })
+}
+
+fn load(gpu: &Gpu, request: &PictureRequest<'_>) -> Result<Vec<Loaded>, ViewError> {
+    request.shapes.iter().map(|shape| Loaded::new(gpu, shape)).collect()
+}
+
+/// The cells of a request, row by row.
+fn viewports(request: &PictureRequest<'_>) -> Vec<Rect> {
+    let count = request.shapes.len();
+    let (rows, columns) = layout::rows_and_columns(request.width, request.height, count, 0.85);
+    layout::grid(Rect::of_size(request.width, request.height), rows, columns, 0, count)
+}
+
+/// Width over height of its narrowest cell.
+fn cell_aspect(request: &PictureRequest<'_>) -> f32 {
+    viewports(request).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min)
+}
+
+fn draw(
+    renderer: &mut Renderer,
+    canvas: &Canvas,
+    request: &PictureRequest<'_>,
+    loaded: &[Loaded],
+    camera: Camera,
+) -> Result<(), ViewError> {
     let figures: Vec<Figure<'_>> = loaded
         .iter()
         .map(|shape| Figure {
@@ -86,16 +148,6 @@ pub fn render_picture_with(
             ..Figure::new(&shape.topology, &shape.buffers, 0)
         })
         .collect();
-    let (rows, columns) = layout::rows_and_columns(request.width, request.height, figures.len(), 0.85);
-    let area = Rect::of_size(request.width, request.height);
-    let viewports = layout::grid(area, rows, columns, 0, figures.len());
-    let camera = request.camera.unwrap_or_else(|| {
-        let mut camera = Camera::looking(View::ThreeQuarter);
-        let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        camera.fit(request.shapes.iter().flat_map(|shape| shape.positions.iter().copied()), aspect, 0.88);
-        camera
-    });
-    // One background behind all cells, so that no seams show.
     let cell = |viewport, background, figures, markers| Cell {
         viewport,
         camera,
@@ -104,13 +156,15 @@ pub fn render_picture_with(
         figures,
         markers,
     };
+    // One background behind all cells, so that no seams show.
+    let area = Rect::of_size(request.width, request.height);
     let mut cells = vec![cell(area, request.style.background, &[], &[])];
-    for ((viewport, figure), shape) in viewports.into_iter().zip(&figures).zip(request.shapes) {
+    for ((viewport, figure), shape) in viewports(request).into_iter().zip(&figures).zip(request.shapes) {
         let figure = std::slice::from_ref(figure);
         cells.push(cell(viewport, Background::TRANSPARENT, figure, shape.markers));
     }
-    renderer.draw(&canvas, &cells)?;
-    canvas.read(&gpu)
+    renderer.draw(canvas, &cells)?;
+    Ok(())
 }
 
 struct Loaded {

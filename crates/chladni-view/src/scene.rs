@@ -126,6 +126,16 @@ impl ItemBuffers {
         Ok(Self { vertices, items, positions, normals })
     }
 
+    /// Draws what a synthesizer has left on the device; nothing is copied. The synthesizer's next
+    /// frame shows in the same buffers as long as they need not grow: take its frame anew each time.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where the frame's buffers cannot be drawn from.
+    pub fn of_frame(frame: &chladni_synth::DeviceFrame<'_>) -> Result<Self, ViewError> {
+        let (vertices, items) = (frame.vertices as usize, frame.items as usize);
+        Self::borrowed(frame.positions.clone(), frame.normals.clone(), vertices, items)
+    }
+
     /// Number of items.
     pub fn items(&self) -> usize {
         self.items

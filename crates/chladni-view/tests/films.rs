@@ -8,7 +8,8 @@ use std::process::Command;
 use chladni_task::Task;
 use chladni_view::film::{ffmpeg_is_there, shoot};
 use chladni_view::{
-    Background, Canvas, Cell, Film, FilmSettings, FrameRate, Lights, Picture, Rect, Renderer, ViewError,
+    Background, Canvas, Cell, Film, FilmSettings, FrameRate, Lights, Picture, PictureRequest, PictureShape,
+    Rect, Renderer, Style, ViewError, film_turntable,
 };
 
 const SIZE: (u32, u32) = (64, 48);
@@ -263,4 +264,35 @@ fn frames_are_shot_in_order_and_cancelling_leaves_nothing() {
         reader.next_frame(&mut rgba).unwrap();
         assert!(rgba[0].abs_diff(20 * frame) <= 1, "{} in frame {frame}", rgba[0]);
     }
+}
+
+#[test]
+fn a_turntable_turns_once_and_ends_where_it_began() {
+    let Some(gpu) = shapes::gpu() else { return };
+    let (mut positions, triangles) = shapes::sphere(8);
+    for p in &mut positions {
+        p[0] *= 0.4;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("turn");
+    let request = PictureRequest {
+        shapes: &[PictureShape { positions: &positions, triangles: &triangles, ..Default::default() }],
+        width: SIZE.0,
+        height: SIZE.1,
+        camera: None,
+        style: Style { background: Background::TRANSPARENT, ..Style::default() },
+    };
+    let film = Film::create(&path, settings(8, 8)).unwrap();
+    film_turntable(&mut Renderer::new(&gpu), &request, film, &Task::new()).unwrap();
+    let widths: Vec<usize> = names(&path)
+        .iter()
+        .map(|name| Picture::decode(&std::fs::read(path.join(name)).unwrap()).unwrap())
+        .map(|picture| (0..SIZE.0).filter(|x| picture.pixel(*x, SIZE.1 / 2).unwrap()[3] > 127).count())
+        .collect();
+    assert_eq!(widths.len(), 8);
+    // A flat body looks the same half a turn later, and not a quarter.
+    for i in 0..4 {
+        assert!(widths[i].abs_diff(widths[i + 4]) <= 1, "{widths:?}");
+    }
+    assert!(widths.iter().max().unwrap() - widths.iter().min().unwrap() > 8, "{widths:?}");
 }
