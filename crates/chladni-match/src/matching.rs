@@ -60,7 +60,7 @@ pub fn match_shapes(
     let t = Surface::new(template, Side::Template)?;
     if settings.method == Method::Same {
         let correspondence = same_connectivity(shape, template)?;
-        let report = Report::of(&s, &t, &correspondence, None);
+        let report = Report::of(&s, Some(&t), &correspondence, None);
         return Ok(Match { correspondence, report });
     }
     let pinned = landmarks::pin(&settings.landmarks, &s, &t)?;
@@ -74,7 +74,7 @@ pub fn match_shapes(
             closest_points(shape, &s, template, &t, &pose, &settled)?
         }
     };
-    let report = Report::of(&s, &t, &found, Some(&pose));
+    let report = Report::of(&s, Some(&t), &found, Some(&pose));
     Ok(Match { correspondence: found, report })
 }
 

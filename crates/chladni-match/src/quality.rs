@@ -1,10 +1,11 @@
 //! How good a correspondence is.
 
+use chladni_mesh::TriMesh;
 use glam::DVec3;
 
-use crate::Correspondence;
 use crate::prealign::Pose;
 use crate::surface::Surface;
+use crate::{Correspondence, MatchError, Side};
 
 /// Numbers that say how far a correspondence can be trusted. Distances are shares of the
 /// diagonal of the shape's bounding box.
@@ -40,9 +41,24 @@ pub struct Report {
 const TIE: f64 = 0.1;
 
 impl Report {
+    /// The report on a correspondence that was made without a template mesh.
+    ///
+    /// # Errors
+    /// A shape without a surface, or a correspondence for another number of vertices.
+    pub fn without_template(shape: &TriMesh, found: &Correspondence) -> Result<Self, MatchError> {
+        if shape.positions.len() != found.vertices() {
+            return Err(MatchError::LengthsDiffer {
+                what: "vertices of the shape and of the correspondence",
+                left: shape.positions.len(),
+                right: found.vertices(),
+            });
+        }
+        Ok(Self::of(&Surface::new(shape, Side::Shape)?, None, found, None))
+    }
+
     pub(crate) fn of(
         shape: &Surface,
-        template: &Surface,
+        template: Option<&Surface>,
         found: &Correspondence,
         pose: Option<&Pose>,
     ) -> Self {
@@ -107,11 +123,11 @@ struct Distortion {
 
 impl Distortion {
     /// Compares each triangle of the shape with its image.
-    fn of(shape: &Surface, template: &Surface, found: &Correspondence, target: &[DVec3]) -> Self {
+    fn of(shape: &Surface, template: Option<&Surface>, found: &Correspondence, target: &[DVec3]) -> Self {
         let turn = found.similarity.rotation_matrix();
         // The template's normal at each welded vertex, in the shape's frame.
         let mut facing = vec![None; shape.points.len()];
-        if let Some(on) = &found.on_template {
+        if let (Some(on), Some(template)) = (&found.on_template, template) {
             let mut surface_triangle = std::collections::HashMap::new();
             for (i, t) in template.file_triangle.iter().enumerate() {
                 surface_triangle.insert(*t, i);

@@ -1,6 +1,8 @@
 //! The command line: one file per command, each with its arguments and its `run`.
 
 mod failure;
+mod match_shapes;
+mod npz;
 mod terminal;
 
 use clap::{Parser, Subcommand};
@@ -22,7 +24,9 @@ struct Cli {
 }
 
 #[derive(Subcommand)]
-enum Command {}
+enum Command {
+    Match(match_shapes::MatchShapes),
+}
 
 /// Runs the program with the process's own arguments.
 pub fn main() -> std::process::ExitCode {
@@ -59,7 +63,9 @@ where
 }
 
 impl Command {
-    fn run(self, _terminal: &Terminal) -> Result<(), Failure> {
-        match self {}
+    fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        match self {
+            Self::Match(command) => command.run(terminal),
+        }
     }
 }

@@ -1,0 +1,243 @@
+//! `chladni match SHAPE TEMPLATE`: which point of a template belongs to each vertex of a shape.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::Instant;
+
+use chladni_harmonics::{BasisSettings, Body};
+use chladni_match::{
+    Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, match_shapes, onto_ellipsoid,
+    read_landmarks, self_low_passed, self_scaled,
+};
+use chladni_mesh::{TriMesh, load_mesh};
+use chladni_task::Task;
+use chladni_view::{ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, render_picture};
+use serde::Serialize;
+
+use super::npz::write_npz;
+use super::{Failure, Terminal};
+
+/// Find the point of a template that belongs to each vertex of a shape, and say how good it is.
+#[derive(clap::Args)]
+pub struct MatchShapes {
+    /// The shape: an OBJ, PLY, OFF, STL, glTF, GLB or Medit file.
+    shape: PathBuf,
+    /// The template mesh; not needed by ellipsoid, sphere and self.
+    template: Option<PathBuf>,
+    /// How: same (connectivity), icp, fit, map (through a sphere, led by landmarks), ellipsoid,
+    /// sphere, self:scale=S, self:lowpass=K.
+    #[arg(long, default_value = "fit")]
+    method: How,
+    /// Pairs that belong together: `shape_vertex template_vertex` a line, from zero, # comments.
+    #[arg(long, value_name = "FILE")]
+    landmarks: Option<PathBuf>,
+    /// Seed of all sampling.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Write the correspondence here (NumPy archive: point, confidence, similarity and, on
+    /// template meshes, triangle and barycentric).
+    #[arg(short, long, value_name = "M.npz")]
+    output: Option<PathBuf>,
+    /// Print the quality report as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Draw the shape with its confidence, and the shape laid onto the template (μ = 1).
+    #[arg(long, value_name = "P.png")]
+    render: Option<PathBuf>,
+}
+
+/// What `--method` says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum How {
+    Mesh(Method),
+    Ellipsoid,
+    Sphere,
+    SelfScaled(f64),
+    SelfLowPassed(usize),
+}
+
+impl FromStr for How {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |n: &str| format!("“{n}” is not a number");
+        Ok(match text {
+            "same" => Self::Mesh(Method::Same),
+            "icp" => Self::Mesh(Method::Icp),
+            "fit" => Self::Mesh(Method::Fit),
+            "ellipsoid" => Self::Ellipsoid,
+            "sphere" => Self::Sphere,
+            _ => match text.strip_prefix("self:").and_then(|rest| rest.split_once('=')) {
+                Some(("scale", s)) => Self::SelfScaled(s.parse().map_err(|_| number(s))?),
+                Some(("lowpass", k)) => Self::SelfLowPassed(k.parse().map_err(|_| number(k))?),
+                _ => {
+                    return Err("expected same, icp, fit, map, ellipsoid, sphere, self:scale=S or \
+                                self:lowpass=K"
+                        .into());
+                }
+            },
+        })
+    }
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Printed<'a> {
+    #[serde(flatten)]
+    report: &'a Report,
+    seconds: f64,
+}
+
+impl MatchShapes {
+    /// Matches, writes what was asked for and prints the report.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let shape = self.load(&self.shape, terminal)?;
+        let start = Instant::now();
+        let found = terminal.watch("matching", |task| self.find(&shape, terminal, task))?;
+        let seconds = start.elapsed().as_secs_f64();
+        if let Some(path) = &self.output {
+            save(path, &found.correspondence).map_err(|error| Failure::writing(path, error))?;
+        }
+        if let Some(path) = &self.render {
+            draw(path, &shape, &found.correspondence)?;
+        }
+        for warning in &found.report.warnings {
+            terminal.warn(warning);
+        }
+        if self.json {
+            return terminal.json(&Printed { report: &found.report, seconds });
+        }
+        lines(&found.report, seconds).into_iter().try_for_each(|line| terminal.result(line))
+    }
+
+    fn load(&self, path: &Path, terminal: &Terminal) -> Result<TriMesh, Failure> {
+        let loaded = load_mesh(path).map_err(Failure::input)?;
+        for mended in &loaded.mended {
+            terminal.warn(format_args!("{}: {mended}", path.display()));
+        }
+        Ok(loaded.mesh)
+    }
+
+    fn find(&self, shape: &TriMesh, terminal: &Terminal, task: &Task) -> Result<Match, Failure> {
+        let failed = |error| match error {
+            MatchError::Cancelled(cancelled) => Failure::from(cancelled),
+            other => Failure::input(format!("{}: {other}", self.names())),
+        };
+        let alone = |correspondence: Result<Correspondence, MatchError>| {
+            let correspondence = correspondence.map_err(failed)?;
+            let report = Report::without_template(shape, &correspondence).map_err(failed)?;
+            Ok(Match { correspondence, report })
+        };
+        match self.method {
+            How::Mesh(method) => {
+                let path = self.template.as_ref().ok_or_else(|| {
+                    Failure::input("this method needs a template: chladni match SHAPE TEMPLATE")
+                })?;
+                let template = self.load(path, terminal)?;
+                let landmarks = match &self.landmarks {
+                    Some(path) => {
+                        let text = std::fs::read_to_string(path)
+                            .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
+                        read_landmarks(&text)
+                            .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?
+                    }
+                    None => Vec::new(),
+                };
+                let settings = Settings { method, landmarks, seed: self.seed };
+                match_shapes(shape, &template, &settings, task).map_err(failed)
+            }
+            How::Ellipsoid => alone(Ellipsoid::fitted(shape).and_then(|e| onto_ellipsoid(shape, &e))),
+            How::Sphere => alone(Ellipsoid::fitted_sphere(shape).and_then(|e| onto_ellipsoid(shape, &e))),
+            How::SelfScaled(scale) => alone(self_scaled(shape, scale)),
+            How::SelfLowPassed(k0) => {
+                let body =
+                    Body::build(shape, &BasisSettings::new(k0.max(1)), task).map_err(Failure::input)?;
+                alone(self_low_passed(&body, &shape.positions, k0))
+            }
+        }
+    }
+
+    fn names(&self) -> String {
+        match &self.template {
+            Some(template) => format!("{} and {}", self.shape.display(), template.display()),
+            None => self.shape.display().to_string(),
+        }
+    }
+}
+
+fn save(path: &Path, found: &Correspondence) -> std::io::Result<()> {
+    let n = found.vertices() as u64;
+    write_npz(path, |npz| {
+        if let Some(on) = &found.on_template {
+            npz.array("triangle", &[n], on.triangle.iter().copied())?;
+            npz.array("barycentric", &[n, 3], on.barycentric.iter().flatten().copied())?;
+        }
+        npz.array("point", &[n, 3], found.point.iter().flatten().copied())?;
+        npz.array("confidence", &[n], found.confidence.iter().copied())?;
+        npz.array("similarity", &[4, 4], found.similarity.to_matrix().into_iter().flatten())
+    })
+}
+
+/// Confidence on the shape beside the shape at μ = 1, coloured by where on the shape it came from.
+fn draw(path: &Path, shape: &TriMesh, found: &Correspondence) -> Result<(), Failure> {
+    let narrow =
+        |points: &[[f64; 3]]| -> Vec<[f32; 3]> { points.iter().map(|p| p.map(|x| x as f32)).collect() };
+    let (rest, laid) = (narrow(&shape.positions), narrow(&found.target));
+    let confidence: Vec<f32> = found.confidence.iter().map(|c| *c as f32).collect();
+    let colors = position_colors(shape);
+    let triangles = &shape.triangles;
+    let shown = |positions| PictureShape { positions, triangles, ..PictureShape::default() };
+    let shapes = [
+        PictureShape {
+            values: Some((&confidence, Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 })),
+            ..shown(&rest)
+        },
+        PictureShape { colors: Some(&colors), ..shown(&rest) },
+        PictureShape { colors: Some(&colors), ..shown(&laid) },
+        shown(&laid),
+    ];
+    let gpu = Gpu::headless().map_err(Failure::other)?;
+    let request =
+        PictureRequest { shapes: &shapes, width: 1600, height: 500, camera: None, style: Style::default() };
+    let png = render_picture(&gpu, &request).and_then(|picture| picture.to_png()).map_err(Failure::other)?;
+    chladni_task::write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
+}
+
+/// A colour for each place in the bounding box, so that the same colour means the same vertex.
+fn position_colors(mesh: &TriMesh) -> Vec<[f32; 4]> {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in &mesh.positions {
+        for i in 0..3 {
+            low[i] = low[i].min(p[i]);
+            high[i] = high[i].max(p[i]);
+        }
+    }
+    mesh.positions
+        .iter()
+        .map(|p| {
+            let [r, g, b] = std::array::from_fn(|i| {
+                let t = (p[i] - low[i]) / (high[i] - low[i]).max(f64::MIN_POSITIVE);
+                (0.08 + 0.72 * t) as f32
+            });
+            [r, g, b, 1.0]
+        })
+        .collect()
+}
+
+fn lines(report: &Report, seconds: f64) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut row = |name: &str, value: String| lines.push(format!("{name:<22} {value}"));
+    row("median distance", format!("{:.3} % of the diagonal", 100.0 * report.median_distance));
+    row("p95 distance", format!("{:.3} % of the diagonal", 100.0 * report.p95_distance));
+    row("coverage", format!("{:.1} % of the area", 100.0 * report.coverage));
+    row("mean confidence", format!("{:.3}", report.mean_confidence));
+    row("flipped triangles", format!("{} of {}", report.flipped_triangles, report.triangles));
+    row("stretch (median)", format!("{:.3}", report.stretch));
+    if let Some(misfit) = report.misfit {
+        let second = report.runner_up_misfit.map_or(String::new(), |m| format!(" (next pose {m:.3})"));
+        row("misfit", format!("{misfit:.3}{second}"));
+        row("near tie", if report.near_tie { "yes" } else { "no" }.into());
+    }
+    row("seconds", format!("{seconds:.2}"));
+    lines
+}
