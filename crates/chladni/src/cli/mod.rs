@@ -1,5 +1,7 @@
 //! The command line: one file per command, each with its arguments and its `run`.
 
+mod basis;
+mod cache;
 mod failure;
 mod match_shapes;
 mod npz;
@@ -7,6 +9,7 @@ mod terminal;
 
 use clap::{Parser, Subcommand};
 
+pub use cache::basis_cache;
 pub use failure::Failure;
 pub use terminal::Terminal;
 
@@ -25,6 +28,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Basis(basis::Args),
     Match(match_shapes::MatchShapes),
 }
 
@@ -65,6 +69,7 @@ where
 impl Command {
     fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         match self {
+            Self::Basis(args) => args.run(terminal),
             Self::Match(command) => command.run(terminal),
         }
     }

@@ -1,0 +1,173 @@
+//! `chladni basis`: the harmonics of a mesh as numbers.
+
+use std::io::{self, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError, Operator};
+use chladni_mesh::load_mesh;
+use chladni_task::write_atomic_with;
+use npyz::WriterBuilder;
+use npyz::npz::NpzWriter;
+use serde::Serialize;
+
+use super::cache::basis_cache;
+use super::{Failure, Terminal};
+
+/// Solve for the harmonics of a mesh and write them for NumPy.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The mesh: OBJ, PLY, OFF, STL, glTF/GLB or Medit .mesh.
+    mesh: PathBuf,
+    /// K, the number of harmonics.
+    #[arg(short = 'k', long, default_value_t = 256)]
+    harmonics: usize,
+    /// B.npz: `eigenvalues` (K), `eigenvectors` (N×K), `mass` (N) and `operator_vertex` (n:
+    /// file vertex → row, −1 where no triangle uses it), in the file's own units.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// S.npz: the stiffness matrix as solved (N×N, for scipy.sparse.load_npz).
+    #[arg(long)]
+    operator: Option<PathBuf>,
+    /// Print what was solved, how long it took and the certificate as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Worker threads (all of the machine's by default). The result does not depend on it.
+    #[arg(long)]
+    threads: Option<usize>,
+    /// Neither read nor write the cache of solved bases.
+    #[arg(long)]
+    no_cache: bool,
+    /// Where K would cut a group of equal eigenvalues, go on to its end.
+    #[arg(long)]
+    whole_clusters: bool,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Summary {
+    vertices: usize,
+    harmonics: usize,
+    seconds: chladni_harmonics::BuildSeconds,
+    max_relative_residual: f64,
+    max_orthogonality_error: f64,
+    inertia_counts_match: bool,
+    cached: bool,
+    cuts_cluster: bool,
+    profile: chladni_harmonics::SolveProfile,
+}
+
+impl Args {
+    /// Solves, writes what was asked for, and reports.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let loaded = load_mesh(&self.mesh).map_err(Failure::input)?;
+        let named = |error: HarmonicsError| match error {
+            HarmonicsError::Cancelled(cancelled) => Failure::from(cancelled),
+            HarmonicsError::NotCertified { .. } | HarmonicsError::Threads(_) => {
+                Failure::other(format_args!("{}: {error}", self.mesh.display()))
+            }
+            error => Failure::input(format_args!("{}: {error}", self.mesh.display())),
+        };
+        let settings = BasisSettings {
+            threads: self.threads,
+            whole_clusters: self.whole_clusters,
+            ..BasisSettings::new(self.harmonics)
+        };
+        let cache = if self.no_cache { None } else { basis_cache() };
+        let (body, report) = terminal
+            .watch("harmonics", |task| Body::load_or_build(&loaded.mesh, &settings, cache.as_ref(), task))
+            .map_err(named)?;
+        if let Some(warning) = &report.cache_warning {
+            terminal.warn(warning);
+        }
+        if report.cuts_cluster {
+            terminal.warn(format_args!(
+                "harmonic {} belongs to a group of equal eigenvalues that goes on; --whole-clusters takes all of it",
+                self.harmonics - 1
+            ));
+        }
+        if let Some(path) = &self.operator {
+            let operator = Operator::of(&loaded.mesh).map_err(named)?;
+            write(path, |file| write_operator(file, &operator))?;
+        }
+        if let Some(path) = &self.output {
+            write(path, |file| write_basis(file, &body))?;
+        }
+        self.report(terminal, &body, &report)
+    }
+
+    fn report(&self, terminal: &Terminal, body: &Body, report: &BuildReport) -> Result<(), Failure> {
+        let (basis, certificate) = (&body.basis, &body.basis.certificate);
+        if self.json {
+            return terminal.json(&Summary {
+                vertices: basis.vertices(),
+                harmonics: basis.harmonics(),
+                seconds: report.seconds,
+                max_relative_residual: certificate.max_relative_residual,
+                max_orthogonality_error: certificate.max_orthogonality_error,
+                inertia_counts_match: certificate.inertia_counts_match,
+                cached: report.cached,
+                cuts_cluster: report.cuts_cluster,
+                profile: report.profile,
+            });
+        }
+        terminal.result(format_args!(
+            "{} harmonics of {} vertices in {:.2} s{}; residual {:.1e}, orthogonality {:.1e}, counts {}",
+            basis.harmonics(),
+            basis.vertices(),
+            report.seconds.total,
+            if report.cached { " (cached)" } else { "" },
+            certificate.max_relative_residual,
+            certificate.max_orthogonality_error,
+            if certificate.inertia_counts_match { "match" } else { "do not match" },
+        ))
+    }
+}
+
+fn write(
+    path: &Path,
+    fill: impl FnOnce(&mut io::BufWriter<&mut std::fs::File>) -> io::Result<()>,
+) -> Result<(), Failure> {
+    write_atomic_with(path, fill).map_err(|error| Failure::writing(path, error))
+}
+
+/// Working units back to the file's: lengths by 1/s, so areas by 1/s², eigenvalues by s² and
+/// harmonics, which are orthonormal under the areas, by s.
+fn write_basis(file: impl Write + Seek, body: &Body) -> io::Result<()> {
+    let basis = &body.basis;
+    let (n, k) = (basis.vertices() as u64, basis.harmonics() as u64);
+    let s = body.frame.scale;
+    let mut npz = NpzWriter::new(file);
+    array(&mut npz, "eigenvalues", &[k], basis.eigenvalues.iter().map(|l| l * s * s))?;
+    array(&mut npz, "mass", &[n], basis.mass.iter().map(|a| a / (s * s)))?;
+    let rows = body.operator_vertex.iter().map(|v| v.map_or(-1, i64::from));
+    array(&mut npz, "operator_vertex", &[body.operator_vertex.len() as u64], rows)?;
+    array(&mut npz, "eigenvectors", &[n, k], basis.vectors.iter().map(|h| h * s))
+}
+
+fn write_operator(file: impl Write + Seek, operator: &Operator) -> io::Result<()> {
+    let stiffness = &operator.stiffness;
+    let (n, entries) = (stiffness.size() as u64, stiffness.values.len() as u64);
+    let mut npz = NpzWriter::new(file);
+    array(&mut npz, "indices", &[entries], stiffness.rows.iter().map(|&r| i64::from(r)))?;
+    array(&mut npz, "indptr", &[n + 1], stiffness.column_starts.iter().map(|&c| c as i64))?;
+    let name = npyz::DType::Plain("|S3".parse().map_err(io::Error::other)?);
+    let mut format = npz.array::<[u8]>("format", Default::default())?.dtype(name).shape(&[]).begin_nd()?;
+    format.push(b"csc".as_slice())?;
+    format.finish()?;
+    array(&mut npz, "shape", &[2], [n as i64, n as i64].into_iter())?;
+    array(&mut npz, "data", &[entries], stiffness.values.iter().copied())
+}
+
+/// One array, the first index running fastest.
+fn array<T: npyz::AutoSerialize, W: Write + Seek>(
+    npz: &mut NpzWriter<W>,
+    name: &str,
+    shape: &[u64],
+    values: impl Iterator<Item = T>,
+) -> io::Result<()> {
+    let order = if shape.len() > 1 { npyz::Order::Fortran } else { npyz::Order::C };
+    let mut writer =
+        npz.array(name, Default::default())?.default_dtype().shape(shape).order(order).begin_nd()?;
+    writer.extend(values)?;
+    writer.finish()
+}
