@@ -3,6 +3,7 @@
 mod basis;
 mod cache;
 mod failure;
+mod info;
 mod match_shapes;
 mod npz;
 mod terminal;
@@ -30,6 +31,7 @@ struct Cli {
 enum Command {
     Basis(basis::Args),
     Match(match_shapes::MatchShapes),
+    Info(info::Info),
 }
 
 /// Runs the program with the process's own arguments.
@@ -71,6 +73,7 @@ impl Command {
         match self {
             Self::Basis(args) => args.run(terminal),
             Self::Match(command) => command.run(terminal),
+            Self::Info(info) => info.run(terminal),
         }
     }
 }

@@ -1,0 +1,101 @@
+//! `chladni info MESH`: the health report.
+
+use std::path::PathBuf;
+
+use chladni_mesh::{HealthReport, Topology, load_mesh};
+use serde::Serialize;
+
+use super::{Failure, Terminal};
+
+/// Report what a mesh file holds and how sound it is.
+#[derive(clap::Args)]
+pub struct Info {
+    /// An OBJ, PLY, OFF, STL, glTF, GLB or Medit file.
+    mesh: PathBuf,
+    /// Print the report as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints: the report and what had to be mended.
+#[derive(Serialize)]
+struct Printed {
+    #[serde(flatten)]
+    report: HealthReport,
+    mended: Vec<String>,
+}
+
+impl Info {
+    /// Prints the report.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let (report, mended) = terminal.watch("reading the mesh", |_| {
+            let loaded = load_mesh(&self.mesh).map_err(Failure::input)?;
+            let mended: Vec<String> = loaded.mended.iter().map(ToString::to_string).collect();
+            Ok::<_, Failure>((loaded.health(), mended))
+        })?;
+        for line in &mended {
+            terminal.warn(format_args!("{}: {line}", self.mesh.display()));
+        }
+        if self.json {
+            return terminal.json(&Printed { report, mended });
+        }
+        lines(&report).into_iter().try_for_each(|line| terminal.result(line))
+    }
+}
+
+fn lines(report: &HealthReport) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut row = |name: &str, value: String| lines.push(format!("{name:<22} {value}"));
+    row("vertices", report.vertices.to_string());
+    row("triangles", report.triangles.to_string());
+    if report.polygons != report.triangles {
+        row("polygons", report.polygons.to_string());
+    }
+    row("as stored", described(&report.topology));
+    let welded = &report.welded;
+    if welded.vertices != report.vertices || welded.triangles != report.triangles {
+        let counts = format!("{} vertices, {} triangles", welded.vertices, welded.triangles);
+        row("welded", format!("{counts}; {}", described(&welded.topology)));
+    }
+    for (name, count) in [
+        ("degenerate triangles", report.degenerate_triangles),
+        ("duplicate triangles", report.duplicate_triangles),
+        ("duplicate vertices", report.duplicate_vertices),
+        ("unreferenced vertices", report.unreferenced_vertices),
+    ] {
+        row(name, count.to_string());
+    }
+    let [low, high] = [report.bounds_min, report.bounds_max];
+    let extent: Vec<String> = (0..3).map(|i| format!("{:.6}", high[i] - low[i])).collect();
+    row("extent", format!("{} (diagonal {:.6})", extent.join(" × "), report.diagonal));
+    row("area", format!("{:.6}", report.area));
+    if let Some(volume) = report.volume {
+        row("volume", format!("{volume:.6}"));
+    }
+    lines
+}
+
+/// A topology in words, the good news short.
+fn described(topology: &Topology) -> String {
+    let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+    let mut words = vec![
+        count(topology.components, "component", "components"),
+        match topology.boundary_loops {
+            0 => "closed".to_owned(),
+            loops => count(loops, "boundary loop", "boundary loops"),
+        },
+    ];
+    for (n, one, many) in [
+        (topology.nonmanifold_edges, "non-manifold edge", "non-manifold edges"),
+        (topology.nonmanifold_vertices, "non-manifold vertex", "non-manifold vertices"),
+        (topology.misoriented_edges, "wrongly oriented edge", "wrongly oriented edges"),
+    ] {
+        if n > 0 {
+            words.push(count(n, one, many));
+        }
+    }
+    if let Some(genus) = topology.genus {
+        words.push(format!("genus {genus}"));
+    }
+    words.join(", ")
+}
