@@ -1,0 +1,78 @@
+//! An octopus.
+
+use super::field::{carve, ellipsoid, join, rod, sphere, turned};
+use super::surface_nets::{Grid, surface};
+use crate::TriMesh;
+use crate::geometry::{Vec3, length, sub};
+
+/// Rods that an arm is made of.
+const JOINTS: usize = 18;
+
+/// One arm: its rods' ends and radii, and a ball around all of them.
+struct Arm {
+    joints: [(Vec3, f64); JOINTS + 1],
+    center: Vec3,
+    reach: f64,
+}
+
+/// A body, two eyes and eight arms, four on either side of the mirror x = 0. It looks along +z,
+/// y is up.
+pub(crate) fn octopus() -> TriMesh {
+    // Direction from straight ahead, length, and how far it sways to either side, in radians.
+    let arms = [(0.38, 2.0, 0.40), (1.12, 2.15, 0.45), (1.88, 2.1, 0.35), (2.62, 2.0, 0.25)]
+        .map(|(heading, long, sway)| arm(heading, long, sway));
+    let grid = Grid {
+        center: [0.0, 0.3, 0.0],
+        low: [-2.3, -1.2, -2.3],
+        high: [2.3, 1.9, 2.3],
+        cell: 0.042,
+        growth: 0.0,
+    };
+    surface(|p| solid(p, &arms), &grid)
+}
+
+/// The half at x ≥ 0; arms of the other half reach into it.
+fn solid(p: Vec3, arms: &[Arm; 4]) -> f64 {
+    let mirrored = [-p[0], p[1], p[2]];
+    let mantle = ellipsoid(turned(p, [0.0, 0.95, -0.20], 0, 0.38), [0.0; 3], [0.62, 0.80, 0.64]);
+    let head = ellipsoid(p, [0.0, 0.12, 0.02], [0.46, 0.42, 0.44]);
+    let mut d = join(mantle, head, 0.30);
+    d = join(d, rod(p, [0.20, 0.26, 0.22], [0.31, 0.32, 0.37], 0.19, 0.19), 0.08);
+    for arm in arms {
+        d = join(d, arm.distance(p), 0.16);
+        d = join(d, arm.distance(mirrored), 0.16);
+    }
+    // Pupils: hollows in the eyes.
+    carve(d, sphere(p, [0.36, 0.335, 0.57], 0.08), 0.04)
+}
+
+/// An arm that leaves the body, sinks to the ground, sways along it and curls up at its tip.
+fn arm(heading: f64, long: f64, sway: f64) -> Arm {
+    let step = long / JOINTS as f64;
+    let mut p = [0.16 * heading.sin(), -0.12, 0.16 * heading.cos()];
+    let mut joints = [(p, 0.0); JOINTS + 1];
+    for (i, joint) in joints.iter_mut().enumerate() {
+        let t = i as f64 / JOINTS as f64;
+        *joint = (p, 0.20 * (1.0 - t).powf(0.8) + 0.062);
+        let sink = -0.75 * (1.0 - 2.2 * t).max(0.0);
+        let rise = sink + 3.1 * ((t - 0.5) / 0.5).max(0.0).powf(1.5);
+        let turn = heading + sway * (4.6 * t).sin();
+        let ((s, c), (up, along)) = (turn.sin_cos(), rise.sin_cos());
+        p = [p[0] + step * along * s, p[1] + step * up, p[2] + step * along * c];
+    }
+    let center = joints[JOINTS / 2].0;
+    let reach = joints.iter().map(|(p, r)| length(sub(*p, center)) + r).fold(0.0, f64::max);
+    Arm { joints, center, reach }
+}
+
+impl Arm {
+    fn distance(&self, p: Vec3) -> f64 {
+        // Far away the ball around the arm is near enough.
+        let outside = length(sub(p, self.center)) - self.reach;
+        if outside > 0.2 {
+            return outside;
+        }
+        let rods = self.joints.windows(2).map(|pair| rod(p, pair[0].0, pair[1].0, pair[0].1, pair[1].1));
+        rods.fold(f64::INFINITY, f64::min)
+    }
+}
