@@ -1,4 +1,9 @@
 //! Cameras and picking, which need no device.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a panic is how a test fails, and a skipped one says so"
+)]
 
 mod shapes;
 
@@ -148,7 +153,7 @@ fn dragging_pans_the_target_with_the_pointer_and_zoom_is_bounded() {
     camera.zoom(-1e6);
     assert!(camera.distance.is_finite());
     camera.orbit(1e4, -1e6);
-    assert!(camera.pitch_rad >= -std::f32::consts::FRAC_PI_2 && camera.yaw_rad.abs() <= 3.1416);
+    assert!(camera.pitch_rad >= -std::f32::consts::FRAC_PI_2 && camera.yaw_rad.abs() < 3.15);
 }
 
 #[test]

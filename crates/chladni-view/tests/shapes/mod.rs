@@ -1,4 +1,5 @@
 //! Shapes and a device for the tests of drawing.
+
 #![allow(dead_code, reason = "each test uses some of them")]
 
 use chladni_view::{Gpu, ViewError};
