@@ -1,4 +1,35 @@
-//! Triangle meshes as files hold them.
+//! Triangle meshes as files hold them: reading, writing, examining, welding, and shapes of our own.
+//!
+//! ```
+//! use chladni_mesh::{Format, HealthReport, read_mesh, samples, weld, write_mesh};
+//!
+//! // A seam: the second and third vertex of both triangles coincide.
+//! let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
+//! let loaded = read_mesh(obj, Format::Obj)?;
+//! assert!(loaded.mended.is_empty());
+//!
+//! let report = HealthReport::of(&loaded.mesh);
+//! assert_eq!((report.topology.components, report.duplicate_vertices), (2, 2));
+//! assert_eq!(report.welded.topology.components, 1);
+//!
+//! // The operator sees one surface; the file's six vertices stay as they are.
+//! let welded = weld(&loaded.mesh);
+//! assert_eq!(welded.positions.len(), 4);
+//! assert_eq!(welded.operator_vertex[5], Some(2));
+//! let back = read_mesh(&write_mesh(&loaded.mesh, Format::Ply)?, Format::Ply)?;
+//! assert_eq!(back.mesh, loaded.mesh);
+//!
+//! assert!(samples::sample("octopus").is_some());
+//! # Ok::<(), chladni_mesh::MeshError>(())
+//! ```
+//!
+//! Formats, what each of them keeps, and what a health report counts are written down in
+//! `docs/meshes.md`.
+//!
+//! Not guaranteed: polygons are cut into fans from their first corner, which folds over where a
+//! polygon is not convex. Only exactly equal positions weld. Files' normals, groups, skins,
+//! animations and morph targets are not kept. Functions that take bare positions and triangles
+//! panic where a triangle names a vertex that is not there; what the readers return never does.
 
 mod adjacency;
 mod appearance;

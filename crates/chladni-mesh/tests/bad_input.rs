@@ -1,0 +1,251 @@
+//! Whatever the bytes: a mesh, or one error line that says where and why. Never a panic.
+
+use std::path::{Path, PathBuf};
+
+use chladni_mesh::{Format, HealthReport, MeshError, load_mesh, read_mesh, samples, weld, write_mesh};
+use proptest::prelude::*;
+
+const FORMATS: [Format; 7] =
+    [Format::Obj, Format::Ply, Format::Off, Format::Stl, Format::Gltf, Format::Glb, Format::Medit];
+
+/// Reads, and where that works checks what the types promise.
+fn read_soundly(bytes: &[u8], format: Format) -> Result<(), MeshError> {
+    let mesh = read_mesh(bytes, format)?.mesh;
+    let n = mesh.positions.len();
+    assert!(mesh.positions.iter().flatten().all(|x| x.is_finite()));
+    assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < n));
+    assert!(!mesh.triangles.is_empty());
+    assert!(HealthReport::of(&mesh).area.is_finite());
+    assert_eq!(weld(&mesh).operator_vertex.len(), n);
+    assert_eq!(mesh.triangle_materials().len(), mesh.triangles.len());
+    // The writers' check is the readers' promise.
+    write_mesh(&mesh, Format::Obj).expect("what was read can be written");
+    Ok(())
+}
+
+/// The message of the error that `bytes` must give.
+fn message(bytes: &[u8], format: Format) -> String {
+    let error = read_mesh(bytes, format).expect_err("bad input");
+    let message = error.to_string();
+    assert!(!message.contains('\n') && message.len() < 200, "{message}");
+    message
+}
+
+const TETRAHEDRON_OFF: &str = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+const TETRAHEDRON_MEDIT: &str = "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n\
+     Tetrahedra 1\n1 2 3 4 0\nTriangles 4\n1 3 2 0\n1 2 4 0\n1 4 3 0\n2 3 4 0\nEnd\n";
+
+/// Small good files, one or more per format.
+fn good_files() -> Vec<(Format, Vec<u8>)> {
+    let mesh = samples::icosphere(0);
+    let mut files: Vec<(Format, Vec<u8>)> = [Format::Obj, Format::Ply, Format::Stl, Format::Glb]
+        .map(|format| (format, write_mesh(&mesh, format).unwrap()))
+        .into();
+    files.push((Format::Off, TETRAHEDRON_OFF.into()));
+    files.push((Format::Medit, TETRAHEDRON_MEDIT.into()));
+    let obj = "mtllib a.mtl\nusemtl a b\nv 0 0 0 1 0 0\nv 1 0 0 .5 nan 1\nv 0 1 0 0 1 0\nvt 0 1\nvt 1 \\\n1\nf 1/1 2/2 -1/-1\n";
+    files.push((Format::Obj, obj.into()));
+    let ply = "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\nproperty float x\nproperty float y\n\
+         property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement tristrips 1\n\
+         property list int int vertex_indices\nend_header\n0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n1 1 0 9 9 9\n7 0 1 2 -1 1 2 3\n";
+    files.push((Format::Ply, ply.into()));
+    let stl = "solid a b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+    files.push((Format::Stl, stl.into()));
+    let gltf = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"scale":[2,2,-2]},
+        {"mesh":0,"rotation":[0,0,0.6,0.8],"translation":[1,2,3]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":6}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":48}],
+        "buffers":[{"byteLength":48,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAA"}]}"#;
+    files.push((Format::Gltf, gltf.into()));
+    files
+}
+
+#[test]
+fn the_small_good_files_are_good() {
+    for (format, bytes) in good_files() {
+        read_soundly(&bytes, format).unwrap_or_else(|error| panic!("{format}: {error}"));
+    }
+}
+
+#[test]
+fn every_truncation_of_a_good_file_is_an_error_or_a_mesh() {
+    for (format, bytes) in good_files() {
+        for length in 0..bytes.len() {
+            let read = read_soundly(&bytes[..length], format);
+            // Binary files are whole or not.
+            if matches!(format, Format::Glb) {
+                assert!(read.is_err(), "{format} cut at {length}");
+            }
+        }
+    }
+}
+
+#[test]
+fn errors_say_where_and_why() {
+    let cases: [(Format, &str, &[&str]); 18] = [
+        (Format::Obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", &["line 4", "4", "3 vertices"]),
+        (Format::Obj, "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n", &["line 2", "NaN"]),
+        (Format::Obj, "v 0 0 inf\n", &["line 1", "inf"]),
+        (Format::Obj, "v 0 0\n", &["line 1", "three coordinates"]),
+        (Format::Obj, "v 0 0 zero\n", &["line 1", "'zero'"]),
+        (Format::Obj, "v 0 0 0\nf 0 1 1\n", &["line 2", "from 1"]),
+        (Format::Obj, "v 0 0 0\nf -2 1 1\n", &["line 2", "-2"]),
+        (Format::Obj, "v 0 0 0\nv 1e300 0 0\nf 1 2 1\n", &["line 2", "too large"]),
+        (Format::Obj, "# nothing\n", &["without a face"]),
+        (Format::Ply, "this is a letter\n", &["line 1", "'ply'"]),
+        (
+            Format::Ply,
+            "ply\nformat ascii 1.0\nelement vertex 99999999999999\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
+            &["line", "ends"],
+        ),
+        (
+            Format::Ply,
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n",
+            &["header", "property y"],
+        ),
+        (Format::Off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", &["line 6", "7", "3 vertices"]),
+        (Format::Off, "OFF\n99999999999 1 0\n0 0 0\n", &["after 1 of 99999999999"]),
+        (Format::Stl, "solid a\nvertex 0 0 x\n", &["line 2", "'x'"]),
+        (Format::Stl, "no such thing", &["ascii", "binary"]),
+        (Format::Medit, "MeshVersionFormatted 1\nDimension 4\n", &["line 2", "dimension"]),
+        (Format::Gltf, "{\"meshes\": 3}", &["JSON", "line 1"]),
+    ];
+    for (format, text, expected) in cases {
+        let message = message(text.as_bytes(), format);
+        for part in expected {
+            assert!(message.contains(part), "{message:?} should say {part:?}");
+        }
+    }
+}
+
+#[test]
+fn gltf_nodes_must_form_a_tree_of_any_depth() {
+    let file = |nodes: &str| {
+        format!(r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{nodes}],"meshes":[]}}"#)
+    };
+    let cycle = file(r#"{"children":[1]},{"children":[0]}"#);
+    assert!(message(cycle.as_bytes(), Format::Gltf).contains("reached twice"));
+    let deep: Vec<String> = (1..=200_000).map(|i| format!(r#"{{"children":[{i}]}}"#)).collect();
+    let deep = file(&format!("{},{{}}", deep.join(",")));
+    assert!(message(deep.as_bytes(), Format::Gltf).contains("without a face"));
+    let nested = format!(r#"{{"extras":{}{}}}"#, "[".repeat(100_000), "]".repeat(100_000));
+    assert!(message(nested.as_bytes(), Format::Gltf).contains("without a face"));
+}
+
+#[test]
+fn promises_of_a_header_take_no_memory() {
+    let huge = u32::MAX.to_le_bytes();
+    let stl = [&[b' '; 80][..], &huge, &[0; 100]].concat();
+    assert!(message(&stl, Format::Stl).contains("after 2 of 4294967295"));
+    let off = [b"OFF BINARY\n", &huge[..], &huge, &huge, &[0; 100]].concat();
+    assert!(message(&off, Format::Off).contains("more than the file can hold"));
+    let ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 4000000000\nproperty list uint int vertex_indices\nend_header\n\xff\xff\xff\xff";
+    assert!(message(ply, Format::Ply).contains("list of length"));
+    let empty_rows = b"ply\nformat ascii 1.0\nelement nothing 18446744073709551615\nend_header\n";
+    assert!(message(empty_rows, Format::Ply).contains("without a face"));
+    let zeros = r#"{"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"componentType":5126,"count":9000000000000000000,"type":"VEC3"}]}"#;
+    assert!(message(zeros.as_bytes(), Format::Gltf).contains("without data"));
+}
+
+#[test]
+fn the_content_decides_where_the_name_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let save = |name: &str, bytes: &[u8]| -> PathBuf {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    };
+    let loaded = load_mesh(&save("a.ply", TETRAHEDRON_OFF.as_bytes())).unwrap();
+    assert!(loaded.mended[0].to_string().contains("OFF"));
+    let mut solid = write_mesh(&samples::icosphere(1), Format::Stl).unwrap();
+    solid[..6].copy_from_slice(b"solid ");
+    assert_eq!(load_mesh(&save("solid.stl", &solid)).unwrap().mesh.triangles.len(), 80);
+    assert_eq!(load_mesh(&save("no extension", &solid)).unwrap().mesh.triangles.len(), 80);
+    let fails = |path: &Path, parts: &[&str]| {
+        let message = load_mesh(path).unwrap_err().to_string();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        for part in parts.iter().copied().chain([name.as_str()]) {
+            assert!(message.contains(part), "{message:?} should say {part:?}");
+        }
+    };
+    fails(&save("letter.ply", b"Dear reader,\n"), &["line 1", "'ply'"]);
+    fails(&save("cube.vtk", b"# vtk DataFile Version 1.0\nvtk output\n"), &["legacy VTK"]);
+    fails(&save("letter.doc", b"Dear reader,\n"), &[".doc"]);
+    fails(&save("empty.obj", b""), &["without a face"]);
+    fails(&save("empty", b""), &["neither"]);
+    fails(&folder.path().join("not there.obj"), &["No such file"]);
+    fails(&std::fs::canonicalize(folder.path()).unwrap(), &["directory"]);
+}
+
+#[test]
+fn shared_files_read_or_fail_by_name_whole_and_cut() {
+    for part in ["nasty", "formats", "reference"] {
+        let Some(folder) = chladni_testdata::shared(&format!("meshes/{part}")) else { return };
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            match load_mesh(&path) {
+                Ok(_) => assert!(!name.starts_with("empty")),
+                Err(error) => {
+                    let message = error.to_string();
+                    assert!(message.contains(&name), "{message}");
+                    let hopeless = name.starts_with("empty")
+                        || name.ends_with("vtk")
+                        || name.contains("mtl")
+                        || name.ends_with("jpg");
+                    assert!(hopeless, "{message}");
+                }
+            }
+            let bytes = std::fs::read(&path).unwrap();
+            let Some(format) = path.extension().and_then(|e| Format::from_extension(&e.to_string_lossy()))
+            else {
+                continue;
+            };
+            for cut in 1..12 {
+                let _ = read_soundly(&bytes[..bytes.len() * cut / 12], format);
+            }
+        }
+    }
+}
+
+/// A good file with some bytes replaced, removed or doubled.
+fn mutated() -> impl Strategy<Value = (Format, Vec<u8>)> {
+    let files = good_files();
+    let which = 0..files.len();
+    let interesting =
+        prop_oneof![any::<u8>(), prop::sample::select(&b"0123456789-+.eE/ \n\\\"[]{},:nf\xff\x00\x7f"[..])];
+    let edits = prop::collection::vec((any::<prop::sample::Index>(), interesting, 0..4_u8), 1..8);
+    (which, edits).prop_map(move |(which, edits)| {
+        let (format, mut bytes) = files[which].clone();
+        for (at, value, kind) in edits {
+            if bytes.is_empty() {
+                break;
+            }
+            let at = at.index(bytes.len());
+            match kind {
+                0 | 1 => bytes[at] = value,
+                2 => drop(bytes.remove(at)),
+                _ => bytes.insert(at, value),
+            }
+        }
+        (format, bytes)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 6000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn mutated_files_never_panic((format, bytes) in mutated()) {
+        let _ = read_soundly(&bytes, format);
+    }
+
+    #[test]
+    fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), head in 0..8_usize) {
+        let heads: [&[u8]; 8] = [b"", b"ply\n", b"OFF BINARY\n", b"OFF\n", b"solid ", b"glTF\x02\0\0\0", b"{", b"MeshVersionFormatted 1\n"];
+        let bytes = [heads[head], &bytes].concat();
+        for format in FORMATS {
+            let _ = read_soundly(&bytes, format);
+        }
+    }
+}
