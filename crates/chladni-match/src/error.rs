@@ -88,6 +88,9 @@ pub enum MatchError {
         /// What is wrong with it.
         problem: &'static str,
     },
+    /// A map through a common domain needs at least three landmarks.
+    #[error("{0} landmarks lie on both surfaces' largest components: the map needs three or more")]
+    TooFewLandmarks(usize),
     /// A line of a landmark file cannot be read.
     #[error("landmark file, line {line}: {problem}")]
     LandmarkFile {

@@ -18,13 +18,17 @@
 mod analytic;
 mod bend;
 mod bvh;
+mod closed;
 mod correspondence;
+mod crossmap;
 mod eigen;
 mod error;
 mod field;
+mod flow;
 mod graph;
 mod icp;
 mod landmarks;
+mod laplacian;
 mod matching;
 mod prealign;
 mod project;
@@ -32,6 +36,7 @@ mod quality;
 mod samples;
 mod settle;
 mod similarity;
+mod sphere;
 mod surface;
 
 pub use analytic::{Ellipsoid, onto_ellipsoid, self_low_passed, self_scaled};

@@ -6,9 +6,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::bend::{bend, vertex_normals};
+use crate::crossmap::{CrossMap, crossmap};
 use crate::landmarks::{self, Landmark};
 use crate::prealign::{Pose, prealign};
-use crate::project::{confidence, correspondence, nearest_facing};
+use crate::project::{self, confidence, nearest_facing};
 use crate::settle::settle;
 use crate::surface::Surface;
 use crate::{Correspondence, MatchError, Report, Side, same_connectivity};
@@ -24,6 +25,9 @@ pub enum Method {
     /// The closest point after the shape was bent onto the template.
     #[default]
     Fit,
+    /// A map through a sphere, led by three or more landmarks: for shapes too different for
+    /// closest points.
+    Map,
 }
 
 /// What is asked for.
@@ -58,24 +62,31 @@ pub fn match_shapes(
 ) -> Result<Match, MatchError> {
     let s = Surface::new(shape, Side::Shape)?;
     let t = Surface::new(template, Side::Template)?;
-    if settings.method == Method::Same {
-        let correspondence = same_connectivity(shape, template)?;
-        let report = Report::of(&s, Some(&t), &correspondence, None);
-        return Ok(Match { correspondence, report });
-    }
     let pinned = landmarks::pin(&settings.landmarks, &s, &t)?;
-    let pairs = landmarks::points(&pinned, &s, &t);
-    let pose = prealign(&s, &t, &pairs, settings.seed, task)?;
-    let found = match settings.method {
-        Method::Same | Method::Icp => closest_points(shape, &s, template, &t, &pose, &s.points)?,
+    let align = || {
+        let pairs = landmarks::points(&pinned, &s, &t);
+        prealign(&s, &t, &pairs, settings.seed, task)
+    };
+    let (correspondence, pose, warnings) = match settings.method {
+        Method::Same => (same_connectivity(shape, template)?, None, Vec::new()),
+        Method::Icp => {
+            let pose = align()?;
+            (closest_points(shape, &s, template, &t, &pose, &s.points)?, Some(pose), Vec::new())
+        }
         Method::Fit => {
+            let pose = align()?;
             let bent = bend(&s, &t, &pose.similarity, &pinned, settings.seed, task)?;
             let settled = settle(&s, &t, &pose.similarity, bent, task)?;
-            closest_points(shape, &s, template, &t, &pose, &settled)?
+            (closest_points(shape, &s, template, &t, &pose, &settled)?, Some(pose), Vec::new())
+        }
+        Method::Map => {
+            let CrossMap { at, confidence, pose, warnings } = crossmap(&s, &t, &pinned, task)?;
+            (project::correspondence(shape, &s, template, &t, &at, &confidence, &pose)?, None, warnings)
         }
     };
-    let report = Report::of(&s, Some(&t), &found, Some(&pose));
-    Ok(Match { correspondence: found, report })
+    let mut report = Report::of(&s, Some(&t), &correspondence, pose.as_ref());
+    report.warnings.extend(warnings);
+    Ok(Match { correspondence, report })
 }
 
 /// The closest point of the aligned template for each vertex, seen from where it was laid.
@@ -101,5 +112,5 @@ fn closest_points(
         .collect::<Result<Vec<_>, MatchError>>()?
         .into_iter()
         .unzip();
-    correspondence(shape_mesh, shape, template_mesh, template, &at, &trust, &pose.similarity)
+    project::correspondence(shape_mesh, shape, template_mesh, template, &at, &trust, &pose.similarity)
 }

@@ -155,7 +155,7 @@ impl Distortion {
 }
 
 /// σ_max/σ_min of the linear map between two triangles, at most 1e6.
-fn stretch([a, b, c]: [DVec3; 3], [x, y, z]: [DVec3; 3]) -> f64 {
+pub(crate) fn stretch([a, b, c]: [DVec3; 3], [x, y, z]: [DVec3; 3]) -> f64 {
     let e1 = b - a;
     let length = e1.length();
     let u = e1 / length;

@@ -1,0 +1,94 @@
+//! The cotangent Laplacian of a triangle mesh, and systems with it.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// S as neighbour lists, for products.
+pub(crate) struct Laplacian {
+    start: Vec<u32>,
+    entries: Vec<(u32, f64)>,
+    diagonal: Vec<f64>,
+}
+
+impl Laplacian {
+    /// Cotangent weights ½(cot β + cot β′), kept above 0 so that each value of a harmonic
+    /// function is a mean of its neighbours.
+    pub fn new(points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+        let mut halves: Vec<(u32, u32, f64)> = Vec::with_capacity(6 * triangles.len());
+        for t in triangles {
+            for i in 0..3 {
+                let (apex, a, b) = (t[i], t[(i + 1) % 3], t[(i + 2) % 3]);
+                let p = points[apex as usize];
+                let (u, v) = (points[a as usize] - p, points[b as usize] - p);
+                let cot = 0.5 * u.dot(v) / u.cross(v).length().max(1e-12);
+                halves.extend([(a, b, cot), (b, a, cot)]);
+            }
+        }
+        halves.par_sort_unstable_by_key(|h| (h.0, h.1));
+        let n = points.len();
+        let mut start = vec![0_u32; n + 1];
+        let mut entries = Vec::with_capacity(halves.len() / 2);
+        let mut diagonal = vec![0.0; n];
+        for same in halves.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let (v, w, _) = same[0];
+            let weight = same.iter().map(|h| h.2).sum::<f64>().clamp(1e-3, 1e3);
+            entries.push((w, weight));
+            diagonal[v as usize] += weight;
+            start[v as usize + 1] += 1;
+        }
+        for v in 0..n {
+            start[v + 1] += start[v];
+        }
+        Self { start, entries, diagonal }
+    }
+
+    /// The neighbours of `v` and their weights.
+    pub fn row(&self, v: usize) -> &[(u32, f64)] {
+        &self.entries[self.start[v] as usize..self.start[v + 1] as usize]
+    }
+
+    /// (diag(w) + α S) x.
+    pub fn times(&self, w: &[f64], alpha: f64, x: &[DVec3], out: &mut [DVec3]) {
+        out.par_iter_mut().enumerate().with_min_len(1024).for_each(|(v, out)| {
+            let around: DVec3 = self.row(v).iter().map(|(u, s)| x[*u as usize] * *s).sum();
+            *out = x[v] * (w[v] + alpha * self.diagonal[v]) - around * alpha;
+        });
+    }
+
+    /// Solves (diag(w) + α S) x = b by conjugate gradients with the diagonal as preconditioner,
+    /// all three coordinates at once, from the guess `x`, to 1e-4 of the size of b.
+    pub fn solve(&self, w: &[f64], alpha: f64, b: &[DVec3], mut x: Vec<DVec3>) -> Vec<DVec3> {
+        let n = b.len();
+        let inverse: Vec<f64> = (0..n).map(|v| 1.0 / (w[v] + alpha * self.diagonal[v]).max(1e-300)).collect();
+        let dot = |a: &[DVec3], b: &[DVec3]| -> DVec3 { a.iter().zip(b).map(|(a, b)| *a * *b).sum() };
+        let ratio = |a: DVec3, b: DVec3| {
+            DVec3::from_array(std::array::from_fn(|i| if b[i] > 0.0 { a[i] / b[i] } else { 0.0 }))
+        };
+        let mut q = vec![DVec3::ZERO; n];
+        self.times(w, alpha, &x, &mut q);
+        let mut r: Vec<DVec3> = b.iter().zip(&q).map(|(b, q)| *b - *q).collect();
+        let goal = b.iter().zip(&inverse).map(|(b, i)| *b * *b * *i).sum::<DVec3>() * 1e-8;
+        let mut z: Vec<DVec3> = r.iter().zip(&inverse).map(|(r, i)| *r * *i).collect();
+        let mut p = z.clone();
+        let mut rz = dot(&r, &z);
+        for _ in 0..300 {
+            if rz.cmple(goal).all() {
+                break;
+            }
+            self.times(w, alpha, &p, &mut q);
+            let step = ratio(rz, dot(&p, &q));
+            for v in 0..n {
+                x[v] += p[v] * step;
+                r[v] -= q[v] * step;
+                z[v] = r[v] * inverse[v];
+            }
+            let next = dot(&r, &z);
+            let turn = ratio(next, rz);
+            rz = next;
+            for v in 0..n {
+                p[v] = z[v] + p[v] * turn;
+            }
+        }
+        x
+    }
+}

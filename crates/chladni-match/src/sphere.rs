@@ -1,0 +1,147 @@
+//! A closed genus-0 mesh laid onto the unit sphere.
+//!
+//! Conformalized mean-curvature flow (Kazhdan, Solomon, Ben-Chen, *Can Mean-Curvature Flow be
+//! Modified to be Non-singular?*, SGP 2012): the stiffness stays that of the start while the
+//! masses follow the moving surface, and the limit is a conformal map onto a sphere.
+
+use chladni_task::Task;
+use glam::DVec3;
+
+use crate::closed::Closed;
+use crate::laplacian::Laplacian;
+use crate::{MatchError, Side};
+
+/// Steps of the flow at most.
+const STEPS: usize = 60;
+
+/// Unit vectors for the points of `closed`, every triangle facing outwards.
+pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Vec<DVec3>, MatchError> {
+    let laplacian = Laplacian::new(&closed.points, &closed.triangles);
+    let mut x = closed.points.clone();
+    normalize_area(&mut x, &closed.triangles);
+    let stage = task.stage("unfolding onto a sphere", STEPS as u64);
+    let mut time_step = 0.01;
+    let mut best = (usize::MAX, f64::INFINITY, x.clone());
+    let mut stale = 0;
+    for _ in 0..STEPS {
+        task.check()?;
+        let mass = masses(&x, &closed.triangles);
+        let b: Vec<DVec3> = x.iter().zip(&mass).map(|(x, m)| *x * *m).collect();
+        x = laplacian.solve(&mass, time_step, &b, x);
+        normalize_area(&mut x, &closed.triangles);
+        stage.advance(1);
+        let (folds, uneven) = (folded(&x, closed).len(), unevenness(&x, &mass));
+        // The limit is a sphere only up to Möbius maps, and the discrete flow drifts along
+        // them: what counts is the roundest surface that its centre sees without folds.
+        if (folds, uneven) < (best.0, best.1) {
+            best = (folds, uneven, x.clone());
+            stale = 0;
+        } else {
+            stale += 1;
+        }
+        if best.0 == 0 && (best.1 < 0.02 || stale >= 5) {
+            break;
+        }
+        time_step = (time_step * 1.15_f64).min(0.1);
+    }
+    let mut x = best.2;
+    for p in &mut x {
+        *p = p.try_normalize().unwrap_or(DVec3::Z);
+    }
+    untangle(&mut x, closed, &laplacian);
+    center(&mut x, closed);
+    untangle(&mut x, closed, &laplacian);
+    let folded = folded(&x, closed).len();
+    eprintln!("best {} {} final folds {folded}", best.0, best.1);
+    if folded * 100 > closed.triangles.len() {
+        return Err(MatchError::NoCommonDomain {
+            side,
+            problem: format!("{folded} of {} triangles fold over on the sphere", closed.triangles.len()),
+        });
+    }
+    Ok(x)
+}
+
+/// Mean deviation of the radius from its mean, relative.
+fn unevenness(x: &[DVec3], mass: &[f64]) -> f64 {
+    let total: f64 = mass.iter().sum();
+    let mean = x.iter().zip(mass).map(|(p, m)| p.length() * m).sum::<f64>() / total;
+    x.iter().zip(mass).map(|(p, m)| m * (p.length() - mean).abs()).sum::<f64>() / (total * mean)
+}
+
+/// Centred at the area centroid, with total area 1.
+fn normalize_area(x: &mut [DVec3], triangles: &[[u32; 3]]) {
+    let mass = masses(x, triangles);
+    let area: f64 = mass.iter().sum();
+    let middle: DVec3 = x.iter().zip(&mass).map(|(p, m)| *p * *m).sum::<DVec3>() / area;
+    let scale = 1.0 / area.sqrt();
+    for p in x.iter_mut() {
+        *p = (*p - middle) * scale;
+    }
+}
+
+fn masses(x: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f64> {
+    let mut mass = vec![1e-12; x.len()];
+    for t in triangles {
+        let [a, b, c] = t.map(|v| x[v as usize]);
+        let third = (b - a).cross(c - a).length() / 6.0;
+        t.iter().for_each(|v| mass[*v as usize] += third);
+    }
+    mass
+}
+
+/// Six times the signed volume of the triangle and the centre: positive where it faces outwards.
+pub(crate) fn orientation([a, b, c]: [DVec3; 3]) -> f64 {
+    a.dot(b.cross(c))
+}
+
+fn folded(x: &[DVec3], closed: &Closed) -> Vec<usize> {
+    (0..closed.triangles.len())
+        .filter(|t| !(orientation(closed.triangles[*t].map(|v| x[v as usize])) > 0.0))
+        .collect()
+}
+
+/// Moves the vertices of folded triangles, and ever more around them, to the mean of their neighbours.
+fn untangle(x: &mut [DVec3], closed: &Closed, laplacian: &Laplacian) {
+    let mut active = vec![false; x.len()];
+    for _ in 0..100 {
+        let folded = folded(x, closed);
+        if folded.is_empty() {
+            return;
+        }
+        for t in folded {
+            for v in closed.triangles[t] {
+                active[v as usize] = true;
+                laplacian.row(v as usize).iter().for_each(|(w, _)| active[*w as usize] = true);
+            }
+        }
+        for _ in 0..10 {
+            for v in (0..x.len()).filter(|v| active[*v]) {
+                // Equal weights: the mean of the neighbours lies among them.
+                let sum: DVec3 = laplacian.row(v).iter().map(|(w, _)| x[*w as usize]).sum();
+                x[v] = sum.try_normalize().unwrap_or(x[v]);
+            }
+        }
+    }
+}
+
+/// The Möbius map that puts the surface's centre of area at the sphere's centre (Baden, Crane,
+/// Kazhdan, *Möbius Registration*, SGP 2018), by Newton steps through inversions.
+fn center(x: &mut [DVec3], closed: &Closed) {
+    let area = masses(&closed.points, &closed.triangles);
+    let total: f64 = area.iter().sum();
+    for _ in 0..50 {
+        let mean: DVec3 = x.iter().zip(&area).map(|(p, a)| *p * *a).sum::<DVec3>() / total;
+        if mean.length() < 1e-6 {
+            return;
+        }
+        let outer: f64 = 2.0 / 3.0; // the Jacobian 2(I − E[xxᵀ]) for points all around
+        let c = (mean * -(0.5 / outer)).clamp_length_max(0.5);
+        let keep = 1.0 - c.length_squared();
+        for p in x.iter_mut() {
+            // Inversion about c, then back: conformal, sphere to sphere.
+            let d = *p + c;
+            *p = (d * (keep / d.length_squared()) + c).normalize_or(*p);
+        }
+    }
+}
