@@ -52,7 +52,6 @@ pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Ve
     center(&mut x, closed);
     untangle(&mut x, closed, &laplacian);
     let folded = folded(&x, closed).len();
-    eprintln!("best {} {} final folds {folded}", best.0, best.1);
     if folded * 100 > closed.triangles.len() {
         return Err(MatchError::NoCommonDomain {
             side,

@@ -65,6 +65,7 @@ impl FromStr for How {
             "same" => Self::Mesh(Method::Same),
             "icp" => Self::Mesh(Method::Icp),
             "fit" => Self::Mesh(Method::Fit),
+            "map" => Self::Mesh(Method::Map),
             "ellipsoid" => Self::Ellipsoid,
             "sphere" => Self::Sphere,
             _ => match text.strip_prefix("self:").and_then(|rest| rest.split_once('=')) {
