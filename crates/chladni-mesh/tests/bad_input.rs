@@ -1,5 +1,7 @@
 //! Whatever the bytes: a mesh, or one error line that says where and why. Never a panic.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use std::path::{Path, PathBuf};
 
 use chladni_mesh::{Format, HealthReport, MeshError, load_mesh, read_mesh, samples, weld, write_mesh};

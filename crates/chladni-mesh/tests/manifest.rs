@@ -1,5 +1,7 @@
 //! Every count of the shared meshes' manifest.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use chladni_mesh::{HealthReport, TriMesh, load_mesh};
 
 /// One row of the manifest: the path, V, F and the topology column.

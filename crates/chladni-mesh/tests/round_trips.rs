@@ -1,5 +1,7 @@
 //! What goes out comes back, as far as the format can hold it.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use chladni_mesh::{
     Appearance, CornerUvs, Format, Material, MorphTarget, Texture, TriMesh, load_mesh, read_mesh, samples,
     save_mesh, write_glb, write_mesh,

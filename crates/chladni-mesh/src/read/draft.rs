@@ -103,7 +103,7 @@ impl Draft {
             };
             if length >= 2 {
                 let [a, b] = last;
-                self.corners.extend(if length % 2 == 0 { [a, b, v] } else { [b, a, v] });
+                self.corners.extend(if length.is_multiple_of(2) { [a, b, v] } else { [b, a, v] });
                 self.end_face();
             }
             last = [last[1], v];

@@ -90,7 +90,7 @@ fn solid(p: Vec3, f: &Features) -> f64 {
     d = nose(d, p, f);
     d = mouth(d, p, f);
     d = join(d, ear(p, f), 0.09);
-    common(d, -1.48 - p[1], 0.12)
+    common(d, -1.42 - p[1], 0.12)
 }
 
 fn skull(p: Vec3, f: &Features) -> f64 {
@@ -118,8 +118,8 @@ fn eye(d: f64, p: Vec3) -> f64 {
     // The opening between the lids: a lens that rises a little outward.
     let q = turned(p, center, 2, 0.08);
     let opening = common(
-        rod(q, [0.0, -0.118, 0.0], [0.0, -0.118, 1.0], 0.186, 0.186),
-        rod(q, [0.0, 0.138, 0.0], [0.0, 0.138, 1.0], 0.190, 0.190),
+        rod(q, [0.0, -0.118, 0.0], [0.0, -0.118, 1.0], 0.196, 0.196),
+        rod(q, [0.0, 0.138, 0.0], [0.0, 0.138, 1.0], 0.200, 0.200),
         0.02,
     );
     let lids = carve(sphere(p, center, 0.195), opening, 0.05);
@@ -141,7 +141,7 @@ fn nose(d: f64, p: Vec3, f: &Features) -> f64 {
         [0.5 * r + 0.02, 0.55 * r + 0.015, 0.09 + 0.25 * f.nose],
     );
     let nostril =
-        ellipsoid(p, [0.52 * r + 0.012, tip[1] - 0.80 * r, 0.775 + 0.72 * f.nose], [0.036, 0.05, 0.062]);
+        ellipsoid(p, [0.52 * r + 0.012, tip[1] - 0.80 * r, 0.775 + 0.72 * f.nose], [0.034, 0.036, 0.052]);
     let nose = join(join(join(upper, lower, 0.08), body, 0.10), wing, 0.05);
     carve(join(d, nose, 0.10), nostril, 0.03)
 }
@@ -149,9 +149,9 @@ fn nose(d: f64, p: Vec3, f: &Features) -> f64 {
 fn mouth(d: f64, p: Vec3, f: &Features) -> f64 {
     let full = f.lips;
     let mound = ellipsoid(p, [0.0, -0.565, 0.53], [0.28, 0.19, 0.20]);
-    let upper = rod(p, [0.04, -0.530, 0.722 + full], [0.195, -0.568, 0.615], 0.046 + 0.5 * full, 0.022);
-    let lower = rod(p, [0.0, -0.644, 0.708 + full], [0.165, -0.602, 0.625], 0.060 + 0.6 * full, 0.026);
-    let slit = rod(p, [0.0, -0.584, 0.790 + full], [0.205, -0.575, 0.662], 0.022, 0.016);
+    let upper = rod(p, [0.04, -0.540, 0.712 + full], [0.19, -0.568, 0.608], 0.042 + 0.5 * full, 0.020);
+    let lower = rod(p, [0.0, -0.636, 0.704 + full], [0.155, -0.602, 0.620], 0.060 + 0.6 * full, 0.028);
+    let slit = rod(p, [0.0, -0.586, 0.786 + full], [0.195, -0.574, 0.658], 0.018, 0.012);
     let groove = rod(p, [0.0, -0.42, 0.79], [0.0, -0.49, 0.77], 0.022, 0.026);
     let mut d = join(d, mound, 0.15);
     d = carve(d, groove, 0.05);
@@ -174,7 +174,8 @@ fn neck(p: Vec3, f: &Features) -> f64 {
     let column = rod(p, [0.0, -0.50, -0.20], [0.0, -1.20, -0.28], 0.42, 0.40);
     let base = ellipsoid(p, [0.0, -1.62, -0.28], [0.70, 0.36, 0.50]);
     let muscle = rod(p, [0.56, -0.40, -0.24], [0.10, -1.32, 0.12], 0.07, 0.07);
-    let apple = sphere(p, [0.0, -1.04, 0.14 + 0.5 * f.larynx], 0.055 + 0.5 * f.larynx);
-    let d = join(join(column, base, 0.35), muscle, 0.14);
+    let throat = rod(p, [0.0, -0.74, 0.26], [0.0, -1.02, 0.02], 0.20, 0.20);
+    let apple = sphere(p, [0.0, -1.02, 0.20 + 0.5 * f.larynx], 0.055 + 0.5 * f.larynx);
+    let d = join(join(join(column, base, 0.35), muscle, 0.14), throat, 0.25);
     join(d, apple, 0.12)
 }

@@ -106,7 +106,11 @@ pub fn grid_square(n: u32) -> TriMesh {
             positions.push([f64::from(i) / f64::from(n), f64::from(j) / f64::from(n), 0.0]);
             if i < n && j < n {
                 let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                triangles.extend(if (i + j) % 2 == 0 { quad([a, b, c, d]) } else { quad([b, c, d, a]) });
+                triangles.extend(if (i + j).is_multiple_of(2) {
+                    quad([a, b, c, d])
+                } else {
+                    quad([b, c, d, a])
+                });
             }
         }
     }
