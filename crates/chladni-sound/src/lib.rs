@@ -24,6 +24,7 @@
 mod beat;
 mod decode;
 mod error;
+mod player;
 mod spectrum;
 mod tune;
 
@@ -33,6 +34,9 @@ pub use beat::{
 };
 pub use decode::{Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav};
 pub use error::SoundError;
+pub use player::{
+    OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, output_devices,
+};
 pub use spectrum::{FrontEnd, Level, Spectrum, SpectrumAnalyser, SpectrumSettings};
 pub use tune::{TUNE_BPM, TUNE_RATE_HZ, sample_tune, sample_tune_beats_secs};
 

@@ -1,11 +1,13 @@
 //! The command line: one file per command, each with its arguments and its `run`.
 
 mod basis;
+mod beats;
 mod cache;
 mod failure;
 mod info;
 mod match_shapes;
 mod npz;
+mod spectrum;
 mod terminal;
 
 use clap::{Parser, Subcommand};
@@ -32,6 +34,8 @@ enum Command {
     Basis(basis::Args),
     Match(match_shapes::MatchShapes),
     Info(info::Info),
+    Beats(beats::Beats),
+    Spectrum(spectrum::Spectrum),
 }
 
 /// Runs the program with the process's own arguments.
@@ -74,6 +78,8 @@ impl Command {
             Self::Basis(args) => args.run(terminal),
             Self::Match(command) => command.run(terminal),
             Self::Info(info) => info.run(terminal),
+            Self::Beats(command) => command.run(terminal),
+            Self::Spectrum(command) => command.run(terminal),
         }
     }
 }

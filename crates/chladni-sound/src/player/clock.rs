@@ -1,0 +1,159 @@
+//! What the audio callback tells the rest of the program, without a lock.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// Shared by the callback (the only writer of the anchor) and everybody who asks for the time.
+pub(super) struct Clock {
+    origin: Instant,
+    /// Odd while the anchor is being written (a sequence lock).
+    sequence: AtomicU32,
+    /// Ring frames consumed before the anchor.
+    anchor_frame: AtomicU64,
+    /// When the anchor's frame is heard, in nanoseconds after `origin`.
+    anchor_nanos: AtomicU64,
+    consumed: AtomicU64,
+    /// Frames before this one are to be thrown away unheard.
+    flush_before: AtomicU64,
+    underruns: AtomicU64,
+    /// Frames that the device has asked for, heard or not.
+    asked: AtomicU64,
+    last_callback_nanos: AtomicU64,
+    paused: AtomicBool,
+    /// The engine has written all there is: silence is no underrun.
+    drained: AtomicBool,
+    lost: AtomicBool,
+    volume: AtomicU32,
+}
+
+impl Clock {
+    pub fn new() -> Self {
+        Self {
+            origin: Instant::now(),
+            sequence: AtomicU32::new(0),
+            anchor_frame: AtomicU64::new(0),
+            anchor_nanos: AtomicU64::new(0),
+            consumed: AtomicU64::new(0),
+            flush_before: AtomicU64::new(0),
+            underruns: AtomicU64::new(0),
+            asked: AtomicU64::new(0),
+            last_callback_nanos: AtomicU64::new(0),
+            paused: AtomicBool::new(true),
+            drained: AtomicBool::new(true),
+            lost: AtomicBool::new(false),
+            volume: AtomicU32::new(1.0f32.to_bits()),
+        }
+    }
+
+    fn nanos(&self, at: Instant) -> u64 {
+        u64::try_from(at.saturating_duration_since(self.origin).as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    /// Callback: it runs now and is asked for this many frames.
+    pub fn tick(&self, now: Instant, frames: usize) {
+        self.asked.fetch_add(frames as u64, Ordering::Relaxed);
+        self.last_callback_nanos.store(self.nanos(now), Ordering::Relaxed);
+    }
+
+    /// Callback: frame `frame` of the ring will be heard at `heard`; up to `consumed` are taken.
+    pub fn anchor(&self, frame: u64, heard: Instant, consumed: u64) {
+        self.sequence.fetch_add(1, Ordering::AcqRel);
+        self.anchor_frame.store(frame, Ordering::Relaxed);
+        self.anchor_nanos.store(self.nanos(heard), Ordering::Relaxed);
+        self.consumed.store(consumed, Ordering::Relaxed);
+        self.sequence.fetch_add(1, Ordering::Release);
+    }
+
+    /// The ring frame heard at `now`, between frames.
+    pub fn heard_frame(&self, now: Instant, rate_hz: u32) -> f64 {
+        let (frame, nanos, consumed) = loop {
+            let before = self.sequence.load(Ordering::Acquire);
+            let values = (
+                self.anchor_frame.load(Ordering::Acquire),
+                self.anchor_nanos.load(Ordering::Acquire),
+                self.consumed.load(Ordering::Acquire),
+            );
+            if before.is_multiple_of(2) && before == self.sequence.load(Ordering::Acquire) {
+                break values;
+            }
+            std::hint::spin_loop();
+        };
+        let since_secs = (self.nanos(now) as f64 - nanos as f64) * 1e-9;
+        let heard = frame as f64 + since_secs * f64::from(rate_hz);
+        let flushed = self.flush_before.load(Ordering::Acquire);
+        // What a seek threw away is not waited for; what was not taken cannot be heard.
+        heard.min(consumed as f64).max(if frame >= flushed { 0.0 } else { flushed as f64 })
+    }
+
+    pub fn consumed(&self) -> u64 {
+        self.consumed.load(Ordering::Acquire)
+    }
+
+    /// Engine: throw away what was written before `frame`.
+    pub fn flush_before(&self, frame: u64) {
+        self.flush_before.store(frame, Ordering::Release);
+    }
+
+    pub fn flushed_before(&self) -> u64 {
+        self.flush_before.load(Ordering::Acquire)
+    }
+
+    pub fn count_underrun(&self) {
+        self.underruns.fetch_add(1, Ordering::Relaxed);
+    }
+
+    pub fn underruns(&self) -> u64 {
+        self.underruns.load(Ordering::Relaxed)
+    }
+
+    pub fn asked(&self) -> u64 {
+        self.asked.load(Ordering::Relaxed)
+    }
+
+    /// How long ago the callback last ran.
+    pub fn silent_for(&self, now: Instant) -> Duration {
+        Duration::from_nanos(self.nanos(now).saturating_sub(self.last_callback_nanos.load(Ordering::Relaxed)))
+    }
+
+    pub fn set_paused(&self, paused: bool) {
+        self.paused.store(paused, Ordering::Release);
+    }
+
+    pub fn is_paused(&self) -> bool {
+        self.paused.load(Ordering::Acquire)
+    }
+
+    pub fn set_drained(&self, drained: bool) {
+        self.drained.store(drained, Ordering::Release);
+    }
+
+    pub fn is_drained(&self) -> bool {
+        self.drained.load(Ordering::Acquire)
+    }
+
+    pub fn set_lost(&self) {
+        self.lost.store(true, Ordering::Release);
+    }
+
+    pub fn take_lost(&self) -> bool {
+        self.lost.swap(false, Ordering::AcqRel)
+    }
+
+    pub fn set_volume(&self, volume: f32) {
+        self.volume.store(volume.to_bits(), Ordering::Relaxed);
+    }
+
+    pub fn volume(&self) -> f32 {
+        f32::from_bits(self.volume.load(Ordering::Relaxed))
+    }
+
+    /// A new ring begins at frame 0.
+    pub fn restart(&self) {
+        let now = Instant::now();
+        self.flush_before.store(0, Ordering::Release);
+        self.lost.store(false, Ordering::Release);
+        self.asked.store(0, Ordering::Relaxed);
+        self.tick(now, 0);
+        self.anchor(0, now, 0);
+    }
+}

@@ -1,0 +1,377 @@
+//! The thread between the file and the ring.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
+use std::time::{Duration, Instant};
+
+use super::handle::{PlayerSettings, Repeat, Shared};
+use super::output::{Frame, Output};
+use super::queue::{Playlist, Stretch};
+use crate::{SongReader, SoundError, StereoResampler};
+
+/// How far ahead of the device the ring is filled.
+const AHEAD_SECS: f64 = 0.4;
+/// How often the engine looks after the ring.
+const STEP: Duration = Duration::from_millis(5);
+/// Pauses between attempts to find a device again: doubled up to the longest.
+const FIRST_RETRY: Duration = Duration::from_secs(1);
+const LONGEST_RETRY: Duration = Duration::from_secs(16);
+
+/// What a player has to say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PlayerEvent {
+    /// This song of the playlist begins to be decoded.
+    SongStarted(usize),
+    /// This song could not be played and was left out.
+    SongFailed {
+        /// Its number in the playlist.
+        song: usize,
+        /// Why.
+        reason: String,
+    },
+    /// The last song has ended.
+    Finished,
+    /// Sound comes from this device now.
+    DeviceOpened(String),
+    /// There is no device (any more): time passes in silence until one is there.
+    DeviceLost(String),
+}
+
+pub(super) enum Command {
+    PlayList(Vec<PathBuf>),
+    Play,
+    Pause,
+    Seek(f64),
+    Next,
+    Previous,
+    Select(usize),
+    Repeat(Repeat),
+    Device(Option<String>),
+    Quit,
+}
+
+/// A song on its way into the ring.
+struct Decoding {
+    reader: SongReader,
+    resampler: StereoResampler,
+    /// Interleaved samples at the device's rate, and how many of them are in the ring.
+    ready: Vec<f32>,
+    used: usize,
+    ended: bool,
+}
+
+pub(super) struct Engine {
+    shared: Arc<Shared>,
+    commands: Receiver<Command>,
+    events: Sender<PlayerEvent>,
+    audible: bool,
+    device: Option<String>,
+    output: Output,
+    list: Playlist,
+    song: Option<Decoding>,
+    /// Frames written to the present ring.
+    written: u64,
+    playing: bool,
+    retry_at: Option<Instant>,
+    retry_after: Duration,
+}
+
+impl Engine {
+    pub fn new(
+        shared: Arc<Shared>,
+        commands: Receiver<Command>,
+        events: Sender<PlayerEvent>,
+        settings: PlayerSettings,
+    ) -> Self {
+        let output = Output::silence(&shared.clock);
+        let mut engine = Self {
+            shared,
+            commands,
+            events,
+            audible: settings.audible,
+            device: settings.device,
+            output,
+            list: Playlist::default(),
+            song: None,
+            written: 0,
+            playing: false,
+            retry_at: None,
+            retry_after: FIRST_RETRY,
+        };
+        engine.open_output();
+        engine
+    }
+
+    /// Runs until the handle is dropped.
+    pub fn run(mut self) {
+        loop {
+            match self.commands.recv_timeout(STEP) {
+                Ok(Command::Quit) | Err(RecvTimeoutError::Disconnected) => return,
+                Ok(command) => self.obey(command),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            self.look_after_output();
+            self.fill();
+        }
+    }
+
+    fn obey(&mut self, command: Command) {
+        match command {
+            Command::PlayList(songs) => {
+                self.list.songs = songs;
+                self.start(Some(0), 0.0, true);
+            }
+            Command::Play if self.song.is_some() => self.set_playing(true),
+            Command::Play => self.start(Some(self.list.current), 0.0, true),
+            Command::Pause => self.set_playing(false),
+            Command::Seek(secs) => {
+                let secs = if secs.is_finite() { secs.max(0.0) } else { 0.0 };
+                self.start(Some(self.heard().0), secs, self.playing);
+            }
+            Command::Next => self.start(self.list.after(true), 0.0, true),
+            Command::Previous => self.start(self.list.before(), 0.0, true),
+            Command::Select(song) => self.start(Some(song), 0.0, true),
+            Command::Repeat(repeat) => self.list.repeat = repeat,
+            Command::Device(device) => {
+                self.device = device;
+                self.reopen();
+            }
+            Command::Quit => {}
+        }
+    }
+
+    /// Song and time that are heard now.
+    fn heard(&self) -> (usize, f64) {
+        let mut timeline = self.shared.timeline();
+        let rate_hz = timeline.rate_hz.max(1);
+        let frame = self.shared.clock.heard_frame(Instant::now(), rate_hz);
+        let place = timeline.stretches.at(frame, rate_hz);
+        place.map_or((self.list.current, 0.0), |(stretch, secs)| (stretch.song, secs))
+    }
+
+    fn set_playing(&mut self, playing: bool) {
+        self.playing = playing;
+        let mut timeline = self.shared.timeline();
+        timeline.playing = playing;
+        timeline.stopped = self.song.is_none() && self.shared.clock.is_drained();
+        self.shared.clock.set_paused(!playing);
+    }
+
+    /// Begins a song at a time, at once: what waits in the ring is thrown away.
+    fn start(&mut self, song: Option<usize>, secs: f64, playing: bool) {
+        self.shared.clock.flush_before(self.written);
+        self.song = None;
+        self.shared.clock.set_drained(true);
+        if let Some(song) = song {
+            self.open_song(song, secs);
+        }
+        self.set_playing(playing && self.song.is_some());
+    }
+
+    /// Opens a song, or the next that can be opened; writes where it lies in the ring.
+    fn open_song(&mut self, first: usize, secs: f64) {
+        let mut secs = secs;
+        self.list.current = first;
+        for _ in 0..self.list.songs.len() {
+            let song = self.list.current;
+            let Some(path) = self.list.songs.get(song) else { return };
+            match Decoding::open(path, secs, self.output.rate_hz) {
+                Ok(decoding) => {
+                    self.shared.clock.set_drained(false);
+                    let rate_hz = f64::from(decoding.reader.rate_hz());
+                    self.shared.timeline().stretches.begin(Stretch {
+                        ring_frame: self.written,
+                        song,
+                        song_secs: secs,
+                        duration_secs: decoding.reader.total_frames().map(|frames| frames as f64 / rate_hz),
+                    });
+                    self.song = Some(decoding);
+                    self.tell(PlayerEvent::SongStarted(song));
+                    return;
+                }
+                Err(error) => self.tell(PlayerEvent::SongFailed { song, reason: error.to_string() }),
+            }
+            secs = 0.0;
+            match self.list.after(true) {
+                Some(next) => self.list.current = next,
+                None => return,
+            }
+        }
+    }
+
+    /// Decodes until the ring is as full as it is to be.
+    fn fill(&mut self) {
+        let target = (AHEAD_SECS * f64::from(self.output.rate_hz)) as u64;
+        // A flush may not have been carried out yet: what it will drop does not count.
+        let clock = Arc::clone(&self.shared.clock);
+        let taken = || clock.consumed().max(clock.flushed_before());
+        while self.song.is_some() && self.written < taken() + target {
+            let Some(song) = &mut self.song else { return };
+            match song.refill() {
+                Ok(true) => {}
+                Ok(false) => {
+                    self.song = None;
+                    self.song_ended();
+                    continue;
+                }
+                Err(error) => {
+                    let reason = error.to_string();
+                    self.tell(PlayerEvent::SongFailed { song: self.list.current, reason });
+                    self.song = None;
+                    self.song_ended();
+                    continue;
+                }
+            }
+            if !self.write_ready() {
+                return;
+            }
+        }
+        if self.song.is_none() && self.playing && clock.consumed() >= self.written {
+            self.set_playing(false);
+            self.shared.timeline().stopped = true;
+            self.tell(PlayerEvent::Finished);
+        }
+    }
+
+    /// Moves decoded frames into ring and history; false where the ring is full.
+    fn write_ready(&mut self) -> bool {
+        let Some(song) = &mut self.song else { return true };
+        let mut timeline = self.shared.timeline();
+        for pair in song.ready[song.used..].chunks_exact(2) {
+            let frame: Frame = [pair[0], pair[1]];
+            if self.output.producer.push(frame).is_err() {
+                return false;
+            }
+            timeline.history.push(frame);
+            song.used += 2;
+            self.written += 1;
+        }
+        true
+    }
+
+    fn song_ended(&mut self) {
+        match self.list.after(false) {
+            Some(next) => self.open_song(next, 0.0),
+            None => self.shared.clock.set_drained(true),
+        }
+    }
+
+    fn look_after_output(&mut self) {
+        let now = Instant::now();
+        self.output.advance(&self.shared.clock, now);
+        if let Some(reason) = self.output.trouble(&self.shared.clock, now) {
+            self.tell(PlayerEvent::DeviceLost(reason));
+            self.retry_after = FIRST_RETRY;
+            self.fall_silent();
+        } else if self.retry_at.is_some_and(|at| now >= at) {
+            self.reopen();
+        }
+    }
+
+    /// Tries the device and goes on where the song is; in silence where there is none.
+    fn reopen(&mut self) {
+        let was_silent = self.output.device.is_none();
+        let place = self.heard();
+        let tried = Output::device(self.device.as_deref(), &self.shared.clock);
+        match tried {
+            Ok(output) => self.go_on_with(output, place, true),
+            Err(error) if was_silent => {
+                // Still nothing: the silent output goes on undisturbed.
+                let output = Output::silence(&self.shared.clock);
+                self.go_on_with(output, place, false);
+                self.retry_later(&error);
+            }
+            Err(error) => {
+                self.tell(PlayerEvent::DeviceLost(error.to_string()));
+                let output = Output::silence(&self.shared.clock);
+                self.go_on_with(output, place, false);
+                self.retry_later(&error);
+            }
+        }
+    }
+
+    fn open_output(&mut self) {
+        if !self.audible {
+            let output = Output::silence(&self.shared.clock);
+            self.go_on_with(output, (0, 0.0), false);
+            return;
+        }
+        self.reopen();
+        if self.output.device.is_none() {
+            self.tell(PlayerEvent::DeviceLost("no sound device".into()));
+        }
+    }
+
+    fn fall_silent(&mut self) {
+        let place = self.heard();
+        let output = Output::silence(&self.shared.clock);
+        self.go_on_with(output, place, false);
+        self.retry_at = Some(Instant::now() + self.retry_after);
+    }
+
+    fn retry_later(&mut self, _why: &SoundError) {
+        self.retry_at = Some(Instant::now() + self.retry_after);
+        self.retry_after = (2 * self.retry_after).min(LONGEST_RETRY);
+    }
+
+    /// Changes the output; the song goes on from where it was heard.
+    fn go_on_with(&mut self, output: Output, (song, secs): (usize, f64), opened: bool) {
+        let playing = self.playing;
+        let had_song = self.song.is_some() || !self.shared.clock.is_drained() || self.written > 0 && playing;
+        self.output = output;
+        self.written = 0;
+        {
+            let mut timeline = self.shared.timeline();
+            timeline.rate_hz = self.output.rate_hz;
+            timeline.device = self.output.device.clone();
+            timeline.stretches.clear();
+            timeline.history.restart();
+        }
+        if opened {
+            self.retry_at = None;
+            self.retry_after = FIRST_RETRY;
+            if let Some(name) = self.output.device.clone() {
+                self.tell(PlayerEvent::DeviceOpened(name));
+            }
+        }
+        if had_song {
+            self.start(Some(song), secs, playing);
+        }
+    }
+
+    fn tell(&self, event: PlayerEvent) {
+        // Nobody may be listening.
+        let _ = self.events.send(event);
+    }
+}
+
+impl Decoding {
+    fn open(path: &std::path::Path, secs: f64, rate_hz: u32) -> Result<Self, SoundError> {
+        let mut reader = SongReader::open(path)?;
+        let resampler = StereoResampler::new(reader.rate_hz(), rate_hz)?;
+        if secs > 0.0 {
+            reader.seek((secs * f64::from(reader.rate_hz())).round() as u64)?;
+        }
+        Ok(Self { reader, resampler, ready: Vec::new(), used: 0, ended: false })
+    }
+
+    /// Makes sure that some frames are ready; false at the end of the song.
+    fn refill(&mut self) -> Result<bool, SoundError> {
+        while self.used >= self.ready.len() {
+            self.ready.clear();
+            self.used = 0;
+            if self.ended {
+                return Ok(false);
+            }
+            match self.reader.next_block()? {
+                Some(block) => self.resampler.process(block, &mut self.ready)?,
+                None => {
+                    self.ended = true;
+                    self.resampler.finish(&mut self.ready)?;
+                }
+            }
+        }
+        Ok(true)
+    }
+}

@@ -1,0 +1,244 @@
+//! What the rest of the program holds: commands in, status and samples out.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use super::clock::Clock;
+use super::engine::{Command, Engine, PlayerEvent};
+use super::history::History;
+use super::queue::Stretches;
+use crate::SoundError;
+
+/// What comes after the last sample of a song.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Repeat {
+    /// The next song, and silence after the last.
+    #[default]
+    Off,
+    /// The same song again.
+    Song,
+    /// The next song, and the first after the last.
+    List,
+}
+
+/// How a player starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlayerSettings {
+    /// A device's id; `None` for the system's default.
+    pub device: Option<String>,
+    /// Amplitude, in [0, 1].
+    pub volume: f32,
+    /// False: no device is opened, time passes in silence (for tests and machines without sound).
+    pub audible: bool,
+}
+
+impl Default for PlayerSettings {
+    fn default() -> Self {
+        Self { device: None, volume: 1.0, audible: true }
+    }
+}
+
+/// Whether there is sound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlayerState {
+    /// No song, or its end was reached.
+    #[default]
+    Stopped,
+    /// Time passes.
+    Playing,
+    /// Time stands still.
+    Paused,
+}
+
+/// The player at one moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlayerStatus {
+    /// Stopped, playing or paused.
+    pub state: PlayerState,
+    /// Which song of the playlist is heard.
+    pub song: usize,
+    /// Time in that song of the sample that is heard now, device latency included.
+    pub position_secs: f64,
+    /// Its length where its header states it.
+    pub duration_secs: Option<f64>,
+    /// The device; `None` while there is none and time passes in silence.
+    pub device: Option<String>,
+    /// Rate of the samples of [`Player::heard_window`], in Hz.
+    pub rate_hz: u32,
+    /// How often the device was given silence because samples came too late.
+    pub underruns: u64,
+}
+
+/// What engine and handles share; the audio callback knows only the clock and never waits.
+pub(super) struct Shared {
+    pub clock: Arc<Clock>,
+    pub timeline: Mutex<Timeline>,
+}
+
+pub(super) struct Timeline {
+    pub stretches: Stretches,
+    pub history: History,
+    pub rate_hz: u32,
+    pub device: Option<String>,
+    pub playing: bool,
+    pub stopped: bool,
+}
+
+impl Shared {
+    /// A panic elsewhere does not stop the music.
+    pub fn timeline(&self) -> MutexGuard<'_, Timeline> {
+        self.timeline.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A player with a thread of its own. Dropping it ends the sound.
+///
+/// ```
+/// use chladni_sound::{Player, PlayerSettings, PlayerState};
+///
+/// let player = Player::start(PlayerSettings { audible: false, ..PlayerSettings::default() })?;
+/// assert_eq!(player.status().state, PlayerState::Stopped);
+/// # Ok::<(), chladni_sound::SoundError>(())
+/// ```
+pub struct Player {
+    shared: Arc<Shared>,
+    commands: Sender<Command>,
+    events: Receiver<PlayerEvent>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Player {
+    /// Starts the thread. That there is no device is no error: an event says so.
+    pub fn start(settings: PlayerSettings) -> Result<Self, SoundError> {
+        let clock = Arc::new(Clock::new());
+        clock.set_volume(settings.volume.clamp(0.0, 1.0));
+        let shared = Arc::new(Shared {
+            clock,
+            timeline: Mutex::new(Timeline {
+                stretches: Stretches::default(),
+                history: History::new(),
+                rate_hz: 0,
+                device: None,
+                playing: false,
+                stopped: true,
+            }),
+        });
+        let (commands, received) = channel();
+        let (told, events) = channel();
+        let engine_shared = Arc::clone(&shared);
+        let thread = std::thread::Builder::new()
+            .name("sound".into())
+            .spawn(move || Engine::new(engine_shared, received, told, settings).run())
+            .map_err(|error| SoundError::Device { what: format!("no thread for it: {error}") })?;
+        Ok(Self { shared, commands, events, thread: Some(thread) })
+    }
+
+    /// Replaces the playlist and plays its first song.
+    pub fn play_list(&self, songs: Vec<PathBuf>) {
+        self.send(Command::PlayList(songs));
+    }
+
+    /// Goes on after a pause, or begins again after the end.
+    pub fn play(&self) {
+        self.send(Command::Play);
+    }
+
+    /// Stands still.
+    pub fn pause(&self) {
+        // At once, not when the engine next looks.
+        self.shared.clock.set_paused(true);
+        self.send(Command::Pause);
+    }
+
+    /// Goes to a time in the current song.
+    pub fn seek(&self, secs: f64) {
+        self.send(Command::Seek(secs));
+    }
+
+    /// The next song.
+    pub fn next(&self) {
+        self.send(Command::Next);
+    }
+
+    /// The song before.
+    pub fn previous(&self) {
+        self.send(Command::Previous);
+    }
+
+    /// A song of the playlist by its number.
+    pub fn select(&self, song: usize) {
+        self.send(Command::Select(song));
+    }
+
+    /// What comes after the end.
+    pub fn repeat(&self, repeat: Repeat) {
+        self.send(Command::Repeat(repeat));
+    }
+
+    /// Amplitude, in [0, 1].
+    pub fn set_volume(&self, volume: f32) {
+        self.shared.clock.set_volume(if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 0.0 });
+    }
+
+    /// Another device by its id, `None` for the system's default; the song goes on.
+    pub fn set_device(&self, device: Option<String>) {
+        self.send(Command::Device(device));
+    }
+
+    /// What has happened since the last call.
+    pub fn events(&self) -> impl Iterator<Item = PlayerEvent> {
+        self.events.try_iter()
+    }
+
+    /// The player now.
+    pub fn status(&self) -> PlayerStatus {
+        let mut timeline = self.shared.timeline();
+        let heard = self.shared.clock.heard_frame(Instant::now(), timeline.rate_hz);
+        let rate_hz = timeline.rate_hz.max(1);
+        let place = timeline.stretches.at(heard, rate_hz);
+        PlayerStatus {
+            state: match (timeline.stopped, timeline.playing) {
+                (true, _) => PlayerState::Stopped,
+                (false, true) => PlayerState::Playing,
+                (false, false) => PlayerState::Paused,
+            },
+            song: place.map_or(0, |(stretch, _)| stretch.song),
+            position_secs: place.map_or(0.0, |(stretch, secs)| {
+                stretch.duration_secs.map_or(secs, |duration| secs.min(duration))
+            }),
+            duration_secs: place.and_then(|(stretch, _)| stretch.duration_secs),
+            device: timeline.device.clone(),
+            rate_hz: timeline.rate_hz,
+            underruns: self.shared.clock.underruns(),
+        }
+    }
+
+    /// Copies the samples around the one that is heard now, before volume: `ahead` frames of the
+    /// window lie after it (0: it ends there; half its length: it is centred). At
+    /// [`PlayerStatus::rate_hz`]. Returns the position in seconds that belongs to it.
+    pub fn heard_window(&self, ahead: usize, left: &mut [f32], right: &mut [f32]) -> f64 {
+        let mut timeline = self.shared.timeline();
+        let rate_hz = timeline.rate_hz.max(1);
+        let heard = self.shared.clock.heard_frame(Instant::now(), rate_hz);
+        timeline.history.window(heard.round() as i64 + ahead as i64, left, right);
+        timeline.stretches.at(heard, rate_hz).map_or(0.0, |(_, secs)| secs)
+    }
+
+    fn send(&self, command: Command) {
+        // The engine only goes away together with this handle.
+        let _ = self.commands.send(command);
+    }
+}
+
+impl Drop for Player {
+    fn drop(&mut self) {
+        self.send(Command::Quit);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}

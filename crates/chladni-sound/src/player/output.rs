@@ -1,0 +1,251 @@
+//! Where samples go: a sound device, or silence in real time.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
+use cpal::{BufferSize, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig, SupportedBufferSize};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use super::clock::Clock;
+use crate::SoundError;
+
+/// A stereo frame.
+pub(super) type Frame = [f32; 2];
+
+/// Frames per second where there is no device to ask.
+const SILENT_RATE_HZ: u32 = 48_000;
+/// Frames asked of the device at once: about 20 ms.
+const BUFFER_FRAMES: u32 = 1024;
+/// The ring holds this much.
+const RING_SECS: f64 = 1.0;
+/// Volume and pause take this long, so that nothing clicks.
+const RAMP_SECS: f32 = 0.008;
+
+/// A device that can play.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputDevice {
+    /// What [`PlayerSettings::device`](super::PlayerSettings) takes.
+    pub id: String,
+    /// What a person reads.
+    pub name: String,
+}
+
+/// The devices that can play, the system's default first.
+pub fn output_devices() -> Result<Vec<OutputDevice>, SoundError> {
+    let host = cpal::default_host();
+    let default = host.default_output_device().and_then(|device| device.id().ok());
+    let mut devices: Vec<OutputDevice> = host
+        .output_devices()
+        .map_err(|error| SoundError::Device { what: error.to_string() })?
+        .filter_map(|device| {
+            Some(OutputDevice { id: device.id().ok()?.to_string(), name: device.to_string() })
+        })
+        .collect();
+    let default = default.map(|id| id.to_string());
+    devices.sort_by_key(|device| Some(&device.id) != default.as_ref());
+    Ok(devices)
+}
+
+/// The open end of a ring and what empties it.
+pub(super) struct Output {
+    pub rate_hz: u32,
+    pub producer: Producer<Frame>,
+    /// The device's name; `None` for silence.
+    pub device: Option<String>,
+    opened: Instant,
+    sink: Sink,
+}
+
+enum Sink {
+    /// Kept only to be dropped: dropping stops it.
+    Device {
+        _stream: cpal::Stream,
+    },
+    Silence {
+        consumer: Consumer<Frame>,
+        last: Instant,
+        owed: f64,
+    },
+}
+
+impl Output {
+    /// Opens a device by its id, or the system's default.
+    pub fn device(id: Option<&str>, clock: &Arc<Clock>) -> Result<Self, SoundError> {
+        let failed = |what: String| SoundError::Device { what };
+        let host = cpal::default_host();
+        let device = match id {
+            Some(id) => {
+                let known = id.parse().map_err(|_| failed(format!("{id} is no device's name")))?;
+                host.device_by_id(&known).ok_or_else(|| failed(format!("{id} is not there")))?
+            }
+            None => host.default_output_device().ok_or_else(|| failed("there is none".into()))?,
+        };
+        let supported = device.default_output_config().map_err(|error| failed(error.to_string()))?;
+        let buffer_size = match supported.buffer_size() {
+            SupportedBufferSize::Range { min, max } => {
+                BufferSize::Fixed(BUFFER_FRAMES.clamp(*min, (*max).max(*min)))
+            }
+            SupportedBufferSize::Unknown => BufferSize::Default,
+        };
+        let config = StreamConfig { buffer_size, ..supported.config() };
+        let format = supported.sample_format();
+        let name = device.to_string();
+        let attempt = |config| Self::open(&device, config, format, clock, name.clone());
+        attempt(config)
+            .or_else(|_| attempt(StreamConfig { buffer_size: BufferSize::Default, ..config }))
+            .map_err(|error| failed(format!("{name}: {error}")))
+    }
+
+    fn open(
+        device: &cpal::Device,
+        config: StreamConfig,
+        format: SampleFormat,
+        clock: &Arc<Clock>,
+        name: String,
+    ) -> Result<Self, cpal::Error> {
+        let (producer, consumer) = ring(config.sample_rate);
+        clock.restart();
+        let clock = Arc::clone(clock);
+        let stream = match format {
+            SampleFormat::F32 => stream::<f32>(device, config, consumer, clock),
+            SampleFormat::I16 => stream::<i16>(device, config, consumer, clock),
+            SampleFormat::I32 => stream::<i32>(device, config, consumer, clock),
+            SampleFormat::U8 => stream::<u8>(device, config, consumer, clock),
+            SampleFormat::U16 => stream::<u16>(device, config, consumer, clock),
+            SampleFormat::F64 => stream::<f64>(device, config, consumer, clock),
+            _ => Err(ErrorKind::UnsupportedConfig.into()),
+        }?;
+        stream.play()?;
+        Ok(Self {
+            rate_hz: config.sample_rate,
+            producer,
+            device: Some(name),
+            opened: Instant::now(),
+            sink: Sink::Device { _stream: stream },
+        })
+    }
+
+    /// Nobody hears it, but time passes.
+    pub fn silence(clock: &Clock) -> Self {
+        let (producer, consumer) = ring(SILENT_RATE_HZ);
+        clock.restart();
+        let now = Instant::now();
+        let sink = Sink::Silence { consumer, last: now, owed: 0.0 };
+        Self { rate_hz: SILENT_RATE_HZ, producer, device: None, opened: now, sink }
+    }
+
+    /// Silence takes what would have been played by now. A device does that by itself.
+    pub fn advance(&mut self, clock: &Clock, now: Instant) {
+        let Sink::Silence { consumer, last, owed } = &mut self.sink else { return };
+        *owed += (now - *last).as_secs_f64() * f64::from(self.rate_hz);
+        *last = now;
+        clock.tick(now, 0);
+        let consumed = drop_flushed(consumer, clock, clock.consumed());
+        if clock.is_paused() {
+            *owed = 0.0;
+        }
+        let take = consumer.slots().min(*owed as usize);
+        if let Ok(chunk) = consumer.read_chunk(take) {
+            chunk.commit_all();
+        }
+        // What was not there to take is not owed: a pause in the song, not a leap.
+        *owed = if consumer.is_empty() { owed.fract() } else { *owed - take as f64 };
+        let consumed = consumed + take as u64;
+        clock.anchor(consumed, now, consumed);
+    }
+
+    /// Why the device can no longer be used, if so: it said so, it has stopped asking for
+    /// samples, or it takes them faster than time passes (ALSA's null device).
+    pub fn trouble(&self, clock: &Clock, now: Instant) -> Option<String> {
+        let name = self.device.as_ref()?;
+        if clock.take_lost() {
+            return Some(format!("{name} is gone"));
+        }
+        let open_for = now - self.opened;
+        if open_for > Duration::from_secs(2) && clock.silent_for(now) > Duration::from_millis(1500) {
+            return Some(format!("{name} has stopped"));
+        }
+        let asked_secs = clock.asked() as f64 / f64::from(self.rate_hz);
+        if asked_secs > 1.5 * open_for.as_secs_f64() + 2.0 {
+            return Some(format!("{name} does not keep time"));
+        }
+        None
+    }
+}
+
+fn ring(rate_hz: u32) -> (Producer<Frame>, Consumer<Frame>) {
+    RingBuffer::new((f64::from(rate_hz) * RING_SECS) as usize)
+}
+
+/// Throws away what a seek made stale; returns the frames consumed so far.
+fn drop_flushed(consumer: &mut Consumer<Frame>, clock: &Clock, consumed: u64) -> u64 {
+    let stale = clock.flushed_before().saturating_sub(consumed);
+    let stale = consumer.slots().min(usize::try_from(stale).unwrap_or(usize::MAX));
+    if let Ok(chunk) = consumer.read_chunk(stale) {
+        chunk.commit_all();
+    }
+    consumed + stale as u64
+}
+
+fn stream<T: SizedSample + FromSample<f32>>(
+    device: &cpal::Device,
+    config: StreamConfig,
+    mut consumer: Consumer<Frame>,
+    clock: Arc<Clock>,
+) -> Result<cpal::Stream, cpal::Error> {
+    let channels = usize::from(config.channels).max(1);
+    let ramp = 1.0 / (RAMP_SECS * config.sample_rate as f32);
+    let mut consumed = 0u64;
+    let mut gain = 0.0f32;
+    let told = Arc::clone(&clock);
+    // No allocation, no lock and no log in here: a late callback is a click.
+    let play = move |data: &mut [T], info: &cpal::OutputCallbackInfo| {
+        let now = Instant::now();
+        let wanted = data.len() / channels;
+        clock.tick(now, wanted);
+        let stamp = info.timestamp();
+        let heard = now + stamp.playback.duration_since(stamp.callback);
+        consumed = drop_flushed(&mut consumer, &clock, consumed);
+        let first = consumed;
+        let target = if clock.is_paused() { 0.0 } else { clock.volume() };
+        let mut played = 0;
+        for frame in data.chunks_mut(channels) {
+            gain += (target - gain).clamp(-ramp, ramp);
+            let silent = target == 0.0 && gain == 0.0 && clock.is_paused();
+            let sample = if silent { None } else { consumer.pop().ok() };
+            played += usize::from(sample.is_some());
+            let [left, right] = sample.unwrap_or([0.0; 2]);
+            write_frame(frame, gain * left, gain * right);
+        }
+        consumed += played as u64;
+        if played < wanted && target > 0.0 && !clock.is_drained() {
+            clock.count_underrun();
+        }
+        if played > 0 {
+            clock.anchor(first, heard, consumed);
+        } else if first != clock.consumed() {
+            clock.anchor(first, now, first);
+        }
+    };
+    let on_error = move |error: cpal::Error| match error.kind() {
+        ErrorKind::Xrun => told.count_underrun(),
+        ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
+        _ => told.set_lost(),
+    };
+    device.build_output_stream(config, play, on_error, Some(Duration::from_secs(2)))
+}
+
+/// One channel gets the middle; more than two are silent beyond the second.
+fn write_frame<T: SizedSample + FromSample<f32>>(frame: &mut [T], left: f32, right: f32) {
+    let (left, right) = (left.clamp(-1.0, 1.0), right.clamp(-1.0, 1.0));
+    match frame {
+        [mono] => *mono = T::from_sample(0.5 * (left + right)),
+        [l, r, rest @ ..] => {
+            *l = T::from_sample(left);
+            *r = T::from_sample(right);
+            rest.fill(T::from_sample(0.0));
+        }
+        [] => {}
+    }
+}

@@ -1,0 +1,104 @@
+//! The playlist, and which stretch of the ring is which stretch of which song.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+
+use super::handle::Repeat;
+
+/// Songs in order and the one that is being decoded.
+#[derive(Default)]
+pub(super) struct Playlist {
+    pub songs: Vec<PathBuf>,
+    pub current: usize,
+    pub repeat: Repeat,
+}
+
+impl Playlist {
+    /// The song after the current one; `None` at the end of the list.
+    pub fn after(&self, by_hand: bool) -> Option<usize> {
+        let last = self.songs.len().checked_sub(1)?;
+        match self.repeat {
+            Repeat::Song if !by_hand => Some(self.current.min(last)),
+            _ if self.current < last => Some(self.current + 1),
+            Repeat::Off => None,
+            _ => Some(0),
+        }
+    }
+
+    /// The song before the current one.
+    pub fn before(&self) -> Option<usize> {
+        let last = self.songs.len().checked_sub(1)?;
+        match self.repeat {
+            Repeat::List if self.current == 0 => Some(last),
+            _ => Some(self.current.saturating_sub(1)),
+        }
+    }
+}
+
+/// From ring frame `ring_frame` on, the ring holds song `song` from `song_secs` on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stretch {
+    pub ring_frame: u64,
+    pub song: usize,
+    pub song_secs: f64,
+    pub duration_secs: Option<f64>,
+}
+
+/// Stretches that are heard now or later, in order.
+#[derive(Default)]
+pub(super) struct Stretches {
+    list: VecDeque<Stretch>,
+}
+
+impl Stretches {
+    pub fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    pub fn begin(&mut self, stretch: Stretch) {
+        // What begins at the same frame replaces what was never heard.
+        while self.list.back().is_some_and(|last| last.ring_frame >= stretch.ring_frame) {
+            self.list.pop_back();
+        }
+        self.list.push_back(stretch);
+    }
+
+    /// The stretch that a ring frame lies in, and the time within its song.
+    pub fn at(&mut self, ring_frame: f64, rate_hz: u32) -> Option<(Stretch, f64)> {
+        while self.list.get(1).is_some_and(|next| next.ring_frame as f64 <= ring_frame) {
+            self.list.pop_front();
+        }
+        let stretch = *self.list.front()?;
+        let since = (ring_frame - stretch.ring_frame as f64).max(0.0) / f64::from(rate_hz);
+        Some((stretch, stretch.song_secs + since))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repeating_and_ending() {
+        let songs = vec!["a".into(), "b".into()];
+        let mut list = Playlist { songs, current: 1, repeat: Repeat::Off };
+        assert_eq!(list.after(false), None);
+        list.repeat = Repeat::List;
+        assert_eq!(list.after(false), Some(0));
+        list.repeat = Repeat::Song;
+        assert_eq!((list.after(false), list.after(true)), (Some(1), Some(0)));
+        assert_eq!(Playlist::default().after(true), None);
+    }
+
+    #[test]
+    fn positions_follow_seeks_and_songs() {
+        let mut stretches = Stretches::default();
+        let at = |ring_frame, song, song_secs| Stretch { ring_frame, song, song_secs, duration_secs: None };
+        stretches.begin(at(0, 0, 0.0));
+        stretches.begin(at(48_000, 0, 30.0));
+        stretches.begin(at(96_000, 1, 0.0));
+        assert_eq!(stretches.at(24_000.0, 48_000).map(|(s, t)| (s.song, t)), Some((0, 0.5)));
+        assert_eq!(stretches.at(72_000.0, 48_000).map(|(s, t)| (s.song, t)), Some((0, 30.5)));
+        assert_eq!(stretches.at(100_800.0, 48_000).map(|(s, t)| (s.song, t)), Some((1, 0.1)));
+    }
+}

@@ -1,0 +1,58 @@
+//! `chladni beats`: tempo and beats of a song.
+
+use std::path::PathBuf;
+
+use chladni_sound::{Song, SongOptions, SongReader, track_beats, track_beats_causally};
+use clap::Args;
+
+use super::{Failure, Terminal};
+
+/// Finds tempo and beats of a song.
+#[derive(Args)]
+pub struct Beats {
+    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis or M4A.
+    song: PathBuf,
+    /// Print `tempo_bpm`, `beats_secs` and `confidence` as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Use at each moment only what was heard by then, as the live window does.
+    #[arg(long)]
+    causal: bool,
+}
+
+impl Beats {
+    /// Runs the command.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let reader = SongReader::open(&self.song).map_err(Failure::input)?;
+        let found = terminal.watch("beats", |task| {
+            let song = Song::read(reader, &SongOptions::default(), task)?;
+            if self.causal { track_beats_causally(&song, task) } else { track_beats(&song, task) }
+        });
+        let beats = found.map_err(sound_failure)?;
+        if self.json {
+            return terminal.json(&beats);
+        }
+        let [half, double] = beats.other_octaves_bpm;
+        terminal.result(format_args!(
+            "{:.1} beats per minute (or {half:.1}, or {double:.1}), {} beats, confidence {:.2}",
+            beats.tempo_bpm,
+            beats.beats_secs.len(),
+            beats.confidence
+        ))?;
+        for beat in &beats.beats_secs {
+            terminal.result(format_args!("{beat:.3}"))?;
+        }
+        Ok(())
+    }
+}
+
+/// Cancelling is not the song's fault; everything else that reading reports is.
+pub(super) fn sound_failure(error: chladni_sound::SoundError) -> Failure {
+    match error {
+        chladni_sound::SoundError::Cancelled(cancelled) => cancelled.into(),
+        chladni_sound::SoundError::Write { .. } | chladni_sound::SoundError::Device { .. } => {
+            Failure::other(error)
+        }
+        other => Failure::input(other),
+    }
+}
