@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use chladni_match::Settings as MatchSettings;
+use chladni_mesh::Frame;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Error, Layer, LayerId, Model, PaintEdit, Painted, ScaleCurve, ShapeSource, Smoothing, Surface, Template,
+    Error, Layer, LayerId, Model, PaintEdit, Painted, Region, ScaleCurve, ShapeSource, Smoothing, Sphere,
+    Surface, Template,
 };
 
 /// What is saved: which shape, how many harmonics, which layers. Cloning shares the layers.
@@ -179,6 +181,24 @@ impl Project {
         layer.validate()?;
         self.layers[index].1 = Arc::new(layer);
         Ok(())
+    }
+
+    /// The same recipe for another shape: spheres that were placed in the file of a shape with
+    /// frame `from` go to the same place relative to the shape with frame `to`.
+    pub fn moved_regions(&self, from: &Frame, to: &Frame) -> Self {
+        let mut moved = self.clone();
+        for (_, layer) in &mut moved.layers {
+            if let Painted::Spheres(spheres) = &layer.region.painted {
+                let place = |s: &Sphere| Sphere {
+                    center: to.to_file(from.to_working(s.center)),
+                    radius: s.radius * from.scale / to.scale,
+                };
+                let painted = Painted::Spheres(spheres.iter().map(place).collect());
+                let region = Region { painted, ..layer.region.clone() };
+                *layer = Arc::new(Layer { region, ..Layer::clone(layer) });
+            }
+        }
+        moved
     }
 
     /// Checks that every painted region has one value for each of `vertices` operator vertices.

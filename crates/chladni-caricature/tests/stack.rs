@@ -135,7 +135,7 @@ fn mu_zero_exports_the_file_and_mu_one_is_the_template() {
         assert_eq!(bits(&exported), bits(&mesh.positions), "{model}");
     }
     let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
-    project.push(Layer { mu: 1.0, ..Layer::new("all", Template::Sphere) }).unwrap();
+    project.push(Layer { mu: 1.0, ..Layer::new("all", Template::Ellipsoid) }).unwrap();
     let evaluation = stack.evaluate(&project);
     let target = &evaluation.layers[0].difference.as_ref().unwrap().target.points;
     assert!(largest(target, &evaluation.result.positions) < 4.0 * f64::EPSILON);

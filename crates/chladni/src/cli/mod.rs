@@ -2,12 +2,18 @@
 
 mod basis;
 mod beats;
+mod bench;
 mod cache;
+mod caricature;
 mod failure;
 mod info;
+mod inputs;
+mod layer_options;
 mod match_shapes;
 mod npz;
 mod spectrum;
+mod project;
+mod sculpture;
 mod terminal;
 
 use clap::{Parser, Subcommand};
@@ -32,10 +38,14 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Basis(basis::Args),
+    Bench(bench::Bench),
     Match(match_shapes::MatchShapes),
     Info(info::Info),
     Beats(beats::Beats),
     Spectrum(spectrum::Spectrum),
+    Caricature(Box<caricature::Caricature>),
+    #[command(subcommand)]
+    Project(project::ProjectCommand),
 }
 
 /// Runs the program with the process's own arguments.
@@ -76,10 +86,13 @@ impl Command {
     fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         match self {
             Self::Basis(args) => args.run(terminal),
+            Self::Bench(bench) => bench.run(terminal),
             Self::Match(command) => command.run(terminal),
             Self::Info(info) => info.run(terminal),
             Self::Beats(command) => command.run(terminal),
             Self::Spectrum(command) => command.run(terminal),
+            Self::Caricature(command) => command.run(terminal),
+            Self::Project(command) => command.run(terminal),
         }
     }
 }

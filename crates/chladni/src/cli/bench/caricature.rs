@@ -1,0 +1,220 @@
+//! `chladni bench caricature`: how long a user waits for what a user does.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use chladni_caricature::{
+    Action, Dab, Error, History, Layer, LayerId, Mirror, Model, PaintEdit, Painted, Project, Property, Region,
+    RollOff, ScaleCurve, ShapeSource, Smoothing, Stack, Template, flipped_triangles, furthest,
+};
+use serde::Serialize;
+
+use super::super::inputs::{build_body, open_mesh};
+use super::super::{Failure, Terminal};
+
+/// Time what the caricature studio does between an action and its picture.
+#[derive(clap::Args)]
+pub struct BenchCaricature {
+    /// The shape: a mesh file or sample:NAME.
+    #[arg(default_value = "sample:head")]
+    shape: String,
+    /// K, the number of harmonics.
+    #[arg(long, value_name = "K", default_value_t = 512)]
+    harmonics: usize,
+    /// How often each thing is done; the median counts.
+    #[arg(long, default_value_t = 15)]
+    repeats: usize,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// One thing a user does.
+#[derive(Serialize)]
+struct Row {
+    what: &'static str,
+    vertices: usize,
+    harmonics: usize,
+    threads: usize,
+    median_ms: f64,
+    fastest_ms: f64,
+}
+
+impl BenchCaricature {
+    /// Times everything and prints a row for each.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let mesh = open_mesh(&self.shape, terminal)?;
+        let (body, _) = build_body(&self.shape, &mesh, self.harmonics, terminal)?;
+        let (vertices, harmonics) = (body.basis.vertices(), body.basis.harmonics());
+        let mut stack = Stack::new(Arc::new(body)).map_err(Failure::other)?;
+        let mut history = History::new(project(harmonics).map_err(Failure::other)?);
+        for request in stack.missing(history.project()) {
+            let body = stack.body().clone();
+            let matched = terminal.watch("matching", |task| request.run(&mesh, &body, None, task));
+            stack.install(request, matched);
+        }
+        let mut rows = Vec::new();
+        let mut time = |what, act: &mut dyn FnMut(usize) -> Result<(), Error>| -> Result<(), Failure> {
+            let (median_ms, fastest_ms) = timed(self.repeats.max(1), act).map_err(Failure::other)?;
+            let threads = rayon::current_num_threads();
+            rows.push(Row { what, vertices, harmonics, threads, median_ms, fastest_ms });
+            Ok(())
+        };
+        painting(&mut stack, &mut history, &mut time)?;
+        controls(&mut stack, &mut history, &mut time)?;
+        folds(&mut stack, &mut history, &mut time)?;
+        if self.json {
+            return terminal.json(&rows);
+        }
+        terminal.result(format_args!("{}, N = {vertices}, K = {harmonics}", self.shape))?;
+        for row in &rows {
+            let Row { what, median_ms, fastest_ms, .. } = row;
+            terminal.result(format_args!("{median_ms:8.2} ms  (fastest {fastest_ms:.2})  {what}"))?;
+        }
+        Ok(())
+    }
+}
+
+/// Times `act`, which is told how often it ran before.
+type Timer<'a> = dyn FnMut(&'static str, &mut dyn FnMut(usize) -> Result<(), Error>) -> Result<(), Failure> + 'a;
+
+/// Two layers: the first against an ellipsoid in a painted region, the second on its result.
+fn project(harmonics: usize) -> Result<Project, Error> {
+    let mut project = Project::new(ShapeSource::Sample("bench".into()), harmonics);
+    project.push(Layer { model: Model::Normal, mu: -0.3, ..Layer::new("first", Template::Ellipsoid) })?;
+    let second = Layer { curve: ScaleCurve::mid(), mu: -0.3, ..Layer::new("second", Template::Original) };
+    project.push(second)?;
+    Ok(project)
+}
+
+fn ids(history: &History) -> Vec<LayerId> {
+    history.project().layers().iter().map(|(id, _)| *id).collect()
+}
+
+fn painting(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> Result<(), Failure> {
+    let surface = stack.surface().clone();
+    let basis = stack.body().basis.clone();
+    let lower = ids(history)[0];
+    let triangles = surface.triangles.len();
+    let dab = |i: usize, radius: f64, mirror: Option<Mirror>| {
+        let triangle = ((i * 7919) % triangles) as u32;
+        let at = chladni_caricature::SurfacePoint { triangle, weights: [0.3, 0.3, 0.4] };
+        PaintEdit::Dab(Dab { at, radius, intensity: 1.0, erase: false, mirror })
+    };
+    let mut painted = Painted::Everywhere;
+    time("one dab of a brush, a tenth of the shape's half size", &mut |i| {
+        painted = dab(i, 0.1, None).apply(&painted, &surface)?;
+        Ok(())
+    })?;
+    time("one dab, half of the shape's half size", &mut |i| {
+        painted = dab(i, 0.5, None).apply(&painted, &surface)?;
+        Ok(())
+    })?;
+    let painted = painted.values(&surface.file_positions());
+    for (what, roll_off) in [
+        ("region smoothing, sharp, nχ = 96", RollOff::Sharp),
+        ("region smoothing, Gaussian, nχ = 96", RollOff::Gaussian),
+    ] {
+        let smoothing = Smoothing { cutoff: 96, roll_off, clamp: true };
+        time(what, &mut |_| {
+            smoothing.apply(&basis, &painted);
+            Ok(())
+        })?;
+    }
+    for (what, roll_off) in [
+        ("mirrored stroke to smoothed region and shape, sharp", RollOff::Sharp),
+        ("mirrored stroke to smoothed region and shape, Gaussian", RollOff::Gaussian),
+    ] {
+        let mirror = Mirror::of(&surface).map(|(mirror, _)| mirror);
+        let smoothing = Smoothing { cutoff: 96, roll_off, clamp: true };
+        let set = |layer, to| Action::Set { layer, to };
+        let put = |e: Error| Failure::other(e);
+        history.apply(&set(lower, Property::Smoothing(smoothing)), None).map_err(put)?;
+        let upper = ids(history)[1];
+        history.apply(&set(upper, Property::Enabled(false)), None).map_err(put)?;
+        time(what, &mut |i| {
+            let edit = dab(i, 0.1, mirror);
+            history.apply_live(&Action::Paint { layer: lower, edit }, Some(&surface))?;
+            stack.evaluate(history.project());
+            Ok(())
+        })?;
+        history.apply(&set(upper, Property::Enabled(true)), None).map_err(put)?;
+    }
+    let region = Property::Smoothing(Region::default().smoothing);
+    history.apply(&Action::Set { layer: lower, to: region }, None).map_err(Failure::other)
+}
+
+fn controls(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> Result<(), Failure> {
+    let (lower, upper) = (ids(history)[0], ids(history)[1]);
+    let mut change = |what, layer, properties: &mut dyn FnMut(usize) -> Property| {
+        time(what, &mut |i| {
+            let to = properties(i);
+            history.apply_live(&Action::Set { layer, to }, None)?;
+            stack.evaluate(history.project());
+            Ok(())
+        })
+    };
+    let mu = |i: usize| Property::Mu(-0.2 - 0.001 * i as f64);
+    let curve = |i: usize| {
+        let mut curve = ScaleCurve::mid();
+        curve.set_point(0.4, 1.0 + 0.01 * i as f64, 0.0);
+        Property::Curve(curve)
+    };
+    change("μ of the top layer", upper, &mut |i| mu(i))?;
+    change("scale curve of the top layer", upper, &mut |i| curve(i))?;
+    let set = |history: &mut History, to| history.apply(&Action::Set { layer: upper, to }, None);
+    for (what, model) in [
+        ("a result as the new shape, coordinate model, all scales", None),
+        ("a result as the new shape, coordinate model, curved", Some(Model::Coordinate)),
+        ("a result as the new shape, normal model, curved", Some(Model::Normal)),
+        ("a result as the new shape, distance model, curved", Some(Model::Distance)),
+    ] {
+        let curve = if model.is_some() { ScaleCurve::mid() } else { ScaleCurve::flat(1.0) };
+        set(history, Property::Curve(curve)).map_err(Failure::other)?;
+        set(history, Property::Model(model.unwrap_or(Model::Coordinate))).map_err(Failure::other)?;
+        // A change below gives the top layer a new shape to start from.
+        time(what, &mut |i| {
+            history.apply_live(&Action::Set { layer: lower, to: mu(i) }, None)?;
+            stack.evaluate(history.project());
+            Ok(())
+        })?;
+    }
+    time("a result as the new shape, terms of all three models", &mut |i| {
+        history.apply_live(&Action::Set { layer: lower, to: mu(i) }, None)?;
+        stack.terms(history.project(), upper);
+        Ok(())
+    })?;
+    time("action to terms: μ of the top layer", &mut |i| {
+        history.apply_live(&Action::Set { layer: upper, to: mu(i) }, None)?;
+        stack.terms(history.project(), upper);
+        Ok(())
+    })
+}
+
+fn folds(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> Result<(), Failure> {
+    let evaluation = stack.evaluate(history.project());
+    let surface = stack.surface().clone();
+    let (base, moved) = (&stack.original().positions, &evaluation.result.positions);
+    let displacement = evaluation.displacement();
+    time("fold meter", &mut |_| {
+        flipped_triangles(&surface, base, moved);
+        Ok(())
+    })?;
+    time("as far as it goes", &mut |_| {
+        furthest(&surface, base, &displacement, 1.0, 0);
+        Ok(())
+    })
+}
+
+/// Median and fastest of `repeats` runs in ms, after one that is not counted.
+fn timed(repeats: usize, act: &mut dyn FnMut(usize) -> Result<(), Error>) -> Result<(f64, f64), Error> {
+    act(0)?;
+    let mut times = Vec::with_capacity(repeats);
+    for i in 0..repeats {
+        let start = Instant::now();
+        act(i + 1)?;
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+    }
+    times.sort_by(f64::total_cmp);
+    Ok((times[repeats / 2], times[0]))
+}

@@ -1,0 +1,28 @@
+//! `chladni bench`: measures the program against published numbers.
+
+mod caricature;
+
+use clap::{Args, Subcommand};
+
+use super::{Failure, Terminal};
+
+/// Measure the program on this machine.
+#[derive(Args)]
+pub struct Bench {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    Caricature(caricature::BenchCaricature),
+}
+
+impl Bench {
+    /// Runs the benchmark.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        match self.what {
+            What::Caricature(caricature) => caricature.run(terminal),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! `chladni caricature SHAPE TEMPLATE -o OUT`: exaggerate what makes a shape differ from a
+//! template, or play a whole recipe on one or many shapes.
+
+use std::path::{Path, PathBuf};
+
+use chladni_caricature::{DEFAULT_HARMONICS, Project, ShapeSource, Template};
+use chladni_mesh::{Format, Frame};
+
+use super::inputs::open_mesh;
+use super::layer_options::LayerOptions;
+use super::sculpture::{Sculpture, format_of};
+use super::{Failure, Terminal};
+
+/// Exaggerate what makes a shape differ from a template.
+#[derive(clap::Args)]
+pub struct Caricature {
+    /// The shape: a mesh file or sample:NAME. With --recipe it replaces the recipe's own.
+    #[arg(required_unless_present = "recipe")]
+    shape: Option<String>,
+    /// What it is compared with: a mesh file, sample:NAME, ellipsoid, sphere, self:scale=0.9 or
+    /// self:lowpass=20.
+    #[arg(required_unless_present = "recipe", conflicts_with = "recipe")]
+    template: Option<Template>,
+    /// Where the result goes: .obj, .ply, .stl or .glb (with a slider per layer). With --batch a
+    /// folder.
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// K, the number of harmonics.
+    #[arg(long, value_name = "K", conflicts_with = "recipe")]
+    harmonics: Option<usize>,
+    #[command(flatten)]
+    layer: LayerOptions,
+    /// Draws the shape before and after, side by side. With --batch a folder.
+    #[arg(long, value_name = "OUT.png")]
+    render: Option<PathBuf>,
+    /// A project whose layers are applied instead.
+    #[arg(long, value_name = "P.chladni")]
+    recipe: Option<PathBuf>,
+    /// Applies the recipe to every mesh in this folder.
+    #[arg(long, value_name = "DIR", requires = "recipe", conflicts_with = "shape")]
+    batch: Option<PathBuf>,
+}
+
+impl Caricature {
+    /// Makes what was asked for.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let Some(recipe) = &self.recipe else { return self.single(terminal) };
+        let project = Project::load(recipe).map_err(Failure::input)?;
+        match (&self.batch, &self.shape) {
+            (Some(folder), _) => self.batch(&project, folder, terminal),
+            (None, Some(shape)) => {
+                format_of(&self.output)?;
+                let from = open_mesh(&project.shape.to_string(), terminal)?;
+                one(shape, &project, Some(&Frame::of(&from)), &self.output, self.render.as_deref(), terminal)
+            }
+            (None, None) => {
+                format_of(&self.output)?;
+                let shape = project.shape.to_string();
+                one(&shape, &project, None, &self.output, self.render.as_deref(), terminal)
+            }
+        }
+    }
+
+    fn single(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let (Some(shape), Some(template)) = (&self.shape, &self.template) else {
+            return Err(Failure::input("a shape and a template are needed"));
+        };
+        format_of(&self.output)?;
+        if self.harmonics == Some(0) {
+            return Err(Failure::input("the number of harmonics must be 1 or more"));
+        }
+        let source: ShapeSource = shape.parse().map_err(Failure::input)?;
+        let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
+        project.push(self.layer.layer("caricature", template.clone())?).map_err(Failure::input)?;
+        one(shape, &project, None, &self.output, self.render.as_deref(), terminal)
+    }
+
+    /// Every mesh of `folder`, in order of name. One that fails does not stop the others.
+    fn batch(&self, project: &Project, folder: &Path, terminal: &Terminal) -> Result<(), Failure> {
+        let shapes = meshes_in(folder)?;
+        let from = Frame::of(&open_mesh(&project.shape.to_string(), terminal)?);
+        for out in [Some(&self.output), self.render.as_ref()].into_iter().flatten() {
+            std::fs::create_dir_all(out).map_err(|error| Failure::writing(out, error))?;
+        }
+        let mut failed = 0;
+        for shape in &shapes {
+            terminal.task().check()?;
+            let stem = shape.file_stem().unwrap_or_default();
+            // A format that can be written is kept; the others become PLY, which keeps every digit.
+            let extension = match format_of(shape) {
+                Ok(_) => shape.extension().unwrap_or_default().to_owned(),
+                Err(_) => "ply".into(),
+            };
+            let output = self.output.join(stem).with_extension(extension);
+            let render = self.render.as_ref().map(|r| r.join(stem).with_extension("png"));
+            let name = shape.display().to_string();
+            match one(&name, project, Some(&from), &output, render.as_deref(), terminal) {
+                Ok(()) => {}
+                Err(Failure::Cancelled) => return Err(Failure::Cancelled),
+                Err(failure) => {
+                    failed += 1;
+                    terminal.warn(format_args!("{name}: {failure}"));
+                }
+            }
+        }
+        match failed {
+            0 => Ok(()),
+            _ => Err(Failure::input(format_args!("{failed} of {} shapes failed", shapes.len()))),
+        }
+    }
+}
+
+/// One shape, from its name to its files. `from` is the frame of the recipe's own shape where
+/// this is another: regions keep their place relative to the shape.
+fn one(
+    shape: &str,
+    project: &Project,
+    from: Option<&Frame>,
+    output: &Path,
+    render: Option<&Path>,
+    terminal: &Terminal,
+) -> Result<(), Failure> {
+    let mesh = open_mesh(shape, terminal)?;
+    let moved = from.map(|from| project.moved_regions(from, &Frame::of(&mesh)));
+    let sculpture = Sculpture::make(shape, mesh, moved.as_ref().unwrap_or(project), terminal)?;
+    sculpture.describe(terminal)?;
+    sculpture.save(output)?;
+    terminal.result(format_args!("wrote {}", output.display()))?;
+    if let Some(render) = render {
+        sculpture.render(render)?;
+        terminal.result(format_args!("wrote {}", render.display()))?;
+    }
+    Ok(())
+}
+
+fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let unreadable = |error| Failure::input(format_args!("{}: {error}", folder.display()));
+    let entries = std::fs::read_dir(folder).map_err(unreadable)?;
+    let is_mesh = |path: &PathBuf| {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        path.is_file() && Format::from_extension(extension).is_some()
+    };
+    let mut meshes: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_mesh).collect();
+    meshes.sort();
+    if meshes.is_empty() {
+        return Err(Failure::input(format_args!("{}: holds no mesh", folder.display())));
+    }
+    Ok(meshes)
+}

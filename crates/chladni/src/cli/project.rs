@@ -1,0 +1,194 @@
+//! `chladni project`: make, change and read caricature projects without the window.
+
+use std::path::PathBuf;
+
+use chladni_caricature::{DEFAULT_HARMONICS, FORMAT_VERSION, Layer, Painted, Project, ShapeSource, Template};
+use serde::Serialize;
+
+use super::inputs::open_mesh;
+use super::layer_options::LayerOptions;
+use super::{Failure, Terminal};
+
+/// Make, change and read caricature projects.
+#[derive(clap::Subcommand)]
+pub enum ProjectCommand {
+    /// Start a project on a shape.
+    New(New),
+    /// Put a layer on top.
+    AddLayer(AddLayer),
+    /// Tell what is in a project.
+    Show(Show),
+}
+
+/// Arguments of `project new`.
+#[derive(clap::Args)]
+pub struct New {
+    /// The shape: a mesh file or sample:NAME.
+    shape: String,
+    /// The project file; must end in .chladni.
+    #[arg(short, long, value_name = "P.chladni")]
+    output: PathBuf,
+    /// K, the number of harmonics.
+    #[arg(long, value_name = "K", default_value_t = DEFAULT_HARMONICS)]
+    harmonics: usize,
+}
+
+/// Arguments of `project add-layer`.
+#[derive(clap::Args)]
+pub struct AddLayer {
+    /// The project file.
+    project: PathBuf,
+    /// What the shape is compared with: a mesh file, sample:NAME, ellipsoid, sphere,
+    /// self:scale=0.9, self:lowpass=20 or self:original (magnifies the layers below).
+    #[arg(long)]
+    template: Template,
+    /// The layer's name; its template's where none is given.
+    #[arg(long)]
+    name: Option<String>,
+    #[command(flatten)]
+    layer: LayerOptions,
+}
+
+/// Arguments of `project show`.
+#[derive(clap::Args)]
+pub struct Show {
+    /// The project file.
+    project: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl ProjectCommand {
+    /// Does what was asked for.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        match self {
+            Self::New(new) => new.run(terminal),
+            Self::AddLayer(add) => add.run(terminal),
+            Self::Show(show) => show.run(terminal),
+        }
+    }
+}
+
+impl New {
+    fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        if self.output.extension().is_none_or(|e| e != "chladni") {
+            return Err(Failure::input(format_args!(
+                "{}: a project ends in .chladni",
+                self.output.display()
+            )));
+        }
+        if self.harmonics == 0 {
+            return Err(Failure::input("the number of harmonics must be 1 or more"));
+        }
+        // A project on a shape that cannot be read helps nobody.
+        open_mesh(&self.shape, terminal)?;
+        let shape: ShapeSource = self.shape.parse().map_err(Failure::input)?;
+        Project::new(shape, self.harmonics).save(&self.output).map_err(Failure::other)?;
+        terminal.result(format_args!("wrote {}", self.output.display()))
+    }
+}
+
+impl AddLayer {
+    fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let mut project = Project::load(&self.project).map_err(Failure::input)?;
+        if self.template.is_mesh() {
+            open_mesh(&self.template.to_string(), terminal)?;
+        }
+        let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
+        let layer = self.layer.layer(&name, self.template)?;
+        project.push(layer).map_err(Failure::input)?;
+        project.save(&self.project).map_err(Failure::other)?;
+        terminal.result(format_args!("{} has {} layers", self.project.display(), project.layers().len()))
+    }
+}
+
+fn own_name(template: &Template) -> String {
+    match template {
+        Template::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// What `show --json` prints.
+#[derive(Serialize)]
+struct Shown {
+    format_version: i64,
+    shape: String,
+    harmonics: usize,
+    layers: Vec<ShownLayer>,
+}
+
+#[derive(Serialize)]
+struct ShownLayer {
+    name: String,
+    template: String,
+    model: String,
+    mu: f64,
+    strength: f64,
+    enabled: bool,
+    solo: bool,
+    /// `everywhere`, `spheres` or `painted`.
+    region: &'static str,
+    spheres: Vec<String>,
+    painted_vertices: Option<usize>,
+    cutoff: usize,
+    roll_off: chladni_caricature::RollOff,
+    clamp: bool,
+    scale_curve: chladni_caricature::ScaleCurve,
+    #[serde(rename = "match")]
+    matching: chladni_match::Settings,
+}
+
+impl ShownLayer {
+    fn of(layer: &Layer) -> Self {
+        let (region, spheres, painted_vertices) = match &layer.region.painted {
+            Painted::Everywhere => ("everywhere", Vec::new(), None),
+            Painted::Spheres(spheres) => ("spheres", spheres.iter().map(ToString::to_string).collect(), None),
+            Painted::Vertices(values) => {
+                ("painted", Vec::new(), Some(values.iter().filter(|x| **x > 0.0).count()))
+            }
+        };
+        let smoothing = layer.region.smoothing;
+        Self {
+            name: layer.name.clone(),
+            template: layer.template.to_string(),
+            model: layer.model.to_string(),
+            mu: layer.mu,
+            strength: layer.strength,
+            enabled: layer.enabled,
+            solo: layer.solo,
+            region,
+            spheres,
+            painted_vertices,
+            cutoff: smoothing.cutoff,
+            roll_off: smoothing.roll_off,
+            clamp: smoothing.clamp,
+            scale_curve: layer.curve.clone(),
+            matching: layer.matching.clone(),
+        }
+    }
+}
+
+impl Show {
+    fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let project = Project::load(&self.project).map_err(Failure::input)?;
+        let shown = Shown {
+            format_version: FORMAT_VERSION,
+            shape: project.shape.to_string(),
+            harmonics: project.harmonics,
+            layers: project.layers().iter().map(|(_, l)| ShownLayer::of(l)).collect(),
+        };
+        if self.json {
+            return terminal.json(&shown);
+        }
+        terminal.result(format_args!("{}, {} harmonics", shown.shape, shown.harmonics))?;
+        for (i, layer) in shown.layers.iter().enumerate() {
+            let off = if layer.enabled { "" } else { ", off" };
+            let ShownLayer { name, template, model, mu, region, .. } = layer;
+            terminal
+                .result(format_args!("{}. {name}: {template}, {model}, μ = {mu}, {region}{off}", i + 1))?;
+        }
+        Ok(())
+    }
+}

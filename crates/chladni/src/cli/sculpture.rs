@@ -1,0 +1,154 @@
+//! A project evaluated on a mesh, and what can be made of it: files and pictures.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use chladni_caricature::{Evaluation, LayerState, MatchRequest, Project, Stack, Template, flipped_triangles};
+use chladni_harmonics::Body;
+use chladni_mesh::{Format, MorphTarget, TriMesh, save_mesh, write_glb};
+use chladni_task::write_atomic;
+use chladni_view::{Gpu, PictureRequest, PictureShape, Style, render_picture};
+
+use super::inputs::{build_body, open_mesh};
+use super::{Failure, Terminal};
+
+/// A shape with its harmonics and a project evaluated on it.
+pub struct Sculpture {
+    mesh: TriMesh,
+    stack: Stack,
+    evaluation: Evaluation,
+}
+
+impl Sculpture {
+    /// Solves and matches what `project` asks for on the mesh called `name`, and evaluates it.
+    pub fn make(name: &str, mesh: TriMesh, project: &Project, terminal: &Terminal) -> Result<Self, Failure> {
+        let body = Arc::new(harmonics(name, &mesh, project.harmonics, terminal)?);
+        let mut stack = Stack::new(body.clone()).map_err(Failure::other)?;
+        for request in stack.missing(project) {
+            let template = match &request.template {
+                Template::File(path) => Some(open_mesh(&path.display().to_string(), terminal)?),
+                sample @ Template::Sample(_) => Some(open_mesh(&sample.to_string(), terminal)?),
+                _ => None,
+            };
+            let matched = matched(&request, &mesh, &body, template.as_ref(), terminal)?;
+            stack.install(request, Ok(matched));
+        }
+        let evaluation = stack.evaluate(project);
+        for layer in &evaluation.layers {
+            if let LayerState::Failed(why) = &layer.state {
+                return Err(Failure::input(format_args!("layer {}: {why}", layer.name)));
+            }
+        }
+        Ok(Self { mesh, stack, evaluation })
+    }
+
+    /// Tells of every acting layer how far it moves the shape and what it folds.
+    pub fn describe(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let body = self.stack.body();
+        for layer in &self.evaluation.layers {
+            let Some(displacement) = &layer.displacement else {
+                terminal.result(format_args!("{}: off", layer.name))?;
+                continue;
+            };
+            let farthest = displacement.iter().map(|d| d[0].hypot(d[1]).hypot(d[2])).fold(0.0, f64::max);
+            let moved: Vec<[f64; 3]> = layer
+                .base
+                .positions
+                .iter()
+                .zip(displacement.iter())
+                .map(|(x, d)| std::array::from_fn(|i| x[i] + d[i]))
+                .collect();
+            let folded = flipped_triangles(self.stack.surface(), &layer.base.positions, &moved).len();
+            let name = &layer.name;
+            let by = farthest / body.frame.scale;
+            terminal.result(format_args!("{name}: moves up to {by:.4} units, {folded} triangles folded"))?;
+        }
+        Ok(())
+    }
+
+    /// Writes the result, in the format of the extension: GLB with a morph target per layer, the
+    /// others with the layers baked in.
+    pub fn save(&self, path: &Path) -> Result<(), Failure> {
+        let body = self.stack.body();
+        if format_of(path)? == Format::Glb {
+            let targets = self.evaluation.morph_targets(body).into_iter();
+            let targets: Vec<MorphTarget> =
+                targets.map(|(name, displacements)| MorphTarget { name, displacements }).collect();
+            let bytes = write_glb(&self.mesh, &targets).map_err(|error| Failure::writing(path, error))?;
+            return write_atomic(path, &bytes).map_err(|error| Failure::writing(path, error));
+        }
+        let positions = self.evaluation.file_positions(body, &self.mesh.positions);
+        let result = TriMesh { positions, ..self.mesh.clone() };
+        save_mesh(&result, path).map_err(Failure::other)
+    }
+
+    /// Draws the shape before and after, side by side.
+    pub fn render(&self, path: &Path) -> Result<(), Failure> {
+        let body = self.stack.body();
+        let single = |positions: &[[f64; 3]]| -> Vec<[f32; 3]> {
+            positions.iter().map(|p| p.map(|c| c as f32)).collect()
+        };
+        let (before, after) = (single(&body.positions), single(&self.evaluation.result.positions));
+        let shapes = [&before, &after].map(|positions| PictureShape {
+            positions,
+            triangles: &body.triangles,
+            ..PictureShape::default()
+        });
+        let gpu = Gpu::headless().map_err(Failure::other)?;
+        let request = PictureRequest {
+            shapes: &shapes,
+            width: 1600,
+            height: 900,
+            camera: None,
+            style: Style::default(),
+        };
+        let picture = render_picture(&gpu, &request).map_err(Failure::other)?;
+        let png = picture.to_png().map_err(Failure::other)?;
+        write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
+    }
+}
+
+/// The format of `path`, if it is one that results are written in.
+pub fn format_of(path: &Path) -> Result<Format, Failure> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    match Format::from_extension(extension) {
+        Some(format @ (Format::Obj | Format::Ply | Format::Stl | Format::Glb)) => Ok(format),
+        _ => Err(Failure::input(format_args!(
+            "{}: results are written as obj, ply, stl or glb",
+            path.display()
+        ))),
+    }
+}
+
+/// As many harmonics as asked for, or all there are where the shape has fewer vertices.
+fn harmonics(name: &str, mesh: &TriMesh, harmonics: usize, terminal: &Terminal) -> Result<Body, Failure> {
+    let vertices = chladni_mesh::weld(mesh).positions.len();
+    let all = vertices.max(1);
+    if harmonics > all {
+        terminal
+            .warn(format_args!("{name}: has {vertices} vertices; {all} harmonics instead of {harmonics}"));
+    }
+    let (body, _) = build_body(name, mesh, harmonics.min(all), terminal)?;
+    if !body.basis.certificate.inertia_counts_match {
+        terminal.warn(format_args!("{name}: the harmonics are not certified complete"));
+    }
+    Ok(body)
+}
+
+fn matched(
+    request: &MatchRequest,
+    mesh: &TriMesh,
+    body: &Body,
+    template: Option<&TriMesh>,
+    terminal: &Terminal,
+) -> Result<chladni_caricature::Matched, Failure> {
+    let found = terminal.watch("matching", |task| request.run(mesh, body, template, task));
+    let found = found.map_err(|error| match error {
+        chladni_caricature::Error::Cancelled(_) => Failure::Cancelled,
+        error => Failure::input(error),
+    })?;
+    for warning in found.report.iter().flat_map(|report| &report.warnings) {
+        terminal.warn(format_args!("{}: {warning}", request.template));
+    }
+    Ok(found)
+}
