@@ -1,4 +1,42 @@
-//! Harmonic exaggeration.
+//! Exaggerates what makes a shape differ from a template.
+//!
+//! A [`Project`] is a shape and a stack of layers; a [`Stack`] evaluates it on a
+//! [`Body`](chladni_harmonics::Body), each layer's result being the shape of the next. All
+//! changes are [`Action`]s; a [`History`] undoes them. The mathematics is in `docs/caricature.md`.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use chladni_caricature::{Action, History, Layer, Project, Property, ShapeSource, Stack, Template};
+//! use chladni_harmonics::{BasisSettings, Body};
+//! use chladni_mesh::samples::torus;
+//! use chladni_task::Task;
+//!
+//! let mesh = torus(1.0, 0.4, 24, 12);
+//! let body = Arc::new(Body::build(&mesh, &BasisSettings::new(32), &Task::new())?);
+//!
+//! let mut project = Project::new(ShapeSource::File("ring.obj".into()), 32);
+//! let layer = project.push(Layer { mu: -0.4, ..Layer::new("plump", Template::Ellipsoid) })?;
+//! let mut history = History::new(project);
+//!
+//! // Templates are matched once, away from the window.
+//! let mut stack = Stack::new(body.clone())?;
+//! for request in stack.missing(history.project()) {
+//!     let matched = request.run(&mesh, &body, None, &Task::new());
+//!     stack.install(request, matched);
+//! }
+//! let plump = stack.evaluate(history.project());
+//! assert_ne!(plump.file_positions(&body, &mesh.positions), mesh.positions);
+//!
+//! history.apply(&Action::Set { layer, to: Property::Mu(0.0) }, None)?;
+//! let at_rest = stack.evaluate(history.project());
+//! assert_eq!(at_rest.file_positions(&body, &mesh.positions), mesh.positions);
+//! assert_eq!(history.undo(), Some("μ"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Not guaranteed: that a result has no folds or self-intersections (the fold meter counts
+//! triangles that turned over, [`furthest`] says where they begin); that a strong layer keeps
+//! volume; that a region painted on one mesh means anything on another.
 
 mod brush;
 mod difference;

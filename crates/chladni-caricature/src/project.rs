@@ -200,19 +200,6 @@ impl Project {
         }
         moved
     }
-
-    /// Checks that every painted region has one value for each of `vertices` operator vertices.
-    pub fn check_vertices(&self, vertices: usize) -> Result<(), Error> {
-        for (_, layer) in &self.layers {
-            if let Painted::Vertices(values) = &layer.region.painted
-                && values.len() != vertices
-            {
-                let found = values.len();
-                return Err(Error::VertexCount { what: "a painted region", found, expected: vertices });
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Property {

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use chladni_harmonics::Body;
-use chladni_synth::Term;
+use chladni_synth::{Coefficients, Residual, Term};
 use rayon::prelude::*;
 
+use crate::exaggeration::single;
 use crate::matching::own_target;
 use crate::memo::{Memo, Same};
 use crate::vector::{Vec3, add};
@@ -296,6 +297,20 @@ impl Evaluation {
     /// `file_positions`.
     pub fn file_positions(&self, body: &Body, file_positions: &[Vec3]) -> Vec<Vec3> {
         body.displaced_file_positions(file_positions, &self.displacement())
+    }
+
+    /// For each acting layer its name and its displacement as a term for a synthesizer that rests
+    /// on the original shape. Together they give the result; their gains can be driven apart, so
+    /// that layers become the voices of an instrument.
+    pub fn voices(&self) -> Vec<(String, Term)> {
+        let voice = |displacement: &[Vec3]| Term {
+            coefficients: Coefficients::Vector(Vec::new()),
+            residual: Some(Residual::Vector(single(displacement))),
+            residual_gain: 1.0,
+            mask: None,
+        };
+        let acting = self.layers.iter().filter_map(|l| Some((l.name.clone(), l.displacement.as_ref()?)));
+        acting.map(|(name, displacement)| (name, voice(displacement))).collect()
     }
 
     /// For each acting layer its name and the displacement of the n file vertices, in file

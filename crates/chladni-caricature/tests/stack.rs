@@ -67,6 +67,9 @@ fn layers_add_up_and_morph_targets_give_the_result() {
     let in_file: Vec<[f64; 3]> = evaluation.result.positions.iter().map(|p| body.frame.to_file(*p)).collect();
     assert!(largest(&in_file, &result) < 1e-10);
     assert!(largest(&result, &mesh.positions) > 1.0, "the layers do something");
+    let terms = evaluation.voices().into_iter().map(|(_, term)| term).collect();
+    let together = displacements_f64(&body, &chladni_synth::Item { terms }).unwrap();
+    assert!(largest(&together, &evaluation.displacement()) < 1e-6);
     // The third layer magnifies what is below it: x + μ (0.9 x − x) = 1.04 x.
     let base = &evaluation.layers[2].base.positions;
     let grown: Vec<[f64; 3]> = base.iter().map(|p| p.map(|c| 1.04 * c)).collect();

@@ -1,0 +1,197 @@
+//! `chladni caricature` and `chladni project`, run as a user would.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use chladni_mesh::{TriMesh, load_mesh, samples, save_mesh};
+
+/// A folder with a lumpy shape, `shape.obj`.
+struct Desk(tempfile::TempDir);
+
+impl Desk {
+    fn new() -> Self {
+        let desk = Self(tempfile::tempdir().unwrap());
+        save_mesh(&lump(1.0), &desk.path("shape.obj")).unwrap();
+        desk
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn mesh(&self, name: &str) -> TriMesh {
+        load_mesh(&self.path(name)).unwrap().mesh
+    }
+
+    fn run(&self, line: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_chladni"))
+            .args(line.split_whitespace())
+            .current_dir(self.0.path())
+            .env("CHLADNI_CACHE", self.path("cache"))
+            .output()
+            .unwrap()
+    }
+
+    /// Runs a line that must succeed; what it printed.
+    fn ok(&self, line: &str) -> String {
+        let output = self.run(line);
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs a line that must fail with exit code 2; what it said.
+    fn refused(&self, line: &str) -> String {
+        let output = self.run(line);
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        String::from_utf8(output.stderr).unwrap()
+    }
+}
+
+fn lump(size: f64) -> TriMesh {
+    let mut mesh = samples::icosphere(3);
+    for p in &mut mesh.positions {
+        let [x, y, z] = *p;
+        let r = size * (3.0 + 0.6 * (3.0 * x).sin() + 0.4 * y * z);
+        *p = [size * 10.0 + r * x, r * y, 0.7 * r * z];
+    }
+    mesh
+}
+
+fn largest(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn mu_zero_writes_the_shape_itself_and_others_do_not() {
+    let desk = Desk::new();
+    let shape = desk.mesh("shape.obj");
+    for model in ["coordinate", "normal", "distance"] {
+        let line = |mu: f64| {
+            format!("caricature shape.obj ellipsoid -o out.ply --harmonics 32 --model {model} --mu {mu}")
+        };
+        desk.ok(&line(0.0));
+        assert_eq!(desk.mesh("out.ply").positions, shape.positions);
+        desk.ok(&line(-1.5));
+        let moved = desk.mesh("out.ply");
+        assert!(largest(&moved.positions, &shape.positions) > 0.1);
+        assert_eq!(moved.triangles, shape.triangles);
+    }
+}
+
+#[test]
+fn the_shape_scaled_down_is_scaled_up_and_a_region_stays_where_it_is() {
+    let desk = Desk::new();
+    let shape = desk.mesh("shape.obj").positions;
+    desk.ok("caricature shape.obj self:scale=0.5 -o big.obj --harmonics 16 --mu -1");
+    let big = desk.mesh("big.obj").positions;
+    let edge = |p: &[[f64; 3]]| largest(&[p[0]], &[p[1]]);
+    assert!((edge(&big) / edge(&shape) - 1.5).abs() < 1e-9);
+    let region = "--region 13,0,0,2 --cutoff 40";
+    desk.ok(&format!("caricature shape.obj self:scale=0.5 -o part.obj --harmonics 64 --mu -1 {region}"));
+    let part = desk.mesh("part.obj").positions;
+    let moved = |i: usize| largest(&[part[i]], &[shape[i]]);
+    let outermost = |side: f64| {
+        (0..part.len()).max_by(|a, b| (side * shape[*a][0]).total_cmp(&(side * shape[*b][0]))).unwrap()
+    };
+    let (inside, outside) = (moved(outermost(1.0)), moved(outermost(-1.0)));
+    assert!(inside > 20.0 * outside, "{inside} {outside}");
+}
+
+#[test]
+fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 48");
+    let nose = "--model normal --mu -0.8 --name nose --region 12,0,0,2";
+    desk.ok(&format!("project add-layer p.chladni --template ellipsoid {nose}"));
+    let detail = "--mu -2 --scale-curve 0:0,0.5:2,1:1,d:0";
+    desk.ok(&format!("project add-layer p.chladni --template self:lowpass=12 {detail}"));
+    let shown = desk.ok("project show p.chladni --json");
+    let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
+    assert_eq!(shown["layers"][0]["name"], "nose");
+    assert_eq!(shown["layers"][0]["region"], "spheres");
+    assert_eq!(shown["layers"][1]["template"], "self:lowpass=12");
+    assert!(desk.ok("project show p.chladni").contains("2. self:lowpass=12"));
+
+    desk.ok("caricature --recipe p.chladni -o out.glb");
+    desk.ok("caricature --recipe p.chladni -o out.ply");
+    let rest = desk.mesh("shape.obj").positions;
+    let result = desk.mesh("out.ply").positions;
+    let (names, mut sum) = morph_sum(&desk.path("out.glb"), rest.len());
+    assert_eq!(names, ["nose", "self:lowpass=12"]);
+    sum.iter_mut().flatten().zip(rest.iter().flatten()).for_each(|(s, x)| *s += x);
+    assert!(largest(&sum, &result) < 1e-5, "{}", largest(&sum, &result));
+}
+
+/// The names of a GLB's morph targets and the sum of their displacements.
+fn morph_sum(path: &Path, vertices: usize) -> (Vec<String>, Vec<[f64; 3]>) {
+    let bytes = std::fs::read(path).unwrap();
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    let json_len = word(12);
+    let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + json_len]).unwrap();
+    let binary = 20 + json_len + 8;
+    let mesh = &json["meshes"][0];
+    assert_eq!(json["meshes"].as_array().unwrap().len(), 1);
+    let names = mesh["extras"]["targetNames"].as_array().unwrap();
+    let names = names.iter().map(|n| n.as_str().unwrap().to_owned()).collect();
+    let mut sum = vec![[0.0; 3]; vertices];
+    for target in mesh["primitives"][0]["targets"].as_array().unwrap() {
+        let accessor = &json["accessors"][target["POSITION"].as_u64().unwrap() as usize];
+        let view = &json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+        let offset = |v: &serde_json::Value| v["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let start = binary + offset(accessor) + offset(view);
+        for (v, s) in sum.iter_mut().enumerate() {
+            for (i, s) in s.iter_mut().enumerate() {
+                *s += f64::from(f32::from_bits(word(start + 12 * v + 4 * i) as u32));
+            }
+        }
+    }
+    (names, sum)
+}
+
+#[test]
+fn a_recipe_is_applied_to_a_folder() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 32");
+    desk.ok("project add-layer p.chladni --template self:scale=0.8 --mu -1 --region 13,0,0,2");
+    std::fs::create_dir(desk.path("many")).unwrap();
+    save_mesh(&lump(1.0), &desk.path("many/a.obj")).unwrap();
+    save_mesh(&lump(7.0), &desk.path("many/b.ply")).unwrap();
+    desk.ok("caricature --recipe p.chladni --batch many -o out");
+    let (a, b) = (desk.mesh("out/a.obj").positions, desk.mesh("out/b.ply").positions);
+    let scaled: Vec<[f64; 3]> = a.iter().map(|p| p.map(|c| 7.0 * c)).collect();
+    assert!(largest(&scaled, &b) < 1e-3, "the region moved along with the frame");
+    assert!(largest(&a, &lump(1.0).positions) > 0.05);
+    std::fs::write(desk.path("many/c.obj"), "v 1 2").unwrap();
+    let said = desk.refused("caricature --recipe p.chladni --batch many -o out2");
+    assert!(said.contains("c.obj") && said.contains("1 of 3"), "{said}");
+    assert!(desk.path("out2/b.ply").exists() && !desk.path("out2/c.obj").exists());
+}
+
+#[test]
+fn bad_arguments_are_told_apart() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("junk.chladni"), "format_version = 2\nshape = 3").unwrap();
+    for (line, expected) in [
+        ("caricature shape.obj ellipsoid -o out.xyz", "out.xyz"),
+        ("caricature absent.obj ellipsoid -o out.obj", "absent.obj"),
+        ("caricature shape.obj absent.obj -o out.obj", "absent.obj"),
+        ("caricature shape.obj self:loud=3 -o out.obj", "self:loud=3"),
+        ("caricature sample:nobody ellipsoid -o out.obj", "nobody"),
+        ("caricature shape.obj ellipsoid -o out.obj --mu 1e9", "μ"),
+        ("caricature shape.obj ellipsoid -o out.obj --model loud", "loud"),
+        ("caricature shape.obj ellipsoid -o out.obj --region 1,2,3", "x,y,z,radius"),
+        ("caricature shape.obj ellipsoid -o out.obj --scale-curve 0:9", "scale curve"),
+        ("caricature shape.obj ellipsoid -o out.obj --cutoff 0", "cut-off"),
+        ("caricature shape.obj ellipsoid -o out.obj --harmonics 0", "harmonics"),
+        ("caricature --recipe absent.chladni -o out.obj", "absent.chladni"),
+        ("caricature --recipe junk.chladni -o out.obj", "junk.chladni"),
+        ("project new shape.obj -o p.txt", ".chladni"),
+        ("project show junk.chladni", "junk.chladni"),
+    ] {
+        let said = desk.refused(line);
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+    let left: Vec<_> = std::fs::read_dir(desk.0.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| name != "out.obj" && name != "p.txt"), "{left:?}");
+}
