@@ -11,9 +11,9 @@ mod inputs;
 mod layer_options;
 mod match_shapes;
 mod npz;
-mod spectrum;
 mod project;
 mod sculpture;
+mod spectrum;
 mod terminal;
 
 use clap::{Parser, Subcommand};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_caricature::{
-    Action, Dab, Error, History, Layer, LayerId, Mirror, Model, PaintEdit, Painted, Project, Property, Region,
-    RollOff, ScaleCurve, ShapeSource, Smoothing, Stack, Template, flipped_triangles, furthest,
+    Action, Dab, Error, History, Layer, LayerId, Mirror, Model, PaintEdit, Painted, Project, Property,
+    Region, RollOff, ScaleCurve, ShapeSource, Smoothing, Stack, Template, flipped_triangles, furthest,
 };
 use serde::Serialize;
 
@@ -76,7 +76,8 @@ impl BenchCaricature {
 }
 
 /// Times `act`, which is told how often it ran before.
-type Timer<'a> = dyn FnMut(&'static str, &mut dyn FnMut(usize) -> Result<(), Error>) -> Result<(), Failure> + 'a;
+type Timer<'a> =
+    dyn FnMut(&'static str, &mut dyn FnMut(usize) -> Result<(), Error>) -> Result<(), Failure> + 'a;
 
 /// Two layers: the first against an ellipsoid in a painted region, the second on its result.
 fn project(harmonics: usize) -> Result<Project, Error> {
