@@ -1,0 +1,186 @@
+//! The player in silence and, where PulseAudio is there, through a real sink.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+mod pulse;
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use chladni_sound::{
+    Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Song, WavSample, sample_tune, write_wav,
+};
+
+fn silent() -> Player {
+    Player::start(PlayerSettings { audible: false, ..PlayerSettings::default() }).unwrap()
+}
+
+fn write_tone(folder: &Path, name: &str, rate_hz: u32, secs: f64) -> PathBuf {
+    let path = folder.join(name);
+    let tone: Vec<f32> = (0..(secs * f64::from(rate_hz)) as usize)
+        .map(|n| 0.5 * (std::f32::consts::TAU * 500.0 * n as f32 / rate_hz as f32).sin())
+        .collect();
+    let song = Song { rate_hz, right: tone.iter().map(|x| -x).collect(), left: tone };
+    write_wav(&path, &song, WavSample::Int16).unwrap();
+    path
+}
+
+/// Waits until `done` or fails after `secs`.
+fn wait(secs: f64, what: &str, mut done: impl FnMut() -> bool) {
+    let end = Instant::now() + Duration::from_secs_f64(secs);
+    while !done() {
+        assert!(Instant::now() < end, "waited {secs} s for {what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn time_passes_in_silence_and_obeys() {
+    let folder = tempfile::tempdir().unwrap();
+    let song = write_tone(folder.path(), "tone.wav", 44_100, 30.0);
+    let player = silent();
+    player.play_list(vec![song]);
+    wait(5.0, "the first sample", || player.status().position_secs > 0.0);
+    let (start, from) = (Instant::now(), player.status().position_secs);
+    std::thread::sleep(Duration::from_millis(700));
+    let moved = player.status().position_secs - from;
+    assert!((moved - start.elapsed().as_secs_f64()).abs() < 0.15, "{moved}");
+    assert_eq!(player.status().state, PlayerState::Playing);
+    assert_eq!(player.status().device, None);
+
+    player.pause();
+    wait(2.0, "the pause", || player.status().state == PlayerState::Paused);
+    std::thread::sleep(Duration::from_millis(60));
+    let still = player.status().position_secs;
+    std::thread::sleep(Duration::from_millis(150));
+    assert!((player.status().position_secs - still).abs() < 1e-3);
+
+    player.seek(20.0);
+    wait(2.0, "the seek", || (player.status().position_secs - 20.0).abs() < 0.05);
+    player.play();
+    wait(3.0, "going on", || player.status().position_secs > 20.1);
+    assert_eq!(player.status().duration_secs, Some(30.0));
+}
+
+#[test]
+fn the_window_shows_the_samples_that_are_heard() {
+    let folder = tempfile::tempdir().unwrap();
+    let song = write_tone(folder.path(), "tone.wav", 44_100, 10.0);
+    let player = silent();
+    player.play_list(vec![song]);
+    wait(5.0, "half a second", || player.status().position_secs > 0.5);
+    let (mut left, mut right) = (vec![0.0; 2048], vec![0.0; 2048]);
+    let secs = player.heard_window(1024, &mut left, &mut right);
+    let rate_hz = f64::from(player.status().rate_hz);
+    // Sample i lies (i − 1024) / rate after the position: the tone's phase tells.
+    let worst = left.iter().zip(&right).enumerate().fold(0.0f64, |worst, (i, (l, r))| {
+        let t = secs + (i as f64 - 1024.0) / rate_hz;
+        let truth = 0.5 * (std::f64::consts::TAU * 500.0 * t).sin();
+        worst.max((f64::from(*l) - truth).abs()).max((f64::from(*r) + truth).abs())
+    });
+    assert!(worst < 0.05, "{worst}");
+}
+
+#[test]
+fn a_playlist_goes_on_over_a_broken_song_and_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let broken = folder.path().join("broken.mp3");
+    std::fs::write(&broken, b"no music").unwrap();
+    let songs = vec![
+        write_tone(folder.path(), "a.wav", 44_100, 0.4),
+        broken,
+        write_tone(folder.path(), "c.wav", 22_050, 0.4),
+    ];
+    let player = silent();
+    player.play_list(songs);
+    let mut events = Vec::new();
+    wait(10.0, "the end", || {
+        events.extend(player.events());
+        events.contains(&PlayerEvent::Finished)
+    });
+    assert!(
+        matches!(
+            &events[..],
+            [
+                PlayerEvent::SongStarted(0),
+                PlayerEvent::SongFailed { song: 1, .. },
+                PlayerEvent::SongStarted(2),
+                PlayerEvent::Finished
+            ]
+        ),
+        "{events:?}"
+    );
+    assert_eq!(player.status().state, PlayerState::Stopped);
+    player.repeat(Repeat::List);
+    player.play();
+    wait(3.0, "playing again", || player.status().state == PlayerState::Playing);
+}
+
+/// The example that cargo has built beside this test.
+fn example(name: &str) -> PathBuf {
+    let folder = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().to_owned();
+    folder.join("examples").join(name)
+}
+
+fn number(json: &str, name: &str) -> f64 {
+    let at = json.find(&format!("\"{name}\": ")).unwrap_or_else(|| panic!("{name} is not in {json}"));
+    let text = json[at..].split([':', ',', '}']).nth(1).unwrap();
+    text.trim().trim_matches(['[', ']']).parse().unwrap()
+}
+
+#[test]
+fn what_a_real_sink_gets_is_what_was_decoded() {
+    let Some(server) = pulse::Server::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tune.wav");
+    write_wav(&path, &sample_tune(), WavSample::Int16).unwrap();
+    let output =
+        server.command(example("playback")).args(["check", path.to_str().unwrap(), "4"]).output().unwrap();
+    let report = String::from_utf8_lossy(&output.stdout).into_owned();
+    eprintln!("{report}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success());
+    assert_eq!(number(&report, "underruns"), 0.0);
+    assert!(number(&report, "compared_secs") > 1.5);
+    assert!(number(&report, "relative_error") < 0.02);
+    // Least distance to the recorder, whose own delay of 10 ms is in it.
+    assert!((-0.01..0.04).contains(&number(&report, "position_ahead_secs")));
+}
+
+#[test]
+fn a_device_that_goes_away_and_comes_back() {
+    let Some(mut server) = pulse::Server::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let song = write_tone(folder.path(), "long.wav", 44_100, 60.0);
+    let mut child = server
+        .command(example("playback"))
+        .args(["watch", song.to_str().unwrap(), "40"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
+    let (mut seen, mut stage) = (Vec::new(), 0);
+    for line in &mut lines {
+        let place: f64 = line.split(' ').nth(1).and_then(|x| x.parse().ok()).unwrap_or(-1.0);
+        let silent = line.ends_with("silence");
+        seen.push(line);
+        match stage {
+            // Playing: pull the device out.
+            0 if place > 0.5 && !silent => server.stop(),
+            // In silence the song goes on from where it was.
+            1 if place > 1.0 && silent => server.restart(),
+            2 if place > 1.5 && !silent => {}
+            _ => continue,
+        }
+        stage += 1;
+        if stage == 3 {
+            break;
+        }
+    }
+    let _ = child.kill();
+    let _ = child.wait();
+    assert_eq!(stage, 3, "{seen:#?}");
+    assert!(seen.iter().any(|line| line.starts_with("lost")), "{seen:#?}");
+}

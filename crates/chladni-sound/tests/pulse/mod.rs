@@ -1,0 +1,85 @@
+//! A PulseAudio server of our own with a null sink.
+
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A server that ends with its owner.
+pub struct Server {
+    folder: tempfile::TempDir,
+    process: Option<Child>,
+}
+
+impl Server {
+    /// `None`, with a printed line, where there is no PulseAudio.
+    pub fn start() -> Option<Self> {
+        let found = |program: &str| Command::new(program).arg("--version").output().is_ok();
+        if !cfg!(target_os = "linux") || !["pulseaudio", "parec", "pactl"].iter().all(|p| found(p)) {
+            eprintln!("skipped: pulseaudio, parec and pactl are not all here");
+            return None;
+        }
+        let folder = tempfile::tempdir().ok()?;
+        // ALSA's default device becomes the PulseAudio plugin.
+        let alsa = "</usr/share/alsa/alsa.conf>\npcm.!default { type pulse }\nctl.!default { type pulse }\n";
+        std::fs::write(folder.path().join("alsa.conf"), alsa).ok()?;
+        let mut server = Self { folder, process: None };
+        server.restart();
+        if server.process.is_none() {
+            eprintln!("skipped: pulseaudio does not start");
+            return None;
+        }
+        Some(server)
+    }
+
+    /// A program that plays and records on this server.
+    pub fn command(&self, program: impl Into<PathBuf>) -> Command {
+        let mut command = Command::new(program.into());
+        command
+            .env("ALSA_CONFIG_PATH", self.folder.path().join("alsa.conf"))
+            .env("PULSE_SERVER", format!("unix:{}", self.folder.path().join("socket").display()))
+            .env("PULSE_RUNTIME_PATH", self.folder.path());
+        command
+    }
+
+    /// Starts the server again after [`stop`](Self::stop).
+    pub fn restart(&mut self) {
+        let socket = self.folder.path().join("socket");
+        // What a killed server leaves behind.
+        let _ = std::fs::remove_file(&socket);
+        let child = self
+            .command("pulseaudio")
+            .env_remove("PULSE_SERVER")
+            .args(["-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no"])
+            .args(["-L", "module-null-sink sink_name=null norewinds=1 rate=48000"])
+            .args([
+                "-L",
+                &format!("module-native-protocol-unix auth-anonymous=1 socket={}", socket.display()),
+            ])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        self.process = child.ok();
+        let end = Instant::now() + Duration::from_secs(15);
+        while !self.command("pactl").arg("info").output().is_ok_and(|output| output.status.success()) {
+            if Instant::now() > end {
+                self.stop();
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// As a device that is pulled out.
+    pub fn stop(&mut self) {
+        if let Some(mut process) = self.process.take() {
+            let _ = process.kill();
+            let _ = process.wait();
+        }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
