@@ -105,10 +105,11 @@ pub(super) fn run(
         krylov.below.push(triangular.r);
         next = image;
         let m = krylov.basis.len() * BLOCK;
-        if m + 2 * BLOCK > n {
+        if m + 2 * BLOCK > n || m > 8 * window.expected + 60 * BLOCK {
             return Err(Stopped::Exhausted);
         }
-        if m < window.expected * 2 + 2 * BLOCK {
+        // Convergence comes at about twice the pairs and 14 blocks; looking costs a dense solve.
+        if m < window.expected * 2 + 12 * BLOCK || !krylov.basis.len().is_multiple_of(2) {
             continue;
         }
         let start = Instant::now();

@@ -8,7 +8,7 @@ use super::problem::{Problem, Profile};
 use crate::ldlt::{Factor, Workspace};
 
 /// Eigenpairs per slice that are aimed at.
-const PER_SLICE: usize = 32;
+const PER_SLICE: usize = 64;
 /// Counts taken side by side in each round; not the number of threads, on which the plan must
 /// not depend.
 const PROBES: usize = 4;
@@ -37,8 +37,7 @@ pub(super) fn plan(
     // Two more than asked for, so that the top slice has pairs on both sides of λ_K.
     let wanted = (harmonics.max(zeros) + 2) as f64;
     let counting = count(problem, zeros, wanted, profile, task)?;
-    let per = std::env::var("PER").ok().and_then(|p| p.parse().ok()).unwrap_or(PER_SLICE);
-    let slices = (harmonics.saturating_sub(zeros).div_ceil(per)).max(1);
+    let slices = (harmonics.saturating_sub(zeros).div_ceil(PER_SLICE)).max(1);
     let slices = if slices > 2 { slices.next_multiple_of(4) } else { slices };
     let at = |count: f64| counting.inverse(count);
     let step = (wanted - zeros as f64) / slices as f64;
