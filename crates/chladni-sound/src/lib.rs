@@ -22,8 +22,10 @@
 //! decoder's version), and that a tracker's beats are a listener's beats: read its confidence.
 
 mod beat;
+mod capture;
 mod decode;
 mod error;
+mod history;
 mod player;
 mod spectrum;
 mod tune;
@@ -32,6 +34,7 @@ pub use beat::{
     BeatFollower, BeatMoment, BeatScore, Beats, ONSET_RATE_HZ, OnsetDetector, beat_score, track_beats,
     track_beats_causally,
 };
+pub use capture::{Capture, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
 pub use decode::{Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav};
 pub use error::SoundError;
 pub use player::{

@@ -184,3 +184,30 @@ fn a_device_that_goes_away_and_comes_back() {
     assert_eq!(stage, 3, "{seen:#?}");
     assert!(seen.iter().any(|line| line.starts_with("lost")), "{seen:#?}");
 }
+
+#[test]
+fn what_the_machine_plays_can_be_captured() {
+    let Some(server) = pulse::Server::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    // Left at half, right silent.
+    let path = folder.path().join("left.wav");
+    let left: Vec<f32> = (0..480_000).map(|n| 0.5 * (n as f32 * 0.06).sin()).collect();
+    let song = Song { rate_hz: 48_000, right: vec![0.0; left.len()], left };
+    write_wav(&path, &song, WavSample::Int16).unwrap();
+    let mut player = server
+        .command(example("playback"))
+        .args(["watch", path.to_str().unwrap(), "8"])
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(800));
+    let heard = server.command(example("capture")).args(["null.monitor", "1.5"]).output().unwrap();
+    let _ = player.kill();
+    let _ = player.wait();
+    let text = String::from_utf8_lossy(&heard.stdout).into_owned();
+    let numbers: Vec<f32> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let [frames, rate_hz, left, right] = numbers[..] else { panic!("{text} {heard:?}") };
+    assert_eq!(rate_hz, 48_000.0);
+    assert!(frames > 30_000.0, "{text}");
+    assert!((left - 0.5).abs() < 0.02 && right < 0.01, "{text}");
+}

@@ -6,8 +6,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
 use super::handle::{PlayerSettings, Repeat, Shared};
-use super::output::{Frame, Output};
+use super::output::Output;
 use super::queue::{Playlist, Stretch};
+use crate::history::Frame;
 use crate::{SongReader, SoundError, StereoResampler};
 
 /// How far ahead of the device the ring is filled.

@@ -8,9 +8,9 @@ use std::time::Instant;
 
 use super::clock::Clock;
 use super::engine::{Command, Engine, PlayerEvent};
-use super::history::History;
 use super::queue::Stretches;
 use crate::SoundError;
+use crate::history::History;
 
 /// What comes after the last sample of a song.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -4,7 +4,6 @@
 mod clock;
 mod engine;
 mod handle;
-mod history;
 mod output;
 mod queue;
 

@@ -9,9 +9,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::clock::Clock;
 use crate::SoundError;
-
-/// A stereo frame.
-pub(super) type Frame = [f32; 2];
+use crate::history::Frame;
 
 /// Frames per second where there is no device to ask.
 const SILENT_RATE_HZ: u32 = 48_000;

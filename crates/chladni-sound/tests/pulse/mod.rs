@@ -1,5 +1,7 @@
 //! A PulseAudio server of our own with a null sink.
 
+#![allow(clippy::print_stderr, reason = "a skipped test must say so")]
+
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};

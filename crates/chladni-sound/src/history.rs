@@ -1,12 +1,13 @@
-//! The samples around the one being heard, for analysis.
+//! The last samples, for analysis.
 
-use super::output::Frame;
+/// A stereo frame.
+pub(crate) type Frame = [f32; 2];
 
-/// Frames kept: 2.7 s at 48 kHz, more than the ring and the longest window together.
+/// Frames kept: 2.7 s at 48 kHz, more than a ring and the longest window together.
 const KEPT: usize = 1 << 17;
 
-/// The last frames that were written to the ring, by their number.
-pub(super) struct History {
+/// The last frames of a stream, by their number.
+pub(crate) struct History {
     frames: Vec<Frame>,
     written: u64,
 }
@@ -14,6 +15,11 @@ pub(super) struct History {
 impl History {
     pub fn new() -> Self {
         Self { frames: vec![[0.0; 2]; KEPT], written: 0 }
+    }
+
+    /// How many frames there have been.
+    pub fn written(&self) -> u64 {
+        self.written
     }
 
     /// Numbers begin at 0 again.

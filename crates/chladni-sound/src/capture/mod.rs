@@ -1,0 +1,135 @@
+//! Listening: a microphone, or what the machine itself plays.
+//!
+//! Windows (WASAPI) and macOS (14.6 and later) let an output device be recorded directly. Linux sound
+//! servers offer each sink's monitor as a source, which ALSA cannot name; there the
+//! server's own `parec` is run (PulseAudio, or PipeWire with its PulseAudio service).
+
+mod monitor;
+mod source;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rtrb::{Consumer, Producer, RingBuffer};
+
+pub use source::{CaptureKind, CaptureSource, capture_sources};
+
+use crate::SoundError;
+use crate::history::{Frame, History};
+
+/// The ring holds this many frames: 1.4 s at 48 kHz.
+const RING_FRAMES: usize = 1 << 16;
+/// The meter's peak falls by 20 dB in this time.
+const METER_FALL_SECS: f32 = 1.0;
+
+/// How loud what is captured is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CaptureLevel {
+    /// Largest amplitude, falling by 20 dB per second.
+    pub peak: f32,
+    /// Root mean square of the last block.
+    pub rms: f32,
+}
+
+/// Shared with whatever delivers the samples.
+#[derive(Default)]
+struct Health {
+    lost: AtomicBool,
+    dropped: AtomicU64,
+}
+
+/// A running capture. Dropping it ends it.
+pub struct Capture {
+    rate_hz: u32,
+    consumer: Consumer<Frame>,
+    history: History,
+    level: CaptureLevel,
+    health: Arc<Health>,
+    _feed: Feed,
+}
+
+/// Kept only to be dropped: dropping stops it.
+enum Feed {
+    Device { _stream: cpal::Stream },
+    Monitor { _recorder: monitor::Recorder },
+}
+
+/// The writing end, which device callbacks own: no allocation, no lock.
+struct Inlet {
+    producer: Producer<Frame>,
+    health: Arc<Health>,
+}
+
+impl Inlet {
+    fn push(&mut self, frame: Frame) {
+        if self.producer.push(frame).is_err() {
+            self.health.dropped.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Capture {
+    /// Opens a source and begins to listen.
+    pub fn start(source: &CaptureSource) -> Result<Self, SoundError> {
+        let (producer, consumer) = RingBuffer::new(RING_FRAMES);
+        let health = Arc::new(Health::default());
+        let inlet = Inlet { producer, health: Arc::clone(&health) };
+        let (rate_hz, feed) = match &source.monitor {
+            Some(name) => {
+                let recorder = monitor::Recorder::start(name, inlet)?;
+                (monitor::RATE_HZ, Feed::Monitor { _recorder: recorder })
+            }
+            None => {
+                let (rate_hz, stream) = source::open(source, inlet)?;
+                (rate_hz, Feed::Device { _stream: stream })
+            }
+        };
+        let level = CaptureLevel::default();
+        Ok(Self { rate_hz, consumer, history: History::new(), level, health, _feed: feed })
+    }
+
+    /// Frames per second.
+    pub fn rate_hz(&self) -> u32 {
+        self.rate_hz
+    }
+
+    /// Takes what has arrived since the last call and appends it to `left` and `right`.
+    pub fn take(&mut self, left: &mut Vec<f32>, right: &mut Vec<f32>) -> usize {
+        let count = self.consumer.slots();
+        let (mut peak, mut square) = (0.0f32, 0.0f32);
+        for _ in 0..count {
+            let Ok([l, r]) = self.consumer.pop() else { break };
+            peak = peak.max(l.abs()).max(r.abs());
+            square += 0.5 * (l * l + r * r);
+            self.history.push([l, r]);
+            left.push(l);
+            right.push(r);
+        }
+        if count > 0 {
+            let fallen = 0.1f32.powf(count as f32 / self.rate_hz as f32 / METER_FALL_SECS);
+            self.level.peak = peak.max(self.level.peak * fallen);
+            self.level.rms = (square / count as f32).sqrt();
+        }
+        count
+    }
+
+    /// Copies the newest samples that [`take`](Self::take) has seen.
+    pub fn window(&self, left: &mut [f32], right: &mut [f32]) {
+        self.history.window(self.history.written() as i64, left, right);
+    }
+
+    /// The meter.
+    pub fn level(&self) -> CaptureLevel {
+        self.level
+    }
+
+    /// The device is gone: start anew.
+    pub fn is_lost(&self) -> bool {
+        self.health.lost.load(Ordering::Acquire)
+    }
+
+    /// Frames that came while nobody took any.
+    pub fn dropped_frames(&self) -> u64 {
+        self.health.dropped.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,113 @@
+//! What can be listened to, and opening it.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
+use cpal::{ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
+
+use super::{Inlet, monitor};
+use crate::SoundError;
+
+/// What a source hears.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CaptureKind {
+    /// The room: a microphone or a line in.
+    Input,
+    /// What this machine plays.
+    Loopback,
+}
+
+/// Something that can be listened to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CaptureSource {
+    /// What a person reads.
+    pub name: String,
+    /// Room or machine.
+    pub kind: CaptureKind,
+    /// The device's id among the host's devices.
+    pub(super) device: Option<String>,
+    /// The sound server's name of a monitor.
+    pub(super) monitor: Option<String>,
+}
+
+/// What can be listened to now: the default input first, then loopbacks, then other inputs.
+pub fn capture_sources() -> Result<Vec<CaptureSource>, SoundError> {
+    let host = cpal::default_host();
+    let failed = |error: cpal::Error| SoundError::Device { what: error.to_string() };
+    let source = |device: cpal::Device, kind: CaptureKind| {
+        let id = device.id().ok()?.to_string();
+        Some(CaptureSource { name: device.to_string(), kind, device: Some(id), monitor: None })
+    };
+    let default = host.default_input_device().and_then(|device| source(device, CaptureKind::Input));
+    let mut sources: Vec<CaptureSource> = default.clone().into_iter().collect();
+    if cfg!(any(target_os = "windows", target_os = "macos")) {
+        let outputs = host.output_devices().map_err(failed)?;
+        sources.extend(outputs.filter_map(|device| source(device, CaptureKind::Loopback)));
+    } else {
+        sources.extend(monitor::names().into_iter().map(|name| CaptureSource {
+            name: name.clone(),
+            kind: CaptureKind::Loopback,
+            device: None,
+            monitor: Some(name),
+        }));
+    }
+    let inputs = host.input_devices().map_err(failed)?;
+    let inputs = inputs.filter_map(|device| source(device, CaptureKind::Input));
+    sources.extend(inputs.filter(|input| Some(input) != default.as_ref()));
+    Ok(sources)
+}
+
+/// Opens a device; a loopback is an output device that is asked for input.
+pub(super) fn open(source: &CaptureSource, inlet: Inlet) -> Result<(u32, cpal::Stream), SoundError> {
+    let failed = |what: String| SoundError::Device { what: format!("{}: {what}", source.name) };
+    let host = cpal::default_host();
+    let id = source.device.as_deref().and_then(|id| id.parse().ok());
+    let device = id.and_then(|id| host.device_by_id(&id)).ok_or_else(|| failed("is not there".into()))?;
+    let supported = match source.kind {
+        CaptureKind::Input => device.default_input_config(),
+        CaptureKind::Loopback => device.default_output_config(),
+    }
+    .map_err(|error| failed(error.to_string()))?;
+    let config = supported.config();
+    let stream = match supported.sample_format() {
+        SampleFormat::F32 => stream::<f32>(&device, config, inlet),
+        SampleFormat::I16 => stream::<i16>(&device, config, inlet),
+        SampleFormat::I32 => stream::<i32>(&device, config, inlet),
+        SampleFormat::U8 => stream::<u8>(&device, config, inlet),
+        SampleFormat::U16 => stream::<u16>(&device, config, inlet),
+        SampleFormat::F64 => stream::<f64>(&device, config, inlet),
+        _ => Err(ErrorKind::UnsupportedConfig.into()),
+    }
+    .map_err(|error| failed(error.to_string()))?;
+    stream.play().map_err(|error| failed(error.to_string()))?;
+    Ok((config.sample_rate, stream))
+}
+
+fn stream<T: SizedSample>(
+    device: &cpal::Device,
+    config: StreamConfig,
+    mut inlet: Inlet,
+) -> Result<cpal::Stream, cpal::Error>
+where
+    f32: FromSample<T>,
+{
+    let channels = usize::from(config.channels).max(1);
+    let health = Arc::clone(&inlet.health);
+    let take = move |data: &[T], _: &cpal::InputCallbackInfo| {
+        for frame in data.chunks_exact(channels) {
+            let left = cpal::Sample::to_sample::<f32>(frame[0]);
+            // One channel is heard on both sides.
+            let right = frame.get(1).map_or(left, |&right| cpal::Sample::to_sample::<f32>(right));
+            inlet.push([left, right]);
+        }
+    };
+    let on_error = move |error: cpal::Error| {
+        let harmless = [ErrorKind::Xrun, ErrorKind::DeviceChanged, ErrorKind::RealtimeDenied];
+        if !harmless.contains(&error.kind()) {
+            health.lost.store(true, Ordering::Release);
+        }
+    };
+    device.build_input_stream(config, take, on_error, Some(Duration::from_secs(2)))
+}
