@@ -17,13 +17,20 @@ pub(crate) struct Layouts {
     pub(crate) corners: BindGroupLayout,
 }
 
+/// The same surface twice: its front faces, and its back faces. Opaque surfaces draw the front
+/// first, so that what lies behind it is never shaded; translucent ones the back first.
+pub(crate) struct Sides {
+    pub(crate) front: RenderPipeline,
+    pub(crate) back: RenderPipeline,
+}
+
 pub(crate) struct Pipelines {
     pub(crate) shadow: RenderPipeline,
     pub(crate) backdrop: RenderPipeline,
-    pub(crate) plain: RenderPipeline,
-    pub(crate) values: RenderPipeline,
-    pub(crate) colors: RenderPipeline,
-    pub(crate) corners: RenderPipeline,
+    pub(crate) plain: Sides,
+    pub(crate) values: Sides,
+    pub(crate) colors: Sides,
+    pub(crate) corners: Sides,
     pub(crate) markers: RenderPipeline,
     pub(crate) hidden_markers: RenderPipeline,
 }
@@ -96,12 +103,14 @@ fn layout(
 }
 
 /// What sets one pipeline apart.
+#[derive(Clone, Copy)]
 struct Kind<'a> {
     label: &'a str,
     vertex: &'a str,
     fragment: &'a str,
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     strip: bool,
+    cull: Option<wgpu::Face>,
     depth: (bool, wgpu::CompareFunction),
 }
 
@@ -118,7 +127,7 @@ impl Pipelines {
             })
         };
         let (shadowed, indexed, cornered) = (pipeline_layout(2), pipeline_layout(3), pipeline_layout(4));
-        let build = |layout: &wgpu::PipelineLayout, kind: Kind| {
+        let build = |layout: &wgpu::PipelineLayout, kind: Kind<'_>| {
             device.create_render_pipeline(&descriptor(&module, layout, &kind, &[Some(target(format))]))
         };
         let attribute =
@@ -142,12 +151,13 @@ impl Pipelines {
             attributes: &marker_attributes,
         })];
         let (less, more) = (wgpu::CompareFunction::LessEqual, wgpu::CompareFunction::Greater);
-        let surface = |label, vertex, buffers| Kind {
+        let surface = |label, vertex, fragment, buffers| Kind {
             label,
             vertex,
-            fragment: "surface_fragment",
+            fragment,
             buffers,
             strip: false,
+            cull: None,
             depth: (true, less),
         };
         let disc = |label, fragment, compare| Kind {
@@ -156,10 +166,16 @@ impl Pipelines {
             fragment,
             buffers: &marker,
             strip: true,
+            cull: None,
             depth: (false, compare),
         };
+        let sides = |layout: &wgpu::PipelineLayout, kind: Kind<'_>| Sides {
+            front: build(layout, Kind { cull: Some(wgpu::Face::Back), ..kind }),
+            back: build(layout, Kind { cull: Some(wgpu::Face::Front), ..kind }),
+        };
         // The same attributes, seen from the key light: no colour, one sample.
-        let mut shadow = descriptor(&module, &shadowed, &surface("shadow", "shadow_vertex", &body[..1]), &[]);
+        let mut shadow =
+            descriptor(&module, &shadowed, &surface("shadow", "shadow_vertex", "", &body[..1]), &[]);
         shadow.fragment = None;
         shadow.multisample.count = 1;
         if let Some(depth) = &mut shadow.depth_stencil {
@@ -175,13 +191,14 @@ impl Pipelines {
                     fragment: "backdrop_fragment",
                     buffers: &[],
                     strip: false,
+                    cull: None,
                     depth: (false, wgpu::CompareFunction::Always),
                 },
             ),
-            plain: build(&indexed, surface("plain", "plain_vertex", &body)),
-            values: build(&indexed, surface("values", "value_vertex", &valued)),
-            colors: build(&indexed, surface("colors", "color_vertex", &colored)),
-            corners: build(&cornered, surface("corners", "corner_vertex", &[])),
+            plain: sides(&indexed, surface("plain", "plain_vertex", "plain_fragment", &body)),
+            values: sides(&indexed, surface("values", "value_vertex", "value_fragment", &valued)),
+            colors: sides(&indexed, surface("colors", "color_vertex", "color_fragment", &colored)),
+            corners: sides(&cornered, surface("corners", "corner_vertex", "corner_fragment", &[])),
             markers: build(&indexed, disc("markers", "marker_fragment", less)),
             hidden_markers: build(&indexed, disc("hidden markers", "hidden_marker_fragment", more)),
         }
@@ -214,6 +231,7 @@ fn descriptor<'a>(
         },
         primitive: wgpu::PrimitiveState {
             topology: if kind.strip { TriangleStrip } else { TriangleList },
+            cull_mode: kind.cull,
             ..Default::default()
         },
         depth_stencil: Some(wgpu::DepthStencilState {

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
 use crate::images::Images;
-use crate::pipelines::{Layouts, MARKER_BYTES, Pipelines};
+use crate::pipelines::{Layouts, MARKER_BYTES, Pipelines, Sides};
 use crate::style::linear;
 use crate::{Canvas, Cell, Figure, Gpu, Paint, ViewError};
 
@@ -176,15 +176,17 @@ impl Renderer {
         let corners = 3 * topology.triangles as u32;
         if figure.wire.is_some() || matches!(figure.paint, Paint::Skin(_)) {
             self.bind_corners(pass, figure);
-            pass.set_pipeline(&self.pipelines.corners);
-            pass.draw(0..corners, 0..1);
+            for pipeline in in_order(&self.pipelines.corners, figure) {
+                pass.set_pipeline(pipeline);
+                pass.draw(0..corners, 0..1);
+            }
             pass.set_bind_group(2, &self.images.group, &[]);
             return;
         }
         let item = item_bytes(figure);
         pass.set_vertex_buffer(0, buffers.positions.slice(item.clone()));
         pass.set_vertex_buffer(1, buffers.normals.slice(item));
-        let pipeline = match figure.paint {
+        let sides = match figure.paint {
             Paint::Material | Paint::Skin(_) => &self.pipelines.plain,
             Paint::Values(paint, _) => {
                 pass.set_vertex_buffer(2, paint.buffer.slice(..));
@@ -195,9 +197,11 @@ impl Renderer {
                 &self.pipelines.colors
             }
         };
-        pass.set_pipeline(pipeline);
         pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..corners, 0, 0..1);
+        for pipeline in in_order(sides, figure) {
+            pass.set_pipeline(pipeline);
+            pass.draw_indexed(0..corners, 0, 0..1);
+        }
     }
 
     /// Wires and skins read their vertices from storage; these groups are small and made per draw.
@@ -279,6 +283,10 @@ impl Renderer {
         }
         Ok(())
     }
+}
+
+fn in_order<'a>(sides: &'a Sides, figure: &Figure<'_>) -> [&'a wgpu::RenderPipeline; 2] {
+    if figure.opacity < 1.0 { [&sides.back, &sides.front] } else { [&sides.front, &sides.back] }
 }
 
 /// Heat maps and bare backgrounds have no shadows.

@@ -55,33 +55,41 @@ struct Figure {
 @group(3) @binding(3) var<storage, read> corner_uvs: array<vec2f>;
 @group(3) @binding(4) var<storage, read> paints: array<u32>;
 
+// Position and normal in the viewer's axes; all that bare surfaces hand on.
 struct Surface {
     @builtin(position) clip: vec4f,
-    // In the viewer's axes.
     @location(0) at: vec3f,
     @location(1) normal: vec3f,
-    @location(2) color: vec4f,
-    @location(3) value: f32,
-    @location(4) uv: vec2f,
-    @location(5) barycentric: vec3f,
-    // In the scene.
-    @location(6) place: vec3f,
+}
+
+struct ValuedSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) value: f32,
+}
+
+struct ColoredSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) color: vec3f,
+}
+
+// Corners carry whatever their paint needs: a value in x, a colour, or a (u, v).
+struct CornerSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) paint: vec3f,
+    @location(3) barycentric: vec3f,
 }
 
 fn surface(position: vec3f, normal: vec3f) -> Surface {
-    var out: Surface;
-    let place = figure.model * vec4f(position, 1.0);
-    let at = cell.view * place;
-    out.clip = cell.projection * at;
-    out.at = at.xyz;
-    out.place = place.xyz;
+    let at = cell.view * (figure.model * vec4f(position, 1.0));
     // The model matrix is a similarity: normals turn with it.
-    out.normal = (cell.view * figure.model * vec4f(normal, 0.0)).xyz;
-    out.color = vec4f(1.0);
-    out.value = 0.0;
-    out.uv = vec2f(0.0);
-    out.barycentric = vec3f(1.0);
-    return out;
+    let turned = cell.view * (figure.model * vec4f(normal, 0.0));
+    return Surface(cell.projection * at, at.xyz, turned.xyz);
 }
 
 @vertex
@@ -94,10 +102,9 @@ fn value_vertex(
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) value: f32,
-) -> Surface {
-    var out = surface(position, normal);
-    out.value = value;
-    return out;
+) -> ValuedSurface {
+    let s = surface(position, normal);
+    return ValuedSurface(s.clip, s.at, s.normal, value);
 }
 
 @vertex
@@ -105,10 +112,9 @@ fn color_vertex(
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) color: vec4f,
-) -> Surface {
-    var out = surface(position, normal);
-    out.color = color;
-    return out;
+) -> ColoredSurface {
+    let s = surface(position, normal);
+    return ColoredSurface(s.clip, s.at, s.normal, color.rgb);
 }
 
 // What the key light sees.
@@ -119,21 +125,22 @@ fn shadow_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
 
 // One vertex per corner, for what lives on corners: UVs with seams, and wires.
 @vertex
-fn corner_vertex(@builtin(vertex_index) corner: u32) -> Surface {
+fn corner_vertex(@builtin(vertex_index) corner: u32) -> CornerSurface {
     let v = corners[corner];
     let i = 3u * (v + u32(figure.wire_width.y));
-    var out = surface(
+    let s = surface(
         vec3f(positions[i], positions[i + 1u], positions[i + 2u]),
         vec3f(normals[i], normals[i + 1u], normals[i + 2u]),
     );
-    let paint = u32(figure.back.w);
-    if paint == 1u { out.value = bitcast<f32>(paints[v]); }
-    if paint == 2u { out.color = unpack4x8unorm(paints[v]); }
+    let kind = u32(figure.back.w);
+    var paint = vec3f(0.0);
+    if kind == 1u { paint.x = bitcast<f32>(paints[v]); }
+    if kind == 2u { paint = unpack4x8unorm(paints[v]).rgb; }
     // Images begin at the top, v at the bottom.
-    if paint == 3u { out.uv = vec2f(0.0, 1.0) + corner_uvs[corner] * vec2f(1.0, -1.0); }
+    if kind == 3u { paint = vec3f(corner_uvs[corner].x, 1.0 - corner_uvs[corner].y, 0.0); }
     let which = corner % 3u;
-    out.barycentric = vec3f(f32(which == 0u), f32(which == 1u), f32(which == 2u));
-    return out;
+    let barycentric = vec3f(f32(which == 0u), f32(which == 1u), f32(which == 2u));
+    return CornerSurface(s.clip, s.at, s.normal, paint, barycentric);
 }
 
 fn to_linear(c: vec3f) -> vec3f {
@@ -178,24 +185,57 @@ fn studio(d: vec3f, roughness: f32) -> vec3f {
     return c;
 }
 
-// Share of the key light that reaches `place`: a disc of 16 filtered samples (Vogel's spiral).
-fn lit_by_key(place: vec3f, n: vec3f) -> f32 {
+// Vogel's spiral: evenly spread over a disc.
+const DISC = array<vec2f, 16>(
+    vec2f(0.1768, 0.0000),
+    vec2f(-0.2258, 0.2068),
+    vec2f(0.0346, -0.3938),
+    vec2f(0.2846, 0.3712),
+    vec2f(-0.5222, -0.0924),
+    vec2f(0.4947, -0.3147),
+    vec2f(-0.1655, 0.6155),
+    vec2f(-0.3156, -0.6076),
+    vec2f(0.6846, 0.2500),
+    vec2f(-0.7123, 0.2940),
+    vec2f(0.3434, -0.7337),
+    vec2f(0.2537, 0.8089),
+    vec2f(-0.7647, -0.4432),
+    vec2f(0.8971, -0.1972),
+    vec2f(-0.5475, 0.7788),
+    vec2f(-0.1265, -0.9761),
+);
+
+// From the viewer's axes to the scene: the view turns and shifts only.
+fn to_scene(direction: vec3f) -> vec3f {
+    return direction * mat3x3f(cell.view[0].xyz, cell.view[1].xyz, cell.view[2].xyz);
+}
+
+fn place_of(at: vec3f) -> vec3f {
+    return to_scene(at - cell.view[3].xyz);
+}
+
+// Share of the key light that reaches `at`: a disc of filtered samples of its map.
+fn lit_by_key(at: vec3f, n: vec3f) -> f32 {
     if cell.shadow_map.x <= 0.0 { return 1.0; }
+    let facing = dot(n, cell.lights[0].direction.xyz);
     // Step off the surface, more where the light grazes it.
-    let facing = max(dot(n, cell.lights[0].direction.xyz), 0.0);
-    let world_n = transpose(mat3x3f(cell.view[0].xyz, cell.view[1].xyz, cell.view[2].xyz)) * n;
-    let off = cell.shadow_map.w * (1.0 + 3.0 * (1.0 - facing));
-    let clip = cell.shadow * vec4f(place + world_n * off, 1.0);
-    let at = clip.xy * vec2f(0.5, -0.5) + 0.5;
-    if any(at < vec2f(0.0)) || any(at > vec2f(1.0)) { return 1.0; }
+    let off = cell.shadow_map.w * (1.0 + 3.0 * (1.0 - max(facing, 0.0)));
+    let clip = cell.shadow * vec4f(place_of(at + n * off), 1.0);
+    let center = clip.xy * vec2f(0.5, -0.5) + 0.5;
+    if any(center < vec2f(0.0)) || any(center > vec2f(1.0)) { return 1.0; }
+    let radius = 3.6 * cell.shadow_map.z;
+    let layer = i32(cell.shadow_map.y);
     var lit = 0.0;
     for (var i = 0; i < 16; i++) {
-        let r = sqrt((f32(i) + 0.5) / 16.0) * 3.6 * cell.shadow_map.z;
-        let turn = f32(i) * 2.39996;
-        let tap = at + r * vec2f(cos(turn), sin(turn));
-        lit += textureSampleCompareLevel(shadows, shadow_sampler, tap, i32(cell.shadow_map.y), clip.z);
+        let tap = center + radius * DISC[i];
+        lit += textureSampleCompareLevel(shadows, shadow_sampler, tap, layer, clip.z);
     }
     return mix(1.0, lit / 16.0, cell.shadow_map.x);
+}
+
+fn fifth(x: f32) -> f32 {
+    let x2 = x * x;
+    return x2 * x2 * x;
 }
 
 fn shaded(base: vec3f, n: vec3f, v: vec3f, key: f32) -> vec3f {
@@ -226,7 +266,7 @@ fn shaded(base: vec3f, n: vec3f, v: vec3f, key: f32) -> vec3f {
         let nh = max(dot(n, h), 0.0);
         let vh = max(dot(v, h), 1e-3);
         let d = nh * nh * (a * a - 1.0) + 1.0;
-        let fresnel = f0 + (1.0 - f0) * pow(1.0 - vh, 5.0);
+        let fresnel = f0 + (1.0 - f0) * fifth(1.0 - vh);
         gloss += light * fresnel * max(nl, 0.0) * (a * a / (d * d)) * 0.25 / (vh * vh);
     }
     // Karis, "Physically Based Shading on Mobile" (2014): the environment's share.
@@ -245,38 +285,88 @@ fn painted(color: vec3f, n: vec3f, v: vec3f) -> vec3f {
     return color * min(light, 1.08) * mix(0.8, 1.0, smoothstep(0.0, 0.5, dot(n, v)));
 }
 
+// The normal that faces the side seen.
+fn facing(normal: vec3f, v: vec3f, front: bool) -> vec3f {
+    let length_of_normal = length(normal);
+    let n = select(v, normal / length_of_normal, length_of_normal > 0.0);
+    return select(-n, n, front);
+}
+
+fn towards_viewer(at: vec3f) -> vec3f {
+    return select(normalize(-at), vec3f(0.0, 0.0, 1.0), cell.output.z > 0.5);
+}
+
+// The brush's ring and a breath of its colour inside; `step` is how far `at` moves in a pixel.
+fn brushed(c: vec3f, reach: f32, step: f32) -> vec3f {
+    if figure.brush.w <= 0.0 { return c; }
+    let ring = 1.0 - smoothstep(0.7, 1.7, abs(reach - figure.brush.w) / max(step, 1e-9));
+    let inside = select(0.0, 0.13, reach < figure.brush.w);
+    return mix(c, figure.brush_color.rgb, figure.brush_color.a * max(ring, inside));
+}
+
+// A surface of its own colour under the lamps, as the target's numbers.
+fn modelled(color: vec3f, at: vec3f, normal: vec3f, front: bool) -> vec3f {
+    let v = towards_viewer(at);
+    let n = facing(normal, v, front);
+    let base = select(color * figure.back.rgb, color, front);
+    return encoded(toned(shaded(base, n, v, lit_by_key(at, n))));
+}
+
+// A heat map.
+fn mapped(color: vec3f, at: vec3f, normal: vec3f, front: bool) -> vec3f {
+    let v = towards_viewer(at);
+    let base = select(color * figure.back.rgb, color, front);
+    return encoded(painted(base, facing(normal, v, front), v));
+}
+
+fn map_color(value: f32) -> vec3f {
+    let t = clamp((value - figure.scale.x) * figure.scale.y, 0.0, 1.0);
+    let row = (figure.scale.z + 0.5) / f32(textureDimensions(maps).y);
+    return textureSampleLevel(maps, map_sampler, vec2f((t * 255.0 + 0.5) / 256.0, row), 0.0).rgb;
+}
+
 @fragment
-fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+fn plain_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let reach = distance(place_of(in.at), figure.brush.xyz);
+    let step = fwidth(reach);
+    let c = modelled(figure.color.rgb, in.at, in.normal, front);
+    return vec4f(brushed(c, reach, step), 1.0) * figure.color.a;
+}
+
+@fragment
+fn value_fragment(in: ValuedSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let reach = distance(place_of(in.at), figure.brush.xyz);
+    let step = fwidth(reach);
+    let c = mapped(map_color(in.value), in.at, in.normal, front);
+    return vec4f(brushed(c, reach, step), 1.0) * figure.color.a;
+}
+
+@fragment
+fn color_fragment(in: ColoredSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let reach = distance(place_of(in.at), figure.brush.xyz);
+    let step = fwidth(reach);
+    let c = modelled(in.color, in.at, in.normal, front);
+    return vec4f(brushed(c, reach, step), 1.0) * figure.color.a;
+}
+
+@fragment
+fn corner_fragment(in: CornerSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     // Derivatives first, while all neighbours run.
     let edge = fwidth(in.barycentric);
-    let reach = distance(in.place, figure.brush.xyz);
-    let reach_step = fwidth(reach);
-    let map_color = textureSample(maps, map_sampler, vec2f(
-        (clamp((in.value - figure.scale.x) * figure.scale.y, 0.0, 1.0) * 255.0 + 0.5) / 256.0,
-        (figure.scale.z + 0.5) / f32(textureDimensions(maps).y),
-    )).rgb;
-    let skin_color = textureSample(skin, skin_sampler, in.uv).rgb;
-
-    let v = select(normalize(-in.at), vec3f(0.0, 0.0, 1.0), cell.output.z > 0.5);
-    let length_of_normal = length(in.normal);
-    var n = select(v, in.normal / length_of_normal, length_of_normal > 0.0);
-    if !front { n = -n; }
-
-    var base = figure.color.rgb;
-    let paint = u32(figure.back.w);
-    if paint == 1u { base = map_color; }
-    if paint == 2u { base = in.color.rgb; }
-    if paint == 3u { base = skin_color; }
-    if !front { base = base * figure.back.rgb; }
-    var light: vec3f;
-    if paint == 1u { light = painted(base, n, v); } else { light = toned(shaded(base, n, v, lit_by_key(in.place, n))); }
-    var c = encoded(light);
-
-    if figure.brush.w > 0.0 {
-        let ring = 1.0 - smoothstep(0.7, 1.7, abs(reach - figure.brush.w) / max(reach_step, 1e-9));
-        let inside = select(0.0, 0.13, reach < figure.brush.w);
-        c = mix(c, figure.brush_color.rgb, figure.brush_color.a * max(ring, inside));
+    let reach = distance(place_of(in.at), figure.brush.xyz);
+    let step = fwidth(reach);
+    let skin_color = textureSample(skin, skin_sampler, in.paint.xy).rgb;
+    let kind = u32(figure.back.w);
+    var c: vec3f;
+    if kind == 1u {
+        c = mapped(map_color(in.paint.x), in.at, in.normal, front);
+    } else {
+        var base = figure.color.rgb;
+        if kind == 2u { base = in.paint; }
+        if kind == 3u { base = skin_color; }
+        c = modelled(base, in.at, in.normal, front);
     }
+    c = brushed(c, reach, step);
     if figure.wire_width.x > 0.0 {
         let d = in.barycentric / max(edge, vec3f(1e-9));
         let near = min(d.x, min(d.y, d.z));
