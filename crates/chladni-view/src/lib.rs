@@ -48,7 +48,7 @@ pub use camera::{Camera, Projection, UpAxis, View};
 pub use canvas::Canvas;
 pub use colormap::{ColorMap, Scale};
 pub use error::ViewError;
-pub use film::{Film, FilmFormat, FilmSettings, FrameRate};
+pub use film::{Film, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
 pub use gpu::Gpu;
 pub use layout::Rect;
 pub use pick::{Hit, PickTree, Ray};
