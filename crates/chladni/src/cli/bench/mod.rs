@@ -1,6 +1,9 @@
 //! `chladni bench`: measures the program against published numbers.
 
 mod caricature;
+mod sphere;
+mod synth;
+mod synth_rows;
 
 use clap::{Args, Subcommand};
 
@@ -16,6 +19,7 @@ pub struct Bench {
 #[derive(Subcommand)]
 enum What {
     Caricature(caricature::BenchCaricature),
+    Synth(synth::BenchSynth),
 }
 
 impl Bench {
@@ -23,6 +27,7 @@ impl Bench {
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         match self.what {
             What::Caricature(caricature) => caricature.run(terminal),
+            What::Synth(synth) => synth.run(terminal),
         }
     }
 }
