@@ -13,7 +13,7 @@ pub(crate) type Line = [i16; PANEL];
 /// H, N×K, as H_k(v) ≈ scale_k · q_k(v) with q in ±32767 and scale_k = max |H_k| / 32767.
 ///
 /// Against f16 this costs the same bytes and conversions, but its error is at most
-/// scale_k / 2 everywhere, where f16 errs sixteen times as much at the peaks of a harmonic.
+/// scale_k / 2 everywhere, where f16 errs up to 32 times as much at the peaks of a harmonic.
 /// Layout: panel p holds vertices 32p … 32p+31, harmonic after harmonic; the last is padded with zeros.
 #[derive(Debug)]
 pub(crate) struct PackedBasis {

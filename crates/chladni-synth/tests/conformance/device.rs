@@ -28,6 +28,10 @@ pub fn context() -> Option<&'static GpuContext> {
 
 /// A device of its own, with limits changed by `restrict`.
 pub fn open(restrict: impl FnOnce(&mut wgpu::Limits)) -> Option<(wgpu::Device, wgpu::Queue)> {
+    if cfg!(miri) {
+        // Miri knows no drivers.
+        return None;
+    }
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
     let Ok(adapter) = adapter else {
