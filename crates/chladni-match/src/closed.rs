@@ -20,6 +20,8 @@ pub(crate) struct Closed {
     pub surface_vertex: Vec<u32>,
     /// For each of the first `triangles` the surface's triangle; the others fill holes.
     pub surface_triangle: Vec<u32>,
+    /// The point that fills the hole of the longest rim.
+    pub largest_hole: Option<u32>,
     /// For each vertex of the surface its point; `None` outside the largest component.
     pub point_of: Vec<Option<u32>>,
 }
@@ -44,8 +46,15 @@ impl Closed {
                 surface_triangle.push(t as u32);
             }
         }
+        let mut largest_hole = None;
+        let mut longest = 0.0;
         for hole in holes(&triangles).map_err(refuse)? {
             let center = points.len() as u32;
+            let ends = hole.iter().zip(hole.iter().cycle().skip(1));
+            let rim: f64 = ends.map(|(a, b)| points[*a as usize].distance(points[*b as usize])).sum();
+            if rim > longest {
+                (largest_hole, longest) = (Some(center), rim);
+            }
             points.push(hole.iter().map(|v| points[*v as usize]).sum::<DVec3>() / hole.len() as f64);
             for i in 0..hole.len() {
                 triangles.push([hole[i], hole[(i + 1) % hole.len()], center]);
@@ -60,7 +69,7 @@ impl Closed {
                 (2 - euler) / 2
             )));
         }
-        Ok(Self { points, triangles, across, surface_vertex, surface_triangle, point_of })
+        Ok(Self { points, triangles, across, surface_vertex, surface_triangle, largest_hole, point_of })
     }
 }
 

@@ -74,6 +74,25 @@ impl Domain<'_> {
         (0..3).map(|i| self.closed.points[corners[i] as usize] * at.weights[i]).sum()
     }
 
+    /// The place on the template's own surface: a point in a filled hole slides outwards, away
+    /// from the hole's middle, to the rim.
+    fn land(&self, at: &Place) -> Place {
+        if (at.triangle as usize) < self.closed.surface_triangle.len() {
+            return *at;
+        }
+        // Filling triangles are (rim, rim, middle).
+        let [a, b, _] = self.closed.triangles[at.triangle as usize];
+        let total = at.weights[0] + at.weights[1];
+        let share = if total > 0.0 { at.weights[0] / total } else { 0.5 };
+        let triangle = self.closed.across[at.triangle as usize][2];
+        let weights = self.closed.triangles[triangle as usize].map(|v| match v {
+            v if v == a => share,
+            v if v == b => 1.0 - share,
+            _ => 0.0,
+        });
+        Place { triangle, weights }
+    }
+
     /// The direction on the sphere that moves the template's point by `d` in space.
     fn pull_back(&self, at: &Place, d: DVec3) -> DVec3 {
         let [p, q, r] = self.closed.triangles[at.triangle as usize].map(|v| self.closed.points[v as usize]);
@@ -98,18 +117,23 @@ pub(crate) fn crossmap(
     task: &Task,
 ) -> Result<CrossMap, MatchError> {
     let (s, t) = (Closed::new(shape, Side::Shape)?, Closed::new(template, Side::Template)?);
-    let pins: Vec<(u32, u32)> = landmarks
+    let mut pins: Vec<(u32, u32)> = landmarks
         .iter()
         .filter_map(|l| Some((s.point_of[l.shape as usize]?, t.point_of[l.template as usize]?)))
         .collect();
     if pins.len() < 3 {
         return Err(MatchError::TooFewLandmarks(pins.len()));
     }
+    let users = pins.len();
+    // Where both are open, opening goes on opening.
+    pins.extend(s.largest_hole.zip(t.largest_hole));
     let mut x = onto_sphere(&s, Side::Shape, task)?;
     let sphere = onto_sphere(&t, Side::Template, task)?;
-    let turn =
-        fit_pairs(pins.iter().map(|(p, q)| (x[*p as usize], sphere[*q as usize], 1.0)), Scaling::Rigid)?
-            .rotation_matrix();
+    let turn = fit_pairs(
+        pins[..users].iter().map(|(p, q)| (x[*p as usize], sphere[*q as usize], 1.0)),
+        Scaling::Rigid,
+    )?
+    .rotation_matrix();
     x.iter_mut().for_each(|p| *p = turn * *p);
     let from: Vec<DVec3> = pins.iter().map(|(p, _)| x[*p as usize]).collect();
     let to: Vec<DVec3> = pins.iter().map(|(_, q)| sphere[*q as usize]).collect();
@@ -190,7 +214,8 @@ fn assemble(
     places: &[Place],
 ) -> Result<CrossMap, MatchError> {
     let t = domain.closed;
-    let image: Vec<DVec3> = places.iter().map(|p| domain.point(p)).collect();
+    let landed: Vec<Place> = places.iter().map(|p| domain.land(p)).collect();
+    let image: Vec<DVec3> = landed.iter().map(|p| domain.point(p)).collect();
     let on_surface = s.surface_vertex.len();
     let pose = fit_pairs(
         (0..on_surface).map(|v| {
@@ -223,25 +248,13 @@ fn assemble(
             confidence.push(0.1);
             continue;
         };
-        let place = &places[p as usize];
-        let (sum, count) = trust[p as usize];
-        match t.surface_triangle.get(place.triangle as usize) {
-            Some(triangle) => {
-                let point = image[p as usize];
-                at.push(SurfacePoint {
-                    triangle: *triangle,
-                    barycentric: place.weights,
-                    point,
-                    distance_squared: 0.0,
-                });
-                confidence.push(sum / f64::max(count, 1.0));
-            }
-            // A filled hole: the template has no surface there, only its rim.
-            None => {
-                at.push(template.closest(image[p as usize], f64::INFINITY).ok_or(nothing)?);
-                confidence.push(0.1 * sum / f64::max(count, 1.0));
-            }
-        }
+        let (place, (sum, count)) = (&landed[p as usize], trust[p as usize]);
+        let triangle = *t.surface_triangle.get(place.triangle as usize).ok_or(nothing)?;
+        let point = image[p as usize];
+        at.push(SurfacePoint { triangle, barycentric: place.weights, point, distance_squared: 0.0 });
+        // In a filled hole the template has no surface, only its rim.
+        let filled = place.triangle != places[p as usize].triangle;
+        confidence.push(if filled { 0.1 } else { 1.0 } * sum / f64::max(count, 1.0));
     }
     let mut warnings = Vec::new();
     if outside > 0 {

@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use glam::DVec3;
 
+use crate::similarity::fit_pairs;
 use crate::surface::Surface;
-use crate::{MatchError, Side};
+use crate::{MatchError, Scaling, Side};
 
 /// Vertex `shape` of the shape belongs to vertex `template` of the template; zero-based, in the
 /// order of the files.
@@ -92,6 +93,29 @@ pub(crate) fn pin(
 /// The landmarks as points of the two surfaces.
 pub(crate) fn points(pinned: &[Pinned], shape: &Surface, template: &Surface) -> Vec<(DVec3, DVec3)> {
     pinned.iter().map(|l| (shape.points[l.shape as usize], template.points[l.template as usize])).collect()
+}
+
+/// What is suspicious about landmarks, in words: pairs (shape point, template point) that no
+/// similarity brings together, or that a mirrored template fits much better.
+pub(crate) fn doubts(pairs: &[(DVec3, DVec3)]) -> Vec<String> {
+    let misfit = |mirror: DVec3| {
+        let moved = pairs.iter().map(|(p, q)| (*q * mirror, *p, 1.0));
+        let fit = fit_pairs(moved.clone(), Scaling::Free).ok()?;
+        let sum: f64 = moved.map(|(q, p, _)| fit.at(q).distance_squared(p)).sum();
+        Some((sum / pairs.len() as f64).sqrt())
+    };
+    let Some(straight) = misfit(DVec3::ONE) else { return Vec::new() };
+    let mirrored = misfit(DVec3::new(-1.0, 1.0, 1.0)).unwrap_or(f64::INFINITY);
+    if pairs.len() >= 4 && straight > 0.03 && mirrored < 0.5 * straight {
+        vec!["the landmarks fit a mirrored template much better: left and right may be swapped".into()]
+    } else if straight > 0.15 {
+        vec![format!(
+            "the landmarks stay {:.0} % of the diagonal apart after alignment: some pairs may be wrong",
+            100.0 * straight
+        )]
+    } else {
+        Vec::new()
+    }
 }
 
 #[cfg(test)]

@@ -63,10 +63,8 @@ pub fn match_shapes(
     let s = Surface::new(shape, Side::Shape)?;
     let t = Surface::new(template, Side::Template)?;
     let pinned = landmarks::pin(&settings.landmarks, &s, &t)?;
-    let align = || {
-        let pairs = landmarks::points(&pinned, &s, &t);
-        prealign(&s, &t, &pairs, settings.seed, task)
-    };
+    let pairs = landmarks::points(&pinned, &s, &t);
+    let align = || prealign(&s, &t, &pairs, settings.seed, task);
     let (correspondence, pose, warnings) = match settings.method {
         Method::Same => (same_connectivity(shape, template)?, None, Vec::new()),
         Method::Icp => {
@@ -86,6 +84,7 @@ pub fn match_shapes(
     };
     let mut report = Report::of(&s, Some(&t), &correspondence, pose.as_ref());
     report.warnings.extend(warnings);
+    report.warnings.extend(landmarks::doubts(&pairs));
     Ok(Match { correspondence, report })
 }
 

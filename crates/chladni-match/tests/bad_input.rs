@@ -1,0 +1,153 @@
+//! Whatever comes in, what comes out is finite or an error.
+
+use chladni_match::{
+    Correspondence, Ellipsoid, Landmark, MatchError, Method, Report, Settings, Side, match_shapes,
+    onto_ellipsoid, same_connectivity, self_scaled,
+};
+use chladni_mesh::{TriMesh, samples};
+use chladni_task::{Cancelled, Task};
+use proptest::prelude::*;
+
+fn mesh(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> TriMesh {
+    TriMesh { positions, triangles, ..TriMesh::default() }
+}
+
+fn settings(method: Method) -> Settings {
+    Settings { method, ..Settings::default() }
+}
+
+fn check(found: &Correspondence, template: Option<&TriMesh>) {
+    let numbers = found.point.iter().chain(&found.target).flatten().chain(&found.confidence);
+    assert!(numbers.copied().all(f64::is_finite));
+    assert!(found.confidence.iter().all(|c| (0.0..=1.0).contains(c)));
+    assert!(found.similarity.to_matrix().iter().flatten().all(|x| x.is_finite()));
+    if let (Some(on), Some(template)) = (&found.on_template, template) {
+        for (t, b) in on.triangle.iter().zip(&on.barycentric) {
+            assert!((*t as usize) < template.triangles.len());
+            assert!(b.iter().all(|b| *b >= -1e-9) && (b.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+        }
+    }
+}
+
+fn check_report(report: &Report) {
+    for x in
+        [report.median_distance, report.p95_distance, report.coverage, report.stretch, report.mean_confidence]
+    {
+        assert!(x.is_finite(), "{report:?}");
+    }
+}
+
+/// A soup of triangles, some flat, some repeated, of any size and place.
+fn soup() -> impl Strategy<Value = TriMesh> {
+    let coordinate = prop_oneof![-1.0..1.0f64, Just(0.0), Just(1.0)];
+    (
+        prop::collection::vec(prop::array::uniform3(coordinate), 3..25),
+        prop::collection::vec(prop::array::uniform3(0usize..25), 1..40),
+        -6..6i32,
+    )
+        .prop_map(|(points, triangles, exponent)| {
+            let n = points.len();
+            let scale = 10.0_f64.powi(exponent);
+            mesh(
+                points.iter().map(|p| p.map(|x| x * scale + scale)).collect(),
+                triangles.iter().map(|t| t.map(|v| (v % n) as u32)).collect(),
+            )
+        })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+    #[test]
+    fn any_two_soups_give_finite_numbers_or_an_error(shape in soup(), template in soup()) {
+        for method in [Method::Icp, Method::Fit, Method::Map] {
+            let mut s = settings(method);
+            if method == Method::Map {
+                s.landmarks = (0..3).map(|v| Landmark { shape: v, template: v }).collect();
+            }
+            if let Ok(found) = match_shapes(&shape, &template, &s, &Task::new()) {
+                check(&found.correspondence, Some(&template));
+                check_report(&found.report);
+            }
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn templates_without_a_mesh_give_finite_numbers_or_an_error(shape in soup(), scale in 0.0..3.0f64) {
+        let found = Ellipsoid::fitted(&shape).and_then(|e| onto_ellipsoid(&shape, &e));
+        let sphere = Ellipsoid::fitted_sphere(&shape).and_then(|e| onto_ellipsoid(&shape, &e));
+        for found in [found, sphere, self_scaled(&shape, scale)].into_iter().flatten() {
+            check(&found, None);
+            check_report(&Report::without_template(&shape, &found).unwrap());
+        }
+        if let Ok(found) = same_connectivity(&shape, &shape) {
+            check(&found, Some(&shape));
+        }
+    }
+}
+
+#[test]
+fn hopeless_templates_are_errors_or_say_that_they_are_not_trusted() {
+    let shape = samples::icosphere(3);
+    let triangle = mesh(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
+    let flat = samples::grid_square(6);
+    let confetti = mesh(
+        (0..3000)
+            .flat_map(|i| {
+                let [x, y, z] = [(i % 20) as f64, (i / 20 % 20) as f64, (i / 400) as f64];
+                [[x, y, z], [x + 0.1, y, z], [x, y + 0.1, z]]
+            })
+            .collect(),
+        (0..3000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    );
+    for template in [&triangle, &flat, &confetti] {
+        let found = match_shapes(&shape, template, &settings(Method::Fit), &Task::new()).unwrap();
+        check(&found.correspondence, Some(template));
+        assert!(!found.report.warnings.is_empty(), "{:?}", found.report);
+        assert!(found.report.mean_confidence < 0.6, "{:?}", found.report);
+    }
+    let line = mesh(vec![[0.0; 3], [1.0; 3], [2.0; 3]], vec![[0, 1, 2]]);
+    let failed = match_shapes(&shape, &line, &settings(Method::Fit), &Task::new());
+    assert_eq!(failed, Err(MatchError::NoSurface(Side::Template)));
+}
+
+#[test]
+fn landmarks_that_are_not_there_are_named() {
+    let shape = samples::icosphere(2);
+    let mut template = shape.clone();
+    template.positions.push([9.0; 3]);
+    let loose = template.positions.len() as u32 - 1;
+    for (s, t, side) in [(100_000, 0, Side::Shape), (0, 100_000, Side::Template), (0, loose, Side::Template)]
+    {
+        let landmarks = vec![Landmark { shape: s, template: t }];
+        let failed =
+            match_shapes(&shape, &template, &Settings { landmarks, ..settings(Method::Fit) }, &Task::new());
+        match failed {
+            Err(MatchError::Landmark { landmark: 0, side: found, .. }) => assert_eq!(found, side),
+            other => panic!("{other:?}"),
+        }
+    }
+    let few = match_shapes(&shape, &shape, &settings(Method::Map), &Task::new());
+    assert_eq!(few, Err(MatchError::TooFewLandmarks(0)));
+}
+
+#[test]
+fn what_is_no_sphere_cannot_be_mapped_to_one() {
+    let shape = samples::icosphere(2);
+    let landmarks: Vec<Landmark> = (0..4).map(|v| Landmark { shape: v, template: 7 * v }).collect();
+    let torus = samples::torus(0.4, 20, 12);
+    let failed = match_shapes(&shape, &torus, &Settings { landmarks, ..settings(Method::Map) }, &Task::new());
+    assert!(matches!(failed, Err(MatchError::NoCommonDomain { side: Side::Template, .. })), "{failed:?}");
+}
+
+#[test]
+fn cancelling_stops_the_work() {
+    let task = Task::new();
+    task.cancel();
+    let shape = samples::icosphere(3);
+    for method in [Method::Icp, Method::Fit] {
+        let stopped = match_shapes(&shape, &shape, &settings(method), &task);
+        assert_eq!(stopped, Err(MatchError::Cancelled(Cancelled)));
+    }
+}
