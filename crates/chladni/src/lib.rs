@@ -10,4 +10,5 @@
 //! with any version. What scripts may rely on are the command line, the files and the exit codes.
 
 pub mod cli;
+pub mod source;
 pub mod studio;

@@ -13,6 +13,7 @@ mod match_shapes;
 mod npz;
 mod project;
 mod sculpture;
+mod open;
 mod spectrum;
 mod terminal;
 
@@ -37,6 +38,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Open(open::Open),
     Basis(basis::Args),
     Bench(bench::Bench),
     Match(match_shapes::MatchShapes),
@@ -71,7 +73,7 @@ where
     let terminal = Terminal::new(cli.quiet);
     let done = match cli.command {
         Some(command) => command.run(&terminal),
-        None => Ok(()),
+        None => open::Open::default().run(&terminal),
     };
     match done {
         Ok(()) => 0,
@@ -85,6 +87,7 @@ where
 impl Command {
     fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         match self {
+            Self::Open(command) => command.run(terminal),
             Self::Basis(args) => args.run(terminal),
             Self::Bench(bench) => bench.run(terminal),
             Self::Match(command) => command.run(terminal),

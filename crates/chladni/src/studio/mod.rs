@@ -2,6 +2,7 @@
 //!
 //! Rooms read their engines' state and emit actions; only the engines change state.
 
+mod caricature;
 mod icon;
 mod job;
 mod notices;
@@ -10,6 +11,7 @@ mod settings;
 mod shortcut;
 mod start;
 mod theme;
+mod viewport;
 
 use std::path::PathBuf;
 
@@ -100,7 +102,7 @@ impl Studio {
             settings,
             settings_path,
             notices,
-            rooms: Vec::new(),
+            rooms: vec![Box::new(caricature::CaricatureRoom::default())],
             current: None,
             cheat_sheet: false,
             closing: false,

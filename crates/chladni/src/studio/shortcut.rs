@@ -28,11 +28,6 @@ impl Shortcut {
         Self { keys: KeyboardShortcut::new(modifiers, key), action }
     }
 
-    /// A key with Shift.
-    pub const fn shift(key: Key, action: &'static str) -> Self {
-        Self { keys: KeyboardShortcut::new(Modifiers::SHIFT, key), action }
-    }
-
     /// Whether it was pressed in this frame, outside text fields; consumes the key.
     pub fn pressed(&self, ctx: &egui::Context) -> bool {
         let typing = ctx.egui_wants_keyboard_input() && self.keys.modifiers == Modifiers::NONE;

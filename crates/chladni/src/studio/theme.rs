@@ -18,8 +18,6 @@ pub struct Palette {
     pub accent: Color32,
     /// The accent where it fills an area behind text.
     pub accent_fill: Color32,
-    /// Text on `accent_fill`.
-    pub on_accent: Color32,
     /// Behind the 3D view.
     pub stage: Color32,
     /// Raised cards and group backgrounds.
@@ -39,7 +37,6 @@ pub struct Palette {
 const DARK: Palette = Palette {
     accent: Color32::from_rgb(226, 166, 70),
     accent_fill: Color32::from_rgb(206, 146, 52),
-    on_accent: Color32::from_rgb(24, 18, 8),
     stage: Color32::from_rgb(23, 24, 28),
     card: Color32::from_rgb(38, 40, 46),
     line: Color32::from_rgb(54, 57, 65),
@@ -52,7 +49,6 @@ const DARK: Palette = Palette {
 const LIGHT: Palette = Palette {
     accent: Color32::from_rgb(150, 92, 6),
     accent_fill: Color32::from_rgb(196, 132, 34),
-    on_accent: Color32::from_rgb(255, 255, 255),
     stage: Color32::from_rgb(226, 225, 221),
     card: Color32::from_rgb(255, 255, 254),
     line: Color32::from_rgb(214, 211, 204),

@@ -1,0 +1,108 @@
+//! The brush that paints a layer's region.
+
+use chladni_caricature::{Action, Dab, LayerId, Mirror, PaintEdit, Painted, SurfacePoint};
+use egui::{RichText, Slider, Ui};
+
+use super::edits::Edits;
+use super::session::Session;
+use super::stage::Touch;
+
+/// How the brush paints.
+#[derive(Debug)]
+pub struct BrushTool {
+    /// Whether dragging on the shape paints.
+    pub active: bool,
+    /// Radius along the surface, working frame.
+    pub radius: f32,
+    /// In [0, 1].
+    pub intensity: f32,
+    /// Paint away instead of on.
+    pub erase: bool,
+    /// Paint the mirrored place too.
+    pub mirror: bool,
+    /// A click fills everything connected.
+    pub fill: bool,
+}
+
+impl Default for BrushTool {
+    fn default() -> Self {
+        Self { active: false, radius: 0.15, intensity: 1.0, erase: false, mirror: false, fill: false }
+    }
+}
+
+impl BrushTool {
+    /// Makes the brush `factor` times as wide.
+    pub fn resize(&mut self, factor: f32) {
+        self.radius = (self.radius * factor).clamp(0.005, 1.5);
+    }
+
+    /// Draws the brush's controls.
+    pub fn show(&mut self, ui: &mut Ui) {
+        ui.separator();
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Brush").strong());
+            let name = if self.active { "Painting" } else { "Paint" };
+            ui.toggle_value(&mut self.active, name)
+                .on_hover_text(super::BRUSH.tooltip(ui.ctx()));
+            ui.toggle_value(&mut self.erase, "Erase").on_hover_text(super::ERASE.tooltip(ui.ctx()));
+        });
+        if !self.active {
+            return;
+        }
+        ui.horizontal(|ui| {
+            ui.label("Size").on_hover_text("Radius along the surface; [ and ] change it");
+            ui.add(Slider::new(&mut self.radius, 0.005..=1.5).logarithmic(true).fixed_decimals(3));
+        });
+        ui.horizontal(|ui| {
+            ui.label("Intensity");
+            ui.add(Slider::new(&mut self.intensity, 0.0..=1.0).fixed_decimals(2));
+        });
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut self.mirror, "Mirror").on_hover_text("Paint both sides of the shape at once");
+            ui.checkbox(&mut self.fill, "Fill").on_hover_text("A click fills everything that is connected");
+        });
+    }
+
+    /// Turns a drag on the shape into dabs.
+    pub fn paint(
+        &mut self,
+        ui: &Ui,
+        response: &egui::Response,
+        touch: Option<Touch>,
+        layer: LayerId,
+        session: &Session,
+        edits: &mut Edits,
+    ) {
+        let modifiers = ui.input(|input| input.modifiers);
+        if modifiers.alt {
+            return; // Alt and drag turns the view.
+        }
+        let primary = egui::PointerButton::Primary;
+        let pressed = response.dragged_by(primary) || response.clicked_by(primary);
+        if let Some(touch) = touch.filter(|_| pressed) {
+            let at = SurfacePoint { triangle: touch.triangle, weights: touch.barycentric.map(f64::from) };
+            // The first stroke on a layer that acts everywhere begins a region.
+            let everywhere =
+                session.project().layer(layer).is_some_and(|layer| layer.region.painted == Painted::Everywhere);
+            if everywhere && !self.erase {
+                edits.live(Action::Paint { layer, edit: PaintEdit::Clear });
+            }
+            let edit = if self.fill {
+                PaintEdit::FillComponent { at, intensity: if self.erase { 0.0 } else { self.intensity } }
+            } else {
+                let mirror = self.mirror.then(|| Mirror::of(session.stack.surface())).flatten();
+                PaintEdit::Dab(Dab {
+                    at,
+                    radius: f64::from(self.radius),
+                    intensity: self.intensity,
+                    erase: self.erase ^ modifiers.ctrl,
+                    mirror: mirror.map(|(mirror, _)| mirror),
+                })
+            };
+            edits.live(Action::Paint { layer, edit });
+        }
+        if response.drag_stopped() || response.clicked_by(primary) {
+            edits.finish();
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! The controls of one layer: model, μ, region, scale curve.
+
+use chladni_caricature::{Action, Layer, LayerId, Model, PaintEdit, Painted, Property, RollOff, ScaleCurve, Smoothing};
+use egui::{DragValue, RichText, Slider, Ui};
+
+use super::curve::{self, Bar, Pen};
+use super::edits::Edits;
+use crate::studio::icon::{self, Icon};
+use crate::studio::theme;
+
+/// What the panel shows beside the layer's own numbers.
+pub struct Measured<'a> {
+    /// |x̃^δ_k| over normalised frequency; empty until the match is there.
+    pub spectrum: &'a [Bar],
+    /// K, the upper end of the cut-off.
+    pub harmonics: usize,
+    /// Triangles folded by this layer.
+    pub folds: usize,
+}
+
+/// What the panel asks of the room besides edits of the layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// Move μ to the last value without new folds.
+    AsFarAsItGoes,
+}
+
+/// What the panel itself remembers.
+#[derive(Debug, Default)]
+pub struct Controls {
+    pen: Pen,
+}
+
+impl Controls {
+    /// Draws the controls of `layer`.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        id: LayerId,
+        layer: &Layer,
+        measured: &Measured<'_>,
+        edits: &mut Edits,
+    ) -> Option<Wish> {
+        model_buttons(ui, id, layer, edits);
+        let wish = amount(ui, id, layer, measured.folds, edits);
+        section(ui, "Scale");
+        self.scale(ui, id, layer, measured.spectrum, edits);
+        section(ui, "Region");
+        region(ui, id, layer, measured.harmonics, edits);
+        wish
+    }
+
+    fn scale(&mut self, ui: &mut Ui, id: LayerId, layer: &Layer, spectrum: &[Bar], edits: &mut Edits) {
+        ui.horizontal(|ui| {
+            let presets = [
+                ("All", "Every scale alike", ScaleCurve::flat(1.0)),
+                ("Broad", "Large forms only", ScaleCurve::broad()),
+                ("Mid", "Features of the size of a nose", ScaleCurve::mid()),
+                ("Fine", "Wrinkles and edges", ScaleCurve::fine()),
+            ];
+            for (name, tip, preset) in presets {
+                let chosen = layer.curve == preset;
+                if ui.selectable_label(chosen, name).on_hover_text(tip).clicked() {
+                    edits.set(id, Property::Curve(preset));
+                }
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                for (pen, mark, tip) in
+                    [(Pen::Free, Icon::Pencil, "Draw freely"), (Pen::Points, Icon::Spline, "Drag points")]
+                {
+                    if ui.selectable_label(self.pen == pen, icon::text(mark)).on_hover_text(tip).clicked() {
+                        self.pen = pen;
+                    }
+                }
+            });
+        });
+        let mut edited = layer.curve.clone();
+        let response = curve::edit(ui, &mut edited, self.pen, spectrum);
+        edits.drag(id, &response, || Property::Curve(edited.clone()));
+        ui.horizontal(|ui| {
+            ui.label("Finest detail").on_hover_text("Φ_d: the gain of everything finer than the last harmonic");
+            let mut residual = layer.curve.residual;
+            let slider = ui.add(Slider::new(&mut residual, 0.0..=2.0).fixed_decimals(2));
+            edits.drag(id, &slider, || Property::Curve(ScaleCurve { residual, ..layer.curve.clone() }));
+        });
+    }
+}
+
+fn section(ui: &mut Ui, name: &str) {
+    ui.add_space(theme::GAP);
+    ui.separator();
+    ui.label(RichText::new(name).strong());
+}
+
+fn model_buttons(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
+    ui.label(RichText::new("Model").strong());
+    ui.horizontal(|ui| {
+        for (model, name, tip) in [
+            (Model::Coordinate, "Coordinate", "Moves every point along its difference: sharp features, can fold"),
+            (Model::Normal, "Normal", "Inflates and deflates along the surface: smooth parts, chins and noses"),
+            (Model::Distance, "Distance", "One filter for all directions: subtle, keeps forms even at −8"),
+        ] {
+            if ui.selectable_label(layer.model == model, name).on_hover_text(tip).clicked() {
+                edits.set(id, Property::Model(model));
+            }
+        }
+    });
+}
+
+fn amount(ui: &mut Ui, id: LayerId, layer: &Layer, folds: usize, edits: &mut Edits) -> Option<Wish> {
+    let palette = theme::palette(ui);
+    let mut wish = None;
+    section(ui, "Amount");
+    ui.horizontal(|ui| {
+        ui.label("μ").on_hover_text("Below 0 exaggerates, 0 is the shape, 1 is the template");
+        let mut mu = layer.mu;
+        let low = if layer.model == Model::Distance { -8.0 } else { -3.0 };
+        let slider = ui.add(Slider::new(&mut mu, low..=1.0).show_value(false));
+        let value = ui.add(DragValue::new(&mut mu).range(-100.0..=100.0).speed(0.01).fixed_decimals(2));
+        for response in [slider, value] {
+            edits.drag(id, &response, || Property::Mu(mu));
+        }
+        let far = ui.button(icon::text(Icon::ChevronsLeft));
+        if far.on_hover_text("As far as it goes: the strongest exaggeration without new folds").clicked() {
+            wish = Some(Wish::AsFarAsItGoes);
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.label("Strength").on_hover_text("Fades the layer in and out without losing its μ");
+        let mut strength = layer.strength;
+        let slider = ui.add(Slider::new(&mut strength, 0.0..=1.0).fixed_decimals(2));
+        edits.drag(id, &slider, || Property::Strength(strength));
+    });
+    let (text, color) = match folds {
+        0 => (icon::label(Icon::CircleCheck, "No folds"), palette.good),
+        1 => (icon::label(Icon::TriangleAlert, "1 folded triangle"), palette.warning),
+        more => (icon::label(Icon::TriangleAlert, &format!("{more} folded triangles")), palette.warning),
+    };
+    ui.label(RichText::new(text).color(color).small()).on_hover_text("Triangles that this layer turns inside out");
+    wish
+}
+
+fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut Edits) {
+    let everywhere = layer.region.painted == Painted::Everywhere;
+    ui.horizontal_wrapped(|ui| {
+        let mut paint = |edit: PaintEdit| edits.once(Action::Paint { layer: id, edit });
+        if ui.selectable_label(everywhere, "Everywhere").on_hover_text("The whole shape").clicked() && !everywhere {
+            paint(PaintEdit::Set(Painted::Everywhere));
+        }
+        if ui.button("Clear").on_hover_text("Nothing, to begin painting").clicked() {
+            paint(PaintEdit::Clear);
+        }
+        if ui.button("Invert").clicked() {
+            paint(PaintEdit::Invert);
+        }
+        if ui.button("Grow").on_hover_text("One ring of vertices more").clicked() {
+            paint(PaintEdit::Grow);
+        }
+        if ui.button("Shrink").on_hover_text("One ring of vertices less").clicked() {
+            paint(PaintEdit::Shrink);
+        }
+    });
+    if everywhere {
+        ui.label(RichText::new("Paint on the shape to confine the layer.").color(theme::palette(ui).weak).small());
+        return;
+    }
+    let smoothing = layer.region.smoothing;
+    ui.horizontal(|ui| {
+        ui.label("Softness").on_hover_text("nχ, the harmonics that the region keeps: fewer is softer");
+        let mut cutoff = smoothing.cutoff.min(harmonics);
+        let slider = ui.add(Slider::new(&mut cutoff, 4..=harmonics.max(5)).logarithmic(true));
+        edits.drag(id, &slider, || Property::Smoothing(Smoothing { cutoff, ..smoothing }));
+    });
+    ui.horizontal(|ui| {
+        for (roll_off, name, tip) in [
+            (RollOff::Gaussian, "Soft edge", "Heat flow: never rings"),
+            (RollOff::Sharp, "Sharp cut", "The paper's cut: rings a little around the edge"),
+        ] {
+            if ui.selectable_label(smoothing.roll_off == roll_off, name).on_hover_text(tip).clicked() {
+                edits.set(id, Property::Smoothing(Smoothing { roll_off, ..smoothing }));
+            }
+        }
+        let mut clamp = smoothing.clamp;
+        if ui.checkbox(&mut clamp, "Clamp").on_hover_text("Cuts ringing off below 0 and above 1").changed() {
+            edits.set(id, Property::Smoothing(Smoothing { clamp, ..smoothing }));
+        }
+    });
+}

@@ -1,0 +1,186 @@
+//! The scale curve Φ over frequency, with the spectrum of the difference behind it.
+
+use chladni_caricature::ScaleCurve;
+use egui::{Color32, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
+
+use crate::studio::theme;
+
+/// The gain at the top of the plot.
+const TOP: f64 = 2.0;
+/// How near the pointer must be to take hold of a point, in window points.
+const GRIP: f32 = 9.0;
+
+/// How the pointer edits the curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pen {
+    /// Take hold of points; a click between them adds one.
+    #[default]
+    Points,
+    /// Draw the curve freely.
+    Free,
+}
+
+/// One bar of the spectrum: normalised frequency and amplitude.
+pub type Bar = [f64; 2];
+
+/// Draws and edits `curve`; `spectrum` is shown behind it. The response is
+/// [`changed`](Response::changed) where the curve was edited, and `drag_stopped` ends an edit.
+pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &[Bar]) -> Response {
+    let size = vec2(ui.available_width(), 132.0);
+    let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve"));
+    let plot = rect.shrink2(vec2(6.0, 8.0));
+    let before = curve.clone();
+    match pen {
+        Pen::Points => drag_points(ui, &response, plot, curve),
+        Pen::Free => draw_freely(ui, &response, plot, curve),
+    }
+    if *curve != before {
+        response.mark_changed();
+    }
+    paint(ui, rect, plot, curve, spectrum, pen);
+    if let Some(at) = response.hover_pos() {
+        let [u, gain] = from_screen(plot, at);
+        response = response.on_hover_text_at_pointer(format!(
+            "{:.0} % of the highest frequency: ×{gain:.2}\nDrag to bend; right-click a point to remove it",
+            u * 100.0
+        ));
+    }
+    response
+}
+
+fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve) {
+    let held_id = response.id.with("held");
+    let nearest = |curve: &ScaleCurve, at: Pos2| {
+        let distance = |p: &[f64; 2]| to_screen(plot, *p).distance(at);
+        (0..curve.points.len())
+            .min_by(|&a, &b| distance(&curve.points[a]).total_cmp(&distance(&curve.points[b])))
+            .filter(|&i| distance(&curve.points[i]) <= GRIP)
+    };
+    let Some(at) = response.interact_pointer_pos() else { return };
+    if response.secondary_clicked() {
+        if let Some(index) = nearest(curve, at).filter(|_| curve.points.len() > 2) {
+            curve.points.remove(index);
+        }
+        return;
+    }
+    if response.drag_started_by(egui::PointerButton::Primary) || response.clicked() {
+        let [u, gain] = from_screen(plot, at);
+        let held = nearest(curve, at).unwrap_or_else(|| curve.set_point(u, gain, 0.0));
+        ui.data_mut(|data| data.insert_temp(held_id, held));
+    }
+    if response.dragged_by(egui::PointerButton::Primary)
+        && let Some(held) = ui.data(|data| data.get_temp::<usize>(held_id))
+        && held < curve.points.len()
+    {
+        // A point stays between its neighbours, so that the curve remains a function.
+        let gap = 1e-3;
+        let low = if held > 0 { curve.points[held - 1][0] + gap } else { 0.0 };
+        let high = curve.points.get(held + 1).map_or(1.0, |next| next[0] - gap);
+        let [u, gain] = from_screen(plot, at);
+        curve.points[held] = [u.clamp(low, high.max(low)), gain];
+    }
+}
+
+fn draw_freely(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve) {
+    let last_id = response.id.with("last");
+    let Some(at) = response.interact_pointer_pos() else { return };
+    if !response.dragged_by(egui::PointerButton::Primary) {
+        return;
+    }
+    let point = from_screen(plot, at);
+    let last =
+        if response.drag_started() { None } else { ui.data(|data| data.get_temp::<[f64; 2]>(last_id)) };
+    // A step of 1/48 keeps the curve editable by its points afterwards.
+    match last {
+        Some(last) if (last[0] - point[0]).abs() < 1.0 / 48.0 => {}
+        _ => {
+            curve.draw(last.unwrap_or(point), point);
+            ui.data_mut(|data| data.insert_temp(last_id, point));
+        }
+    }
+}
+
+fn paint(ui: &Ui, rect: Rect, plot: Rect, curve: &ScaleCurve, spectrum: &[Bar], pen: Pen) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 6.0, ui.visuals().extreme_bg_color);
+    for gain in [0.0, 1.0, TOP] {
+        let y = to_screen(plot, [0.0, gain]).y;
+        painter.hline(plot.x_range(), y, Stroke::new(1.0, palette.line.gamma_multiply(0.7)));
+        painter.text(
+            pos2(plot.right(), y - 1.0),
+            egui::Align2::RIGHT_BOTTOM,
+            format!("×{gain:.0}"),
+            egui::FontId::proportional(9.5),
+            palette.weak,
+        );
+    }
+    paint_spectrum(&painter, plot, spectrum, palette.weak.gamma_multiply(0.45));
+    let steps = (plot.width() / 2.0).ceil().max(2.0) as usize;
+    let line: Vec<Pos2> = (0..=steps)
+        .map(|i| {
+            let u = i as f64 / steps as f64;
+            to_screen(plot, [u, curve.at(u)])
+        })
+        .collect();
+    painter.line(line, Stroke::new(2.0, palette.accent));
+    if pen == Pen::Points {
+        for point in &curve.points {
+            painter.circle(
+                to_screen(plot, *point),
+                4.0,
+                ui.visuals().panel_fill,
+                Stroke::new(2.0, palette.accent),
+            );
+        }
+    }
+}
+
+/// The spectrum on a scale of decibels: differences fall off by orders of magnitude.
+fn paint_spectrum(painter: &egui::Painter, plot: Rect, spectrum: &[Bar], color: Color32) {
+    let peak = spectrum.iter().map(|bar| bar[1]).fold(0.0, f64::max);
+    if peak <= 0.0 {
+        return;
+    }
+    let columns = plot.width().max(1.0) as usize;
+    let mut highest = vec![0.0_f64; columns];
+    for [u, amplitude] in spectrum {
+        let column = ((u * columns as f64) as usize).min(columns - 1);
+        highest[column] = highest[column].max(*amplitude);
+    }
+    const FLOOR_DB: f64 = -60.0;
+    for (column, amplitude) in highest.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+        let share = 1.0 - 20.0 * (amplitude / peak).log10() / FLOOR_DB;
+        let x = plot.left() + column as f32 + 0.5;
+        let y = plot.bottom() - plot.height() * share.clamp(0.0, 1.0) as f32;
+        painter.vline(x, y..=plot.bottom(), Stroke::new(1.0, color));
+    }
+}
+
+fn to_screen(plot: Rect, [u, gain]: [f64; 2]) -> Pos2 {
+    pos2(
+        plot.left() + plot.width() * u as f32,
+        plot.bottom() - plot.height() * (gain / TOP).clamp(0.0, 1.0) as f32,
+    )
+}
+
+fn from_screen(plot: Rect, at: Pos2) -> [f64; 2] {
+    let u = f64::from((at.x - plot.left()) / plot.width());
+    let gain = f64::from((plot.bottom() - at.y) / plot.height()) * TOP;
+    [u.clamp(0.0, 1.0), gain.clamp(0.0, TOP)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn screen_and_curve_agree() {
+        let plot = Rect::from_min_size(pos2(10.0, 20.0), vec2(200.0, 100.0));
+        for point in [[0.0, 0.0], [0.25, 1.0], [1.0, 2.0]] {
+            let back = from_screen(plot, to_screen(plot, point));
+            assert!((back[0] - point[0]).abs() < 1e-6 && (back[1] - point[1]).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! What the heat map shows, and the spectrum behind the scale curve.
+
+use chladni_caricature::normalised_frequency;
+use chladni_view::{ColorMap, Scale};
+
+use super::curve::Bar;
+use super::session::Session;
+
+/// A quantity drawn on the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quantity {
+    /// The material alone.
+    #[default]
+    None,
+    /// How far the result lies from the original.
+    Displacement,
+    /// How far the selected layer's template lies from the shape.
+    Difference,
+    /// The region of the selected layer as it was painted.
+    Painted,
+    /// The region as it acts, smoothed.
+    Region,
+    /// How far the match is to be trusted.
+    Confidence,
+    /// One harmonic.
+    Harmonic,
+}
+
+impl Quantity {
+    /// All of them, with their names.
+    pub const ALL: [(Self, &'static str); 7] = [
+        (Self::None, "Material"),
+        (Self::Displacement, "Displacement"),
+        (Self::Difference, "Difference from the template"),
+        (Self::Painted, "Region, as painted"),
+        (Self::Region, "Region, smoothed"),
+        (Self::Confidence, "Confidence of the match"),
+        (Self::Harmonic, "A harmonic"),
+    ];
+}
+
+/// The choice of the user, and whether the stage shows it already.
+#[derive(Debug)]
+pub struct Heat {
+    quantity: Quantity,
+    harmonic: usize,
+    map: ColorMap,
+    stale: bool,
+}
+
+impl Default for Heat {
+    fn default() -> Self {
+        Self { quantity: Quantity::None, harmonic: 1, map: ColorMap::Viridis, stale: false }
+    }
+}
+
+impl Heat {
+    /// What is shown.
+    pub fn quantity(&self) -> Quantity {
+        self.quantity
+    }
+
+    /// Which harmonic is shown where one is.
+    pub fn harmonic(&self) -> usize {
+        self.harmonic
+    }
+
+    /// Shows something else.
+    pub fn choose(&mut self, quantity: Quantity, harmonic: usize, map: ColorMap) {
+        self.stale |= (quantity, harmonic, map) != (self.quantity, self.harmonic, self.map);
+        (self.quantity, self.harmonic, self.map) = (quantity, harmonic, map);
+    }
+
+    /// The colour map for magnitudes.
+    pub fn map(&self) -> ColorMap {
+        self.map
+    }
+
+    /// Whether the choice changed since this was last asked.
+    pub fn take_stale(&mut self) -> bool {
+        std::mem::take(&mut self.stale)
+    }
+
+    /// One value per operator vertex and their scale; `None` where the material is shown or the
+    /// quantity does not exist yet.
+    pub fn values(&self, session: &Session) -> Option<(Vec<f32>, Scale)> {
+        let length = |d: &[f64; 3]| (d[0].hypot(d[1]).hypot(d[2])) as f32;
+        let body = session.stack.body();
+        let unit = Scale { map: self.map, low: 0.0, high: 1.0 };
+        match self.quantity {
+            Quantity::None => None,
+            Quantity::Displacement => {
+                let values: Vec<f32> = session.evaluation.displacement().iter().map(length).collect();
+                let scale = Scale::of(self.map, &values);
+                Some((values, scale))
+            }
+            Quantity::Difference => {
+                let difference = session.selected_layer()?.difference.as_ref()?;
+                let values: Vec<f32> = difference
+                    .base
+                    .positions
+                    .iter()
+                    .zip(&difference.target.points)
+                    .map(|(x, r)| length(&std::array::from_fn(|i| r[i] - x[i])))
+                    .collect();
+                let scale = Scale::of(self.map, &values);
+                Some((values, scale))
+            }
+            Quantity::Painted => {
+                let layer = session.project().layer(session.selected?)?;
+                let values = layer.region.painted.values(&session.stack.surface().file_positions());
+                Some((values.to_vec(), unit))
+            }
+            Quantity::Region => {
+                let ones = vec![1.0; body.positions.len()];
+                let mask = session.selected_layer()?.mask.as_ref().map_or(ones, |mask| mask.to_vec());
+                Some((mask, unit))
+            }
+            Quantity::Confidence => {
+                let confidence = &session.selected_match()?.confidence;
+                let mut values = vec![0.0; body.positions.len()];
+                for (vertex, confidence) in body.operator_vertex.iter().zip(confidence) {
+                    if let Some(vertex) = vertex {
+                        values[*vertex as usize] = *confidence as f32;
+                    }
+                }
+                Some((values, unit))
+            }
+            Quantity::Harmonic => {
+                let k = self.harmonic.min(body.basis.harmonics().saturating_sub(1));
+                let values: Vec<f32> = body.basis.harmonic(k).iter().map(|h| *h as f32).collect();
+                let scale = Scale::of(ColorMap::BlueRed, &values);
+                Some((values, scale))
+            }
+        }
+    }
+}
+
+/// |x̃^δ_k| of the selected layer over normalised frequency.
+pub fn spectrum(session: &Session) -> Vec<Bar> {
+    let Some(difference) = session.selected_layer().and_then(|layer| layer.difference.as_ref()) else {
+        return Vec::new();
+    };
+    let basis = &session.stack.body().basis;
+    let bars = difference.amplitudes().into_iter().enumerate();
+    bars.map(|(k, amplitude)| [normalised_frequency(basis, k), amplitude]).collect()
+}

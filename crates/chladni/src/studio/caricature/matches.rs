@@ -1,0 +1,106 @@
+//! The match panel: which template the selected layer uses, how well it fits, and how to help it.
+
+use chladni_caricature::{Action, MatchRequest, Property, Template};
+use chladni_match::Method;
+use egui::{RichText, Ui};
+
+use super::edits::Edits;
+use super::session::Session;
+use crate::studio::icon::{self, Icon};
+use crate::studio::job;
+use crate::studio::room::Shared;
+use crate::studio::theme;
+
+/// Draws the panel for the selected layer.
+pub fn show(ui: &mut Ui, session: &mut Session, edits: &mut Edits, shared: &mut Shared<'_>) {
+    let Some((id, layer)) = session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone()))) else {
+        return;
+    };
+    ui.separator();
+    ui.label(RichText::new("Template").strong());
+    ui.horizontal(|ui| {
+        ui.add(egui::Label::new(template_name(&layer.template)).truncate());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.button(icon::text(Icon::FolderOpen)).on_hover_text("Use another mesh as template").clicked()
+                && let Some(path) = rfd::FileDialog::new().add_filter("Meshes", &super::export::MESHES).pick_file()
+            {
+                edits.once(Action::Set { layer: id, to: Property::Template(Template::File(path)) });
+            }
+        });
+    });
+    if let Some(running) = session.running_match() {
+        job::show_progress(ui, running);
+    }
+    if let Some(why) = session.selected_failure().map(str::to_owned) {
+        ui.label(RichText::new(why).color(theme::palette(ui).error));
+        if ui.button("Try again").clicked() {
+            session.retry_match();
+            shared.ctx.request_repaint();
+        }
+    }
+    if MatchRequest::of(&layer).is_some_and(|request| layer.template.is_mesh() && request.template == layer.template) {
+        method(ui, session, id, edits);
+    }
+    if let Some(report) = session.selected_match().and_then(|matched| matched.report.clone()) {
+        quality(ui, &report);
+    }
+}
+
+fn method(ui: &mut Ui, session: &Session, id: chladni_caricature::LayerId, edits: &mut Edits) {
+    let Some(layer) = session.project().layer(id) else { return };
+    let mut matching = layer.matching.clone();
+    egui::ComboBox::from_id_salt("method").selected_text(describe(matching.method).0).show_ui(ui, |ui| {
+        for method in [Method::Fit, Method::Icp, Method::Map, Method::Same] {
+            let (name, tip) = describe(method);
+            ui.selectable_value(&mut matching.method, method, name).on_hover_text(tip);
+        }
+    });
+    if matching != layer.matching {
+        edits.set(id, Property::Matching(matching));
+    }
+}
+
+fn describe(method: Method) -> (&'static str, &'static str) {
+    match method {
+        Method::Fit => ("Bend to fit", "Aligns the template, then bends the shape onto it: the best for heads"),
+        Method::Icp => ("Closest points", "Aligns the template and takes the closest points"),
+        Method::Map => ("Map by landmarks", "A continuous map led by landmarks, for shapes as different as a man and a lion"),
+        Method::Same => ("Same vertices", "Both meshes have the same vertices in the same order"),
+    }
+}
+
+fn quality(ui: &mut Ui, report: &chladni_match::Report) {
+    let palette = theme::palette(ui);
+    egui::Grid::new("quality").num_columns(2).show(ui, |ui| {
+        let mut row = |name: &str, tip: &str, value: String| {
+            ui.label(RichText::new(name).color(palette.weak)).on_hover_text(tip);
+            ui.label(value);
+            ui.end_row();
+        };
+        row("Distance", "Median distance after aligning, share of the diagonal", percent(report.median_distance));
+        row("Covered", "Share of the surface that found a trustworthy partner", percent(report.coverage));
+        row("Turned over", "Triangles whose image is inside out", report.flipped_triangles.to_string());
+    });
+    if report.near_tie {
+        let text = icon::label(Icon::TriangleAlert, "A turned or mirrored pose fits nearly as well");
+        ui.label(RichText::new(text).color(palette.warning).small());
+    }
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+fn template_name(template: &Template) -> String {
+    match template {
+        Template::File(path) => {
+            path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+        }
+        Template::Sample(name) => format!("sample {name}"),
+        Template::Ellipsoid => "fitted ellipsoid".into(),
+        Template::Sphere => "fitted sphere".into(),
+        Template::Scaled(factor) => format!("itself × {factor}"),
+        Template::LowPass(k0) => format!("itself below harmonic {k0}"),
+        Template::Original => "the original shape".into(),
+    }
+}

@@ -1,0 +1,262 @@
+//! An open project in the window: document, body, evaluation, and the jobs that feed them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use chladni_caricature::{
+    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project, ShapeSource,
+    Stack, Template, furthest,
+};
+use chladni_harmonics::{BasisCache, BasisSettings, Body, BuildReport};
+use chladni_mesh::TriMesh;
+use chladni_task::Task;
+
+use super::edits::Edit;
+use crate::source;
+use crate::studio::job::{Job, Outcome};
+
+/// What loading brings back.
+pub struct Loaded {
+    project: Project,
+    path: Option<PathBuf>,
+    mesh: Arc<TriMesh>,
+    body: Arc<Body>,
+    /// How the basis was made.
+    pub report: BuildReport,
+    /// What was mended in the file.
+    pub warnings: Vec<String>,
+}
+
+/// Loads the shape of `project` and its harmonics; `path` is where the project itself lives.
+pub fn load(project: Project, path: Option<PathBuf>, task: &Task) -> Result<Loaded, String> {
+    let folder = path.as_deref().and_then(Path::parent);
+    let (mesh, warnings) = source::shape(&project.shape, folder)?;
+    let harmonics = project.harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
+    let cache = BasisCache::of_user();
+    let (body, report) = Body::load_or_build(&mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
+        .map_err(|error| error.to_string())?;
+    Ok(Loaded { project, path, mesh: Arc::new(mesh), body: Arc::new(body), report, warnings })
+}
+
+/// A project with everything it needs to be drawn and changed.
+pub struct Session {
+    /// The document with its past and future.
+    pub history: History,
+    /// Where it was saved, if it was.
+    pub path: Option<PathBuf>,
+    /// The mesh as its file holds it.
+    pub mesh: Arc<TriMesh>,
+    /// Evaluates the document.
+    pub stack: Stack,
+    /// What the document looks like now.
+    pub evaluation: Evaluation,
+    /// The layer that the panels edit.
+    pub selected: Option<LayerId>,
+    /// Triangles that each layer folds, in the order of the evaluation.
+    pub folds: Vec<usize>,
+    matching: Option<(MatchRequest, Job<Result<Matched, Error>>)>,
+}
+
+impl Session {
+    /// A session on what was loaded.
+    pub fn new(loaded: Loaded) -> Result<Self, String> {
+        let mut stack = Stack::new(loaded.body).map_err(|error| error.to_string())?;
+        loaded.project.check_vertices(stack.body().positions.len()).map_err(|error| error.to_string())?;
+        let evaluation = stack.evaluate(&loaded.project);
+        let selected = loaded.project.layers().last().map(|(id, _)| *id);
+        Ok(Self {
+            history: History::new(loaded.project),
+            path: loaded.path,
+            mesh: loaded.mesh,
+            stack,
+            evaluation,
+            selected,
+            folds: Vec::new(),
+            matching: None,
+        })
+    }
+
+    /// The document as it is now.
+    pub fn project(&self) -> &Project {
+        self.history.project()
+    }
+
+    /// The evaluation of the selected layer.
+    pub fn selected_layer(&self) -> Option<&EvaluatedLayer> {
+        let selected = self.selected?;
+        self.evaluation.layers.iter().find(|layer| layer.id == selected)
+    }
+
+    /// Does what the panels asked; true where something may look different.
+    pub fn apply(&mut self, edits: Vec<Edit>) -> Result<bool, String> {
+        let mut changed = false;
+        for edit in edits {
+            let next = self.project().next_id();
+            let adds = matches!(&edit, Edit::Once(Action::Add { .. } | Action::Duplicate(_)));
+            let surface = Arc::clone(self.stack.surface());
+            match edit {
+                Edit::Once(action) => self.history.apply(&action, Some(&surface)).map_err(|e| e.to_string())?,
+                Edit::Live(action) => self.history.apply_live(&action, Some(&surface)).map_err(|e| e.to_string())?,
+                Edit::Finish => {
+                    self.history.finish();
+                    continue;
+                }
+            }
+            changed = true;
+            if adds {
+                self.selected = Some(next);
+            }
+        }
+        if changed {
+            self.refresh();
+        }
+        Ok(changed)
+    }
+
+    /// Takes a step back or forth; its label, where there was one.
+    pub fn travel(&mut self, back: bool) -> Option<&'static str> {
+        let label = if back { self.history.undo() } else { self.history.redo() };
+        if label.is_some() {
+            self.refresh();
+        }
+        label
+    }
+
+    /// Evaluates the document again.
+    pub fn refresh(&mut self) {
+        let project = self.history.project().clone();
+        if self.selected.is_none_or(|id| project.layer(id).is_none()) {
+            self.selected = project.layers().last().map(|(id, _)| *id);
+        }
+        self.evaluation = self.stack.evaluate(&project);
+        let surface = self.stack.surface();
+        self.folds = self
+            .evaluation
+            .layers
+            .iter()
+            .map(|layer| match &layer.displacement {
+                Some(displacement) => {
+                    let moved: Vec<[f64; 3]> = layer
+                        .base
+                        .positions
+                        .iter()
+                        .zip(displacement.iter())
+                        .map(|(x, d)| std::array::from_fn(|i| x[i] + d[i]))
+                        .collect();
+                    chladni_caricature::flipped_triangles(surface, &layer.base.positions, &moved).len()
+                }
+                None => 0,
+            })
+            .collect();
+    }
+
+    /// Triangles folded by `layer`.
+    pub fn folds_of(&self, layer: LayerId) -> usize {
+        let index = self.evaluation.layers.iter().position(|evaluated| evaluated.id == layer);
+        index.and_then(|index| self.folds.get(index)).copied().unwrap_or(0)
+    }
+
+    /// The μ with the strongest exaggeration before the selected layer folds new triangles.
+    pub fn furthest_mu(&self) -> Option<f64> {
+        let layer = self.project().layer(self.selected?)?;
+        let evaluated = self.selected_layer()?;
+        let displacement = evaluated.displacement.as_ref()?;
+        let mu = layer.effective_mu();
+        if mu == 0.0 || layer.strength == 0.0 {
+            return None;
+        }
+        let unit: Vec<[f64; 3]> = displacement.iter().map(|d| d.map(|c| c / mu)).collect();
+        let surface = self.stack.surface();
+        let reach = furthest(surface, &evaluated.base.positions, &unit, mu.signum(), 0)?;
+        // A hair before the first fold.
+        Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
+    }
+
+    /// Starts the next match that a layer waits for, and takes in one that is done. Returns a
+    /// message to show where a match failed or has something to say, and whether to look again.
+    pub fn pump_matches(&mut self, ctx: &egui::Context) -> (Option<String>, bool) {
+        let mut message = None;
+        let mut changed = false;
+        if let Some((request, job)) = &self.matching {
+            let outcome = match job.poll() {
+                Outcome::Running => None,
+                Outcome::Done(result) => Some(result),
+                Outcome::Lost => Some(Err(failure(request, "matching broke off; this is a bug".into()))),
+            };
+            if let Some(result) = outcome {
+                let request = request.clone();
+                message = match &result {
+                    Ok(matched) => matched.report.as_ref().and_then(|report| report.warnings.first().cloned()),
+                    Err(why) => Some(why.to_string()),
+                };
+                self.stack.install(request, result);
+                self.matching = None;
+                self.refresh();
+                changed = true;
+            }
+        }
+        if self.matching.is_none() {
+            if let Some(request) = self.stack.missing(self.history.project()).into_iter().next() {
+                self.matching = Some((request.clone(), self.start_match(request, ctx)));
+            }
+        }
+        (message, changed)
+    }
+
+    fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Result<Matched, Error>> {
+        let (shape, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
+        let folder = self.path.as_deref().and_then(Path::parent).map(Path::to_owned);
+        Job::start(format!("Matching {}", request.template), ctx, move |task| {
+            let mesh = match &request.template {
+                Template::File(path) => source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| Some(mesh)),
+                Template::Sample(name) => source::sample(name).map(Some),
+                _ => Ok(None),
+            };
+            let mesh = mesh.map_err(|why| failure(&request, why))?;
+            request.run(&shape, &body, mesh.as_ref(), task)
+        })
+    }
+
+    /// The match that runs now.
+    pub fn running_match(&self) -> Option<&Job<Result<Matched, Error>>> {
+        self.matching.as_ref().map(|(_, job)| job)
+    }
+
+    /// Tries the failed match of the selected layer again.
+    pub fn retry_match(&mut self) {
+        if let Some(request) = self.selected_request() {
+            self.stack.forget(&request);
+        }
+    }
+
+    fn selected_request(&self) -> Option<MatchRequest> {
+        MatchRequest::of(self.project().layer(self.selected?)?)
+    }
+
+    /// The match of the selected layer.
+    pub fn selected_match(&self) -> Option<&Arc<Matched>> {
+        self.stack.matched(&self.selected_request()?)
+    }
+
+    /// Why the selected layer cannot act.
+    pub fn selected_failure(&self) -> Option<&str> {
+        match &self.selected_layer()?.state {
+            LayerState::Failed(why) => Some(why),
+            _ => None,
+        }
+    }
+
+    /// What the window's title and the start screen call it.
+    pub fn name(&self) -> String {
+        match (&self.path, &self.project().shape) {
+            (Some(path), _) | (None, ShapeSource::File(path)) => {
+                path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned())
+            }
+            (None, ShapeSource::Sample(name)) => format!("sample {name}"),
+        }
+    }
+}
+
+fn failure(request: &MatchRequest, why: String) -> Error {
+    Error::Template { template: request.template.to_string(), why }
+}

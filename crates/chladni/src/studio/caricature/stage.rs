@@ -1,0 +1,324 @@
+//! The shape in the caricature room: one figure large or three models side by side, heat maps,
+//! wires, and the brush on its surface.
+
+use chladni_view::{
+    Background, Brush, Camera, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint, PickTree, Rect,
+    Scale, Topology, VertexPaint, View, ViewError, Wire, layout,
+};
+use eframe::egui_wgpu::RenderState;
+use egui::Ui;
+
+use crate::studio::theme;
+use crate::studio::viewport::{self, Viewport};
+
+/// Figures that the stage holds room for: the result, the three models, and the original.
+pub const FIGURES: usize = 5;
+/// The result of the whole stack.
+pub const RESULT: usize = 0;
+/// The first of the three models of the selected layer.
+pub const MODELS: usize = 1;
+/// The shape as it was loaded.
+pub const ORIGINAL: usize = 4;
+
+/// What stands on the stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Show {
+    /// The result, large.
+    #[default]
+    Result,
+    /// The selected layer in all three models.
+    Models,
+    /// The original beside the result.
+    BeforeAfter,
+    /// The original alone, while a key is held.
+    Original,
+}
+
+/// How it looks; a choice of the user, not of the project.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// What stands on the stage.
+    pub show: Show,
+    /// Edges of triangles.
+    pub wire: bool,
+    /// Index into [`Material::PRESETS`].
+    pub material: usize,
+    /// Index into [`Lights::PRESETS`].
+    pub lights: usize,
+    /// The map of heat maps for magnitudes.
+    pub map: ColorMap,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { show: Show::Result, wire: false, material: 0, lights: 0, map: ColorMap::Viridis }
+    }
+}
+
+/// A point under the pointer.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// The triangle.
+    pub triangle: u32,
+    /// Its weights, summing to 1.
+    pub barycentric: [f32; 3],
+    /// The point, working frame.
+    pub point: [f32; 3],
+}
+
+/// Buffers and camera of one body.
+pub struct Stage {
+    viewport: Viewport,
+    /// Who looks; survives changes of the shape.
+    pub camera: Camera,
+    topology: Topology,
+    buffers: ItemBuffers,
+    paint: VertexPaint,
+    heat: Option<Scale>,
+    positions: Vec<Vec<[f32; 3]>>,
+    triangles: Vec<[u32; 3]>,
+    pick: Option<(usize, PickTree)>,
+    fitted: bool,
+    last_look: Option<Look>,
+}
+
+impl Stage {
+    /// A stage for a body of `positions` (working frame) and `triangles`, all figures at rest.
+    pub fn new(state: &RenderState, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, ViewError> {
+        let viewport = Viewport::new(state);
+        let gpu = viewport.gpu();
+        let n = positions.len();
+        let topology = Topology::new(gpu, n, triangles)?;
+        let buffers = ItemBuffers::new(gpu, n, FIGURES);
+        let paint = VertexPaint::new(gpu, n);
+        let mut stage = Self {
+            viewport,
+            camera: Camera::looking(View::ThreeQuarter),
+            topology,
+            buffers,
+            paint,
+            heat: None,
+            positions: vec![positions.to_vec(); FIGURES],
+            triangles: triangles.to_vec(),
+            pick: None,
+            fitted: false,
+            last_look: None,
+        };
+        let normals = chladni_view::smooth_normals(positions, triangles);
+        for figure in 0..FIGURES {
+            stage.set_figure(figure, positions, &normals)?;
+        }
+        Ok(stage)
+    }
+
+    /// Replaces one figure.
+    pub fn set_figure(
+        &mut self,
+        figure: usize,
+        positions: &[[f32; 3]],
+        normals: &[[f32; 3]],
+    ) -> Result<(), ViewError> {
+        self.buffers.write(self.viewport.gpu(), figure, positions, normals)?;
+        self.positions[figure].clear();
+        self.positions[figure].extend_from_slice(positions);
+        if self.pick.as_ref().is_some_and(|(picked, _)| *picked == figure) {
+            self.pick = None;
+        }
+        self.viewport.invalidate();
+        Ok(())
+    }
+
+    /// Paints every figure by `values`, or by its material where there are none.
+    pub fn set_heat(&mut self, values: Option<(&[f32], Scale)>) -> Result<(), ViewError> {
+        self.heat = None;
+        if let Some((values, scale)) = values {
+            self.paint.write_values(self.viewport.gpu(), values)?;
+            self.heat = Some(scale);
+        }
+        self.viewport.invalidate();
+        Ok(())
+    }
+
+    /// Moves the camera so that the original fills the view.
+    pub fn fit(&mut self) {
+        self.fitted = false;
+    }
+
+    /// Draws the stage into `rect` and steers its camera. Returns the response and, where the
+    /// pointer is on the shape, what it touches.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        state: &RenderState,
+        rect: egui::Rect,
+        look: Look,
+        brush_radius: Option<f32>,
+        markers: &[Marker],
+    ) -> Result<(egui::Response, Option<Touch>), ViewError> {
+        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
+        let figures: &[usize] = match look.show {
+            Show::Result => &[RESULT],
+            Show::Models => &[MODELS, MODELS + 1, MODELS + 2],
+            Show::BeforeAfter => &[ORIGINAL, RESULT],
+            Show::Original => &[ORIGINAL],
+        };
+        let canvas = Rect::of_size(
+            ((rect.width() * ui.pixels_per_point()).round() as u32).max(1),
+            ((rect.height() * ui.pixels_per_point()).round() as u32).max(1),
+        );
+        let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
+        let cells = layout::grid(canvas, rows, columns, 2, figures.len());
+        if !self.fitted && let Some(cell) = cells.first() {
+            self.camera.fit(self.positions[ORIGINAL].iter().copied(), cell.aspect(), 0.8);
+            self.fitted = true;
+            self.viewport.invalidate();
+        }
+        if viewport::navigate(ui, &response, &mut self.camera) || self.last_look.replace(look) != Some(look) {
+            self.viewport.invalidate();
+        }
+        if ui.ctx().input(|input| input.key_pressed(egui::Key::Home)) && response.hovered() {
+            self.fitted = false;
+        }
+        let touch = self.touch(ui, &response, rect, figures, &cells);
+        let brush = brush_radius.zip(touch).map(|(radius, touch)| Brush {
+            center: touch.point,
+            radius,
+            color: [236, 170, 70],
+        });
+        if brush_radius.is_some() && (response.hovered() || response.dragged()) {
+            self.viewport.invalidate();
+        }
+        self.draw(ui, state, rect, look, figures, &cells, brush, markers)?;
+        if let Some(scale) = self.heat {
+            show_legend(ui, rect, scale);
+        }
+        show_names(ui, rect, look.show, &cells);
+        Ok((response, touch))
+    }
+
+    fn draw(
+        &mut self,
+        ui: &mut Ui,
+        state: &RenderState,
+        rect: egui::Rect,
+        look: Look,
+        figures: &[usize],
+        cells: &[Rect],
+        brush: Option<Brush>,
+        markers: &[Marker],
+    ) -> Result<(), ViewError> {
+        let paint = self.heat.map_or(Paint::Material, |scale| Paint::Values(&self.paint, scale));
+        let material = Material::PRESETS.get(look.material).map_or(Material::CLAY, |preset| preset.1);
+        let lights = Lights::PRESETS.get(look.lights).map_or(Lights::STUDIO, |preset| preset.1);
+        let wire = look.wire.then_some(Wire { color: [20, 20, 24], opacity: 0.35, width_px: 1.0 });
+        let drawn: Vec<[Figure<'_>; 1]> = figures
+            .iter()
+            .map(|figure| {
+                let mut figure = Figure::new(&self.topology, &self.buffers, *figure);
+                (figure.material, figure.paint, figure.wire, figure.brush) = (material, paint, wire, brush);
+                [figure]
+            })
+            .collect();
+        let stage = theme::palette(ui).stage;
+        let background = if ui.visuals().dark_mode {
+            let lift = |c: u8| c.saturating_add(22);
+            Background {
+                center: [lift(stage.r()), lift(stage.g()), lift(stage.b())],
+                corner: [stage.r(), stage.g(), stage.b()],
+                opacity: 1.0,
+            }
+        } else {
+            Background::PAPER
+        };
+        let camera = self.camera;
+        self.viewport.show(ui, state, rect, |_| {
+            cells
+                .iter()
+                .zip(&drawn)
+                .map(|(cell, figures)| Cell { viewport: *cell, camera, lights, background, figures, markers })
+                .collect()
+        })
+    }
+
+    fn touch(
+        &mut self,
+        ui: &Ui,
+        response: &egui::Response,
+        rect: egui::Rect,
+        figures: &[usize],
+        cells: &[Rect],
+    ) -> Option<Touch> {
+        let at = response.interact_pointer_pos().or(response.hover_pos())?;
+        let [x, y] = viewport::to_pixels(ui, rect, at);
+        let (cell, figure) = cells.iter().zip(figures).find(|(cell, _)| cell.contains(x, y))?;
+        let positions = &self.positions[*figure];
+        match &mut self.pick {
+            Some((picked, _)) if picked == figure => {}
+            Some((picked, tree)) => {
+                tree.refit(positions, &self.triangles);
+                *picked = *figure;
+            }
+            None => self.pick = Some((*figure, PickTree::new(positions, &self.triangles))),
+        }
+        let (_, tree) = self.pick.as_ref()?;
+        let ray = self.camera.ray(x, y, *cell);
+        let hit = tree.pick(&ray, positions, &self.triangles)?;
+        Some(Touch { triangle: hit.triangle, barycentric: hit.barycentric, point: hit.point(&ray) })
+    }
+}
+
+/// Which of the three models lies under a point of the window, where they are shown.
+pub fn model_at(rect: egui::Rect, show: Show, at: egui::Pos2) -> Option<usize> {
+    (show == Show::Models && rect.contains(at))
+        .then(|| (((at.x - rect.left()) / rect.width() * 3.0) as usize).min(2))
+}
+
+fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
+    let names: &[&str] = match show {
+        Show::Result => return,
+        Show::Models => &["Coordinate", "Normal", "Distance"],
+        Show::BeforeAfter => &["Before", "After"],
+        Show::Original => &["Original"],
+    };
+    let palette = theme::palette(ui);
+    for (cell, name) in cells.iter().zip(names) {
+        let cell = viewport::to_points(ui, rect, *cell);
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        ui.painter().text(cell.left_top() + egui::vec2(12.0, 10.0), egui::Align2::LEFT_TOP, name, font, palette.weak);
+    }
+}
+
+/// A bar of the colour map with round numbers beside it.
+fn show_legend(ui: &Ui, rect: egui::Rect, scale: Scale) {
+    let bar = egui::Rect::from_min_size(
+        egui::pos2(rect.left() + 16.0, rect.bottom() - 176.0),
+        egui::vec2(12.0, 160.0),
+    );
+    let painter = ui.painter_at(rect);
+    let mut mesh = egui::Mesh::default();
+    const STEPS: u32 = 48;
+    for step in 0..=STEPS {
+        let t = step as f32 / STEPS as f32;
+        let value = scale.low + (scale.high - scale.low) * t;
+        let [r, g, b] = scale.color(value);
+        let y = bar.bottom() - bar.height() * t;
+        for x in [bar.left(), bar.right()] {
+            mesh.colored_vertex(egui::pos2(x, y), egui::Color32::from_rgb(r, g, b));
+        }
+        if step > 0 {
+            let base = 2 * (step - 1);
+            mesh.add_triangle(base, base + 1, base + 2);
+            mesh.add_triangle(base + 1, base + 3, base + 2);
+        }
+    }
+    painter.add(mesh);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let color = ui.visuals().text_color();
+    for tick in scale.ticks(5) {
+        let t = (tick - scale.low) / (scale.high - scale.low).max(f32::MIN_POSITIVE);
+        let y = bar.bottom() - bar.height() * t;
+        painter.hline(bar.right()..=bar.right() + 4.0, y, egui::Stroke::new(1.0, color));
+        let at = egui::pos2(bar.right() + 8.0, y);
+        painter.text(at, egui::Align2::LEFT_CENTER, format!("{tick}"), font.clone(), color);
+    }
+}

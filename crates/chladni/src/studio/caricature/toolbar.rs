@@ -1,0 +1,101 @@
+//! The bar above the stage: file, history, what is shown and how it looks.
+
+use chladni_view::{ColorMap, Lights, Material};
+use egui::Ui;
+
+use super::heat::Quantity;
+use super::stage::Show;
+use super::{CaricatureRoom, EXPORT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
+use crate::studio::icon::{self, Icon};
+use crate::studio::room::Shared;
+use crate::studio::theme;
+
+impl CaricatureRoom {
+    /// Draws the bar.
+    pub(super) fn toolbar(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
+        egui::Panel::top("caricature toolbar").exact_size(40.0).show(ui, |ui| {
+            ui.horizontal_centered(|ui| {
+                self.file_buttons(ui, shared);
+                ui.separator();
+                self.show_buttons(ui);
+                ui.separator();
+                self.look_menus(ui);
+            });
+        });
+    }
+
+    fn file_buttons(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
+        let ctx = ui.ctx().clone();
+        if ui.button(icon::text(Icon::FolderOpen)).on_hover_text(OPEN.tooltip(&ctx)).clicked() {
+            self.choose_file(shared);
+        }
+        let modified = self.session.as_ref().is_some_and(|session| session.history.is_modified());
+        let save = egui::Button::new(icon::text(Icon::Save));
+        if ui.add_enabled(modified, save).on_hover_text(SAVE.tooltip(&ctx)).clicked() {
+            self.save(false, shared);
+        }
+        if ui.button(icon::label(Icon::Share, "Export")).on_hover_text(EXPORT.tooltip(&ctx)).clicked() {
+            self.export(shared);
+        }
+        let Some(session) = &mut self.session else { return };
+        for (back, mark, shortcut, label) in [
+            (true, Icon::Undo2, UNDO, session.history.undo_label()),
+            (false, Icon::Redo2, REDO, session.history.redo_label()),
+        ] {
+            let button = ui.add_enabled(label.is_some(), egui::Button::new(icon::text(mark)));
+            let tip = format!("{}: {}", shortcut.tooltip(&ctx), label.unwrap_or("nothing"));
+            if button.on_hover_text(tip).clicked() {
+                self.stale |= session.travel(back).is_some();
+            }
+        }
+    }
+
+    fn show_buttons(&mut self, ui: &mut Ui) {
+        let before = self.look.show;
+        for (show, mark, tip) in [
+            (Show::Result, Icon::User, "The result"),
+            (Show::Models, Icon::Users, "The selected layer in all three models; click one to choose it"),
+            (Show::BeforeAfter, Icon::Columns2, "Before and after"),
+        ] {
+            let tip = format!("{tip} ({})", ui.ctx().format_shortcut(&NEXT_SHOW.keys));
+            ui.selectable_value(&mut self.look.show, show, icon::text(mark)).on_hover_text(tip);
+        }
+        self.stale |= self.look.show != before;
+    }
+
+    fn look_menus(&mut self, ui: &mut Ui) {
+        ui.toggle_value(&mut self.look.wire, icon::text(Icon::Grid3x3)).on_hover_text(WIRE.tooltip(ui.ctx()));
+        let (mut quantity, mut harmonic, mut map) = (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
+        let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);
+        egui::ComboBox::from_id_salt("heat").width(150.0).selected_text(name).show_ui(ui, |ui| {
+            for (choice, name) in Quantity::ALL {
+                ui.selectable_value(&mut quantity, choice, name);
+            }
+            ui.separator();
+            for choice in [ColorMap::Viridis, ColorMap::Cividis, ColorMap::Magma] {
+                ui.selectable_value(&mut map, choice, choice.name());
+            }
+        });
+        if quantity == Quantity::Harmonic {
+            let top = self.session.as_ref().map_or(1, |session| session.stack.body().basis.harmonics()) - 1;
+            ui.add(egui::DragValue::new(&mut harmonic).range(0..=top).prefix("H "));
+        }
+        self.heat.choose(quantity, harmonic, map);
+        ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
+            ui.label(egui::RichText::new("Material").color(theme::palette(ui).weak));
+            for (index, (name, _)) in Material::PRESETS.iter().enumerate() {
+                ui.selectable_value(&mut self.look.material, index, *name);
+            }
+            ui.separator();
+            ui.label(egui::RichText::new("Light").color(theme::palette(ui).weak));
+            for (index, (name, _)) in Lights::PRESETS.iter().enumerate() {
+                ui.selectable_value(&mut self.look.lights, index, *name);
+            }
+        });
+        if ui.button(icon::text(Icon::Maximize)).on_hover_text("Show all of it (Home)").clicked()
+            && let Some(stage) = &mut self.stage
+        {
+            stage.fit();
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! A 3D view inside the window: drawn by chladni-view, shown as a texture, steered as in Blender.
+
+use chladni_view::{Camera, Canvas, Cell, Gpu, Rect, Renderer, View, ViewError};
+use eframe::egui_wgpu::RenderState;
+use eframe::wgpu;
+use egui::{Key, Modifiers};
+
+use super::shortcut::Shortcut;
+
+/// Keys of every 3D view, as in Blender.
+pub const VIEW_KEYS: [Shortcut; 5] = [
+    Shortcut::key(Key::Num1, "Look from the front"),
+    Shortcut::key(Key::Num3, "Look from the right"),
+    Shortcut::key(Key::Num7, "Look from above"),
+    Shortcut::key(Key::Num5, "Three-quarter view"),
+    Shortcut::key(Key::Home, "Show all of it"),
+];
+
+/// One canvas of the window and the renderer that draws on it.
+pub struct Viewport {
+    gpu: Gpu,
+    renderer: Renderer,
+    canvas: Option<(Canvas, egui::TextureId)>,
+    stale: bool,
+}
+
+impl Viewport {
+    /// Compiles the pipelines on the window's own device.
+    pub fn new(state: &RenderState) -> Self {
+        let gpu = Gpu::shared(state.device.clone(), state.queue.clone());
+        Self { renderer: Renderer::new(&gpu), gpu, canvas: None, stale: true }
+    }
+
+    /// The device that everything shown here must live on.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Asks for a new picture in the next frame; without it the last one is shown again.
+    pub fn invalidate(&mut self) {
+        self.stale = true;
+    }
+
+    /// Shows the cells that `scene` arranges on a canvas of the given pixels, filling `rect`.
+    ///
+    /// `scene` runs only when something has changed since the last frame.
+    pub fn show<'a>(
+        &mut self,
+        ui: &mut egui::Ui,
+        state: &RenderState,
+        rect: egui::Rect,
+        scene: impl FnOnce(Rect) -> Vec<Cell<'a>>,
+    ) -> Result<(), ViewError> {
+        let limit = self.gpu.device.limits().max_texture_dimension_2d;
+        let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).clamp(1, limit);
+        self.resize(state, pixels(rect.width()), pixels(rect.height()))?;
+        let Some((canvas, texture)) = &self.canvas else { return Ok(()) };
+        if self.stale {
+            let cells = scene(Rect::of_size(canvas.width(), canvas.height()));
+            self.renderer.draw(canvas, &cells)?;
+            self.stale = false;
+        }
+        let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+        ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
+        Ok(())
+    }
+
+    fn resize(&mut self, state: &RenderState, width: u32, height: u32) -> Result<(), ViewError> {
+        if self
+            .canvas
+            .as_ref()
+            .is_some_and(|(canvas, _)| canvas.width() == width && canvas.height() == height)
+        {
+            return Ok(());
+        }
+        let canvas = Canvas::new(&self.gpu, width, height)?;
+        let mut textures = state.renderer.write();
+        let linear = wgpu::FilterMode::Linear;
+        let texture = match self.canvas.take() {
+            Some((_, texture)) => {
+                textures.update_egui_texture_from_wgpu_texture(
+                    &self.gpu.device,
+                    canvas.view(),
+                    linear,
+                    texture,
+                );
+                texture
+            }
+            None => textures.register_native_texture(&self.gpu.device, canvas.view(), linear),
+        };
+        self.canvas = Some((canvas, texture));
+        self.stale = true;
+        Ok(())
+    }
+}
+
+/// A rectangle of the canvas as points of the window.
+pub fn to_points(ui: &egui::Ui, canvas: egui::Rect, cell: Rect) -> egui::Rect {
+    let scale = 1.0 / ui.pixels_per_point();
+    let min = canvas.min + egui::vec2(cell.x as f32, cell.y as f32) * scale;
+    egui::Rect::from_min_size(min, egui::vec2(cell.width as f32, cell.height as f32) * scale)
+}
+
+/// A point of the window as a pixel of the canvas.
+pub fn to_pixels(ui: &egui::Ui, canvas: egui::Rect, point: egui::Pos2) -> [f32; 2] {
+    let offset = (point - canvas.min) * ui.pixels_per_point();
+    [offset.x, offset.y]
+}
+
+/// Turns, shifts and zooms `camera` by the pointer on `response` and by the keys of
+/// [`VIEW_KEYS`]: middle drag (or right drag, or Alt and left drag) turns, with Shift it
+/// shifts, the wheel zooms. True when the camera moved.
+pub fn navigate(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera) -> bool {
+    let before = *camera;
+    let (modifiers, scroll, zoom) =
+        ui.input(|input| (input.modifiers, input.smooth_scroll_delta().y, input.zoom_delta()));
+    let navigating = response.dragged_by(egui::PointerButton::Middle)
+        || response.dragged_by(egui::PointerButton::Secondary)
+        || (modifiers.alt && response.dragged_by(egui::PointerButton::Primary));
+    if navigating {
+        let drag = response.drag_delta();
+        if modifiers.matches_logically(Modifiers::SHIFT) && modifiers.shift {
+            camera.pan(drag.x, drag.y, response.rect.height());
+        } else {
+            camera.orbit(drag.x, drag.y);
+        }
+    }
+    if response.hovered() {
+        camera.zoom(scroll / 40.0 + zoom.ln() * 9.5);
+        let views = [View::Front, View::Right, View::Top, View::ThreeQuarter];
+        for (shortcut, view) in VIEW_KEYS.iter().zip(views) {
+            if shortcut.pressed(ui.ctx()) {
+                camera.look(view);
+            }
+        }
+    }
+    *camera != before
+}

@@ -1,0 +1,257 @@
+//! The built program, run as a user would: on its own samples always, on real files where they are there.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use chladni_testdata::shared;
+
+/// One run of the program, with a cache of its own so that no test sees another's work.
+struct Run {
+    output: Output,
+}
+
+impl Run {
+    fn of(arguments: &[&str]) -> Self {
+        let cache = std::env::temp_dir().join(format!("chladni-test-cache-{}", std::process::id()));
+        let output = Command::new(env!("CARGO_BIN_EXE_chladni"))
+            .args(arguments)
+            .env("CHLADNI_CACHE", cache)
+            .output()
+            .expect("the program was built for this test");
+        Self { output }
+    }
+
+    fn code(&self) -> i32 {
+        self.output.status.code().unwrap_or(-1)
+    }
+
+    fn stdout(&self) -> String {
+        String::from_utf8_lossy(&self.output.stdout).into_owned()
+    }
+
+    fn stderr(&self) -> String {
+        String::from_utf8_lossy(&self.output.stderr).into_owned()
+    }
+
+    fn succeeded(self) -> Self {
+        assert_eq!(self.code(), 0, "{}", self.stderr());
+        self
+    }
+
+    fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.stdout()).expect("--json prints JSON")
+    }
+
+    /// Bad input ends with code 2 and exactly one line that names the file.
+    fn refused(&self, name: &str) {
+        assert_eq!(self.code(), 2, "{name}: {}", self.stderr());
+        let errors: Vec<String> =
+            self.stderr().lines().filter(|line| line.starts_with("chladni: ")).map(str::to_owned).collect();
+        assert_eq!(errors.len(), 1, "{name}: {}", self.stderr());
+        assert!(errors[0].contains(name), "{name}: {}", errors[0]);
+        assert!(!self.stderr().contains("panicked"), "{name}: {}", self.stderr());
+    }
+
+    /// Either it works, perhaps with warnings, or it is refused in one line; it never panics.
+    fn works_or_is_refused(&self, name: &str) {
+        match self.code() {
+            0 => assert!(!self.stderr().contains("panicked"), "{name}: {}", self.stderr()),
+            _ => self.refused(name),
+        }
+    }
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("test paths are plain")
+}
+
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.is_file())
+        .collect();
+    files.sort();
+    files
+}
+
+fn nothing_half_written(folder: &Path) {
+    for path in files_below(folder) {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(!name.starts_with(".chladni-"), "left behind: {name}");
+    }
+}
+
+#[test]
+fn info_counts_a_sample() {
+    let json = Run::of(&["info", "sample:head", "--json"]).succeeded().json();
+    assert!(json["vertices"].as_u64().unwrap() > 5_000);
+    assert_eq!(json["components"], 1);
+    assert_eq!(json["boundary_loops"], 0);
+    assert_eq!(json["nonmanifold_edges"], 0);
+    assert_eq!(json["genus"], 0);
+}
+
+#[test]
+fn a_caricature_with_mu_zero_is_the_shape_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let shape = folder.path().join("shape.obj");
+    std::fs::write(&shape, OCTAHEDRON).unwrap();
+    let out = folder.path().join("out.obj");
+    Run::of(&[
+        "caricature",
+        text(&shape),
+        "self:scale=0.5",
+        "--mu",
+        "0",
+        "--harmonics",
+        "4",
+        "-o",
+        text(&out),
+    ])
+    .succeeded();
+    assert_eq!(vertex_lines(&shape), vertex_lines(&out));
+    nothing_half_written(folder.path());
+}
+
+#[test]
+fn a_caricature_of_the_sample_moves_it_and_keeps_its_connectivity() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plain, wild) = (folder.path().join("plain.obj"), folder.path().join("wild.obj"));
+    let common = ["--harmonics", "48", "--quiet"];
+    for (mu, out) in [("0", &plain), ("-1.5", &wild)] {
+        let mut arguments = vec!["caricature", "sample:head", "ellipsoid", "--mu", mu, "-o", text(out)];
+        arguments.extend(common);
+        Run::of(&arguments).succeeded();
+    }
+    let (plain, wild) = (vertex_lines(&plain), vertex_lines(&wild));
+    assert_eq!(plain.len(), wild.len());
+    let moved = plain.iter().zip(&wild).filter(|(a, b)| a != b).count();
+    assert!(moved > plain.len() / 2, "{moved} of {}", plain.len());
+}
+
+#[test]
+fn harmonics_are_exported_for_numpy_and_cached() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("basis.npz");
+    let json =
+        Run::of(&["basis", "sample:octopus", "-k", "24", "-o", text(&out), "--json"]).succeeded().json();
+    assert_eq!(json["harmonics"], 24);
+    assert_eq!(json["inertia_counts_match"], true);
+    assert!(json["max_relative_residual"].as_f64().unwrap() < 1e-8);
+    assert_eq!(&std::fs::read(&out).unwrap()[..2], b"PK", "an .npz is a zip archive");
+    let again =
+        Run::of(&["basis", "sample:octopus", "-k", "24", "-o", text(&out), "--json"]).succeeded().json();
+    assert_eq!(again["cached"], true);
+}
+
+#[test]
+fn a_shape_dances_into_frames_and_wav() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("frames");
+    Run::of(&[
+        "dance",
+        "sample:octopus",
+        "sample:tune",
+        "--frames",
+        text(&frames),
+        "--size",
+        "96x96",
+        "--fps",
+        "10",
+        "--duration",
+        "0.6",
+        "-k",
+        "16",
+    ])
+    .succeeded();
+    let files = files_below(&frames);
+    let count =
+        |extension: &str| files.iter().filter(|f| f.extension().is_some_and(|e| e == extension)).count();
+    assert_eq!(count("png"), 6);
+    assert_eq!(count("wav"), 1);
+}
+
+#[test]
+fn bad_arguments_end_with_code_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let lie = folder.path().join("lie.ply");
+    std::fs::write(&lie, "Dear reader, this is not a mesh.\n").unwrap();
+    let nan = folder.path().join("nan.obj");
+    std::fs::write(&nan, OCTAHEDRON.replace("v 1 0 0", "v nan 0 0")).unwrap();
+    let range = folder.path().join("range.obj");
+    std::fs::write(&range, OCTAHEDRON.replace("f 1 3 5", "f 1 3 99")).unwrap();
+    let missing = folder.path().join("missing.obj");
+    for path in [&lie, &nan, &range, &missing, &folder.path().to_owned()] {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        Run::of(&["info", text(path)]).refused(&name);
+        Run::of(&["basis", text(path), "-k", "4", "-o", text(&folder.path().join("b.npz"))]).refused(&name);
+    }
+    let good = folder.path().join("good.obj");
+    std::fs::write(&good, OCTAHEDRON).unwrap();
+    let out = folder.path().join("b.npz");
+    assert_eq!(Run::of(&["basis", text(&good), "-k", "6000", "-o", text(&out)]).code(), 2);
+    assert!(!out.exists());
+    assert_eq!(Run::of(&["no-such-command"]).code(), 2);
+    assert_eq!(Run::of(&["caricature", text(&good), "ellipsoid", "--mu", "wild", "-o", "x.obj"]).code(), 2);
+    let silent = folder.path().join("not-there.wav");
+    Run::of(&["dance", text(&good), text(&silent), "--frames", text(folder.path()), "-k", "4"])
+        .refused("not-there.wav");
+}
+
+#[test]
+fn every_nasty_file_works_or_is_refused_in_one_line() {
+    let Some(meshes) = shared("meshes") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    for path in files_below(&meshes.join("nasty")).into_iter().chain(files_below(&meshes.join("formats"))) {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if [".mtl", ".jpg"].iter().any(|other| name.ends_with(other)) {
+            continue;
+        }
+        Run::of(&["info", text(&path), "--json"]).works_or_is_refused(&name);
+        // A truncated copy of the same file.
+        let bytes = std::fs::read(&path).unwrap();
+        let cut = folder.path().join(&name);
+        std::fs::write(&cut, &bytes[..bytes.len() * 2 / 3]).unwrap();
+        Run::of(&["info", text(&cut), "--json"]).works_or_is_refused(&name);
+    }
+}
+
+#[test]
+fn small_nasty_meshes_get_a_basis_or_a_reason() {
+    let Some(meshes) = shared("meshes/nasty") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    for name in
+        ["fan3.obj", "hourglass_ico.obj", "moebius.obj", "platonic_shelf.obj", "soup.stl", "multibody.stl"]
+    {
+        let out = folder.path().join("basis.npz");
+        let run = Run::of(&["basis", text(&meshes.join(name)), "-k", "3", "-o", text(&out), "--no-cache"]);
+        run.works_or_is_refused(name);
+        assert_eq!(run.code(), 0, "{name}: {}", run.stderr());
+    }
+}
+
+#[test]
+fn empty_songs_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("mesh.obj");
+    std::fs::write(&mesh, OCTAHEDRON).unwrap();
+    for name in ["empty.wav", "empty.ogg"] {
+        let Some(song) = shared(&format!("audio/{name}")) else { return };
+        Run::of(&["dance", text(&mesh), text(&song), "--frames", text(&folder.path().join("f")), "-k", "4"])
+            .refused(name);
+        assert!(!folder.path().join("f").exists(), "{name}: nothing is written for a song without sound");
+    }
+}
+
+fn vertex_lines(path: &Path) -> Vec<String> {
+    std::fs::read_to_string(path)
+        .unwrap()
+        .lines()
+        .filter(|line| line.starts_with("v "))
+        .map(str::to_owned)
+        .collect()
+}
+
+const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1.25 0\nv 0 -1 0\nv 0 0 1.1\nv 0 0 -1\n\
+    f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
