@@ -13,6 +13,13 @@ fn main() {
     let settings = BasisSettings { threads: arg(3), ..BasisSettings::new(arg(2).unwrap_or(64)) };
     for _ in 0..arg(4).unwrap_or(1) {
         let (body, report) = Body::load_or_build(&mesh, &settings, None, &chladni_task::Task::new()).unwrap();
-        println!("n {} K {} {:?}\n{:?}\n{:?}", body.positions.len(), body.basis.harmonics(), report.seconds, report.profile, body.basis.certificate);
+        println!(
+            "n {} K {} {:?}\n{:?}\n{:?}",
+            body.positions.len(),
+            body.basis.harmonics(),
+            report.seconds,
+            report.profile,
+            body.basis.certificate
+        );
     }
 }

@@ -124,7 +124,8 @@ fn read_entry(file: &mut fs::File, length: u64, vertices: usize) -> Result<(Basi
     read_part(file, bytemuck::bytes_of_mut(&mut header), &mut hash)?;
     let (n, k) = (header.vertices, header.harmonics);
     let values = k.checked_mul(n).and_then(|v| v.checked_add(k)).and_then(|v| v.checked_add(n));
-    let expected = values.and_then(|v| v.checked_mul(8)).and_then(|b| b.checked_add(size_of::<Header>() as u64 + 32));
+    let expected =
+        values.and_then(|v| v.checked_mul(8)).and_then(|b| b.checked_add(size_of::<Header>() as u64 + 32));
     if header.magic != *MAGIC || n != vertices as u64 || expected != Some(length) {
         return Err("its head does not fit".into());
     }

@@ -3,7 +3,10 @@
 //! Left to the compiler's own vectorizer, the same loops over `[f64; 8]` ran between 3 and 10
 //! times slower than with these few intrinsics (measured on the triangular solves).
 
-#![allow(unsafe_code, reason = "vector intrinsics, and calling code compiled for them after testing for them")]
+#![allow(
+    unsafe_code,
+    reason = "vector intrinsics, and calling code compiled for them after testing for them"
+)]
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
@@ -48,7 +51,10 @@ pub(crate) trait Kernel {
 pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        if is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+        {
             // SAFETY: every feature that `avx512` is compiled for was detected.
             return unsafe { avx512(kernel) };
         }

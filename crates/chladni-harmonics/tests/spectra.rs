@@ -3,8 +3,8 @@
 mod shapes;
 
 use chladni_harmonics::{BasisSettings, Body};
-use chladni_task::Task;
 use chladni_mesh::TriMesh;
+use chladni_task::Task;
 
 fn build(mesh: &TriMesh, k: usize) -> Body {
     Body::build(mesh, &BasisSettings::new(k), &Task::new()).unwrap()
@@ -12,7 +12,10 @@ fn build(mesh: &TriMesh, k: usize) -> Body {
 
 fn check(body: &Body) {
     let c = &body.basis.certificate;
-    assert!(c.inertia_counts_match && c.max_relative_residual < 1e-9 && c.max_orthogonality_error < 1e-8, "{c:?}");
+    assert!(
+        c.inertia_counts_match && c.max_relative_residual < 1e-9 && c.max_orthogonality_error < 1e-8,
+        "{c:?}"
+    );
 }
 
 #[test]
@@ -26,7 +29,10 @@ fn the_unit_sphere_has_l_times_l_plus_1_with_multiplicity_2l_plus_1() {
             let exact = f64::from(l * (l + 1));
             let lambda = body.basis.eigenvalues[k] * scale2;
             // The mesh has 2,562 vertices: the error is of the order of λ h², h ≈ 0.07.
-            assert!((lambda - exact).abs() <= 0.004 * exact * f64::from(l + 1), "l {l}: {lambda} for {exact}");
+            assert!(
+                (lambda - exact).abs() <= 0.004 * exact * f64::from(l + 1),
+                "l {l}: {lambda} for {exact}"
+            );
             k += 1;
         }
     }

@@ -15,7 +15,11 @@ fn open(files: Vec<std::path::PathBuf>) -> Harness<'static, Studio> {
 }
 
 /// Steps until `ready`, as a person waits; fails after a minute.
-fn wait(harness: &mut Harness<'static, Studio>, what: &str, ready: impl Fn(&Harness<'static, Studio>) -> bool) {
+fn wait(
+    harness: &mut Harness<'static, Studio>,
+    what: &str,
+    ready: impl Fn(&Harness<'static, Studio>) -> bool,
+) {
     let start = Instant::now();
     while !ready(harness) {
         assert!(start.elapsed() < Duration::from_secs(60), "{what} did not happen within a minute");

@@ -82,7 +82,9 @@ pub(super) fn assemble(
         jobs.push((found, *own, out));
     }
     // Each slice is given up as soon as it is written: the vectors are in memory once.
-    jobs.into_par_iter().with_max_len(1).for_each(|(found, own, out)| write(&found, own, &new, &operator.mass, out));
+    jobs.into_par_iter()
+        .with_max_len(1)
+        .for_each(|(found, own, out)| write(&found, own, &new, &operator.mass, out));
     let mut eigenvalues = vec![0.0; zeros];
     eigenvalues.extend(entries.iter().map(|e| e.value));
     Ok(Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate })
@@ -240,5 +242,9 @@ fn certificate(problem: &Problem, measured: &[Option<Measured>]) -> Certificate 
             overlap = overlap.max(m.absolute / m.low);
         }
     }
-    Certificate { inertia_counts_match: true, max_relative_residual: relative, max_orthogonality_error: overlap }
+    Certificate {
+        inertia_counts_match: true,
+        max_relative_residual: relative,
+        max_orthogonality_error: overlap,
+    }
 }

@@ -35,7 +35,12 @@ pub(super) enum Join {
 impl Join {
     /// Joins `slices`; `top` is a λ above all that is wanted and the number of eigenvalues
     /// below it, once it is known.
-    pub(super) fn of(problem: &Problem, slices: &[Found], harmonics: usize, top: Option<(f64, usize)>) -> Self {
+    pub(super) fn of(
+        problem: &Problem,
+        slices: &[Found],
+        harmonics: usize,
+        top: Option<(f64, usize)>,
+    ) -> Self {
         let zeros = problem.components();
         let sides: Vec<(Vec<Entry>, Vec<Entry>)> =
             slices.iter().enumerate().map(|(s, found)| found.sides(s)).collect();
@@ -59,8 +64,7 @@ impl Join {
         entries.extend(&last.1);
         let value = |index: usize| index.checked_sub(zeros).map_or(0.0, |i| entries[i].value);
         let known = zeros + entries.len();
-        let Some(cluster_end) =
-            (harmonics..known).find(|&e| value(e) - value(e - 1) > CLUSTER * value(e))
+        let Some(cluster_end) = (harmonics..known).find(|&e| value(e) - value(e - 1) > CLUSTER * value(e))
         else {
             return Self::NeedsMore;
         };
@@ -83,7 +87,12 @@ impl Found {
     fn sides(&self, slice: usize) -> (Vec<Entry>, Vec<Entry>) {
         let mut all: Vec<Entry> = Vec::new();
         for (run, pairs) in self.runs.iter().enumerate() {
-            all.extend(pairs.values.iter().enumerate().map(|(column, &value)| Entry { value, slice, run, column }));
+            all.extend(pairs.values.iter().enumerate().map(|(column, &value)| Entry {
+                value,
+                slice,
+                run,
+                column,
+            }));
         }
         all.sort_by(|a, b| a.value.total_cmp(&b.value));
         let split = all.partition_point(|e| e.value < self.slice.shift);

@@ -65,7 +65,11 @@ fn certify(operator: &Operator, eigenvalues: &[f64], vectors: &[f64], inertia: b
             orthogonality = orthogonality.max((gram[(i, j)] - f64::from(u8::from(i == j))).abs());
         }
     }
-    Certificate { inertia_counts_match: inertia, max_relative_residual: residual, max_orthogonality_error: orthogonality }
+    Certificate {
+        inertia_counts_match: inertia,
+        max_relative_residual: residual,
+        max_orthogonality_error: orthogonality,
+    }
 }
 
 /// The sign rule: the entry of largest magnitude is positive; of several that agree to 1e-6,

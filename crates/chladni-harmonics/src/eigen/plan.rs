@@ -112,7 +112,12 @@ fn count(
     Ok(counting)
 }
 
-fn sample(problem: &Problem, probes: &[f64], counting: &mut Counting, profile: &mut Profile) -> Result<(), Stopped> {
+fn sample(
+    problem: &Problem,
+    probes: &[f64],
+    counting: &mut Counting,
+    profile: &mut Profile,
+) -> Result<(), Stopped> {
     let found: Vec<Result<((f64, f64), Profile), Stopped>> = probes
         .par_iter()
         .with_max_len(1)
@@ -132,7 +137,11 @@ fn sample(problem: &Problem, probes: &[f64], counting: &mut Counting, profile: &
 }
 
 /// The number of eigenvalues below `lambda`, or a little beside it where it is an eigenvalue.
-pub(super) fn inertia(problem: &Problem, lambda: f64, profile: &mut Profile) -> Result<(f64, usize), Stopped> {
+pub(super) fn inertia(
+    problem: &Problem,
+    lambda: f64,
+    profile: &mut Profile,
+) -> Result<(f64, usize), Stopped> {
     let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
     let mut at = lambda;
     let nudge = lambda * 1e-9;

@@ -69,7 +69,11 @@ fn add_overlap<L: Lanes, const W: usize>(
 }
 
 /// X ← X − Σ V C over the blocks V of `basis` and their coefficients C.
-pub(super) fn subtract_products<const W: usize>(x: &mut [Row<W>], basis: &[&[Row<W>]], coefficients: &[Small<W>]) {
+pub(super) fn subtract_products<const W: usize>(
+    x: &mut [Row<W>],
+    basis: &[&[Row<W>]],
+    coefficients: &[Small<W>],
+) {
     dispatch(SubtractProducts { x, basis, coefficients });
 }
 
@@ -100,7 +104,12 @@ impl<const W: usize> Kernel for SubtractProducts<'_, W> {
 }
 
 #[inline(always)]
-fn subtract_rows<L: Lanes, const R: usize, const W: usize>(lanes: L, x: &mut [Row<W>], v: &[Row<W>], c: &[Row<W>]) {
+fn subtract_rows<L: Lanes, const R: usize, const W: usize>(
+    lanes: L,
+    x: &mut [Row<W>],
+    v: &[Row<W>],
+    c: &[Row<W>],
+) {
     let mut sum: [[L::V; W]; R] = std::array::from_fn(|r| std::array::from_fn(|b| lanes.load(&x[r][b])));
     for group in 0..W {
         for i in 0..8 {

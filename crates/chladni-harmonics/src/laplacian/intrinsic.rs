@@ -20,8 +20,7 @@ pub(super) fn cotangents(length: [f64; 3]) -> (f64, [f64; 3]) {
 /// (cot β + cot β') / 2 of every edge between two vertices, times `share`. Edges of a Delaunay
 /// cover have none below zero but for rounding, which is cut off.
 pub(super) fn cotangent_weights(cover: &Cover, share: f64) -> Vec<(u32, u32, f64)> {
-    let cotangent: Vec<f64> =
-        cover.length.as_chunks::<3>().0.iter().flat_map(|l| cotangents(*l).1).collect();
+    let cotangent: Vec<f64> = cover.length.as_chunks::<3>().0.iter().flat_map(|l| cotangents(*l).1).collect();
     let mut edges = Vec::with_capacity(cover.tail.len() / 2);
     for h in 0..cover.tail.len() {
         let twin = cover.twin[h] as usize;

@@ -68,7 +68,8 @@ fn a_closed_delaunay_mesh_keeps_its_plain_cotangents_in_one_sheet() {
 
 #[test]
 fn covers_are_glued_in_pairs_that_run_opposite_ways_before_and_after_flips() {
-    let positions = [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.1], [-0.5, 0.8, 0.9], [-0.5, -0.8, 0.5], [2.0, 0.0, 0.0]];
+    let positions =
+        [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.1], [-0.5, 0.8, 0.9], [-0.5, -0.8, 0.5], [2.0, 0.0, 0.0]];
     let triangles = [[0, 1, 2], [0, 1, 3], [1, 0, 4], [2, 5, 0]];
     let check = |cover: &Cover| {
         for h in 0..cover.tail.len() as u32 {

@@ -42,7 +42,17 @@ pub(super) fn eliminate<L: Lanes>(
             order[k0 + k] = (k0 + from) as u32;
         }
         for tile in k1 / TILE..ld / TILE {
-            solve_rows_below(lanes, f, ld, tile, size, (k0, k1), &block, pivots, &mut packed[tile * width * TILE..]);
+            solve_rows_below(
+                lanes,
+                f,
+                ld,
+                tile,
+                size,
+                (k0, k1),
+                &block,
+                pivots,
+                &mut packed[tile * width * TILE..],
+            );
         }
         // The columns that are still to be eliminated.
         if k1 < width {
@@ -220,7 +230,11 @@ fn update<L: Lanes>(
         let valid = (columns.0.max(j0) - j0, columns.1.min(j0 + TILE) - j0);
         // Past the last row there is only garbage to spoil.
         let valid = if j0 + TILE >= size && valid.1 == size - j0 { (valid.0, TILE) } else { valid };
-        let p = packed[(tile * width + ks.0) * TILE..(tile * width + ks.1) * TILE].as_chunks::<8>().0.as_chunks::<2>().0;
+        let p = packed[(tile * width + ks.0) * TILE..(tile * width + ks.1) * TILE]
+            .as_chunks::<8>()
+            .0
+            .as_chunks::<2>()
+            .0;
         let mut i = columns.0.max(j0);
         while i + TALL <= size {
             update_tile::<L, TALL>(lanes, f, ld, i, j0, valid, ks.0, p);

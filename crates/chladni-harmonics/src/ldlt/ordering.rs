@@ -12,7 +12,11 @@ const PARALLEL: usize = 3000;
 /// An order of elimination, as the old index of each new one. Does not depend on threads.
 pub(crate) fn nested_dissection(matrix: &SymmetricSparse) -> Vec<u32> {
     let n = matrix.size();
-    let mut graph = Graph { starts: vec![0], neighbors: Vec::with_capacity(matrix.rows.len() - n), name: (0..n as u32).collect() };
+    let mut graph = Graph {
+        starts: vec![0],
+        neighbors: Vec::with_capacity(matrix.rows.len() - n),
+        name: (0..n as u32).collect(),
+    };
     for j in 0..n {
         graph.neighbors.extend(matrix.column(j).filter(|(i, _)| *i != j).map(|(i, _)| i as u32));
         graph.starts.push(graph.neighbors.len());

@@ -76,7 +76,11 @@ fn reorder<const W: usize>(own: &mut [Row<W>], order: &[u32], back: bool) {
 }
 
 #[inline(always)]
-fn parts<'a>(factor: &'a Factor, symbolic: &'a Symbolic, node: &Supernode) -> (&'a [f64], &'a [f64], &'a [u32]) {
+fn parts<'a>(
+    factor: &'a Factor,
+    symbolic: &'a Symbolic,
+    node: &Supernode,
+) -> (&'a [f64], &'a [f64], &'a [u32]) {
     let w = node.width;
     let values = &factor.values[node.values_start..node.values_start + w * (w + node.below)];
     let (diagonal, below) = values.split_at(w * w);

@@ -86,7 +86,14 @@ impl Symbolic {
             if let Some(&i) = rows.get(rows_start) {
                 children[of_column[i as usize] as usize].push(s as u32);
             }
-            supernodes.push(Supernode { first, width, rows_start, below, values_start, children: children[s].len() });
+            supernodes.push(Supernode {
+                first,
+                width,
+                rows_start,
+                below,
+                values_start,
+                children: children[s].len(),
+            });
             values_start += width * (width + below);
         }
         let mut into_parent = vec![0_u32; rows.len()];
@@ -153,7 +160,8 @@ fn lower_rows_and_tree(matrix: &SymmetricSparse, old: &[u32]) -> (Rows, Vec<u32>
     for (i, &o) in old.iter().enumerate() {
         new[o as usize] = i as u32;
     }
-    let mut rows = Rows { starts: Vec::with_capacity(n + 1), indices: Vec::with_capacity(matrix.rows.len() / 2) };
+    let mut rows =
+        Rows { starts: Vec::with_capacity(n + 1), indices: Vec::with_capacity(matrix.rows.len() / 2) };
     rows.starts.push(0);
     let mut parent = vec![NONE; n];
     let mut ancestor = vec![NONE; n];

@@ -94,8 +94,17 @@ fn ldlt_speed() {
         let t = Instant::now();
         let symbolic = Symbolic::of(&matrix, order);
         let t2 = t.elapsed();
-        let flops: f64 = symbolic.supernodes.iter().map(|s| (0..s.width).map(|k| ((s.width - k + s.below) as f64).powi(2)).sum::<f64>()).sum();
-        eprintln!("n {n}: order {t1:?}, analysis {t2:?}, {} supernodes, {} values, {:.3} Gflop", symbolic.supernodes.len(), symbolic.values, flops / 1e9);
+        let flops: f64 = symbolic
+            .supernodes
+            .iter()
+            .map(|s| (0..s.width).map(|k| ((s.width - k + s.below) as f64).powi(2)).sum::<f64>())
+            .sum();
+        eprintln!(
+            "n {n}: order {t1:?}, analysis {t2:?}, {} supernodes, {} values, {:.3} Gflop",
+            symbolic.supernodes.len(),
+            symbolic.values,
+            flops / 1e9
+        );
         let matrix = matrix.permuted_and_scaled(&symbolic.old, &vec![1.0; n]);
         let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
         for _ in 0..8 {

@@ -23,10 +23,26 @@ pub fn icosphere(levels: u32) -> TriMesh {
         positions.push([a, 0.0, b]);
     }
     let mut triangles = vec![
-        [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11],
-        [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8],
-        [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9],
-        [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1_u32],
+        [0, 11, 5],
+        [0, 5, 1],
+        [0, 1, 7],
+        [0, 7, 10],
+        [0, 10, 11],
+        [1, 5, 9],
+        [5, 11, 4],
+        [11, 10, 2],
+        [10, 7, 6],
+        [7, 1, 8],
+        [3, 9, 4],
+        [3, 4, 2],
+        [3, 2, 6],
+        [3, 6, 8],
+        [3, 8, 9],
+        [4, 9, 5],
+        [2, 4, 11],
+        [6, 2, 10],
+        [8, 6, 7],
+        [9, 8, 1_u32],
     ];
     for _ in 0..levels {
         let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
@@ -80,8 +96,5 @@ pub fn beside(parts: &[TriMesh], offset: [f64; 3]) -> TriMesh {
 
 /// `mesh` scaled about the origin.
 pub fn scaled(mesh: &TriMesh, factor: f64) -> TriMesh {
-    TriMesh {
-        positions: mesh.positions.iter().map(|p| p.map(|x| x * factor)).collect(),
-        ..mesh.clone()
-    }
+    TriMesh { positions: mesh.positions.iter().map(|p| p.map(|x| x * factor)).collect(), ..mesh.clone() }
 }

@@ -11,9 +11,9 @@ mod inputs;
 mod layer_options;
 mod match_shapes;
 mod npz;
+mod open;
 mod project;
 mod sculpture;
-mod open;
 mod spectrum;
 mod terminal;
 

@@ -42,8 +42,7 @@ impl BrushTool {
         ui.horizontal(|ui| {
             ui.label(RichText::new("Brush").strong());
             let name = if self.active { "Painting" } else { "Paint" };
-            ui.toggle_value(&mut self.active, name)
-                .on_hover_text(super::BRUSH.tooltip(ui.ctx()));
+            ui.toggle_value(&mut self.active, name).on_hover_text(super::BRUSH.tooltip(ui.ctx()));
             ui.toggle_value(&mut self.erase, "Erase").on_hover_text(super::ERASE.tooltip(ui.ctx()));
         });
         if !self.active {
@@ -82,8 +81,10 @@ impl BrushTool {
         if let Some(touch) = touch.filter(|_| pressed) {
             let at = SurfacePoint { triangle: touch.triangle, weights: touch.barycentric.map(f64::from) };
             // The first stroke on a layer that acts everywhere begins a region.
-            let everywhere =
-                session.project().layer(layer).is_some_and(|layer| layer.region.painted == Painted::Everywhere);
+            let everywhere = session
+                .project()
+                .layer(layer)
+                .is_some_and(|layer| layer.region.painted == Painted::Everywhere);
             if everywhere && !self.erase {
                 edits.live(Action::Paint { layer, edit: PaintEdit::Clear });
             }

@@ -1,6 +1,8 @@
 //! The controls of one layer: model, μ, region, scale curve.
 
-use chladni_caricature::{Action, Layer, LayerId, Model, PaintEdit, Painted, Property, RollOff, ScaleCurve, Smoothing};
+use chladni_caricature::{
+    Action, Layer, LayerId, Model, PaintEdit, Painted, Property, RollOff, ScaleCurve, Smoothing,
+};
 use egui::{DragValue, RichText, Slider, Ui};
 
 use super::curve::{self, Bar, Pen};
@@ -78,7 +80,8 @@ impl Controls {
         let response = curve::edit(ui, &mut edited, self.pen, spectrum);
         edits.drag(id, &response, || Property::Curve(edited.clone()));
         ui.horizontal(|ui| {
-            ui.label("Finest detail").on_hover_text("Φ_d: the gain of everything finer than the last harmonic");
+            ui.label("Finest detail")
+                .on_hover_text("Φ_d: the gain of everything finer than the last harmonic");
             let mut residual = layer.curve.residual;
             let slider = ui.add(Slider::new(&mut residual, 0.0..=2.0).fixed_decimals(2));
             edits.drag(id, &slider, || Property::Curve(ScaleCurve { residual, ..layer.curve.clone() }));
@@ -96,8 +99,16 @@ fn model_buttons(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
     ui.label(RichText::new("Model").strong());
     ui.horizontal(|ui| {
         for (model, name, tip) in [
-            (Model::Coordinate, "Coordinate", "Moves every point along its difference: sharp features, can fold"),
-            (Model::Normal, "Normal", "Inflates and deflates along the surface: smooth parts, chins and noses"),
+            (
+                Model::Coordinate,
+                "Coordinate",
+                "Moves every point along its difference: sharp features, can fold",
+            ),
+            (
+                Model::Normal,
+                "Normal",
+                "Inflates and deflates along the surface: smooth parts, chins and noses",
+            ),
             (Model::Distance, "Distance", "One filter for all directions: subtle, keeps forms even at −8"),
         ] {
             if ui.selectable_label(layer.model == model, name).on_hover_text(tip).clicked() {
@@ -136,7 +147,8 @@ fn amount(ui: &mut Ui, id: LayerId, layer: &Layer, folds: usize, edits: &mut Edi
         1 => (icon::label(Icon::TriangleAlert, "1 folded triangle"), palette.warning),
         more => (icon::label(Icon::TriangleAlert, &format!("{more} folded triangles")), palette.warning),
     };
-    ui.label(RichText::new(text).color(color).small()).on_hover_text("Triangles that this layer turns inside out");
+    ui.label(RichText::new(text).color(color).small())
+        .on_hover_text("Triangles that this layer turns inside out");
     wish
 }
 
@@ -144,7 +156,9 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut
     let everywhere = layer.region.painted == Painted::Everywhere;
     ui.horizontal_wrapped(|ui| {
         let mut paint = |edit: PaintEdit| edits.once(Action::Paint { layer: id, edit });
-        if ui.selectable_label(everywhere, "Everywhere").on_hover_text("The whole shape").clicked() && !everywhere {
+        if ui.selectable_label(everywhere, "Everywhere").on_hover_text("The whole shape").clicked()
+            && !everywhere
+        {
             paint(PaintEdit::Set(Painted::Everywhere));
         }
         if ui.button("Clear").on_hover_text("Nothing, to begin painting").clicked() {
@@ -161,7 +175,9 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut
         }
     });
     if everywhere {
-        ui.label(RichText::new("Paint on the shape to confine the layer.").color(theme::palette(ui).weak).small());
+        ui.label(
+            RichText::new("Paint on the shape to confine the layer.").color(theme::palette(ui).weak).small(),
+        );
         return;
     }
     let smoothing = layer.region.smoothing;

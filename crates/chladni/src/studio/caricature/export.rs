@@ -16,7 +16,8 @@ impl CaricatureRoom {
     pub(super) fn choose_file(&mut self, shared: &mut Shared<'_>) {
         let mut extensions = vec!["chladni"];
         extensions.extend(MESHES);
-        if let Some(path) = rfd::FileDialog::new().add_filter("Meshes and projects", &extensions).pick_file() {
+        if let Some(path) = rfd::FileDialog::new().add_filter("Meshes and projects", &extensions).pick_file()
+        {
             let project = path.extension().is_some_and(|extension| extension == "chladni");
             shared.settings.remember(&path);
             self.load(path, project, shared);

@@ -15,7 +15,13 @@ pub struct LayerList {
 
 impl LayerList {
     /// Draws the list and its buttons; `selected` is the layer that the other panels edit.
-    pub fn show(&mut self, ui: &mut Ui, project: &Project, selected: &mut Option<LayerId>, edits: &mut Edits) {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        project: &Project,
+        selected: &mut Option<LayerId>,
+        edits: &mut Edits,
+    ) {
         ui.horizontal(|ui| {
             ui.label(RichText::new("Layers").strong());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -59,11 +65,15 @@ impl LayerList {
         let palette = theme::palette(ui);
         let chosen = *selected == Some(id);
         let fill = if chosen { ui.visuals().selection.bg_fill } else { palette.card };
-        let frame = egui::Frame::new().fill(fill).corner_radius(6.0).inner_margin(egui::Margin::symmetric(8, 5));
+        let frame =
+            egui::Frame::new().fill(fill).corner_radius(6.0).inner_margin(egui::Margin::symmetric(8, 5));
         let inner = frame.show(ui, |ui| {
             ui.horizontal(|ui| {
-                let (eye, tip) =
-                    if layer.enabled { (Icon::Eye, "Hide this layer") } else { (Icon::EyeOff, "Show this layer") };
+                let (eye, tip) = if layer.enabled {
+                    (Icon::Eye, "Hide this layer")
+                } else {
+                    (Icon::EyeOff, "Show this layer")
+                };
                 if icon_button(ui, eye, tip).clicked() {
                     edits.set(id, Property::Enabled(!layer.enabled));
                 }
@@ -73,10 +83,13 @@ impl LayerList {
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     let solo = RichText::new(icon::text(Icon::Headphones));
                     let solo = if layer.solo { solo.color(palette.accent) } else { solo.color(palette.weak) };
-                    if ui.add(egui::Button::new(solo).frame(false)).on_hover_text("Only this layer").clicked() {
+                    if ui.add(egui::Button::new(solo).frame(false)).on_hover_text("Only this layer").clicked()
+                    {
                         edits.set(id, Property::Solo(!layer.solo));
                     }
-                    ui.label(RichText::new(format!("μ {:.2}", layer.effective_mu())).small().color(palette.weak));
+                    ui.label(
+                        RichText::new(format!("μ {:.2}", layer.effective_mu())).small().color(palette.weak),
+                    );
                 });
             });
         });

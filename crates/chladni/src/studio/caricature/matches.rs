@@ -13,7 +13,8 @@ use crate::studio::theme;
 
 /// Draws the panel for the selected layer.
 pub fn show(ui: &mut Ui, session: &mut Session, edits: &mut Edits, shared: &mut Shared<'_>) {
-    let Some((id, layer)) = session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone()))) else {
+    let Some((id, layer)) = session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))
+    else {
         return;
     };
     ui.separator();
@@ -22,7 +23,8 @@ pub fn show(ui: &mut Ui, session: &mut Session, edits: &mut Edits, shared: &mut 
         ui.add(egui::Label::new(template_name(&layer.template)).truncate());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.button(icon::text(Icon::FolderOpen)).on_hover_text("Use another mesh as template").clicked()
-                && let Some(path) = rfd::FileDialog::new().add_filter("Meshes", &super::export::MESHES).pick_file()
+                && let Some(path) =
+                    rfd::FileDialog::new().add_filter("Meshes", &super::export::MESHES).pick_file()
             {
                 edits.once(Action::Set { layer: id, to: Property::Template(Template::File(path)) });
             }
@@ -38,7 +40,9 @@ pub fn show(ui: &mut Ui, session: &mut Session, edits: &mut Edits, shared: &mut 
             shared.ctx.request_repaint();
         }
     }
-    if MatchRequest::of(&layer).is_some_and(|request| layer.template.is_mesh() && request.template == layer.template) {
+    if MatchRequest::of(&layer)
+        .is_some_and(|request| layer.template.is_mesh() && request.template == layer.template)
+    {
         method(ui, session, id, edits);
     }
     if let Some(report) = session.selected_match().and_then(|matched| matched.report.clone()) {
@@ -62,9 +66,14 @@ fn method(ui: &mut Ui, session: &Session, id: chladni_caricature::LayerId, edits
 
 fn describe(method: Method) -> (&'static str, &'static str) {
     match method {
-        Method::Fit => ("Bend to fit", "Aligns the template, then bends the shape onto it: the best for heads"),
+        Method::Fit => {
+            ("Bend to fit", "Aligns the template, then bends the shape onto it: the best for heads")
+        }
         Method::Icp => ("Closest points", "Aligns the template and takes the closest points"),
-        Method::Map => ("Map by landmarks", "A continuous map led by landmarks, for shapes as different as a man and a lion"),
+        Method::Map => (
+            "Map by landmarks",
+            "A continuous map led by landmarks, for shapes as different as a man and a lion",
+        ),
         Method::Same => ("Same vertices", "Both meshes have the same vertices in the same order"),
     }
 }
@@ -77,7 +86,11 @@ fn quality(ui: &mut Ui, report: &chladni_match::Report) {
             ui.label(value);
             ui.end_row();
         };
-        row("Distance", "Median distance after aligning, share of the diagonal", percent(report.median_distance));
+        row(
+            "Distance",
+            "Median distance after aligning, share of the diagonal",
+            percent(report.median_distance),
+        );
         row("Covered", "Share of the surface that found a trustworthy partner", percent(report.coverage));
         row("Turned over", "Triangles whose image is inside out", report.flipped_triangles.to_string());
     });
@@ -93,9 +106,9 @@ fn percent(share: f64) -> String {
 
 fn template_name(template: &Template) -> String {
     match template {
-        Template::File(path) => {
-            path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
-        }
+        Template::File(path) => path
+            .file_name()
+            .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned()),
         Template::Sample(name) => format!("sample {name}"),
         Template::Ellipsoid => "fitted ellipsoid".into(),
         Template::Sphere => "fitted sphere".into(),

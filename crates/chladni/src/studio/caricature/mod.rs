@@ -14,7 +14,7 @@ mod toolbar;
 
 use std::path::PathBuf;
 
-use chladni_caricature::{Action, LayerId, Layer, Model, Project, Property, ShapeSource, Template};
+use chladni_caricature::{Action, Layer, LayerId, Model, Project, Property, ShapeSource, Template};
 use eframe::egui_wgpu::RenderState;
 use egui::{Key, Ui};
 
@@ -47,9 +47,26 @@ const COMPARE: Shortcut = Shortcut::key(Key::C, "Hold to see the original");
 const NEXT_SHOW: Shortcut = Shortcut::key(Key::V, "Result, three models, before and after");
 const WIRE: Shortcut = Shortcut::key(Key::W, "Edges of triangles");
 const KEYS: [Shortcut; 20] = [
-    OPEN, SAVE, SAVE_AS, EXPORT, UNDO, REDO, DUPLICATE, DELETE, BRUSH, ERASE, SMALLER, LARGER, COMPARE, NEXT_SHOW,
-    WIRE, super::viewport::VIEW_KEYS[0], super::viewport::VIEW_KEYS[1], super::viewport::VIEW_KEYS[2],
-    super::viewport::VIEW_KEYS[3], super::viewport::VIEW_KEYS[4],
+    OPEN,
+    SAVE,
+    SAVE_AS,
+    EXPORT,
+    UNDO,
+    REDO,
+    DUPLICATE,
+    DELETE,
+    BRUSH,
+    ERASE,
+    SMALLER,
+    LARGER,
+    COMPARE,
+    NEXT_SHOW,
+    WIRE,
+    super::viewport::VIEW_KEYS[0],
+    super::viewport::VIEW_KEYS[1],
+    super::viewport::VIEW_KEYS[2],
+    super::viewport::VIEW_KEYS[3],
+    super::viewport::VIEW_KEYS[4],
 ];
 
 /// The room: at most one open project.
@@ -106,7 +123,9 @@ impl Room for CaricatureRoom {
             let project = path.extension().is_some_and(|extension| extension == "chladni");
             // The first mesh is the shape; the next ones are templates for it.
             match (&self.session, project) {
-                (Some(_), false) if paths.len() == 1 || Some(path) != paths.first() => self.add_template(path.clone(), shared),
+                (Some(_), false) if paths.len() == 1 || Some(path) != paths.first() => {
+                    self.add_template(path.clone(), shared)
+                }
                 _ => self.load(path.clone(), project, shared),
             }
             shared.settings.remember(path);
@@ -150,7 +169,8 @@ impl CaricatureRoom {
 
     fn add_template(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
         let Some(session) = &mut self.session else { return };
-        let name = path.file_stem().map_or_else(|| "Template".into(), |stem| stem.to_string_lossy().into_owned());
+        let name =
+            path.file_stem().map_or_else(|| "Template".into(), |stem| stem.to_string_lossy().into_owned());
         let index = session.project().layers().len();
         let layer = Box::new(Layer::new(name, Template::File(path)));
         match session.apply(vec![edits::Edit::Once(Action::Add { index, layer })]) {
@@ -280,7 +300,8 @@ impl CaricatureRoom {
         });
         egui::Panel::right("controls").exact_size(theme::PANEL_WIDTH).show(ui, |ui| {
             egui::ScrollArea::vertical().show(ui, |ui| {
-                let Some((id, layer)) = session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))
+                let Some((id, layer)) =
+                    session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))
                 else {
                     ui.label("Add a layer to see its controls.");
                     return;
@@ -291,7 +312,9 @@ impl CaricatureRoom {
                 if self.controls.show(ui, id, &layer, &measured, edits) == Some(Wish::AsFarAsItGoes) {
                     match session.furthest_mu() {
                         Some(mu) => edits.set(id, Property::Mu(mu)),
-                        None => shared.notices.warn("This layer never folds in that direction, or does not act yet."),
+                        None => shared
+                            .notices
+                            .warn("This layer never folds in that direction, or does not act yet."),
                     }
                 }
                 ui.add_space(theme::GAP);
@@ -347,7 +370,9 @@ fn update_stage(
                 None => &result.positions,
             };
             let normals = single(&session.stack.surface().normals(positions));
-            stage.set_figure(stage::MODELS + index, &single(positions), &normals).map_err(|error| error.to_string())?;
+            stage
+                .set_figure(stage::MODELS + index, &single(positions), &normals)
+                .map_err(|error| error.to_string())?;
         }
     }
     let values = heat.values(session);
@@ -371,8 +396,7 @@ fn show_stage(
     }
     let gpu: &RenderState = shared.gpu;
     let ring = brush.active.then_some(brush.radius);
-    let (response, touch) =
-        stage.show(ui, gpu, rect, look, ring, &[]).map_err(|error| error.to_string())?;
+    let (response, touch) = stage.show(ui, gpu, rect, look, ring, &[]).map_err(|error| error.to_string())?;
     if let Some(layer) = session.selected.filter(|_| brush.active) {
         brush.paint(ui, &response, touch, layer, session, edits);
     } else if response.clicked()

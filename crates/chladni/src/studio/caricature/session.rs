@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use chladni_caricature::{
-    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project, ShapeSource,
-    Stack, Template, furthest,
+    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project,
+    ShapeSource, Stack, Template, furthest,
 };
 use chladni_harmonics::{BasisCache, BasisSettings, Body, BuildReport};
 use chladni_mesh::TriMesh;
@@ -61,7 +61,6 @@ impl Session {
     /// A session on what was loaded.
     pub fn new(loaded: Loaded) -> Result<Self, String> {
         let mut stack = Stack::new(loaded.body).map_err(|error| error.to_string())?;
-        loaded.project.check_vertices(stack.body().positions.len()).map_err(|error| error.to_string())?;
         let evaluation = stack.evaluate(&loaded.project);
         let selected = loaded.project.layers().last().map(|(id, _)| *id);
         Ok(Self {
@@ -95,8 +94,12 @@ impl Session {
             let adds = matches!(&edit, Edit::Once(Action::Add { .. } | Action::Duplicate(_)));
             let surface = Arc::clone(self.stack.surface());
             match edit {
-                Edit::Once(action) => self.history.apply(&action, Some(&surface)).map_err(|e| e.to_string())?,
-                Edit::Live(action) => self.history.apply_live(&action, Some(&surface)).map_err(|e| e.to_string())?,
+                Edit::Once(action) => {
+                    self.history.apply(&action, Some(&surface)).map_err(|e| e.to_string())?
+                }
+                Edit::Live(action) => {
+                    self.history.apply_live(&action, Some(&surface)).map_err(|e| e.to_string())?
+                }
                 Edit::Finish => {
                     self.history.finish();
                     continue;
@@ -186,7 +189,9 @@ impl Session {
             if let Some(result) = outcome {
                 let request = request.clone();
                 message = match &result {
-                    Ok(matched) => matched.report.as_ref().and_then(|report| report.warnings.first().cloned()),
+                    Ok(matched) => {
+                        matched.report.as_ref().and_then(|report| report.warnings.first().cloned())
+                    }
                     Err(why) => Some(why.to_string()),
                 };
                 self.stack.install(request, result);
@@ -208,7 +213,9 @@ impl Session {
         let folder = self.path.as_deref().and_then(Path::parent).map(Path::to_owned);
         Job::start(format!("Matching {}", request.template), ctx, move |task| {
             let mesh = match &request.template {
-                Template::File(path) => source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| Some(mesh)),
+                Template::File(path) => {
+                    source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| Some(mesh))
+                }
                 Template::Sample(name) => source::sample(name).map(Some),
                 _ => Ok(None),
             };
@@ -249,9 +256,9 @@ impl Session {
     /// What the window's title and the start screen call it.
     pub fn name(&self) -> String {
         match (&self.path, &self.project().shape) {
-            (Some(path), _) | (None, ShapeSource::File(path)) => {
-                path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned())
-            }
+            (Some(path), _) | (None, ShapeSource::File(path)) => path
+                .file_stem()
+                .map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned()),
             (None, ShapeSource::Sample(name)) => format!("sample {name}"),
         }
     }

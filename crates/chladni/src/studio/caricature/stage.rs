@@ -2,8 +2,8 @@
 //! wires, and the brush on its surface.
 
 use chladni_view::{
-    Background, Brush, Camera, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint, PickTree, Rect,
-    Scale, Topology, VertexPaint, View, ViewError, Wire, layout,
+    Background, Brush, Camera, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint,
+    PickTree, Rect, Scale, Topology, VertexPaint, View, ViewError, Wire, layout,
 };
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
@@ -84,7 +84,11 @@ pub struct Stage {
 
 impl Stage {
     /// A stage for a body of `positions` (working frame) and `triangles`, all figures at rest.
-    pub fn new(state: &RenderState, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, ViewError> {
+    pub fn new(
+        state: &RenderState,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, ViewError> {
         let viewport = Viewport::new(state);
         let gpu = viewport.gpu();
         let n = positions.len();
@@ -168,7 +172,9 @@ impl Stage {
         );
         let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
         let cells = layout::grid(canvas, rows, columns, 2, figures.len());
-        if !self.fitted && let Some(cell) = cells.first() {
+        if !self.fitted
+            && let Some(cell) = cells.first()
+        {
             self.camera.fit(self.positions[ORIGINAL].iter().copied(), cell.aspect(), 0.8);
             self.fitted = true;
             self.viewport.invalidate();
@@ -284,7 +290,13 @@ fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
     for (cell, name) in cells.iter().zip(names) {
         let cell = viewport::to_points(ui, rect, *cell);
         let font = egui::TextStyle::Body.resolve(ui.style());
-        ui.painter().text(cell.left_top() + egui::vec2(12.0, 10.0), egui::Align2::LEFT_TOP, name, font, palette.weak);
+        ui.painter().text(
+            cell.left_top() + egui::vec2(12.0, 10.0),
+            egui::Align2::LEFT_TOP,
+            name,
+            font,
+            palette.weak,
+        );
     }
 }
 

@@ -65,7 +65,8 @@ impl CaricatureRoom {
 
     fn look_menus(&mut self, ui: &mut Ui) {
         ui.toggle_value(&mut self.look.wire, icon::text(Icon::Grid3x3)).on_hover_text(WIRE.tooltip(ui.ctx()));
-        let (mut quantity, mut harmonic, mut map) = (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
+        let (mut quantity, mut harmonic, mut map) =
+            (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
         let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);
         egui::ComboBox::from_id_salt("heat").width(150.0).selected_text(name).show_ui(ui, |ui| {
             for (choice, name) in Quantity::ALL {
