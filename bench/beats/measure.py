@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+"""Beats of known songs: ours (whole song known, and while listening), librosa and aubio, in one run.
+
+usage: bench/beats/measure.py [--data FOLDER] [--write]
+The songs are those of the data folder (default ../shared/data/audio or $CHLADNI_DATA/audio) that have
+known beats, and 25 that `beat_songs` composes. CHLADNI_PEERS_PYTHON names a Python with librosa; aubio is
+looked for in /usr/bin/python3. --write puts the table into BENCHMARKS.md.
+"""
+import json
+import os
+import pathlib
+import platform
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+WINDOW_SECS = 0.07
+KNOWN = [
+    ("impulses_1second_44100_st.wav", "impulses.beats.txt"),
+    ("techno_loop.mp3", "techno_loop.beats.txt"),
+    ("Chord_Detection_Test.flac", "Chord_Detection_Test.beats.txt"),
+    ("sample.wav", "sample.beats"),
+]
+
+
+def truth_of(path):
+    lines = pathlib.Path(path).read_text().splitlines()
+    return [float(line.split()[0]) for line in lines if line.strip() and not line.startswith("#")]
+
+
+def f_measure(found, truth):
+    """Beats paired one to one within ±70 ms."""
+    i = j = hits = 0
+    while i < len(found) and j < len(truth):
+        off = found[i] - truth[j]
+        if abs(off) <= WINDOW_SECS:
+            hits, i, j = hits + 1, i + 1, j + 1
+        elif off < 0:
+            i += 1
+        else:
+            j += 1
+    return 2 * hits / max(len(found) + len(truth), 1)
+
+
+def octave(tempo, true_tempo):
+    """Whether a tempo is right within 2 %, or right but for an octave, or wrong."""
+    for factor, word in [(1, "right"), (2, "double"), (0.5, "half")]:
+        if true_tempo and abs(tempo / (factor * true_tempo) - 1) < 0.02:
+            return word
+    return "wrong"
+
+
+def lines_of(command):
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        print(f"skipped {command[0]} {command[1]}: {done.stderr.strip().splitlines()[-1:]}", file=sys.stderr)
+        return None
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def main():
+    arguments = sys.argv[1:]
+    data = pathlib.Path(os.environ.get("CHLADNI_DATA", ROOT.parent / "shared" / "data")) / "audio"
+    if "--data" in arguments:
+        data = pathlib.Path(arguments[arguments.index("--data") + 1])
+    subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "chladni-sound", "--examples"], cwd=ROOT, check=True)
+    target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "examples"
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([target / "beat_songs", folder], check=True)
+        songs = [(data / song, data / truth) for song, truth in KNOWN if (data / song).exists()]
+        given = len(songs)
+        songs += [(wav, wav.with_name(wav.name.removesuffix(".wav") + ".beats.txt"))
+                  for wav in sorted(pathlib.Path(folder).glob("*.wav"))]
+        paths = [str(song) for song, _ in songs]
+        truths = [truth_of(truth) for _, truth in songs]
+        ours = lines_of([str(target / "beat_lists"), *paths])
+        python = os.environ.get("CHLADNI_PEERS_PYTHON", "python3")
+        here = pathlib.Path(__file__).parent
+        columns = {
+            "Chladni, whole song": ours and [line["whole"] for line in ours],
+            "librosa, whole song": lines_of([python, str(here / "peer_librosa.py"), *paths]),
+            "Chladni, listening": ours and [line["causal"] for line in ours],
+            "aubio, listening": lines_of(["/usr/bin/python3", str(here / "peer_aubio.py"), *paths]),
+        }
+    columns = {name: column for name, column in columns.items() if column}
+    table = render(songs, truths, columns, given)
+    print(table)
+    if "--write" in arguments:
+        write_section(table)
+
+
+def render(songs, truths, columns, given):
+    rows = ["| song | true bpm | " + " | ".join(columns) + " |", "|---|---|" + "---|" * len(columns)]
+    scores = {name: [] for name in columns}
+    right = {name: 0 for name in columns}
+    octaves = {name: 0 for name in columns}
+    for k, ((song, _), truth) in enumerate(zip(songs, truths)):
+        true_tempo = 60 * (len(truth) - 1) / (truth[-1] - truth[0])
+        cells = []
+        for name, column in columns.items():
+            score = f_measure(column[k]["beats_secs"], truth)
+            verdict = octave(column[k]["tempo_bpm"], true_tempo)
+            scores[name].append(score)
+            right[name] += verdict == "right"
+            octaves[name] += verdict in ("half", "double")
+            cells.append(f"{score:.3f} ({column[k]['tempo_bpm']:.1f}{'' if verdict == 'right' else ', ' + verdict})")
+        rows.append(f"| {song.stem} | {true_tempo:.1f} | " + " | ".join(cells) + " |")
+    mean = lambda values: sum(values) / max(len(values), 1)
+    means = lambda part: " | ".join(f"**{mean(part(scores[name])):.3f}**" for name in columns)
+    rows.append(f"| **mean of the {given} given** | | " + means(lambda s: s[:given]) + " |")
+    rows.append("| **mean of all** | | " + means(lambda s: s) + " |")
+    rows.append("| tempo within 2 %; an octave off | | "
+                + " | ".join(f"{right[n]} of {len(songs)}; {octaves[n]}" for n in columns) + " |")
+    took = " | ".join(f"{sum(line['took_secs'] for line in column):.1f} s" for column in columns.values())
+    rows.append(f"| time for all, one thread, decoding excluded | | {took} |")
+    head = (f"F-measure (±70 ms) and tempo found, all in one run on {platform.processor() or platform.machine()}; "
+            "made by `bench/beats/measure.py --write`. The composed songs (24 s each) were also used to choose the "
+            "tracker's constants; the given ones are recordings.\n\n")
+    return head + "\n".join(rows) + "\n"
+
+
+def write_section(table):
+    path = ROOT / "BENCHMARKS.md"
+    text = path.read_text() if path.exists() else "# Benchmarks\n"
+    section = f"<!-- beats:begin -->\n## Beats\n\n{table}<!-- beats:end -->"
+    if "<!-- beats:begin -->" in text:
+        text = re.sub(r"<!-- beats:begin -->.*<!-- beats:end -->", lambda _: section, text, flags=re.S)
+    else:
+        text = text.rstrip() + "\n\n" + section + "\n"
+    path.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
