@@ -36,6 +36,11 @@ impl ScaleCurve {
         Self { points: vec![[0.0, gain], [1.0, gain]], residual: gain }
     }
 
+    /// All but the finest: what a match of two meshes leaves rough lies there.
+    pub fn smooth() -> Self {
+        Self { points: vec![[0.0, 1.0], [0.5, 1.0], [1.0, 0.0]], residual: 0.0 }
+    }
+
     /// Large forms only: full gain at low frequency, nothing above a third of the range.
     pub fn broad() -> Self {
         Self { points: vec![[0.0, 1.0], [0.15, 1.0], [0.35, 0.0], [1.0, 0.0]], residual: 0.0 }
@@ -158,7 +163,7 @@ fn check_gain(gain: f64) -> Result<(), Error> {
     }
 }
 
-/// `flat`, `broad`, `mid`, `fine`, or points `u:gain,u:gain,…` and optionally `d:gain` for the
+/// `flat`, `smooth`, `broad`, `mid`, `fine`, or points `u:gain,u:gain,…` and optionally `d:gain` for the
 /// residual (the last point's gain where it is not given).
 impl std::str::FromStr for ScaleCurve {
     type Err = Error;
@@ -166,6 +171,7 @@ impl std::str::FromStr for ScaleCurve {
     fn from_str(text: &str) -> Result<Self, Error> {
         match text.trim() {
             "flat" => return Ok(Self::flat(1.0)),
+            "smooth" => return Ok(Self::smooth()),
             "broad" => return Ok(Self::broad()),
             "mid" => return Ok(Self::mid()),
             "fine" => return Ok(Self::fine()),
@@ -176,7 +182,7 @@ impl std::str::FromStr for ScaleCurve {
         let mut curve = Self { points: Vec::new(), residual: f64::NAN };
         for part in text.split(',') {
             let (u, gain) = part.split_once(':').ok_or_else(|| {
-                bad("write flat, broad, mid, fine or points as frequency:gain,… with frequency from 0 to 1")
+                bad("write flat, smooth, broad, mid, fine or points as frequency:gain,… with frequency from 0 to 1")
             })?;
             if u.trim() == "d" {
                 curve.residual = number(gain)?;
@@ -198,7 +204,7 @@ mod tests {
 
     #[test]
     fn passes_through_its_points_and_never_overshoots() {
-        for curve in [ScaleCurve::broad(), ScaleCurve::mid(), ScaleCurve::fine()] {
+        for curve in [ScaleCurve::smooth(), ScaleCurve::broad(), ScaleCurve::mid(), ScaleCurve::fine()] {
             curve.validate().unwrap();
             for p in &curve.points {
                 assert!((curve.at(p[0]) - p[1]).abs() < 1e-12);

@@ -37,13 +37,17 @@ struct LayerMemo {
     own_target: Memo<(Same<Base>, Template), Arc<Target>>,
     difference: Memo<(Same<Base>, Same<Target>), Arc<Difference>>,
     /// One per model, so that the three can be shown side by side.
-    fields: [Memo<(Same<Difference>, ScaleCurve), Arc<Field>>; 3],
-    displacement: Memo<(Same<Field>, f64, Option<Same<[f32]>>), Arc<Vec<Vec3>>>,
-    result: Memo<(Same<Base>, Same<Vec<Vec3>>), Arc<Base>>,
+    fields: [FieldMemo; 3],
+    displacement: DisplacementMemo,
+    result: ResultMemo,
     signals: Memo<Same<Difference>, Signals>,
 }
 
 type Mask = Option<Arc<[f32]>>;
+type FieldMemo = Memo<(Same<Difference>, ScaleCurve), Arc<Field>>;
+/// The field, μ and χ it came from.
+type DisplacementMemo = Memo<(Same<Field>, f64, Option<Same<[f32]>>), Arc<Vec<Vec3>>>;
+type ResultMemo = Memo<(Same<Base>, Same<Vec<Vec3>>), Arc<Base>>;
 
 /// What a project looks like.
 #[derive(Clone, Debug)]

@@ -1,5 +1,7 @@
 //! Projects as documents: undo, files, formats, recovery, crashes.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 mod bodies;
 
 use std::path::{Path, PathBuf};

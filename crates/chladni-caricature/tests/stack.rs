@@ -1,10 +1,13 @@
 //! The layer stack on a small body: results, caching, terms, morph targets.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 mod bodies;
 
 use std::sync::Arc;
 
 use chladni_caricature::*;
+use chladni_harmonics::{BasisSettings, Body};
 use chladni_synth::displacements_f64;
 use chladni_task::Task;
 
@@ -34,7 +37,7 @@ fn project() -> Project {
 
 fn stack() -> (chladni_mesh::TriMesh, Stack) {
     let mesh = bodies::lump();
-    let body = bodies::body(&mesh);
+    let body = Arc::new(Body::build(&mesh, &BasisSettings::new(64), &Task::new()).unwrap());
     let mut stack = Stack::new(body.clone()).unwrap();
     for request in stack.missing(&project()) {
         let matched = request.run(&mesh, &body, None, &Task::new());
@@ -162,8 +165,7 @@ fn terms_and_side_by_side_models_agree_with_the_evaluation() {
             .collect();
         assert!(largest(&stack.three_models(&project, id).unwrap()[m], &moved) < 1e-12);
         let term = stack.terms(&project, id).unwrap()[m].clone();
-        let body =
-            chladni_harmonics::Body { positions: layer.base.positions.clone(), ..(**stack.body()).clone() };
+        let body = Body { positions: layer.base.positions.clone(), ..(**stack.body()).clone() };
         let item = chladni_synth::Item { terms: vec![term] };
         assert!(largest(&displacements_f64(&body, &item).unwrap(), &displacement) < 1e-5, "{model}");
     }

@@ -1,5 +1,7 @@
 //! `chladni caricature` and `chladni project`, run as a user would.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

@@ -1,10 +1,6 @@
-//! A small lumpy shape with solved harmonics.
+//! A small lumpy shape.
 
-use std::sync::Arc;
-
-use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{TriMesh, samples::icosphere};
-use chladni_task::Task;
 
 /// A lumpy ball of 642 vertices, away from the origin.
 pub fn lump() -> TriMesh {
@@ -15,9 +11,4 @@ pub fn lump() -> TriMesh {
         *p = [100.0 + r * x, r * y, 0.7 * r * z - 5.0];
     }
     mesh
-}
-
-/// Its first 64 harmonics.
-pub fn body(mesh: &TriMesh) -> Arc<Body> {
-    Arc::new(Body::build(mesh, &BasisSettings::new(64), &Task::new()).unwrap())
 }

@@ -8,7 +8,7 @@ use chladni_mesh::{Format, Frame};
 
 use super::inputs::open_mesh;
 use super::layer_options::LayerOptions;
-use super::sculpture::{Sculpture, format_of};
+use super::sculpture::{Portrait, Sculpture, format_of};
 use super::{Failure, Terminal};
 
 /// Exaggerate what makes a shape differ from a template.
@@ -33,6 +33,8 @@ pub struct Caricature {
     /// Draws the shape before and after, side by side. With --batch a folder.
     #[arg(long, value_name = "OUT.png")]
     render: Option<PathBuf>,
+    #[command(flatten)]
+    portrait: Portrait,
     /// A project whose layers are applied instead.
     #[arg(long, value_name = "P.chladni")]
     recipe: Option<PathBuf>,
@@ -51,14 +53,25 @@ impl Caricature {
             (None, Some(shape)) => {
                 format_of(&self.output)?;
                 let from = open_mesh(&project.shape.to_string(), terminal)?;
-                one(shape, &project, Some(&Frame::of(&from)), &self.output, self.render.as_deref(), terminal)
+                one(
+                    shape,
+                    &project,
+                    Some(&Frame::of(&from)),
+                    &self.output,
+                    self.picture(self.render.as_deref()),
+                    terminal,
+                )
             }
             (None, None) => {
                 format_of(&self.output)?;
                 let shape = project.shape.to_string();
-                one(&shape, &project, None, &self.output, self.render.as_deref(), terminal)
+                one(&shape, &project, None, &self.output, self.picture(self.render.as_deref()), terminal)
             }
         }
+    }
+
+    fn picture<'a>(&'a self, path: Option<&'a Path>) -> Option<(&'a Path, &'a Portrait)> {
+        path.map(|path| (path, &self.portrait))
     }
 
     fn single(&self, terminal: &Terminal) -> Result<(), Failure> {
@@ -72,7 +85,7 @@ impl Caricature {
         let source: ShapeSource = shape.parse().map_err(Failure::input)?;
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.push(self.layer.layer("caricature", template.clone())?).map_err(Failure::input)?;
-        one(shape, &project, None, &self.output, self.render.as_deref(), terminal)
+        one(shape, &project, None, &self.output, self.picture(self.render.as_deref()), terminal)
     }
 
     /// Every mesh of `folder`, in order of name. One that fails does not stop the others.
@@ -94,7 +107,7 @@ impl Caricature {
             let output = self.output.join(stem).with_extension(extension);
             let render = self.render.as_ref().map(|r| r.join(stem).with_extension("png"));
             let name = shape.display().to_string();
-            match one(&name, project, Some(&from), &output, render.as_deref(), terminal) {
+            match one(&name, project, Some(&from), &output, self.picture(render.as_deref()), terminal) {
                 Ok(()) => {}
                 Err(Failure::Cancelled) => return Err(Failure::Cancelled),
                 Err(failure) => {
@@ -117,7 +130,7 @@ fn one(
     project: &Project,
     from: Option<&Frame>,
     output: &Path,
-    render: Option<&Path>,
+    picture: Option<(&Path, &Portrait)>,
     terminal: &Terminal,
 ) -> Result<(), Failure> {
     let mesh = open_mesh(shape, terminal)?;
@@ -126,9 +139,9 @@ fn one(
     sculpture.describe(terminal)?;
     sculpture.save(output)?;
     terminal.result(format_args!("wrote {}", output.display()))?;
-    if let Some(render) = render {
-        sculpture.render(render)?;
-        terminal.result(format_args!("wrote {}", render.display()))?;
+    if let Some((path, portrait)) = picture {
+        sculpture.render(path, portrait)?;
+        terminal.result(format_args!("wrote {}", path.display()))?;
     }
     Ok(())
 }

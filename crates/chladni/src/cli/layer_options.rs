@@ -32,11 +32,12 @@ pub struct LayerOptions {
     /// Lets the smoothed region ring below 0 and above 1.
     #[arg(long)]
     no_clamp: bool,
-    /// Which scales: flat, broad, mid, fine, or points frequency:gain,… and d:gain for all above the
-    /// harmonics (0:1,0.4:2,1:0,d:0).
-    #[arg(long, default_value = "flat", value_name = "CURVE")]
-    scale_curve: ScaleCurve,
-    /// How a template mesh is matched: same (connectivity), icp or fit.
+    /// Which scales: flat, smooth, broad, mid, fine, or points frequency:gain,… and d:gain for all
+    /// above the harmonics (0:1,0.4:2,1:0,d:0). Where none is given: flat; but smooth, without the
+    /// finest, for exaggerating (μ < 0) a matched mesh, whose match is never exact there.
+    #[arg(long, value_name = "CURVE")]
+    scale_curve: Option<ScaleCurve>,
+    /// How a template mesh is matched: same (connectivity), icp, fit, or map (by landmarks).
     #[arg(long = "match", value_name = "METHOD", value_parser = method)]
     matching: Option<Method>,
     /// Pairs of vertices that belong together, `shape_vertex template_vertex` a line.
@@ -68,6 +69,8 @@ impl LayerOptions {
         if let Some(path) = &self.landmarks {
             matching.landmarks = landmarks(path)?;
         }
+        let rough = template.is_mesh() && matching.method != Method::Same && self.mu < 0.0;
+        let usual = || if rough { ScaleCurve::smooth() } else { ScaleCurve::flat(1.0) };
         let layer = Layer {
             name: name.to_owned(),
             template,
@@ -76,7 +79,7 @@ impl LayerOptions {
             mu: self.mu,
             strength: self.strength,
             region: Region { painted, smoothing },
-            curve: self.scale_curve.clone(),
+            curve: self.scale_curve.clone().unwrap_or_else(usual),
             enabled: true,
             solo: false,
         };

@@ -7,7 +7,7 @@ use chladni_caricature::{Evaluation, LayerState, MatchRequest, Project, Stack, T
 use chladni_harmonics::Body;
 use chladni_mesh::{Format, MorphTarget, TriMesh, save_mesh, write_glb};
 use chladni_task::write_atomic;
-use chladni_view::{Gpu, PictureRequest, PictureShape, Style, render_picture};
+use chladni_view::{Camera, Gpu, PictureRequest, PictureShape, Style, render_picture};
 
 use super::inputs::{build_body, open_mesh};
 use super::{Failure, Terminal};
@@ -83,7 +83,7 @@ impl Sculpture {
     }
 
     /// Draws the shape before and after, side by side.
-    pub fn render(&self, path: &Path) -> Result<(), Failure> {
+    pub fn render(&self, path: &Path, portrait: &Portrait) -> Result<(), Failure> {
         let body = self.stack.body();
         let single = |positions: &[[f64; 3]]| -> Vec<[f32; 3]> {
             positions.iter().map(|p| p.map(|c| c as f32)).collect()
@@ -94,18 +94,42 @@ impl Sculpture {
             triangles: &body.triangles,
             ..PictureShape::default()
         });
+        let Portrait { view: [yaw, pitch], size: [width, height] } = *portrait;
+        let mut camera =
+            Camera { yaw_rad: yaw.to_radians(), pitch_rad: pitch.to_radians(), ..Camera::default() };
+        let both = before.iter().chain(&after).copied();
+        camera.fit(both, width as f32 / 2.0 / height as f32, 0.88);
         let gpu = Gpu::headless().map_err(Failure::other)?;
-        let request = PictureRequest {
-            shapes: &shapes,
-            width: 1600,
-            height: 900,
-            camera: None,
-            style: Style::default(),
-        };
+        let request =
+            PictureRequest { shapes: &shapes, width, height, camera: Some(camera), style: Style::default() };
         let picture = render_picture(&gpu, &request).map_err(Failure::other)?;
         let png = picture.to_png().map_err(Failure::other)?;
         write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
     }
+}
+
+/// Where the viewer of a picture stands, and how large the picture is.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub struct Portrait {
+    /// Where the picture is seen from: degrees to the right of the front and above the horizon.
+    #[arg(long, value_name = "YAW,PITCH", default_value = "30,10", allow_hyphen_values = true, value_parser = angles)]
+    view: [f32; 2],
+    /// Size of the picture in pixels.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", value_parser = pixels)]
+    size: [u32; 2],
+}
+
+fn angles(text: &str) -> Result<[f32; 2], String> {
+    let parsed =
+        text.split_once(',').and_then(|(y, p)| Some([y.trim().parse().ok()?, p.trim().parse().ok()?]));
+    let within = |a: &[f32; 2]| a[0].abs() <= 360.0 && a[1].abs() <= 90.0;
+    parsed.filter(within).ok_or_else(|| "write it as yaw,pitch in degrees, such as 30,10".into())
+}
+
+fn pixels(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let within = |s: &[u32; 2]| s.iter().all(|s| (16..=16_384).contains(s));
+    parsed.filter(within).ok_or_else(|| "write it as WIDTHxHEIGHT in pixels, 16 to 16384 each".into())
 }
 
 /// The format of `path`, if it is one that results are written in.

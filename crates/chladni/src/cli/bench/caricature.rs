@@ -7,6 +7,7 @@ use chladni_caricature::{
     Action, Dab, Error, History, Layer, LayerId, Mirror, Model, PaintEdit, Painted, Project, Property,
     Region, RollOff, ScaleCurve, ShapeSource, Smoothing, Stack, Template, flipped_triangles, furthest,
 };
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::super::inputs::{build_body, open_mesh};
@@ -53,6 +54,7 @@ impl BenchCaricature {
             let matched = terminal.watch("matching", |task| request.run(&mesh, &body, None, task));
             stack.install(request, matched);
         }
+        let basis = stack.body().basis.clone();
         let mut rows = Vec::new();
         let mut time = |what, act: &mut dyn FnMut(usize) -> Result<(), Error>| -> Result<(), Failure> {
             let (median_ms, fastest_ms) = timed(self.repeats.max(1), act).map_err(Failure::other)?;
@@ -60,6 +62,12 @@ impl BenchCaricature {
             rows.push(Row { what, vertices, harmonics, threads, median_ms, fastest_ms });
             Ok(())
         };
+        time("reading H once: the floor of a transform or a synthesis", &mut |_| {
+            std::hint::black_box(
+                basis.vectors.par_chunks(1 << 16).map(|h| h.iter().sum::<f64>()).sum::<f64>(),
+            );
+            Ok(())
+        })?;
         painting(&mut stack, &mut history, &mut time)?;
         controls(&mut stack, &mut history, &mut time)?;
         folds(&mut stack, &mut history, &mut time)?;
@@ -133,6 +141,9 @@ fn painting(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> R
         history.apply(&set(lower, Property::Smoothing(smoothing)), None).map_err(put)?;
         let upper = ids(history)[1];
         history.apply(&set(upper, Property::Enabled(false)), None).map_err(put)?;
+        // A region where the strokes before left nothing: what does not change costs nothing.
+        let clear = Action::Paint { layer: lower, edit: PaintEdit::Clear };
+        history.apply(&clear, Some(&surface)).map_err(put)?;
         time(what, &mut |i| {
             let edit = dab(i, 0.1, mirror);
             history.apply_live(&Action::Paint { layer: lower, edit }, Some(&surface))?;
