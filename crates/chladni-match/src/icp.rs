@@ -44,7 +44,9 @@ impl Sampled<'_> {
                 })
             }
             Look::Exact => {
-                let at = self.surface.closest(query, reach)?;
+                // The nearest point is no farther than any sample: a bound that spares most boxes.
+                let bound = self.field.near(query).map(|s| s.point.distance(query) + 1e-9);
+                let at = self.surface.closest(query, bound.map_or(reach, |b| b.min(reach)))?;
                 (!self.surface.on_boundary(&at)).then(|| Near {
                     point: at.point,
                     normal: self.surface.smooth_normal(&at),

@@ -1,19 +1,38 @@
-//! Correspondences between a shape and a template.
+//! Correspondences between a shape and a template: which point of the template belongs to each
+//! vertex of the shape, and how far that can be trusted.
 //!
 //! ```
-//! use chladni_match::{Ellipsoid, onto_ellipsoid};
-//! use chladni_mesh::TriMesh;
+//! use chladni_match::{Ellipsoid, Method, Settings, match_shapes, onto_ellipsoid};
+//! use chladni_mesh::samples;
+//! use chladni_task::Task;
 //!
-//! let tetrahedron = TriMesh {
-//!     positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-//!     triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
-//!     ..TriMesh::default()
-//! };
-//! let ellipsoid = Ellipsoid::fitted(&tetrahedron)?;
-//! let correspondence = onto_ellipsoid(&tetrahedron, &ellipsoid)?;
-//! assert_eq!(correspondence.target.len(), 4);
+//! // A template mesh, here the shape itself in other units and turned by a quarter.
+//! let shape = samples::torus(0.4, 24, 12);
+//! let mut template = shape.clone();
+//! for p in &mut template.positions {
+//!     *p = [25.4 * p[1], -25.4 * p[0], 25.4 * p[2]];
+//! }
+//! let settings = Settings { method: Method::Icp, ..Settings::default() };
+//! let found = match_shapes(&shape, &template, &settings, &Task::new())?;
+//! assert!((found.correspondence.similarity.scale - 1.0 / 25.4).abs() < 1e-6);
+//! assert!(found.report.near_tie, "a torus fits itself in many poses, and the report says so");
+//!
+//! // A template that needs no mesh.
+//! let ellipsoid = Ellipsoid::fitted(&shape)?;
+//! assert_eq!(onto_ellipsoid(&shape, &ellipsoid)?.target.len(), shape.positions.len());
 //! # Ok::<(), chladni_match::MatchError>(())
 //! ```
+//!
+//! Not guaranteed: that a pose found without landmarks is the one a person would choose (see
+//! [`Report::near_tie`]); that [`Method::Fit`] is one to one; that [`Method::Map`] is one to one
+//! on the template's surface where its holes were filled, or after rounding. What is: all numbers
+//! are finite, barycentric coordinates lie in their triangles, and the same input, seed and
+//! machine give the same result.
+
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "`!(x > limit)` also refuses NaN, which `x <= limit` lets through"
+)]
 
 mod analytic;
 mod bend;

@@ -39,6 +39,8 @@ pub struct Report {
 
 /// A runner-up within this share of its own misfit is a near tie.
 const TIE: f64 = 0.1;
+/// And so is one that fits this well: between perfect fits the better one is chance.
+const PERFECT: f64 = 0.01;
 
 impl Report {
     /// The report on a correspondence that was made without a template mesh.
@@ -76,8 +78,9 @@ impl Report {
         let covered: f64 = shape.areas.iter().zip(&trust).filter(|(_, c)| **c >= 0.5).map(|(a, _)| a).sum();
         let mean_confidence = shape.areas.iter().zip(&trust).map(|(a, c)| a * c).sum::<f64>() / shape.area();
         let distortion = Distortion::of(shape, template, found, &target);
-        let near_tie =
-            pose.is_some_and(|p| p.runner_up.is_some_and(|second| second - p.misfit <= TIE * second));
+        let near_tie = pose.is_some_and(|p| {
+            p.runner_up.is_some_and(|second| second <= PERFECT || second - p.misfit <= TIE * second)
+        });
         let mut report = Self {
             median_distance: at(0.5),
             p95_distance: at(0.95),
