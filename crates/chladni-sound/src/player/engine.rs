@@ -179,7 +179,6 @@ impl Engine {
             let Some(path) = self.list.songs.get(song) else { return };
             match Decoding::open(path, secs, self.output.rate_hz) {
                 Ok(decoding) => {
-                    self.shared.clock.set_drained(false);
                     let rate_hz = f64::from(decoding.reader.rate_hz());
                     self.shared.timeline().stretches.begin(Stretch {
                         ring_frame: self.written,
@@ -227,6 +226,10 @@ impl Engine {
             if !self.write_ready() {
                 return;
             }
+        }
+        if self.song.is_some() {
+            // From here on silence would be an underrun; before the first filling it is not.
+            clock.set_drained(false);
         }
         if self.song.is_none() && self.playing && clock.consumed() >= self.written {
             self.set_playing(false);

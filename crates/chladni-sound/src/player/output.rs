@@ -13,8 +13,9 @@ use crate::history::Frame;
 
 /// Frames per second where there is no device to ask.
 const SILENT_RATE_HZ: u32 = 48_000;
-/// Frames asked of the device at once: about 20 ms.
-const BUFFER_FRAMES: u32 = 1024;
+/// Frames asked of the device at once: about 43 ms, of which two or so wait. The position allows
+/// for them; a busy machine needs them.
+const BUFFER_FRAMES: u32 = 2048;
 /// The ring holds this much.
 const RING_SECS: f64 = 1.0;
 /// Volume and pause take this long, so that nothing clicks.

@@ -10,8 +10,9 @@ pub enum Level {
     Fixed(f32),
 }
 
-/// Below this amplitude of a band (−100 dB) there is only noise, which is not to be blown up.
-const FLOOR: f32 = 1e-5;
+/// The level never falls below this amplitude of a band (−74 dB): the noise before a song is not to
+/// be blown up to the size of music.
+const FLOOR: f32 = 2e-4;
 /// The loudest moment is remembered this long: a bar of slow music.
 const MEMORY_SECS: f64 = 2.0;
 /// The memory is kept in slots of an eighth of a second.
