@@ -1,5 +1,7 @@
 //! The mesh that a reader builds, and the checks that all formats share.
 
+use std::collections::HashMap;
+
 use crate::appearance::linear_from_srgb;
 use crate::error::Fault;
 use crate::read::{Loaded, Mended};
@@ -44,6 +46,7 @@ pub(crate) struct Draft {
     pub uvs: Vec<[f64; 2]>,
     ends: Vec<u32>,
     pub materials: Vec<Material>,
+    named: HashMap<String, u32>,
     /// As many as faces, or none.
     pub face_materials: Vec<Option<u32>>,
     pub mended: Vec<Mended>,
@@ -133,11 +136,18 @@ impl Draft {
 
     /// The material called `name`, made where it is not there yet.
     pub fn material(&mut self, name: &str) -> u32 {
-        if let Some(known) = self.materials.iter().position(|m| m.name == name) {
-            return known as u32;
+        if let Some(&known) = self.named.get(name) {
+            return known;
         }
+        let index = self.materials.len() as u32;
+        self.named.insert(name.to_owned(), index);
         self.materials.push(Material::named(name));
-        self.materials.len() as u32 - 1
+        index
+    }
+
+    /// The material called `name` if [`material`](Self::material) has made it.
+    pub fn known_material(&self, name: &str) -> Option<usize> {
+        self.named.get(name).map(|&index| index as usize)
     }
 
     /// The finished mesh; `format` is named in errors.

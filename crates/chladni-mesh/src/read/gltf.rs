@@ -1,5 +1,6 @@
 //! glTF 2.0: the triangles of a scene as one mesh.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::Beside;
@@ -12,7 +13,7 @@ use crate::read::{Loaded, Mended};
 use crate::{CornerUvs, Format, Material, MeshError, Texture};
 
 /// Instances of a mesh cost nothing in the file; this many vertices is where that ends.
-const MOST_VERTICES: usize = 1 << 26;
+const MOST_VERTICES: usize = 1 << 24;
 
 /// Reads triangles, strips and fans, with or without indices, of all meshes that the scene's
 /// nodes place, in the order of a walk from the roots. Every primitive brings its own vertices,
@@ -130,30 +131,39 @@ struct Scene<'a> {
 
 impl Scene<'_> {
     fn materials(&mut self, beside: &Beside<'_>) {
+        let mut pictures = HashMap::new();
         for material in &self.root.materials {
             let pbr = material.pbr_metallic_roughness.as_ref();
             let factor = pbr.and_then(|pbr| pbr.base_color_factor).unwrap_or([1.0; 4]);
             let base_color = factor.map(|c| if c.is_finite() { c.clamp(0.0, 1.0) as f32 } else { 1.0 });
-            let base_color_texture = self.texture(material, beside);
+            let base_color_texture = self.texture(material, &mut pictures, beside);
             let name = &material.name;
             self.draft.materials.push(Material { base_color, base_color_texture, ..Material::named(name) });
         }
     }
 
-    fn texture(&mut self, material: &JsonMaterial, beside: &Beside<'_>) -> Option<Texture> {
+    fn texture(
+        &mut self,
+        material: &JsonMaterial,
+        pictures: &mut HashMap<usize, Texture>,
+        beside: &Beside<'_>,
+    ) -> Option<Texture> {
         let index = material.pbr_metallic_roughness.as_ref()?.base_color_texture.as_ref()?.index;
         let source = self.root.textures.get(index).and_then(|texture| texture.source);
-        let image = source.and_then(|image| self.root.images.get(image));
-        let Some(image) = image else {
-            self.draft
-                .mended
-                .push(Mended::MissingFile(format!("texture {index}"), "there is no such image".into()));
+        let Some((source, image)) = source.and_then(|source| Some((source, self.root.images.get(source)?)))
+        else {
+            let reason = "there is no such image".to_owned();
+            self.draft.mended.push(Mended::MissingFile(format!("texture {index}"), reason));
             return None;
         };
+        // Many materials may share one picture.
+        if let Some(known) = pictures.get(&source) {
+            return Some(known.clone());
+        }
         let name = match (&image.name, &image.uri) {
             (_, Some(uri)) if !uri.starts_with("data:") => percent_decoded(uri),
             (Some(name), _) => name.clone(),
-            _ => format!("image {index}"),
+            _ => format!("image {source}"),
         };
         let bytes = match image.buffer_view {
             Some(view) => {
@@ -162,15 +172,19 @@ impl Scene<'_> {
             None => Buffers::uri(image.uri.as_deref().unwrap_or_default(), beside),
         };
         let picture = bytes.and_then(|bytes| {
-            if is_picture(&bytes) { Ok(bytes) } else { Err("it is neither PNG nor JPEG".into()) }
-        });
-        match picture {
-            Ok(bytes) => Some(Texture { name, bytes: Arc::from(bytes) }),
-            Err(reason) => {
-                self.draft.mended.push(Mended::MissingFile(name.clone(), reason));
-                Some(Texture { name, bytes: Arc::default() })
+            if is_picture(&bytes) {
+                Ok(Arc::from(bytes))
+            } else {
+                Err("it is neither PNG nor JPEG".to_owned())
             }
-        }
+        });
+        let bytes = picture.unwrap_or_else(|reason| {
+            self.draft.mended.push(Mended::MissingFile(name.clone(), reason));
+            Arc::default()
+        });
+        let texture = Texture { name, bytes };
+        pictures.insert(source, texture.clone());
+        Some(texture)
     }
 
     /// Visits the scene's nodes, parents first, with a stack of its own: a file decides how

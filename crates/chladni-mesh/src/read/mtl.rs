@@ -1,5 +1,6 @@
 //! OBJ material libraries and the pictures they name.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -21,29 +22,37 @@ pub(crate) fn read_into(draft: &mut Draft, name: &str, beside: &Beside<'_>) {
         }
     };
     let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+    let picture = |name: &str| {
+        let bytes = beside(&folder.join(name.replace('\\', "/")).to_string_lossy())?;
+        if is_picture(&bytes) { Ok(Arc::from(bytes)) } else { Err("it is neither PNG nor JPEG".into()) }
+    };
     let mut joined = Vec::new();
     let mut lines = Lines::new(&bytes, Some(b'#'), true);
     let mut current = None;
+    let mut pictures = HashMap::new();
     while let Some(line) = lines.next(&mut joined) {
         let keyword = words(line).next().unwrap_or_default();
         let rest = String::from_utf8_lossy(line[keyword.len()..].trim_ascii()).into_owned();
         if keyword == b"newmtl" {
-            current = draft.materials.iter().position(|material| material.name == rest);
+            current = draft.known_material(&rest);
             continue;
         }
         let Some(material) = current.and_then(|i| draft.materials.get_mut(i)) else { continue };
-        if let Err(missing) = statement(material, keyword, &rest, folder, beside) {
+        if let Err(missing) = statement(material, keyword, &rest, &mut pictures, &picture) {
             draft.mended.push(missing);
         }
     }
 }
 
+/// A picture's bytes, or why there are none.
+type Picture = Result<Arc<[u8]>, String>;
+
 fn statement(
     material: &mut Material,
     keyword: &[u8],
     rest: &str,
-    folder: &Path,
-    beside: &Beside<'_>,
+    pictures: &mut HashMap<String, Picture>,
+    picture: &dyn Fn(&str) -> Picture,
 ) -> Result<(), Mended> {
     let mut values = rest.split_ascii_whitespace().map_while(|word| word.parse::<f64>().ok());
     match keyword {
@@ -63,11 +72,9 @@ fn statement(
         }
         b"map_Kd" => {
             let name = without_options(rest);
-            let path = folder.join(name.replace('\\', "/"));
-            let found = beside(&path.to_string_lossy()).and_then(|bytes| {
-                if is_picture(&bytes) { Ok(bytes) } else { Err("it is neither PNG nor JPEG".into()) }
-            });
-            let bytes = found.as_ref().map_or_else(|_| Arc::default(), |bytes| Arc::from(&bytes[..]));
+            // Many materials may share one picture; it is read once.
+            let found = pictures.entry(name.to_owned()).or_insert_with(|| picture(name)).clone();
+            let bytes = found.clone().unwrap_or_default();
             material.base_color_texture = Some(Texture { name: name.to_owned(), bytes });
             found.map_err(|reason| Mended::MissingFile(name.to_owned(), reason))?;
         }
