@@ -388,9 +388,9 @@ fn backdrop_vertex(@builtin(vertex_index) i: u32) -> Backdrop {
 fn backdrop_fragment(in: Backdrop) -> @location(0) vec4f {
     let r = length(in.at * vec2f(1.0, 1.0) + vec2f(0.0, -0.1));
     var c = mix(cell.background_center.rgb, cell.background_corner.rgb, smoothstep(0.1, 1.5, r));
-    // Interleaved gradient noise (Jimenez 2014) hides the steps of eight bits.
-    let p = in.clip.xy;
-    c += (fract(52.9829189 * fract(dot(p, vec2f(0.06711056, 0.00583715)))) - 0.5) / 255.0;
+    // An ordered dither hides the steps of eight bits, and unlike noise it compresses well.
+    let p = vec2u(in.clip.xy) & vec2u(1u);
+    c += (f32(2u * (p.x ^ p.y) + p.y) - 1.5) / (4.0 * 255.0);
     if cell.output.x < 0.5 { c = to_linear(max(c, vec3f(0.0))); }
     return vec4f(c, 1.0) * cell.background_center.w;
 }
