@@ -171,3 +171,52 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
 fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
     Some(u64::from_be_bytes(bytes.get(at..at.checked_add(8)?)?.try_into().ok()?))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::io::Cursor;
+
+    fn boxed(kind: &[u8; 4], body: &[u8]) -> Vec<u8> {
+        let mut bytes = (body.len() as u32 + 8).to_be_bytes().to_vec();
+        bytes.extend_from_slice(kind);
+        bytes.extend_from_slice(body);
+        bytes
+    }
+
+    fn words(words: &[u32]) -> Vec<u8> {
+        words.iter().flat_map(|word| word.to_be_bytes()).collect()
+    }
+
+    /// A sound track of 100 000 samples at 44.1 kHz of which the first 1024 are priming.
+    fn movie() -> Vec<u8> {
+        let mvhd = boxed(b"mvhd", &words(&[0, 0, 0, 1000, 2244]));
+        let hdlr = boxed(b"hdlr", &[&words(&[0, 0])[..], b"soun"].concat());
+        let mdhd = boxed(b"mdhd", &words(&[0, 0, 0, 44_100, 100_000]));
+        let mdia = boxed(b"mdia", &[mdhd, hdlr].concat());
+        let edts = boxed(b"edts", &boxed(b"elst", &words(&[0, 1, 2244, 1024, 0x1_0000])));
+        let trak = boxed(b"trak", &[edts, mdia].concat());
+        let moov = boxed(b"moov", &[mvhd, trak].concat());
+        [boxed(b"ftyp", b"M4A "), moov].concat()
+    }
+
+    #[test]
+    fn an_edit_list_gives_the_exact_length() {
+        let audible = audible_part(&mut Cursor::new(movie()));
+        assert_eq!(audible, Some(Audible { skip: 1024, frames: Some(98_976) }));
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_it_panic(changes in proptest::collection::vec((any::<u16>(), any::<u8>()), 0..12), keep in any::<u16>()) {
+            let mut bytes = movie();
+            let len = bytes.len();
+            for (at, value) in changes {
+                bytes[usize::from(at) % len] = value;
+            }
+            bytes.truncate(usize::from(keep) % (2 * len) + 1);
+            let _ = audible_part(&mut Cursor::new(bytes));
+        }
+    }
+}
