@@ -18,13 +18,7 @@ pub(super) fn solve(
 ) -> Result<Solved, HarmonicsError> {
     let n = operator.vertices();
     let stage = task.stage("harmonics", 1);
-    let scale: Vec<f64> = operator.mass.iter().map(|a| a.sqrt().recip()).collect();
-    let mut symmetric = Mat::<f64>::zeros(n, n);
-    for j in 0..n {
-        for (i, value) in operator.stiffness.column(j) {
-            symmetric[(i, j)] = value * scale[i] * scale[j];
-        }
-    }
+    let symmetric = symmetrized(operator);
     let par = Par::rayon(rayon::current_num_threads());
     let (values, coordinates) = symmetric_eigen(&symmetric, par)
         .ok_or_else(|| HarmonicsError::NotCertified { reason: "the dense solver failed".into() })?;
@@ -37,7 +31,7 @@ pub(super) fn solve(
     let mut vectors = vec![0.0; n * keep];
     for (k, h) in vectors.chunks_exact_mut(n).enumerate() {
         for v in 0..n {
-            h[v] = coordinates[(v, k)] * scale[v];
+            h[v] = coordinates[(v, k)] / operator.mass[v].sqrt();
         }
         fix_sign(h);
     }
@@ -45,6 +39,19 @@ pub(super) fn solve(
     stage.advance(1);
     let basis = Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate };
     Ok(Solved { basis, cuts_cluster: keep < cluster_end, profile: SolveProfile::default() })
+}
+
+/// M^-½ S M^-½.
+pub(super) fn symmetrized(operator: &Operator) -> Mat<f64> {
+    let n = operator.vertices();
+    let scale: Vec<f64> = operator.mass.iter().map(|a| a.sqrt().recip()).collect();
+    let mut matrix = Mat::<f64>::zeros(n, n);
+    for j in 0..n {
+        for (i, value) in operator.stiffness.column(j) {
+            matrix[(i, j)] = value * scale[i] * scale[j];
+        }
+    }
+    matrix
 }
 
 /// All eigenvalues, ascending, and eigenvectors of a symmetric matrix (its lower triangle).

@@ -1,6 +1,7 @@
 //! The K smallest eigenpairs of S h = λ M h.
 
 mod assemble;
+mod certify;
 mod dense;
 mod join;
 mod lanczos;

@@ -14,7 +14,7 @@ use crate::{HarmonicsError, Operator};
 /// Two eigenvalues that agree to this share count as one that is multiple.
 pub(super) const CLUSTER: f64 = 1e-7;
 /// Runs beyond the first that a slice gets before the solve is given up.
-const REPAIRS: usize = 24;
+const REPAIRS: usize = 100;
 
 /// One slice's shift, its count, and the pairs found so far (one entry per run).
 pub(super) struct Found {
@@ -190,3 +190,7 @@ fn mend(
     }
     Err(not_certified(format!("after {REPAIRS} searches the counts of eigenvalues still disagree")))
 }
+
+#[cfg(test)]
+#[path = "slicing_tests.rs"]
+mod tests;

@@ -86,3 +86,61 @@ fn covers_are_glued_in_pairs_that_run_opposite_ways_before_and_after_flips() {
     let voronoi = intrinsic::mixed_voronoi_areas(&flipped, 6, 0.5);
     assert!((areas.iter().sum::<f64>() - voronoi.iter().sum::<f64>()).abs() < 1e-12);
 }
+
+/// The rows of a method in reference_eigenvalues.csv: file and λ_0 … λ_10.
+fn reference(method: &str) -> Vec<(String, Vec<f64>)> {
+    let Some(path) = chladni_testdata::shared("meshes/reference_eigenvalues.csv") else { return Vec::new() };
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines()
+        .filter(|line| line.contains(method))
+        .map(|line| {
+            let file = line.split(',').next().unwrap().to_owned();
+            let mut values: Vec<f64> = line.rsplit(',').take(11).map(|v| v.parse().unwrap()).collect();
+            values.reverse();
+            (file, values)
+        })
+        .collect()
+}
+
+fn first_eigenvalues(file: &str, barycentric: bool) -> Option<Vec<f64>> {
+    let path = chladni_testdata::shared(&format!("meshes/{file}"))?;
+    let mesh = chladni_mesh::load_mesh(&path).unwrap().mesh;
+    let mut operator = crate::Operator::of(&mesh).unwrap();
+    if barycentric {
+        let cover = delaunay_cover(&operator.positions, &operator.triangles).unwrap();
+        operator.mass = intrinsic::barycentric_areas(&cover, operator.vertices(), 1.0 / cover.sheets as f64);
+    }
+    let solved = crate::eigen::solve(&operator, 11, false, &chladni_task::Task::new()).unwrap();
+    Some(solved.basis.eigenvalues.iter().map(|l| l * operator.frame.scale.powi(2)).collect())
+}
+
+/// robust_laplacian builds the same operator with a third of each triangle's area per corner;
+/// given that mass, all digits that the table prints must agree.
+#[test]
+fn eigenvalues_agree_with_robust_laplacian() {
+    for (file, exact) in reference("robust_laplacian") {
+        // The largest is left to the benchmark.
+        if file.contains("igea") || file.contains("koala") {
+            continue;
+        }
+        let Some(values) = first_eigenvalues(&file, true) else { return };
+        for (value, exact) in values.iter().zip(&exact).skip(1) {
+            assert!((value - exact).abs() < 1e-6 * exact, "{file}: {value} for {exact}");
+        }
+    }
+}
+
+/// The plain cotangent operator with barycentric mass is another discretisation of the same
+/// surface: on sound meshes the first eigenvalues agree to a few percent.
+#[test]
+fn eigenvalues_are_near_those_of_the_plain_cotangent_operator() {
+    for (file, exact) in reference("cotan, lumped") {
+        if file.contains("igea") || file.contains("koala") || file.contains("octopus") {
+            continue;
+        }
+        let Some(values) = first_eigenvalues(&file, false) else { return };
+        for (value, exact) in values.iter().zip(&exact).skip(1) {
+            assert!((value - exact).abs() < 0.03 * exact, "{file}: {value} for {exact}");
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! A second look at a basis, from its numbers alone.
+
+use super::dense::symmetric_eigen;
+use super::plan::inertia;
+use super::problem::{Problem, Profile};
+use super::slicing::not_certified;
+use crate::{Basis, Certificate, HarmonicsError, Operator};
+
+/// Pairs between two counts.
+const STRIDE: usize = 50;
+/// Neighbours that differ by less than this share leave no room to count between them.
+const ROOM: f64 = 1e-6;
+
+impl Operator {
+    /// Checks `basis` against this operator, whoever solved it: counts eigenvalues by inertia
+    /// above the last pair and below every fiftieth, and measures every residual and every
+    /// scalar product.
+    ///
+    /// The solver certifies what it returns while it solves (docs/eigensolver.md); this costs a
+    /// few factorizations and a matrix product N×K×K more, for tests and for bases from elsewhere.
+    ///
+    /// # Errors
+    /// A basis of another number of vertices, or no factorization near a count.
+    pub fn certify(&self, basis: &Basis) -> Result<Certificate, HarmonicsError> {
+        if basis.vertices() != self.vertices() || basis.vectors.len() != self.vertices() * basis.harmonics() {
+            return Err(not_certified("the basis is of another mesh"));
+        }
+        let mut certificate = super::certify(self, &basis.eigenvalues, &basis.vectors, true);
+        certificate.inertia_counts_match = self.counts_match(&basis.eigenvalues)?;
+        Ok(certificate)
+    }
+
+    fn counts_match(&self, values: &[f64]) -> Result<bool, HarmonicsError> {
+        let problem = Problem::of(self);
+        let is_room = |k: usize| values[k] - values[k - 1] > ROOM * values[k];
+        let mut places: Vec<(usize, f64)> = (1..values.len())
+            .step_by(STRIDE)
+            .filter_map(|from| (from..values.len()).find(|&k| is_room(k)))
+            .map(|k| (k, 0.5 * (values[k - 1] + values[k])))
+            .collect();
+        places.dedup_by_key(|p| p.0);
+        for (k, lambda) in places {
+            let (_, count) = inertia(&problem, lambda, &mut Profile::default())
+                .map_err(|_| not_certified(format!("no factorization near λ = {lambda}")))?;
+            if count != k {
+                return Ok(false);
+            }
+        }
+        // Just above the last pair there are as many as were found, or more where K cuts a
+        // multiple eigenvalue.
+        let last = values.last().copied().unwrap_or(0.0);
+        let scale = 4.0 * std::f64::consts::PI / problem.area;
+        let (_, count) = inertia(&problem, last + ROOM * last.max(scale), &mut Profile::default())
+            .map_err(|_| not_certified(format!("no factorization near λ = {last}")))?;
+        Ok(count >= values.len())
+    }
+
+    /// All eigenvalues, ascending, by a dense solver: the reference for small meshes.
+    ///
+    /// # Errors
+    /// The dense solver failed, or the matrix is too large for the memory.
+    pub fn dense_eigenvalues(&self) -> Result<Vec<f64>, HarmonicsError> {
+        let matrix = super::dense::symmetrized(self);
+        let (values, _) = symmetric_eigen(&matrix, faer::Par::Seq)
+            .ok_or_else(|| not_certified("the dense solver failed"))?;
+        Ok(values)
+    }
+}

@@ -1,0 +1,94 @@
+//! Faults planted into solved slices are found by their counts and mended.
+
+use super::*;
+use crate::Operator;
+use chladni_mesh::TriMesh;
+
+/// A bumpy torus: no symmetry, one component.
+fn torus(around: u32, across: u32) -> TriMesh {
+    use std::f64::consts::TAU;
+    let positions = (0..around * across)
+        .map(|v| {
+            let (a, b) = (TAU * f64::from(v % around) / f64::from(around), TAU * f64::from(v / around) / f64::from(across));
+            let r = 0.4 + 0.08 * (3.0 * a + b).sin() + 0.05 * (2.0 * b - a).cos();
+            [(1.0 + r * b.cos()) * a.cos(), (1.0 + r * b.cos()) * a.sin() * 1.2, r * b.sin()]
+        })
+        .collect();
+    let at = |i: u32, j: u32| (j % across) * around + i % around;
+    let triangles = (0..around * across)
+        .flat_map(|v| {
+            let (i, j) = (v % around, v / around);
+            [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]]
+        })
+        .collect();
+    TriMesh { positions, triangles, ..TriMesh::default() }
+}
+
+fn solved(operator: &Operator, harmonics: usize) -> (Problem, Vec<Found>) {
+    let (task, mut profile) = (Task::new(), Profile::default());
+    let problem = Problem::of(operator);
+    let slices = plan(&problem, harmonics, &mut profile, &task).unwrap();
+    let found =
+        slices.into_iter().map(|s| Found::new(&problem, s, harmonics, &mut profile, &task).unwrap()).collect();
+    (problem, found)
+}
+
+fn values(known: &Known) -> Vec<f64> {
+    known.entries.iter().map(|e| e.value).collect()
+}
+
+#[test]
+fn a_pair_that_is_missing_or_doubled_in_a_slice_is_noticed_and_mended() {
+    let operator = Operator::of(&torus(48, 24)).unwrap();
+    let harmonics = 150;
+    let exact = operator.dense_eigenvalues().unwrap();
+    let check = |plant: &dyn Fn(&mut Vec<Found>), mends: bool| {
+        let (problem, mut found) = solved(&operator, harmonics);
+        let (task, mut profile) = (Task::new(), Profile::default());
+        plant(&mut found);
+        assert_eq!(mends, matches!(Join::of(&problem, &found, harmonics, None), Join::Missing(..)));
+        let known = mend(&problem, &mut found, harmonics, &mut profile, &task).unwrap();
+        for (value, exact) in values(&known).iter().zip(&exact[1..]) {
+            assert!((value - exact).abs() < 1e-9 * exact, "{value} for {exact}");
+        }
+        assert!(known.cluster_end >= harmonics);
+    };
+    check(&|_| {}, false);
+    // One pair forgotten in the middle of a slice (the zeroed column stands for no vector).
+    let forget = |found: &mut Vec<Found>| {
+        let shift = found[1].slice.shift;
+        let pairs = &mut found[1].runs[0];
+        let middle = pairs.values.iter().position(|l| *l > shift).unwrap() - 2;
+        forget_column(pairs, middle);
+    };
+    check(&forget, true);
+}
+
+/// Removes a pair: its value goes, and later columns move up.
+fn forget_column(pairs: &mut Pairs, column: usize) {
+    use super::super::lanczos::BLOCK;
+    let count = pairs.values.len();
+    for k in column..count {
+        for row in 0..pairs.blocks[0].len() {
+            let next = if k + 1 < count {
+                pairs.blocks[(k + 1) / BLOCK][row][(k + 1) % BLOCK / 8][(k + 1) % 8]
+            } else {
+                0.0
+            };
+            pairs.blocks[k / BLOCK][row][k % BLOCK / 8][k % 8] = next;
+        }
+    }
+    pairs.values.remove(column);
+}
+
+#[test]
+fn a_doubled_pair_is_never_certified() {
+    let operator = Operator::of(&torus(40, 20)).unwrap();
+    let (problem, mut found) = solved(&operator, 100);
+    let pairs = &mut found[0].runs[0];
+    let twice = pairs.values[3];
+    pairs.values.insert(3, twice);
+    assert!(matches!(Join::of(&problem, &found, 100, None), Join::Missing(..)));
+    let mended = mend(&problem, &mut found, 100, &mut Profile::default(), &Task::new());
+    assert!(mended.is_err());
+}

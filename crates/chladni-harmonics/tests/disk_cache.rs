@@ -1,0 +1,61 @@
+//! The cache: used when sound, replaced when damaged, never trusted.
+
+mod shapes;
+
+use chladni_harmonics::{BasisCache, BasisSettings, Body};
+use chladni_task::Task;
+
+#[test]
+fn entries_are_reused_and_damaged_ones_solved_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = BasisCache::new(folder.path().join("bases"));
+    let mesh = shapes::icosphere(2);
+    let build = |k| Body::load_or_build(&mesh, &BasisSettings::new(k), Some(&cache), &Task::new()).unwrap();
+    let (fresh, report) = build(30);
+    assert!(!report.cached && report.cache_warning.is_none());
+    let (again, report) = build(30);
+    assert!(report.cached);
+    assert_eq!(fresh.basis, again.basis);
+    assert_eq!((&fresh.positions, &fresh.triangles), (&again.positions, &again.triangles));
+    // Another K is another entry.
+    assert!(!build(31).1.cached);
+
+    let entry = std::fs::read_dir(cache.folder())
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .find(|p| std::fs::metadata(p).unwrap().len() < 8 * (31 * 162 + 162))
+        .unwrap();
+    let sound = std::fs::read(&entry).unwrap();
+    let mut flipped = sound.clone();
+    flipped[sound.len() / 2] ^= 1;
+    for damaged in [flipped, sound[..sound.len() - 9].to_vec(), b"chladni basis".to_vec(), Vec::new()] {
+        std::fs::write(&entry, damaged).unwrap();
+        let (body, report) = build(30);
+        assert!(!report.cached && report.cache_warning.is_some());
+        assert_eq!(body.basis, fresh.basis);
+        assert_eq!(std::fs::read(&entry).unwrap(), sound);
+    }
+    assert!(build(30).1.cached);
+}
+
+#[test]
+fn a_cache_that_cannot_be_written_is_told_and_does_no_harm() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("not a folder");
+    std::fs::write(&file, b"").unwrap();
+    let cache = BasisCache::new(&file);
+    let settings = BasisSettings::new(5);
+    let (body, report) = Body::load_or_build(&shapes::icosphere(1), &settings, Some(&cache), &Task::new()).unwrap();
+    assert_eq!(body.basis.harmonics(), 5);
+    assert!(report.cache_warning.is_some());
+}
+
+#[test]
+fn a_cancelled_build_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = BasisCache::new(folder.path().join("bases"));
+    let task = Task::new();
+    task.cancel();
+    assert!(Body::load_or_build(&shapes::icosphere(2), &BasisSettings::new(5), Some(&cache), &task).is_err());
+    assert!(!cache.folder().exists());
+}

@@ -1,0 +1,212 @@
+//! Meshes that eigensolvers stumble over, each against a dense solve or a closed form, with
+//! the certificate recomputed from the result.
+
+mod shapes;
+
+use chladni_harmonics::{BasisSettings, Body, HarmonicsError, Operator};
+use chladni_mesh::TriMesh;
+use chladni_task::Task;
+use proptest::prelude::*;
+
+fn build(mesh: &TriMesh, k: usize) -> Body {
+    Body::build(mesh, &BasisSettings::new(k), &Task::new()).unwrap()
+}
+
+/// Solves, recomputes the certificate, and compares every eigenvalue with a dense solve.
+fn against_dense(mesh: &TriMesh, k: usize) -> Body {
+    let body = build(mesh, k);
+    let operator = Operator::of(mesh).unwrap();
+    let certificate = operator.certify(&body.basis).unwrap();
+    assert!(certificate.inertia_counts_match, "{certificate:?}");
+    assert!(certificate.max_relative_residual < 1e-8, "{certificate:?}");
+    assert!(certificate.max_orthogonality_error < 1e-8, "{certificate:?}");
+    let exact = operator.dense_eigenvalues().unwrap();
+    let scale = exact[exact.len() - 1];
+    for (value, exact) in body.basis.eigenvalues.iter().zip(&exact) {
+        assert!((value - exact).abs() <= 1e-9 * exact.abs() + 1e-13 * scale, "{value} for {exact}");
+    }
+    body
+}
+
+#[test]
+fn three_identical_spheres_have_every_eigenvalue_three_times() {
+    let sphere = shapes::icosphere(3);
+    let mesh = shapes::beside(&[sphere.clone(), sphere.clone(), sphere], [3.0, 0.0, 0.0]);
+    let body = against_dense(&mesh, 3 * 25);
+    let mut k = 0;
+    for l in 0..5 {
+        let exact = f64::from(l * (l + 1));
+        for _ in 0..3 * (2 * l + 1) {
+            let lambda = body.basis.eigenvalues[k] * body.frame.scale.powi(2);
+            assert!((lambda - exact).abs() <= 0.03 * exact + 1e-12, "l {l}: {lambda}");
+            k += 1;
+        }
+    }
+}
+
+#[test]
+fn fifty_identical_components_have_fifty_zeros_and_eigenvalues_of_multiplicity_150() {
+    let mesh = shapes::beside(&vec![shapes::icosphere(1); 50], [2.5, 0.0, 0.0]);
+    let body = against_dense(&mesh, 200);
+    assert!(body.basis.eigenvalues[..50].iter().all(|l| *l == 0.0));
+    assert!(body.basis.eigenvalues[50] > 0.0);
+    let (first, last) = (body.basis.eigenvalues[50], body.basis.eigenvalues[199]);
+    assert!((last - first).abs() < 1e-9 * first);
+}
+
+#[test]
+fn a_flat_square_has_double_eigenvalues() {
+    against_dense(&shapes::square(24), 100);
+}
+
+#[test]
+fn a_moebius_strip_a_fan_and_flat_triangles() {
+    // A strip of 60 quads whose ends meet turned over.
+    let (around, across) = (60_u32, 6_u32);
+    let mut positions = Vec::new();
+    for i in 0..around {
+        let a = std::f64::consts::TAU * f64::from(i) / f64::from(around);
+        for j in 0..across {
+            let w = 0.4 * (f64::from(j) / f64::from(across - 1) - 0.5);
+            let r = 1.0 + w * (a / 2.0).cos();
+            positions.push([r * a.cos(), r * a.sin(), w * (a / 2.0).sin()]);
+        }
+    }
+    let at = |i: u32, j: u32| if i < around { i * across + j } else { across - 1 - j };
+    let triangles = (0..around)
+        .flat_map(|i| (0..across - 1).map(move |j| (i, j)))
+        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]])
+        .collect();
+    let strip = shapes::mesh(positions, triangles);
+    against_dense(&strip, 60);
+
+    // Three leaves of the square on one common edge.
+    let leaf = shapes::square(14);
+    let turned = |angle: f64| TriMesh {
+        positions: leaf.positions.iter().map(|p| [p[0] * angle.cos(), p[1], p[0] * angle.sin()]).collect(),
+        ..leaf.clone()
+    };
+    against_dense(&shapes::beside(&[turned(0.0), turned(2.0), turned(4.0)], [0.0; 3]), 60);
+
+    // Zero-area triangles between sound ones.
+    let mut flat = shapes::square(18);
+    for v in 0..17 {
+        flat.triangles.push([v, v + 1, v + 2]);
+    }
+    against_dense(&flat, 40);
+}
+
+#[test]
+fn the_smallest_and_the_fullest_problems() {
+    let triangle = shapes::mesh(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
+    for k in 1..=3 {
+        against_dense(&triangle, k);
+    }
+    let square = shapes::square(19);
+    let n = square.positions.len();
+    against_dense(&square, n - 1);
+    against_dense(&square, n);
+    assert_eq!(
+        Body::build(&square, &BasisSettings::new(n + 1), &Task::new()).unwrap_err(),
+        HarmonicsError::BadHarmonicCount { harmonics: n + 1, vertices: n }
+    );
+}
+
+#[test]
+fn eigenvalues_scale_with_the_inverse_square_of_the_mesh() {
+    let mesh = shapes::square(22);
+    let plain = build(&mesh, 60);
+    for factor in [1e8, 1e-8] {
+        let body = build(&shapes::scaled(&mesh, factor), 60);
+        for (a, b) in plain.basis.eigenvalues.iter().zip(&body.basis.eigenvalues) {
+            let (a, b) = (a * plain.frame.scale.powi(2), b * (body.frame.scale * factor).powi(2));
+            assert!((a - b).abs() <= 1e-9 * a, "{a} and {b} at {factor}");
+        }
+    }
+}
+
+#[test]
+fn planted_faults_fail_the_certificate() {
+    let mesh = shapes::square(24);
+    let operator = Operator::of(&mesh).unwrap();
+    let good = (*build(&mesh, 80).basis).clone();
+    let n = good.vertices();
+    assert!(operator.certify(&good).unwrap().inertia_counts_match);
+    let mut removed = good.clone();
+    removed.eigenvalues.remove(40);
+    removed.vectors.drain(40 * n..41 * n);
+    assert!(!operator.certify(&removed).unwrap().inertia_counts_match);
+    let mut doubled = good.clone();
+    let copy = good.harmonic(40).to_vec();
+    doubled.eigenvalues[41] = doubled.eigenvalues[40];
+    doubled.vectors[41 * n..42 * n].copy_from_slice(&copy);
+    assert!(operator.certify(&doubled).unwrap().max_orthogonality_error > 0.9);
+    let mut wrong = good;
+    wrong.vectors[30 * n] += 1.0;
+    assert!(operator.certify(&wrong).unwrap().max_relative_residual > 1e-6);
+}
+
+#[test]
+fn the_result_does_not_depend_on_threads() {
+    let mesh = shapes::icosphere(3);
+    let with = |threads| {
+        let settings = BasisSettings { threads: Some(threads), ..BasisSettings::new(100) };
+        Body::build(&mesh, &settings, &Task::new()).unwrap()
+    };
+    assert_eq!(with(1).basis, with(3).basis);
+}
+
+#[test]
+fn whole_clusters_are_taken_whole_when_asked() {
+    // l = 1 on an icosphere is exactly triple; K = 3 cuts it.
+    let mesh = shapes::icosphere(3);
+    let settings = BasisSettings::new(3);
+    let (body, report) = Body::load_or_build(&mesh, &settings, None, &Task::new()).unwrap();
+    assert_eq!((body.basis.harmonics(), report.cuts_cluster), (3, true));
+    let settings = BasisSettings { whole_clusters: true, ..settings };
+    let (body, report) = Body::load_or_build(&mesh, &settings, None, &Task::new()).unwrap();
+    assert_eq!((body.basis.harmonics(), report.cuts_cluster), (4, false));
+}
+
+#[test]
+fn a_cancelled_solve_says_so() {
+    let task = Task::new();
+    task.cancel();
+    let result = Body::build(&shapes::icosphere(3), &BasisSettings::new(20), &task);
+    assert!(matches!(result, Err(HarmonicsError::Cancelled(_))));
+}
+
+#[test]
+fn what_cannot_be_used_is_told_apart() {
+    let bad = |positions, triangles| {
+        Body::build(&shapes::mesh(positions, triangles), &BasisSettings::new(1), &Task::new()).unwrap_err()
+    };
+    let corner = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    assert_eq!(bad(corner.clone(), vec![]), HarmonicsError::NoTriangle);
+    assert_eq!(bad(corner.clone(), vec![[0, 1, 1]]), HarmonicsError::NoTriangle);
+    assert_eq!(
+        bad(corner.clone(), vec![[0, 1, 7]]),
+        HarmonicsError::IndexOutOfRange { triangle: 0, vertex: 7, vertices: 3 }
+    );
+    let mut holed = corner;
+    holed[1][2] = f64::NAN;
+    assert_eq!(bad(holed, vec![[0, 1, 2]]), HarmonicsError::NotFinite { vertex: 1 });
+    let line = vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+    assert_eq!(bad(line, vec![[0, 1, 2]]), HarmonicsError::ZeroArea { vertices: 3, vertex: 0 });
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Random triangles over random points: non-manifold, self-crossing, of every shape.
+    #[test]
+    fn random_soups_agree_with_a_dense_solve(
+        points in proptest::collection::vec(prop::array::uniform3(-1.0_f64..1.0), 310..420),
+        corners in proptest::collection::vec(prop::array::uniform3(0_u32..310), 500..900),
+        k in 1_usize..90,
+    ) {
+        let mesh = shapes::mesh(points, corners);
+        let usable = Operator::of(&mesh).unwrap().vertices();
+        against_dense(&mesh, k.min(usable));
+    }
+}
