@@ -45,7 +45,8 @@ fn a_cache_that_cannot_be_written_is_told_and_does_no_harm() {
     std::fs::write(&file, b"").unwrap();
     let cache = BasisCache::new(&file);
     let settings = BasisSettings::new(5);
-    let (body, report) = Body::load_or_build(&shapes::icosphere(1), &settings, Some(&cache), &Task::new()).unwrap();
+    let (body, report) =
+        Body::load_or_build(&shapes::icosphere(1), &settings, Some(&cache), &Task::new()).unwrap();
     assert_eq!(body.basis.harmonics(), 5);
     assert!(report.cache_warning.is_some());
 }

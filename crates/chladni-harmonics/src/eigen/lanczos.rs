@@ -98,11 +98,21 @@ pub(super) fn run(
         let basis: Vec<&[Row<W>]> = krylov.basis.iter().map(Vec::as_slice).collect();
         let mut coefficients = overlaps(&basis, &image);
         subtract_products(&mut image, &basis, &coefficients);
-        let upper = orthonormalize(&mut image);
+        let sizes = column_sizes(&coefficients);
+        let before = image.clone();
+        let upper = match orthonormalize(&mut image).filter(|t| has_full_rank(&t.r, &sizes)) {
+            Some(triangular) => triangular.r,
+            None => {
+                // The space has become invariant in some direction: go on with a new one.
+                image = before;
+                let seed = seed.wrapping_add(krylov.basis.len() as u64).rotate_left(17);
+                fill_up(problem, window, &mut image, &sizes, &basis, &locked, seed)
+                    .ok_or(Stopped::Exhausted)?
+            }
+        };
         profile.orthogonalize += start.elapsed().as_secs_f64();
-        let triangular = upper.ok_or(Stopped::BadShift)?;
         krylov.diagonal.push(coefficients.pop().unwrap_or_default());
-        krylov.below.push(triangular.r);
+        krylov.below.push(upper);
         next = image;
         let m = krylov.basis.len() * BLOCK;
         if m + 2 * BLOCK > n || m > 8 * window.expected + 60 * BLOCK {
@@ -130,6 +140,81 @@ fn subtract_projections(x: &mut [Row<W>], onto: &[&[Row<W>]]) {
         let coefficients = overlaps(onto, x);
         subtract_products(x, onto, &coefficients);
     }
+}
+
+/// What is left of a column of OP V outside the space is rounding where it is this much
+/// smaller than the column was.
+const RANK: f64 = 1e-11;
+
+/// The length of each column of OP V inside the space.
+fn column_sizes(coefficients: &[Small<W>]) -> Row<W> {
+    let mut sizes = [[0.0; 8]; W];
+    for c in coefficients.iter().flatten() {
+        for (size, c) in sizes.as_flattened_mut().iter_mut().zip(c.as_flattened()) {
+            *size += c * c;
+        }
+    }
+    sizes.map(|group| group.map(f64::sqrt))
+}
+
+fn has_full_rank(r: &Small<W>, sizes: &Row<W>) -> bool {
+    (0..BLOCK).all(|j| r[j][j / 8][j % 8].abs() > RANK * sizes[j / 8][j % 8])
+}
+
+/// X ← Q of X = Q R one column after the other; a column that depends on others or is nothing
+/// but rounding becomes a random one orthogonal to all, with nothing of it in R. `None` where
+/// no other direction is left.
+fn fill_up(
+    problem: &Problem,
+    window: &Window,
+    x: &mut Block<W>,
+    sizes: &Row<W>,
+    basis: &[&[Row<W>]],
+    locked: &[&[Row<W>]],
+    seed: u64,
+) -> Option<Small<W>> {
+    let n = x.len();
+    let mut r = vec![[[0.0; 8]; W]; BLOCK];
+    let mut fresh = random_block(n, seed);
+    problem.remove_constants(window, &mut fresh);
+    for _ in 0..2 {
+        subtract_projections(&mut fresh, locked);
+        subtract_projections(&mut fresh, basis);
+    }
+    let column = |x: &Block<W>, j: usize| x.iter().map(|row| row[j / 8][j % 8]).collect::<Vec<f64>>();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut done: Vec<Vec<f64>> = Vec::with_capacity(BLOCK);
+    for j in 0..BLOCK {
+        let mut own = column(x, j);
+        let limit = RANK * sizes[j / 8][j % 8] + 1e-9 * dot(&own, &own).sqrt();
+        for _ in 0..2 {
+            for (i, q) in done.iter().enumerate() {
+                let overlap = dot(q, &own);
+                r[i][j / 8][j % 8] += overlap;
+                own.iter_mut().zip(q).for_each(|(x, q)| *x -= overlap * q);
+            }
+        }
+        let mut length = dot(&own, &own).sqrt();
+        if length > limit {
+            r[j][j / 8][j % 8] = length;
+        } else {
+            own = column(&fresh, j);
+            for _ in 0..2 {
+                for q in &done {
+                    let overlap = dot(q, &own);
+                    own.iter_mut().zip(q).for_each(|(x, q)| *x -= overlap * q);
+                }
+            }
+            length = dot(&own, &own).sqrt();
+            if length.is_nan() || length <= 1e-8 {
+                return None;
+            }
+        }
+        own.iter_mut().for_each(|x| *x /= length);
+        x.iter_mut().zip(&own).for_each(|(row, value)| row[j / 8][j % 8] = *value);
+        done.push(own);
+    }
+    Some(r)
 }
 
 /// Uniform in [-½, ½) by SplitMix64, the same for every number of threads.
@@ -251,7 +336,7 @@ impl Ritz {
     /// The pairs to keep, once all that the window asks for has converged: those from the shift
     /// outwards, on each side up to the first that has not.
     fn converged(&self, window: &Window, problem: &Problem, shift: f64) -> Option<std::ops::Range<usize>> {
-        let good = |i: usize| self.residuals[i] <= problem.tolerance(self.values[i], window);
+        let good = |i: usize| self.residuals[i] <= problem.tolerance(self.values[i], shift, window);
         let split = self.values.partition_point(|l| *l < shift);
         let above = (split..self.values.len()).take_while(|&i| good(i)).count();
         let below = (0..split).rev().take_while(|&i| self.values[i] > 0.0 && good(i)).count();

@@ -41,7 +41,14 @@ pub(crate) fn solve(
     if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
         dense::solve(operator, harmonics, whole_clusters, task)
     } else {
-        slicing::solve(operator, harmonics, whole_clusters, task)
+        match slicing::solve(operator, harmonics, whole_clusters, task) {
+            // Spectra of a few eigenvalues of huge multiplicity leave Krylov spaces without
+            // directions; the last mend, where it is affordable, is to solve for everything.
+            Err(HarmonicsError::NotCertified { .. }) if n <= DENSE_SHARE => {
+                dense::solve(operator, harmonics, whole_clusters, task)
+            }
+            solved => solved,
+        }
     }
 }
 

@@ -118,7 +118,8 @@ fn sample(
     counting: &mut Counting,
     profile: &mut Profile,
 ) -> Result<(), Stopped> {
-    let found: Vec<Result<((f64, f64), Profile), Stopped>> = probes
+    type Sample = ((f64, f64), Profile);
+    let found: Vec<Result<Sample, Stopped>> = probes
         .par_iter()
         .with_max_len(1)
         .map(|&probe| {

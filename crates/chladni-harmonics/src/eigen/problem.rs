@@ -57,8 +57,8 @@ impl Problem {
     /// pair's own sake, and beside the width of the window, because the overlap of vectors
     /// from different windows is at most the sum of their residuals over the distance of
     /// their eigenvalues.
-    pub(super) fn tolerance(&self, lambda: f64, window: &Window) -> f64 {
-        (1e-10 * lambda.abs()).min(1e-9 * window.width)
+    pub(super) fn tolerance(&self, lambda: f64, shift: f64, window: &Window) -> f64 {
+        (1e-10 * lambda.abs()).min(1e-9 * window.width.max((lambda - shift).abs()))
     }
 
     /// Where the window reaches down to zero: makes each column orthogonal to the vectors of

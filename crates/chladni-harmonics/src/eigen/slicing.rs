@@ -32,11 +32,10 @@ pub(super) fn solve(
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     let mut profile = Profile::default();
-    let stage = task.stage("ordering", 0);
+    task.stage("ordering", 0);
     let start = std::time::Instant::now();
     let problem = Problem::of(operator);
     profile.analyze = start.elapsed().as_secs_f64();
-    drop(stage);
     let start = std::time::Instant::now();
     let slices = plan(&problem, harmonics, &mut profile, task).map_err(told)?;
     profile.plan = start.elapsed().as_secs_f64();

@@ -9,7 +9,10 @@ fn torus(around: u32, across: u32) -> TriMesh {
     use std::f64::consts::TAU;
     let positions = (0..around * across)
         .map(|v| {
-            let (a, b) = (TAU * f64::from(v % around) / f64::from(around), TAU * f64::from(v / around) / f64::from(across));
+            let (a, b) = (
+                TAU * f64::from(v % around) / f64::from(around),
+                TAU * f64::from(v / around) / f64::from(across),
+            );
             let r = 0.4 + 0.08 * (3.0 * a + b).sin() + 0.05 * (2.0 * b - a).cos();
             [(1.0 + r * b.cos()) * a.cos(), (1.0 + r * b.cos()) * a.sin() * 1.2, r * b.sin()]
         })
@@ -28,8 +31,10 @@ fn solved(operator: &Operator, harmonics: usize) -> (Problem, Vec<Found>) {
     let (task, mut profile) = (Task::new(), Profile::default());
     let problem = Problem::of(operator);
     let slices = plan(&problem, harmonics, &mut profile, &task).unwrap();
-    let found =
-        slices.into_iter().map(|s| Found::new(&problem, s, harmonics, &mut profile, &task).unwrap()).collect();
+    let found = slices
+        .into_iter()
+        .map(|s| Found::new(&problem, s, harmonics, &mut profile, &task).unwrap())
+        .collect();
     (problem, found)
 }
 

@@ -255,8 +255,7 @@ fn cholesky<const W: usize>(gram: &Small<W>) -> Option<(Small<W>, Small<W>)> {
     for i in 0..b {
         let sum: f64 = (0..i).map(|k| at(&r, k, i).powi(2)).sum();
         let pivot = at(gram, i, i) - sum;
-        // Also refuses NaN.
-        if !(pivot > 1e-24 * at(gram, i, i)) || at(gram, i, i) < f64::MIN_POSITIVE {
+        if pivot.is_nan() || pivot <= 1e-24 * at(gram, i, i) || at(gram, i, i) < f64::MIN_POSITIVE {
             return None;
         }
         let root = pivot.sqrt();

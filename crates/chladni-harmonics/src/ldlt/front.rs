@@ -118,8 +118,7 @@ fn eliminate_diagonal_block<L: Lanes>(
             upper[(k0 + k) * ld..(k0 + k) * ld + k0].swap_with_slice(&mut low[..k0]);
         }
         let pivot = block[k][k / 8][k % 8];
-        // Also refuses NaN.
-        if !(pivot.abs() > smallest) {
+        if pivot.is_nan() || pivot.abs() <= smallest {
             return Err(ZeroPivot);
         }
         pivots[k0 + k] = pivot;

@@ -273,9 +273,9 @@ fn supernode_spans(parent: &[u32], counts: &[u32]) -> Vec<(usize, usize)> {
             let stored = width * (width + 1) / 2 + width * node.below;
             let share = zeros as f64 / stored as f64;
             let worth = match width {
-                ..=8 => true,
-                ..=24 => share < 0.5,
-                ..=64 => share < 0.15,
+                0..9 => true,
+                9..25 => share < 0.5,
+                25..65 => share < 0.15,
                 _ => share < 0.05,
             };
             if !worth {
