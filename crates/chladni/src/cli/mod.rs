@@ -5,6 +5,7 @@ mod beats;
 mod bench;
 mod cache;
 mod caricature;
+mod demo;
 mod failure;
 mod info;
 mod inputs;
@@ -43,6 +44,7 @@ enum Command {
     Bench(bench::Bench),
     Match(match_shapes::MatchShapes),
     Info(info::Info),
+    Demo(demo::Demo),
     Beats(beats::Beats),
     Spectrum(spectrum::Spectrum),
     Caricature(Box<caricature::Caricature>),
@@ -84,6 +86,13 @@ where
     }
 }
 
+/// Runs the words of another command as if they were typed: for commands made of others.
+fn follow(words: &[std::ffi::OsString], terminal: &Terminal) -> Result<(), Failure> {
+    let name = std::ffi::OsString::from("chladni");
+    let cli = Cli::try_parse_from(std::iter::once(&name).chain(words)).map_err(Failure::other)?;
+    cli.command.map_or(Ok(()), |command| command.run(terminal))
+}
+
 impl Command {
     fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         match self {
@@ -92,6 +101,7 @@ impl Command {
             Self::Bench(bench) => bench.run(terminal),
             Self::Match(command) => command.run(terminal),
             Self::Info(info) => info.run(terminal),
+            Self::Demo(demo) => demo.run(terminal),
             Self::Beats(command) => command.run(terminal),
             Self::Spectrum(command) => command.run(terminal),
             Self::Caricature(command) => command.run(terminal),
