@@ -11,7 +11,7 @@
 //! use chladni_mesh::samples::torus;
 //! use chladni_task::Task;
 //!
-//! let mesh = torus(1.0, 0.4, 24, 12);
+//! let mesh = torus(0.4, 24, 12);
 //! let body = Arc::new(Body::build(&mesh, &BasisSettings::new(32), &Task::new())?);
 //!
 //! let mut project = Project::new(ShapeSource::File("ring.obj".into()), 32);
