@@ -1,6 +1,5 @@
 //! `chladni bench synth`: the papers' frame rates, here and now.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use chladni_synth::{
@@ -39,6 +38,9 @@ pub struct BenchSynth {
     /// Only this backend.
     #[arg(long)]
     backend: Option<BackendName>,
+    /// Draw nothing.
+    #[arg(long)]
+    no_draw: bool,
     /// Threads of the CPU backend; all cores if left out.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -64,8 +66,10 @@ struct Measured {
     normals_ms: f64,
     /// Null where nothing can draw. Includes the upload of a frame made on the CPU.
     draw_ms: Option<f64>,
-    /// All three together, one after the other.
+    /// Of synthesis and normals.
     fps: f64,
+    /// With drawing.
+    drawn_fps: Option<f64>,
     /// What the paper prints, where it prints it.
     published_fps: Option<f64>,
     /// Bytes of the basis read and of positions written.
@@ -90,8 +94,10 @@ impl BenchSynth {
             pool = pool.num_threads(threads);
         }
         let pool = pool.build().map_err(Failure::other)?;
-        let stage = match Stage::new() {
-            Ok(stage) => Some(stage),
+        // The CPU needs a device for drawing only.
+        let cpu_only = self.no_draw && self.backend == Some(BackendName::Cpu);
+        let stage = match (!cpu_only).then(Stage::new).transpose() {
+            Ok(stage) => stage,
             Err(failure) if self.backend == Some(BackendName::Gpu) => return Err(failure),
             Err(failure) => {
                 terminal.warn(format!("nothing is drawn, and only the CPU measured: {failure}"));
@@ -132,13 +138,16 @@ impl BenchSynth {
                 if wanted(BackendName::Cpu) {
                     let mut synthesizer = CpuSynthesizer::new(model.clone());
                     let mut bench = OnCpu { synthesizer: &mut synthesizer, buffers: None };
-                    done.push((bench.measure(&items, &triangles, stage.as_mut())?, BackendName::Cpu));
+                    done.push((
+                        bench.measure(&items, &triangles, stage.as_mut().filter(|_| !self.no_draw))?,
+                        BackendName::Cpu,
+                    ));
                 }
                 if let (true, Some(stage)) = (wanted(BackendName::Gpu), stage.as_mut()) {
                     match GpuSynthesizer::new(&stage.context, model.clone()) {
                         Ok(synthesizer) => {
                             done.push((
-                                OnGpu(synthesizer).measure(&items, &triangles, stage)?,
+                                OnGpu(synthesizer).measure(&items, &triangles, stage, !self.no_draw)?,
                                 BackendName::Gpu,
                             ));
                         }
@@ -201,7 +210,8 @@ impl Times {
             synthesis_ms: 1e3 * self.synthesis,
             normals_ms: 1e3 * self.normals,
             draw_ms: self.draw.map(|draw| 1e3 * draw),
-            fps: 1.0 / (self.synthesis + self.normals + self.draw.unwrap_or(0.0)),
+            fps: 1.0 / (self.synthesis + self.normals),
+            drawn_fps: self.draw.map(|draw| 1.0 / (self.synthesis + self.normals + draw)),
             published_fps,
             bytes_moved,
             bandwidth_share: bytes_moved as f64 / self.synthesis / copied_per_sec,
@@ -300,6 +310,7 @@ impl OnGpu {
         items: &[Item],
         triangles: &[[u32; 3]],
         stage: &mut Stage,
+        draw: bool,
     ) -> Result<Times, Failure> {
         let synthesizer = &mut self.0;
         let gpu = stage.gpu.clone();
@@ -312,9 +323,10 @@ impl OnGpu {
             wait(&gpu)
         })?;
         let scene = Scene::new(&gpu, synthesizer.frame(), triangles)?;
-        let draw = median_secs(|| scene.draw(&mut stage.renderer, &stage.canvas))?;
+        let draw =
+            draw.then(|| median_secs(|| scene.draw(&mut stage.renderer, &stage.canvas))).transpose()?;
         let copy = copy_on_device_secs(&gpu, synthesizer.model().basis_bytes())?;
-        Ok(Times { device: synthesizer.context().device_name(), synthesis, normals, draw: Some(draw), copy })
+        Ok(Times { device: synthesizer.context().device_name(), synthesis, normals, draw, copy })
     }
 }
 
@@ -366,7 +378,7 @@ impl Stage {
 /// The items of a frame, side by side.
 struct Scene {
     gpu: Gpu,
-    topology: Arc<Topology>,
+    topology: Topology,
     buffers: ItemBuffers,
     items: usize,
 }
@@ -377,7 +389,7 @@ impl Scene {
         let topology = Topology::new(gpu, vertices, triangles).map_err(Failure::other)?;
         let buffers = ItemBuffers::borrowed(frame.positions.clone(), frame.normals.clone(), vertices, items)
             .map_err(Failure::other)?;
-        Ok(Self { gpu: gpu.clone(), topology: Arc::new(topology), buffers, items })
+        Ok(Self { gpu: gpu.clone(), topology, buffers, items })
     }
 
     fn draw(&self, renderer: &mut Renderer, canvas: &Canvas) -> Result<(), Failure> {
@@ -392,7 +404,8 @@ impl Scene {
             .map(|(viewport, figure)| Cell {
                 viewport,
                 camera,
-                lights: Lights::default(),
+                // The papers' pictures have no shadows.
+                lights: Lights { shadow: 0.0, ..Lights::default() },
                 background: Background::default(),
                 figures: std::slice::from_ref(figure),
                 markers: &[],
