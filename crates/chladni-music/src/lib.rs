@@ -29,6 +29,7 @@
 
 mod breeding;
 mod dancer;
+mod ensemble;
 mod error;
 mod flash;
 mod gallery;
@@ -45,6 +46,7 @@ mod voice;
 
 pub use breeding::{breed, mutate};
 pub use dancer::Dancer;
+pub use ensemble::Ensemble;
 pub use error::Error;
 pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
 pub use gallery::{GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation, ItemId, Origin};

@@ -34,6 +34,20 @@ impl Mapping {
         }
     }
 
+    /// The direct mapping for a shape: t_ini read at ω/2, so that the song falls into the lower
+    /// quarter of the harmonics, which are amplified the more the lower they are.
+    pub fn direct(eigenvalues: &[f64], bands: usize) -> Self {
+        let k_count = eigenvalues.len().max(1);
+        let amplification = (0..k_count)
+            .map(|k| {
+                let x = (4.0 * k as f32 / k_count as f32).min(1.0);
+                (1.0 - x) * (1.0 - x)
+            })
+            .collect();
+        let transfer = direct_transfer(eigenvalues, bands.max(1), 0.5, false);
+        Self { transfer, amplification, stereo_mu: 0.0, gain: 1.0 }
+    }
+
     /// Checks lengths (1 to 16384), that every number is finite, and the ranges above
     /// (the gain lies in [0, 100]).
     pub fn validate(&self) -> Result<(), Error> {

@@ -12,6 +12,29 @@ pub struct Beat {
     pub confidence: f32,
 }
 
+impl Beat {
+    /// The beat at `secs` of a song whose beats fall at `beats_secs` (ascending): the first one
+    /// is number 1. Beyond the known beats their spacing goes on, and confidence fades within
+    /// two beats.
+    pub fn among(beats_secs: &[f64], confidence: f32, secs: f64) -> Self {
+        let [first, .., last] = *beats_secs else { return Self::default() };
+        let next = beats_secs.partition_point(|&b| b <= secs);
+        let count = beats_secs.len();
+        let spacing = |a: f64, b: f64| (b - a).max(1e-3);
+        if next == 0 {
+            let ahead = (first - secs) / spacing(first, beats_secs[1]);
+            return Self { count: (1.0 - ahead).max(0.0), confidence: if ahead < 1.0 { confidence } else { 0.0 } };
+        }
+        if next == count {
+            let gone = (secs - last) / spacing(beats_secs[count - 2], last);
+            let fading = (2.0 - gone).clamp(0.0, 1.0) as f32;
+            return Self { count: count as f64 + gone, confidence: confidence * fading };
+        }
+        let (from, to) = (beats_secs[next - 1], beats_secs[next]);
+        Self { count: next as f64 + (secs - from) / spacing(from, to), confidence }
+    }
+}
+
 /// What plays on stage at one moment: `to` has come in by `weight`, `from` still has the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {

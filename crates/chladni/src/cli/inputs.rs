@@ -1,7 +1,8 @@
-//! Meshes that commands take: files, or samples by name.
+//! Meshes and songs that commands take: files, or samples by name.
 
 use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError};
 use chladni_mesh::{TriMesh, load_mesh, samples};
+use chladni_sound::{Song, SongOptions, SongReader, sample_tune};
 
 use super::{Failure, Terminal, basis_cache};
 
@@ -19,6 +20,38 @@ pub fn open_mesh(name: &str, terminal: &Terminal) -> Result<TriMesh, Failure> {
         terminal.warn(format_args!("{name}: {line}"));
     }
     Ok(loaded.mesh)
+}
+
+/// Reads a stretch of a song, or of `sample:tune`.
+pub fn open_song(name: &str, start_secs: f64, duration_secs: Option<f64>, terminal: &Terminal) -> Result<Song, Failure> {
+    if !(start_secs.is_finite() && start_secs >= 0.0) || duration_secs.is_some_and(|d| !(d.is_finite() && d > 0.0)) {
+        return Err(Failure::BadInput("start must not be negative and the duration must be positive".into()));
+    }
+    if let Some(sample) = name.strip_prefix("sample:") {
+        if sample != "tune" {
+            return Err(Failure::BadInput(format!("there is no sample {sample}: tune is a song")));
+        }
+        return stretch(sample_tune(), start_secs, duration_secs);
+    }
+    let options = SongOptions { start_secs, duration_secs, ..SongOptions::default() };
+    terminal.watch("decoding the song", |task| {
+        let reader = SongReader::open(std::path::Path::new(name)).map_err(Failure::input)?;
+        Song::read(reader, &options, task).map_err(Failure::input)
+    })
+}
+
+fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<Song, Failure> {
+    let frames = |secs: f64| (secs * f64::from(song.rate_hz)).round() as usize;
+    let first = frames(start_secs).min(song.frames());
+    let last = duration_secs.map_or(song.frames(), |d| (first + frames(d)).min(song.frames()));
+    if first == last {
+        return Err(Failure::BadInput(format!("the song ends after {:.1} s", song.duration_secs())));
+    }
+    Ok(Song {
+        rate_hz: song.rate_hz,
+        left: song.left[first..last].to_vec(),
+        right: song.right[first..last].to_vec(),
+    })
 }
 
 /// The harmonics of a mesh, from the user's cache where they are there.

@@ -5,6 +5,7 @@ mod beats;
 mod bench;
 mod cache;
 mod caricature;
+mod dance;
 mod demo;
 mod failure;
 mod info;
@@ -16,6 +17,7 @@ mod open;
 mod project;
 mod sculpture;
 mod spectrum;
+mod symmetry;
 mod terminal;
 
 use clap::{Parser, Subcommand};
@@ -48,6 +50,8 @@ enum Command {
     Beats(beats::Beats),
     Spectrum(spectrum::Spectrum),
     Caricature(Box<caricature::Caricature>),
+    Dance(Box<dance::Dance>),
+    Symmetry(symmetry::SymmetryCommand),
     #[command(subcommand)]
     Project(project::ProjectCommand),
 }
@@ -105,6 +109,8 @@ impl Command {
             Self::Beats(command) => command.run(terminal),
             Self::Spectrum(command) => command.run(terminal),
             Self::Caricature(command) => command.run(terminal),
+            Self::Dance(command) => command.run(terminal),
+            Self::Symmetry(command) => command.run(terminal),
             Self::Project(command) => command.run(terminal),
         }
     }

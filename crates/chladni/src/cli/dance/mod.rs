@@ -1,0 +1,401 @@
+//! `chladni dance MESH SONG`: a film of a shape that dances, frame-exact, with its sound.
+
+mod guard;
+mod hearing;
+mod record;
+mod show;
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+use std::time::Instant;
+
+use chladni_music::{
+    Action, Dancer, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter, Preset, Session,
+    Symmetry,
+};
+use chladni_sound::{Song, WavSample, track_beats, write_wav};
+use chladni_view::{Background, Film, FilmFormat, FilmSettings, FrameRate, Lights, Material, ffmpeg_is_there};
+use serde::Serialize;
+
+use super::inputs::{build_body, open_mesh, open_song};
+use super::{Failure, Terminal};
+use hearing::Hearing;
+use show::{Look, Show};
+
+/// Film a shape that dances to a song.
+#[derive(clap::Args)]
+pub struct Dance {
+    /// A mesh file, or sample:octopus, sample:head.
+    mesh: String,
+    /// A song (wav, flac, mp3, ogg, m4a, aiff …), or sample:tune.
+    song: String,
+    /// The film: .mp4 with sound (needs ffmpeg), .gif or .png (animated, silent).
+    #[arg(short, long, value_name = "FILM", required_unless_present_any = ["frames", "coefficients"])]
+    output: Option<PathBuf>,
+    /// Write PNG frames and sound.wav into this folder; needs no other program.
+    #[arg(long, value_name = "DIR", conflicts_with = "output")]
+    frames: Option<PathBuf>,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    size: Size,
+    /// Frames per second: a number, or a fraction such as 30000/1001.
+    #[arg(long, default_value = "30")]
+    fps: Fps,
+    /// Where in the song to begin, in seconds.
+    #[arg(long, default_value_t = 0.0)]
+    start: f64,
+    /// How much of the song, in seconds; all of it unless given.
+    #[arg(long)]
+    duration: Option<f64>,
+    /// Seed of all that is random: the reactions to the beat and, without preset and session,
+    /// a mapping bred from the gallery of this seed instead of the direct one.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Dance as this preset says.
+    #[arg(long, value_name = "P.toml", conflicts_with = "session")]
+    preset: Option<PathBuf>,
+    /// Replay this session.
+    #[arg(long, value_name = "R.toml")]
+    session: Option<PathBuf>,
+    /// Show the whole gallery of this many items (6, 9, 12 or 16) instead of one.
+    #[arg(long, value_name = "S", conflicts_with_all = ["preset", "session"])]
+    gallery: Option<usize>,
+    /// filter: the paper's; modal: along the normals, as a sounding plate; half-mask: left and
+    /// right move apart. A session's own form unless given.
+    #[arg(long, value_parser = parse_form)]
+    form: Option<Form>,
+    /// How strongly it moves, 0 to 20.
+    #[arg(long)]
+    gain: Option<f32>,
+    /// Harmonics K.
+    #[arg(short = 'k', long, default_value_t = 256)]
+    harmonics: usize,
+    /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here.
+    #[arg(long, value_name = "C.npz")]
+    coefficients: Option<PathBuf>,
+    /// Lights: studio, soft, dramatic, stage.
+    #[arg(long, default_value = "stage", value_parser = named(Lights::named))]
+    lights: Lights,
+    /// Material: clay, porcelain, bronze, pearl, dark.
+    #[arg(long, default_value = "pearl", value_parser = named(Material::named))]
+    material: Material,
+    /// Background: paper, slate, night, white, transparent.
+    #[arg(long, default_value = "night", value_parser = named(Background::named))]
+    background: Background,
+    /// Turn of the shape in degrees, to begin with.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    yaw: f32,
+    /// Do not limit flashes to three a second.
+    #[arg(long)]
+    allow_flashes: bool,
+    /// Print a report as JSON: what was made, and where the time went.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Where the time went, in seconds.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Seconds {
+    /// Reading mesh and song.
+    pub reading: f64,
+    /// Harmonics, symmetry and all that is prepared once.
+    pub preparing: f64,
+    /// Beats of the whole song.
+    pub beats: f64,
+    /// Spectra.
+    pub analysis: f64,
+    /// From spectrum to coefficients.
+    pub mapping: f64,
+    /// Deformed positions.
+    pub synthesis: f64,
+    /// Normals.
+    pub normals: f64,
+    /// Drawing and fetching the pictures.
+    pub drawing: f64,
+    /// The flash guard's look at the frames.
+    pub guarding: f64,
+    /// Waiting for the encoder, which runs beside all this.
+    pub encoding: f64,
+    /// All.
+    pub total: f64,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    vertices: usize,
+    harmonics: usize,
+    frames: u64,
+    film_secs: f64,
+    times_real_time: f64,
+    tempo_bpm: f64,
+    beat_confidence: f64,
+    /// The farthest any vertex went, as a share of the bounding box's diagonal.
+    largest_displacement: f32,
+    flashes_in_worst_second: usize,
+    frames_damped: usize,
+    seconds: Seconds,
+}
+
+impl Dance {
+    /// Makes the film.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let begin = Instant::now();
+        self.check_output()?;
+        let mesh = open_mesh(&self.mesh, terminal)?;
+        let song = open_song(&self.song, self.start, self.duration, terminal)?;
+        let mut seconds = Seconds { reading: begin.elapsed().as_secs_f64(), ..Seconds::default() };
+        let preparing = Instant::now();
+        let (body, _) = build_body(&self.mesh, &mesh, self.harmonics, terminal)?;
+        let symmetry = terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(failure)?;
+        let body = symmetry.rotated(&body);
+        let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).map_err(failure)?);
+        seconds.preparing = preparing.elapsed().as_secs_f64();
+        let listening = Instant::now();
+        let beats = terminal
+            .watch("tracking the beat", |task| track_beats(&song, task))
+            .map_err(Failure::input)?;
+        seconds.beats = listening.elapsed().as_secs_f64();
+
+        let (instrument, script) = self.instrument(&dancer)?;
+        let frames = self.fps.0.frames_in(song.duration_secs());
+        let film_secs = self.fps.0.start_secs(frames);
+        let (tempo_bpm, beat_confidence) = (beats.tempo_bpm, beats.confidence);
+        let hearing = Hearing::new(song, beats, instrument.parameters())?;
+        let look = Look { lights: self.lights, material: self.material, background: self.background, yaw_rad: self.yaw.to_radians() };
+        let mut show = Show::new(&body, dancer, hearing, instrument, script, self.start, self.fps.0)?;
+        if self.allow_flashes {
+            show.allow_flashes();
+        }
+        let film = self.film_path();
+        let recording = self.coefficients.is_some();
+        let done = match &film {
+            Some(path) => {
+                let sound = sound_for(path, show.song(), terminal)?;
+                let settings = FilmSettings {
+                    width: self.size.width,
+                    height: self.size.height,
+                    rate: self.fps.0,
+                    frames,
+                    audio: sound.as_ref().map(|file| file.path().to_owned()),
+                };
+                let film = Film::create(path, settings).map_err(view_failure)?;
+                terminal.watch("filming", |task| show.film(film, &look, recording, &mut seconds, task))?
+            }
+            None => terminal.watch("dancing", |task| show.rehearse(frames, &mut seconds, task))?,
+        };
+        if let Some(folder) = &self.frames {
+            let path = folder.join("sound.wav");
+            write_wav(&path, show.song(), WavSample::Int16).map_err(|error| Failure::writing(&path, error))?;
+        }
+        if let Some(path) = &self.coefficients {
+            done.recording.write(path).map_err(|error| Failure::writing(path, error))?;
+        }
+        seconds.total = begin.elapsed().as_secs_f64();
+        let report = Report {
+            vertices: body.positions.len(),
+            harmonics: body.basis.harmonics(),
+            frames,
+            film_secs,
+            times_real_time: film_secs / seconds.total,
+            tempo_bpm,
+            beat_confidence,
+            largest_displacement: done.largest_displacement,
+            flashes_in_worst_second: done.most_flashes,
+            frames_damped: done.damped_frames,
+            seconds,
+        };
+        self.tell(&report, film.as_deref(), terminal)
+    }
+
+    fn tell(&self, report: &Report, film: Option<&Path>, terminal: &Terminal) -> Result<(), Failure> {
+        if self.json {
+            return terminal.json(report);
+        }
+        for path in [film, self.coefficients.as_deref()].into_iter().flatten() {
+            terminal.result(path.display())?;
+        }
+        let s = &report.seconds;
+        terminal.note(format_args!(
+            "{} frames in {:.1} s: reading {:.1}, harmonics {:.1}, beats {:.1}, spectra {:.1}, mapping {:.2}, \
+             synthesis {:.1}, normals {:.1}, drawing {:.1}, flash guard {:.1}, waiting for the encoder {:.1}",
+            report.frames, s.total, s.reading, s.preparing, s.beats, s.analysis, s.mapping, s.synthesis, s.normals,
+            s.drawing, s.guarding, s.encoding
+        ));
+        Ok(())
+    }
+
+    fn film_path(&self) -> Option<PathBuf> {
+        self.output.clone().or_else(|| self.frames.clone())
+    }
+
+    /// Before any work: can the film be written at all?
+    fn check_output(&self) -> Result<(), Failure> {
+        if let Some(path) = &self.output {
+            let format = FilmFormat::of(path).map_err(Failure::input)?;
+            if format == FilmFormat::Frames {
+                let path = path.display();
+                return Err(Failure::BadInput(format!("{path}: a film ends in .mp4, .gif or .png; for a folder use --frames")));
+            }
+            if format == FilmFormat::Mp4 && !ffmpeg_is_there() {
+                return Err(Failure::BadInput(
+                    "an MP4 needs ffmpeg, which is not on the PATH: install it, write a .gif or .png, or use \
+                     --frames DIR for PNG frames and a WAV"
+                        .into(),
+                ));
+            }
+        }
+        if let Some(folder) = &self.frames {
+            std::fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
+        }
+        Ok(())
+    }
+
+    /// The instrument as the film begins, and what will be done to it.
+    fn instrument(&self, dancer: &Dancer) -> Result<(Instrument, Vec<LoggedAction>), Failure> {
+        let shape = |bands: usize| GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
+        let bands = Parameter::Bands.initial() as usize;
+        if let Some(path) = &self.session {
+            let session = Session::load(path).map_err(|error| in_file(path, error))?;
+            let mut instrument = session.begin(shape(bands)).map_err(|error| in_file(path, error))?;
+            self.adjust(&mut instrument)?;
+            return Ok((instrument, session.actions));
+        }
+        let seed = self.seed.unwrap_or(1);
+        let size = self.gallery.unwrap_or(6);
+        let mut instrument = Instrument::new(seed, size, shape(bands)).map_err(failure)?;
+        self.adjust(&mut instrument)?;
+        let mut act = |action| instrument.apply(Moment::default(), action).map_err(failure);
+        if let Some(path) = &self.preset {
+            let preset = Preset::load(path).map_err(|error| in_file(path, error))?;
+            act(Action::Load { item: 0, name: preset.name, mapping: preset.mapping })?;
+            act(Action::Perform { item: 0 })?;
+        } else if self.gallery.is_none() {
+            if self.seed.is_some() {
+                (0..size).try_for_each(|item| act(Action::Choose { item, on: true }))?;
+                act(Action::Breed)?;
+            } else {
+                let mapping = Mapping::direct(&dancer.eigenvalues, bands);
+                act(Action::Load { item: 0, name: "direct".into(), mapping })?;
+            }
+            act(Action::Perform { item: 0 })?;
+        }
+        Ok((instrument, Vec::new()))
+    }
+
+    fn adjust(&self, instrument: &mut Instrument) -> Result<(), Failure> {
+        let mut act = |action| instrument.apply(Moment::default(), action).map_err(failure);
+        if let Some(form) = self.form {
+            act(Action::SetForm { form })?;
+        }
+        if let Some(value) = self.gain {
+            act(Action::Set { parameter: Parameter::Gain, value })?;
+        }
+        Ok(())
+    }
+}
+
+/// The sound that an MP4 is given, as a temporary file.
+fn sound_for(film: &Path, song: &Song, terminal: &Terminal) -> Result<Option<tempfile::NamedTempFile>, Failure> {
+    if FilmFormat::of(film).map_err(Failure::input)? != FilmFormat::Mp4 {
+        return Ok(None);
+    }
+    let file = tempfile::Builder::new().prefix("chladni-").suffix(".wav").tempfile().map_err(Failure::other)?;
+    terminal.watch("writing the sound", |_| write_wav(file.path(), song, WavSample::Int16)).map_err(Failure::other)?;
+    Ok(Some(file))
+}
+
+/// Width and height.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Size {
+    width: u32,
+    height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |t: &str| t.parse::<u32>().ok().filter(|n| (1..=16_384).contains(n));
+        let (width, height) = text.split_once(['x', 'X']).ok_or("expected WIDTHxHEIGHT, such as 1280x720")?;
+        match (number(width), number(height)) {
+            (Some(width), Some(height)) => Ok(Self { width, height }),
+            _ => Err("width and height are whole numbers from 1 to 16384".into()),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Fps(FrameRate);
+
+impl FromStr for Fps {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "expected frames per second from 1 to 240, such as 30, 29.97 or 30000/1001".to_owned();
+        let rate = |numerator: u32, denominator: u32| FrameRate { numerator, denominator };
+        let rate = if let Some((n, d)) = text.split_once('/') {
+            rate(n.parse().map_err(|_| wrong())?, d.parse().map_err(|_| wrong())?)
+        } else if let Ok(whole) = text.parse::<u32>() {
+            rate(whole, 1)
+        } else {
+            let fps: f64 = text.parse().map_err(|_| wrong())?;
+            let ntsc = (fps.ceil() - fps / 0.999_000_999).abs() < 0.01;
+            if ntsc { rate(1000 * fps.ceil() as u32, 1001) } else { rate((fps * 1000.0).round() as u32, 1000) }
+        };
+        let fps = f64::from(rate.numerator) / f64::from(rate.denominator.max(1));
+        if rate.denominator > 0 && (1.0..=240.0).contains(&fps) { Ok(Self(rate)) } else { Err(wrong()) }
+    }
+}
+
+fn parse_form(text: &str) -> Result<Form, String> {
+    match text {
+        "filter" => Ok(Form::Filter),
+        "modal" => Ok(Form::Modal),
+        "half-mask" => Ok(Form::HalfMask),
+        _ => Err("expected filter, modal or half-mask".into()),
+    }
+}
+
+fn named<T: Send + Sync + Clone + 'static>(find: fn(&str) -> Option<T>) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |name| find(name).ok_or_else(|| format!("there is no {name}"))
+}
+
+fn failure(error: chladni_music::Error) -> Failure {
+    match error {
+        chladni_music::Error::Cancelled(_) => Failure::Cancelled,
+        error => Failure::input(error),
+    }
+}
+
+fn in_file(path: &Path, error: chladni_music::Error) -> Failure {
+    match error {
+        chladni_music::Error::File { .. } => Failure::input(error),
+        error => Failure::BadInput(format!("{}: {error}", path.display())),
+    }
+}
+
+fn view_failure(error: chladni_view::ViewError) -> Failure {
+    match error {
+        chladni_view::ViewError::Cancelled(_) => Failure::Cancelled,
+        error => Failure::other(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_and_sizes() {
+        let fps = |t: &str| t.parse::<Fps>().map(|f| (f.0.numerator, f.0.denominator));
+        assert_eq!(fps("30"), Ok((30, 1)));
+        assert_eq!(fps("29.97"), Ok((30000, 1001)));
+        assert_eq!(fps("23.976"), Ok((24000, 1001)));
+        assert_eq!(fps("12.5"), Ok((12500, 1000)));
+        assert!(fps("0").is_err() && fps("1/0").is_err() && fps("-3").is_err() && fps("nan").is_err());
+        assert_eq!("640x360".parse(), Ok(Size { width: 640, height: 360 }));
+        assert!("640".parse::<Size>().is_err() && "0x5".parse::<Size>().is_err());
+    }
+}

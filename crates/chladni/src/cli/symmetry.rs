@@ -1,0 +1,166 @@
+//! `chladni symmetry MESH`: which harmonics are symmetric, which antisymmetric, and why.
+
+use std::path::{Path, PathBuf};
+
+use chladni_harmonics::Body;
+use chladni_music::{Class, Symmetry, SymmetryMethod};
+use chladni_view::{ColorMap, Gpu, Marker, PictureRequest, PictureShape, Scale, Style, render_picture};
+use serde::Serialize;
+
+use super::inputs::{build_body, open_mesh};
+use super::{Failure, Terminal};
+
+/// Tell symmetric from antisymmetric harmonics.
+#[derive(clap::Args)]
+pub struct SymmetryCommand {
+    /// A mesh file, or sample:octopus, sample:head.
+    mesh: String,
+    /// Harmonics K.
+    #[arg(short = 'k', long, default_value_t = 100)]
+    harmonics: usize,
+    /// Print classes and pairs as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Draw the extrema and their pairs, and the first harmonics with their classes.
+    #[arg(long, value_name = "P.png")]
+    render: Option<PathBuf>,
+}
+
+/// What `--json` prints. Vertices are those of the file, from zero.
+#[derive(Serialize)]
+struct Report {
+    /// 1 symmetric, −1 antisymmetric, 0 undecided.
+    classes: Vec<i8>,
+    pairs: Vec<[usize; 2]>,
+    extrema: Vec<usize>,
+    scores: Vec<f64>,
+    /// `mirror` or `vote`.
+    method: &'static str,
+    /// Unit normal of the mirror plane.
+    mirror_normal: Option<[f64; 3]>,
+    /// A point on the mirror plane, in the file's units.
+    mirror_point: Option<[f64; 3]>,
+    /// Root mean square distance of mirrored vertices, as a share of the bounding box.
+    mirror_misfit: Option<f64>,
+    /// Groups of repeated eigenvalues that were rotated: first harmonic and size.
+    rotated: Vec<[usize; 2]>,
+}
+
+impl SymmetryCommand {
+    /// Classifies and prints.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let mesh = open_mesh(&self.mesh, terminal)?;
+        let (body, _) = build_body(&self.mesh, &mesh, self.harmonics, terminal)?;
+        let symmetry =
+            terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(|error| match error {
+                chladni_music::Error::Cancelled(_) => Failure::Cancelled,
+                error => Failure::BadInput(format!("{}: {error}", self.mesh)),
+            })?;
+        if let Some(path) = &self.render {
+            draw(path, &body, &symmetry)?;
+        }
+        let report = report(&body, &symmetry);
+        if self.json {
+            return terminal.json(&report);
+        }
+        let count = |class| symmetry.classes.iter().filter(|c| **c == class).count();
+        terminal.result(format_args!(
+            "{} symmetric, {} antisymmetric, {} undecided of {} harmonics",
+            count(Class::Symmetric),
+            count(Class::Antisymmetric),
+            count(Class::Undecided),
+            symmetry.classes.len()
+        ))?;
+        match (report.mirror_normal, report.mirror_misfit) {
+            (Some([x, y, z]), Some(misfit)) => terminal.result(format_args!(
+                "mirror plane with normal ({x:.4}, {y:.4}, {z:.4}), missed by {:.3} % of the bounding box",
+                100.0 * misfit
+            )),
+            _ => terminal.result("no mirror plane: classes by the vote of the extrema alone, which is rough"),
+        }
+    }
+}
+
+fn report(body: &Body, symmetry: &Symmetry) -> Report {
+    let mut file_vertex = vec![0; body.positions.len()];
+    for (v, operator) in body.operator_vertex.iter().enumerate().rev() {
+        if let Some(o) = operator {
+            file_vertex[*o as usize] = v;
+        }
+    }
+    let file = |v: u32| file_vertex[v as usize];
+    let plane = match symmetry.method {
+        SymmetryMethod::Mirror(plane) => Some(plane),
+        SymmetryMethod::Vote => None,
+    };
+    Report {
+        classes: symmetry.classes.iter().map(|c| c.sign()).collect(),
+        pairs: symmetry.pairs.iter().map(|p| p.map(file)).collect(),
+        extrema: symmetry.extrema.iter().map(|&v| file(v)).collect(),
+        scores: symmetry.scores.clone(),
+        method: if plane.is_some() { "mirror" } else { "vote" },
+        mirror_normal: plane.map(|p| p.normal),
+        mirror_point: plane.map(|p| body.frame.to_file(p.normal.map(|c| c * p.offset))),
+        mirror_misfit: plane.map(|p| p.misfit),
+        rotated: symmetry.rotations.iter().map(|r| [r.first, r.mix.len()]).collect(),
+    }
+}
+
+/// Colours of the pairs' markers, in turn.
+const PAIR_COLORS: [[u8; 3]; 8] = [
+    [230, 60, 60],
+    [50, 120, 230],
+    [40, 170, 90],
+    [240, 160, 30],
+    [150, 80, 200],
+    [30, 180, 190],
+    [220, 90, 170],
+    [120, 110, 90],
+];
+
+/// First how often each vertex is an extremum, with both ends of a pair in one colour; then the
+/// first harmonics: warm markers above for symmetric ones, cool for antisymmetric, grey for none.
+fn draw(path: &Path, body: &Body, symmetry: &Symmetry) -> Result<(), Failure> {
+    const SHOWN: usize = 11;
+    let rotated = symmetry.rotated(body);
+    let basis = &*rotated.basis;
+    let positions: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+    let counts: Vec<f32> = symmetry.extrema_counts.iter().map(|&c| f32::from(c)).collect();
+    let most = counts.iter().copied().fold(1.0, f32::max);
+    let marker = |v: u32, color: [u8; 3], radius_px| {
+        let [r, g, b] = color;
+        Marker { position: positions[v as usize], radius_px, color: [r, g, b, 255] }
+    };
+    let dots: Vec<Marker> = symmetry
+        .extrema
+        .iter()
+        .map(|&v| marker(v, [20, 20, 20], 3.0))
+        .chain(symmetry.pairs.iter().zip(PAIR_COLORS.iter().cycle()).flat_map(|(p, &color)| p.map(|v| marker(v, color, 6.0))))
+        .collect();
+    let top = positions.iter().copied().fold([0.0f32, f32::MIN, 0.0], |top, p| if p[1] > top[1] { p } else { top });
+    let first = basis.eigenvalues.partition_point(|&l| l <= 1e-9 * basis.eigenvalues.last().copied().unwrap_or(0.0));
+    let harmonics: Vec<(Vec<f32>, Scale, [Marker; 1])> = (first..basis.harmonics().min(first + SHOWN))
+        .map(|k| {
+            let values: Vec<f32> = basis.harmonic(k).iter().map(|h| *h as f32).collect();
+            let color = match symmetry.classes[k] {
+                Class::Symmetric => [235, 120, 30],
+                Class::Antisymmetric => [40, 110, 230],
+                Class::Undecided => [130, 130, 130],
+            };
+            let above = [top[0], top[1] + 0.12, top[2]];
+            let [r, g, b] = color;
+            let flag = [Marker { position: above, radius_px: 9.0, color: [r, g, b, 255] }];
+            let largest = values.iter().fold(1e-12f32, |m, v| m.max(v.abs()));
+            (values, Scale { map: ColorMap::BlueRed, low: -largest, high: largest }, flag)
+        })
+        .collect();
+    let shape = PictureShape { positions: &positions, triangles: &body.triangles, ..PictureShape::default() };
+    let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: most };
+    let mut shapes = vec![PictureShape { values: Some((&counts, scale)), markers: &dots, ..shape }];
+    shapes.extend(harmonics.iter().map(|(v, scale, flag)| PictureShape { values: Some((v, *scale)), markers: flag, ..shape }));
+    let gpu = Gpu::headless().map_err(Failure::other)?;
+    let request = PictureRequest { shapes: &shapes, width: 1280, height: 960, camera: None, style: Style::default() };
+    let picture = render_picture(&gpu, &request).map_err(Failure::other)?;
+    let png = picture.to_png().map_err(Failure::other)?;
+    chladni_task::write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
+}
