@@ -5,6 +5,7 @@
 mod caricature;
 mod icon;
 mod job;
+mod music;
 mod notices;
 mod room;
 mod settings;
@@ -102,7 +103,10 @@ impl Studio {
             settings,
             settings_path,
             notices,
-            rooms: vec![Box::new(caricature::CaricatureRoom::default())],
+            rooms: vec![
+                Box::new(caricature::CaricatureRoom::default()),
+                Box::new(music::MusicRoom::default()),
+            ],
             current: None,
             cheat_sheet: false,
             closing: false,

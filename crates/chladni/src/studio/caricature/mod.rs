@@ -18,6 +18,8 @@ use chladni_caricature::{Action, Layer, LayerId, Model, Project, Property, Shape
 use eframe::egui_wgpu::RenderState;
 use egui::{Key, Ui};
 
+pub use self::export::MESHES;
+
 use self::brush::BrushTool;
 use self::controls::{Controls, Measured, Wish};
 use self::edits::Edits;

@@ -1,0 +1,104 @@
+//! The knobs and switches of the instrument.
+
+use chladni_music::{Action, Choir, Form, Instrument, Parameter, Switch};
+use egui::{RichText, Slider, Ui};
+
+use crate::studio::theme;
+
+/// Draws them all and collects what was turned.
+pub fn show(ui: &mut Ui, instrument: &Instrument, actions: &mut Vec<Action>) {
+    let parameters = instrument.parameters();
+    heading(ui, "Form");
+    ui.horizontal(|ui| {
+        for (form, name, tip) in [
+            (Form::Filter, "Filter", "The paper's: the shape's own harmonics grow and shrink; a symmetric shape stays so"),
+            (Form::Modal, "Modal", "Along the normals, as a sounding plate: left and right move apart"),
+            (Form::HalfMask, "Halves", "The left channel moves the left half, the right one the right"),
+        ] {
+            if ui.selectable_label(parameters.form == form, name).on_hover_text(tip).clicked() {
+                actions.push(Action::SetForm { form });
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        for (choir, name) in
+            [(Choir::All, "All"), (Choir::Symmetric, "Symmetric"), (Choir::Antisymmetric, "Antisymmetric")]
+        {
+            let tip = "Which harmonics may sound";
+            if ui.selectable_label(parameters.choir == choir, name).on_hover_text(tip).clicked() {
+                actions.push(Action::SetChoir { choir });
+            }
+        }
+    });
+    for (name, rows) in GROUPS {
+        heading(ui, name);
+        for (parameter, name, tip) in *rows {
+            knob(ui, instrument, *parameter, name, tip, actions);
+        }
+    }
+    heading(ui, "On the beat");
+    for (switch, name, tip) in SWITCHES {
+        let mut on = parameters.is_on(*switch);
+        if ui.checkbox(&mut on, *name).on_hover_text(*tip).changed() {
+            actions.push(Action::Switch { switch: *switch, on });
+        }
+    }
+}
+
+type Row = (Parameter, &'static str, &'static str);
+
+const GROUPS: &[(&str, &[Row])] = &[
+    (
+        "Movement",
+        &[
+            (Parameter::Gain, "Gain", "How strongly everything moves; 1 is calibrated to the shape"),
+            (Parameter::Limit, "Limit", "The share of the shape's size that no part is to exceed"),
+            (Parameter::Detail, "Fine detail", "Gain of everything finer than the last harmonic"),
+            (Parameter::NormalBlending, "Normal blending", "0 is exact light, 1 the paper's softer look"),
+        ],
+    ),
+    (
+        "Sound",
+        &[
+            (Parameter::Decay, "Decay", "How long a sound lingers in the shape"),
+            (Parameter::SideGain, "Side gain", "How much the difference of left and right counts"),
+            (Parameter::Bands, "Bands", "Number of sound bands"),
+        ],
+    ),
+    (
+        "Stage",
+        &[
+            (Parameter::TransitionBeats, "Transition", "Beats that a change on stage takes"),
+            (Parameter::BeatsPerStep, "Step", "Beats between two favourites"),
+            (Parameter::TurnRad, "Turn", "How far the beat turns the shape"),
+            (Parameter::LightSwingRad, "Light swing", "How far the beat moves the lights"),
+            (Parameter::LightPulse, "Light pulse", "How much brighter the beat is"),
+        ],
+    ),
+];
+
+const SWITCHES: &[(Switch, &str, &str)] = &[
+    (Switch::BeatTurns, "Turn the shape", "The beat turns the shape"),
+    (Switch::BeatLights, "Move the lights", "The beat moves the lights"),
+    (Switch::BeatSteps, "Next favourite", "The beat steps through the favourites on stage"),
+    (Switch::LogBands, "Bands by pitch", "Equal steps of pitch rather than of frequency"),
+    (Switch::FlipSides, "Exchange sides", "Left and right are exchanged"),
+    (Switch::FlashLimit, "Limit flashes", "At most three flashes a second, for people with photosensitive epilepsy"),
+];
+
+fn heading(ui: &mut Ui, name: &str) {
+    ui.add_space(theme::GAP);
+    ui.label(RichText::new(name).strong());
+}
+
+fn knob(ui: &mut Ui, instrument: &Instrument, parameter: Parameter, name: &str, tip: &str, actions: &mut Vec<Action>) {
+    let mut value = instrument.parameters().get(parameter);
+    let (low, high) = parameter.range();
+    ui.label(RichText::new(name).small().color(theme::palette(ui).weak)).on_hover_text(tip);
+    let whole = matches!(parameter, Parameter::Bands | Parameter::BeatsPerStep);
+    let mut slider = Slider::new(&mut value, low..=high).fixed_decimals(if whole { 0 } else { 2 });
+    slider = slider.logarithmic(high / low.max(1e-3) > 500.0);
+    if ui.add(slider).on_hover_text(tip).changed() {
+        actions.push(Action::Set { parameter, value });
+    }
+}
