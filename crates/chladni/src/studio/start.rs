@@ -48,10 +48,12 @@ impl Studio {
 fn room_card(ui: &mut egui::Ui, mark: Icon, name: &str, invitation: &str) -> bool {
     let palette = theme::palette(ui);
     let (rect, response) = ui.allocate_exact_size(egui::vec2(300.0, 150.0), egui::Sense::click());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Open {name}")));
     let line = if response.hovered() { palette.accent } else { palette.line };
     ui.painter().rect(rect, 10.0, palette.card, egui::Stroke::new(1.0, line), egui::StrokeKind::Inside);
-    let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(rect.shrink(18.0)));
+    let mut inside = ui.new_child(
+        egui::UiBuilder::new().max_rect(rect.shrink(18.0)).layout(egui::Layout::top_down(egui::Align::LEFT)),
+    );
     inside.label(egui::RichText::new(icon::text(mark)).size(34.0).color(palette.accent));
     inside.label(egui::RichText::new(name).text_style(egui::TextStyle::Heading).strong());
     inside

@@ -9,7 +9,7 @@ pub const GAP: f32 = 8.0;
 /// Gap between groups of controls.
 pub const GAP_LARGE: f32 = 16.0;
 /// Width of a panel of controls.
-pub const PANEL_WIDTH: f32 = 292.0;
+pub const PANEL_WIDTH: f32 = 308.0;
 
 /// The colours that egui has no name for.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +87,7 @@ pub fn install(ctx: &egui::Context) {
         spacing.item_spacing = Vec2::new(GAP, 6.0);
         spacing.button_padding = Vec2::new(9.0, 5.0);
         spacing.interact_size = Vec2::new(32.0, 26.0);
-        spacing.slider_width = 150.0;
+        spacing.slider_width = 122.0;
         spacing.slider_rail_height = 4.0;
         spacing.window_margin = Margin::same(14);
         spacing.menu_margin = Margin::same(6);

@@ -5,14 +5,12 @@ use std::sync::Arc;
 use chladni_caricature::ShapeSource;
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_music::{
-    Action, Dancer, Ensemble, FlashLimiter, GalleryShape, Instrument, Moment, Parameter, Session, Switch, Symmetry,
-    react,
+    Action, Dancer, Ensemble, FlashLimiter, GalleryShape, Instrument, Moment, Parameter, Session, Switch,
+    Symmetry, react,
 };
 use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
 use chladni_task::Task;
-use chladni_view::{
-    Background, Camera, Cell, Figure, ItemBuffers, Lights, Material, Rect, Topology, layout,
-};
+use chladni_view::{Background, Camera, Cell, Figure, ItemBuffers, Lights, Material, Rect, Topology, layout};
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
@@ -25,7 +23,7 @@ use crate::studio::viewport::{self, Viewport};
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
 /// How much of its cell the shape at rest fills: dancing takes room.
-const FILL: f32 = 0.66;
+const FILL: f32 = 0.56;
 
 /// What loading brings back.
 pub struct Ready {
@@ -141,12 +139,18 @@ impl Concert {
     }
 
     /// Hears, deforms and draws one frame, and handles clicks on the items.
-    pub fn show(&mut self, ui: &mut Ui, shared: &Shared<'_>, listening: &mut Listening) -> Result<(), String> {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        shared: &Shared<'_>,
+        listening: &mut Listening,
+    ) -> Result<(), String> {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         let (status, beat, bands) = listening.hear(self.instrument.parameters())?;
         self.moment = Moment { at_secs: status.position_secs, at_beat: beat.count };
-        let items = self.ensemble.play(&self.instrument, &bands, beat.count).map_err(|error| error.to_string())?;
+        let items =
+            self.ensemble.play(&self.instrument, &bands, beat.count).map_err(|error| error.to_string())?;
         let count = items.len();
         // Full blending is the paper's: the mean of the exact and the rest normal.
         let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
@@ -158,7 +162,9 @@ impl Concert {
         }
         for item in 0..count {
             let (positions, normals) = (self.synthesizer.positions(item), self.synthesizer.normals(item));
-            self.buffers.write(self.viewport.gpu(), item, positions, normals).map_err(|error| error.to_string())?;
+            self.buffers
+                .write(self.viewport.gpu(), item, positions, normals)
+                .map_err(|error| error.to_string())?;
         }
         viewport::navigate(ui, &response, &mut self.camera);
         self.viewport.invalidate();

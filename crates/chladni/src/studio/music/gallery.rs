@@ -94,7 +94,8 @@ fn curves(ui: &Ui, cell: Rect, mapping: &Mapping) {
     let width = (cell.width() * 0.34).min(120.0);
     let height = (cell.height() * 0.13).min(30.0);
     let palette = theme::palette(ui);
-    let left = Rect::from_min_size(pos2(cell.left() + 9.0, cell.bottom() - height - 8.0), egui::vec2(width, height));
+    let left =
+        Rect::from_min_size(pos2(cell.left() + 9.0, cell.bottom() - height - 8.0), egui::vec2(width, height));
     let right = left.translate(egui::vec2(cell.width() - width - 18.0, 0.0));
     line(ui, left, &mapping.transfer, 0.0, 1.0, Color32::from_rgb(120, 190, 220));
     let peak = mapping.amplification.iter().fold(0.0_f32, |peak, a| peak.max(a.abs())).max(1e-6);

@@ -11,7 +11,11 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, actions: &mut Vec<Action>) {
     heading(ui, "Form");
     ui.horizontal(|ui| {
         for (form, name, tip) in [
-            (Form::Filter, "Filter", "The paper's: the shape's own harmonics grow and shrink; a symmetric shape stays so"),
+            (
+                Form::Filter,
+                "Filter",
+                "The paper's: the shape's own harmonics grow and shrink; a symmetric shape stays so",
+            ),
             (Form::Modal, "Modal", "Along the normals, as a sounding plate: left and right move apart"),
             (Form::HalfMask, "Halves", "The left channel moves the left half, the right one the right"),
         ] {
@@ -83,7 +87,11 @@ const SWITCHES: &[(Switch, &str, &str)] = &[
     (Switch::BeatSteps, "Next favourite", "The beat steps through the favourites on stage"),
     (Switch::LogBands, "Bands by pitch", "Equal steps of pitch rather than of frequency"),
     (Switch::FlipSides, "Exchange sides", "Left and right are exchanged"),
-    (Switch::FlashLimit, "Limit flashes", "At most three flashes a second, for people with photosensitive epilepsy"),
+    (
+        Switch::FlashLimit,
+        "Limit flashes",
+        "At most three flashes a second, for people with photosensitive epilepsy",
+    ),
 ];
 
 fn heading(ui: &mut Ui, name: &str) {
@@ -91,7 +99,14 @@ fn heading(ui: &mut Ui, name: &str) {
     ui.label(RichText::new(name).strong());
 }
 
-fn knob(ui: &mut Ui, instrument: &Instrument, parameter: Parameter, name: &str, tip: &str, actions: &mut Vec<Action>) {
+fn knob(
+    ui: &mut Ui,
+    instrument: &Instrument,
+    parameter: Parameter,
+    name: &str,
+    tip: &str,
+    actions: &mut Vec<Action>,
+) {
     let mut value = instrument.parameters().get(parameter);
     let (low, high) = parameter.range();
     ui.label(RichText::new(name).small().color(theme::palette(ui).weak)).on_hover_text(tip);

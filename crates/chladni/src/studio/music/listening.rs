@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use chladni_music::{Bands, Beat, Parameter, Parameters, Switch};
 use chladni_sound::{
-    BeatFollower, BeatMoment, FrontEnd, Player, PlayerSettings, PlayerState, PlayerStatus, Spectrum, SpectrumAnalyser,
-    SpectrumSettings, WavSample, sample_tune, write_wav,
+    BeatFollower, BeatMoment, FrontEnd, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus,
+    Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune, write_wav,
 };
 
 /// A step of the song longer than this is a seek: the beat tracker starts afresh.
@@ -35,7 +35,8 @@ impl Listening {
         write_wav(&tune, &sample_tune(), WavSample::Int16).map_err(|error| error.to_string())?;
         let player = Player::start(PlayerSettings::default()).map_err(|error| error.to_string())?;
         let rate_hz = 44_100;
-        let analyser = SpectrumAnalyser::new(SpectrumSettings::new(rate_hz)).map_err(|error| error.to_string())?;
+        let analyser =
+            SpectrumAnalyser::new(SpectrumSettings::new(rate_hz)).map_err(|error| error.to_string())?;
         let follower = BeatFollower::new(rate_hz).map_err(|error| error.to_string())?;
         let mut listening = Self {
             player,
@@ -64,7 +65,9 @@ impl Listening {
     /// The song that is heard, by its file name.
     pub fn song_name(&self) -> String {
         let path = self.songs.get(self.player.status().song);
-        path.map_or_else(String::new, |path| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()))
+        path.map_or_else(String::new, |path| {
+            path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+        })
     }
 
     /// The player.
@@ -74,7 +77,11 @@ impl Listening {
 
     /// Plays or pauses.
     pub fn toggle(&self) {
-        if self.player.status().state == PlayerState::Playing { self.player.pause() } else { self.player.play() }
+        if self.player.status().state == PlayerState::Playing {
+            self.player.pause()
+        } else {
+            self.player.play()
+        }
     }
 
     /// A beat by hand.
@@ -99,7 +106,12 @@ impl Listening {
 
     /// What the player has to say.
     pub fn messages(&mut self) -> Vec<String> {
-        self.player.events().map(|event| event.to_string()).collect()
+        let tell = |event| match event {
+            PlayerEvent::SongFailed { reason, .. } => Some(reason),
+            PlayerEvent::DeviceLost(why) => Some(format!("No sound: {why}. The song goes on in silence.")),
+            PlayerEvent::SongStarted(_) | PlayerEvent::Finished | PlayerEvent::DeviceOpened(_) => None,
+        };
+        self.player.events().filter_map(tell).collect()
     }
 
     /// Listens to what is heard at this moment: the player's status, the beat, and the bands.

@@ -119,7 +119,8 @@ impl MusicRoom {
     fn load(&mut self, source: ShapeSource, shared: &Shared<'_>) {
         let harmonics = shared.settings.harmonics.min(512);
         let label = format!("Opening {source}");
-        self.loading = Some(Job::start(label, &shared.ctx, move |task| concert::load(&source, harmonics, task)));
+        self.loading =
+            Some(Job::start(label, &shared.ctx, move |task| concert::load(&source, harmonics, task)));
     }
 
     /// A preset goes into the gallery, a session replaces it.
@@ -211,6 +212,7 @@ impl MusicRoom {
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
         let mut actions = Vec::new();
         let mut wish = None;
+        let mut shape = None;
         egui::Panel::top("transport").exact_size(40.0).show(ui, |ui| {
             wish = transport::show(ui, listening, concert, &mut actions);
         });
@@ -231,9 +233,7 @@ impl MusicRoom {
             }
             Some(transport::Wish::OpenShape) => {
                 let meshes = super::caricature::MESHES;
-                if let Some(path) = rfd::FileDialog::new().add_filter("Meshes", &meshes).pick_file() {
-                    self.load(ShapeSource::File(path), shared);
-                }
+                shape = rfd::FileDialog::new().add_filter("Meshes", &meshes).pick_file();
             }
             Some(transport::Wish::SaveSession) => {
                 let session = Session::of(concert.instrument(), &listening.song_name());
@@ -247,11 +247,15 @@ impl MusicRoom {
             let preset = Preset::of(concert.instrument(), &chosen, Vec::new());
             save_as("dance.toml", shared, |path| preset.save(path).map_err(|error| error.to_string()));
         }
+        if let Some(path) = shape {
+            self.load(ShapeSource::File(path), shared);
+        }
     }
 }
 
 fn save_as(name: &str, shared: &mut Shared<'_>, save: impl FnOnce(&Path) -> Result<(), String>) {
-    let Some(path) = rfd::FileDialog::new().add_filter("Text", &["toml"]).set_file_name(name).save_file() else {
+    let Some(path) = rfd::FileDialog::new().add_filter("Text", &["toml"]).set_file_name(name).save_file()
+    else {
         return;
     };
     match save(&path) {

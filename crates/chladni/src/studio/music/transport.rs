@@ -22,7 +22,12 @@ pub enum Wish {
 }
 
 /// Draws the bar above the gallery.
-pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, actions: &mut Vec<Action>) -> Option<Wish> {
+pub fn show(
+    ui: &mut Ui,
+    listening: &mut Listening,
+    concert: &Concert,
+    actions: &mut Vec<Action>,
+) -> Option<Wish> {
     let mut wish = None;
     ui.horizontal_centered(|ui| {
         if ui.button(icon::text(Icon::Music)).on_hover_text("Choose songs").clicked() {
@@ -88,14 +93,22 @@ fn breeding(ui: &mut Ui, concert: &Concert, actions: &mut Vec<Action>) {
             }
         }
         if ui.button(icon::label(Icon::Dices, "Another seed")).clicked() {
-            actions.push(Action::NewGallery { seed: gallery.seed().wrapping_add(1), size: gallery.items().len() });
+            actions.push(Action::NewGallery {
+                seed: gallery.seed().wrapping_add(1),
+                size: gallery.items().len(),
+            });
             ui.close();
         }
     });
     let favourites = concert.instrument().favourites().len();
     let button = egui::Button::new(icon::label(Icon::Presentation, "Stage"));
     let tip = "Put the favourites on stage; Escape comes back";
-    if ui.add_enabled(favourites > 0, button).on_hover_text(tip).on_disabled_hover_text("Favourite a dance first (F)").clicked() {
+    if ui
+        .add_enabled(favourites > 0, button)
+        .on_hover_text(tip)
+        .on_disabled_hover_text("Favourite a dance first (F)")
+        .clicked()
+    {
         actions.push(Action::PerformFavourites { first: 0 });
     }
 }
@@ -103,8 +116,9 @@ fn breeding(ui: &mut Ui, concert: &Concert, actions: &mut Vec<Action>) {
 /// Draws spectrum and beat below the gallery.
 pub fn meters(ui: &mut Ui, listening: &mut Listening) {
     let palette = theme::palette(ui);
+    ui.add_space(theme::GAP_SMALL);
+    let height = ui.available_height() - theme::GAP_SMALL;
     ui.horizontal(|ui| {
-        let height = ui.available_height();
         let width = (ui.available_width() - 190.0).max(120.0);
         let (rect, _) = ui.allocate_exact_size(egui::vec2(width, height), egui::Sense::hover());
         ui.painter().rect_filled(rect, 6.0, ui.visuals().extreme_bg_color);
@@ -112,7 +126,13 @@ pub fn meters(ui: &mut Ui, listening: &mut Listening) {
         bars(ui, rect, &spectrum.mid, palette.accent.gamma_multiply(0.8));
         bars(ui, rect, &spectrum.side, Color32::from_rgb(120, 190, 220).gamma_multiply(0.6));
         let font = egui::TextStyle::Small.resolve(ui.style());
-        ui.painter().text(rect.left_top() + egui::vec2(6.0, 4.0), egui::Align2::LEFT_TOP, "mid · side", font, palette.weak);
+        ui.painter().text(
+            rect.left_top() + egui::vec2(6.0, 4.0),
+            egui::Align2::LEFT_TOP,
+            "mid · side",
+            font,
+            palette.weak,
+        );
         ui.vertical(|ui| {
             let moment = listening.beat_moment();
             ui.horizontal(|ui| {
@@ -121,7 +141,11 @@ pub fn meters(ui: &mut Ui, listening: &mut Listening) {
                 ui.painter().circle_filled(dot.center(), size, palette.accent);
                 ui.label(format!("{:.0} BPM", moment.tempo_bpm));
             });
-            ui.label(RichText::new(format!("confidence {:.0} %", moment.confidence * 100.0)).small().color(palette.weak));
+            ui.label(
+                RichText::new(format!("confidence {:.0} %", moment.confidence * 100.0))
+                    .small()
+                    .color(palette.weak),
+            );
             ui.horizontal(|ui| {
                 if ui.small_button("½").on_hover_text("Half as fast").clicked() {
                     listening.follower().halve();
