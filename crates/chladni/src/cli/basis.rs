@@ -4,7 +4,6 @@ use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError, Operator};
-use chladni_mesh::load_mesh;
 use chladni_task::write_atomic_with;
 use npyz::WriterBuilder;
 use npyz::npz::NpzWriter;
@@ -12,6 +11,7 @@ use serde::Serialize;
 
 use super::cache::basis_cache;
 use super::{Failure, Terminal};
+use crate::source;
 
 /// Solve for the harmonics of a mesh and write them for NumPy.
 #[derive(clap::Args)]
@@ -59,7 +59,7 @@ struct Summary {
 impl Args {
     /// Solves, writes what was asked for, and reports.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = load_mesh(&self.mesh).map_err(Failure::input)?;
+        let loaded = source::named(&self.mesh).map_err(Failure::BadInput)?;
         let named = |error: HarmonicsError| match error {
             HarmonicsError::Cancelled(cancelled) => Failure::from(cancelled),
             HarmonicsError::NotCertified { .. } | HarmonicsError::Threads(_) => {

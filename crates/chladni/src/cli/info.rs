@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use chladni_mesh::{HealthReport, Topology, load_mesh};
+use chladni_mesh::{HealthReport, Topology};
 use serde::Serialize;
 
 use super::{Failure, Terminal};
+use crate::source;
 
 /// Report what a mesh file holds and how sound it is.
 #[derive(clap::Args)]
@@ -29,7 +30,7 @@ impl Info {
     /// Prints the report.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         let (report, mended) = terminal.watch("reading the mesh", |_| {
-            let loaded = load_mesh(&self.mesh).map_err(Failure::input)?;
+            let loaded = source::named(&self.mesh).map_err(Failure::BadInput)?;
             let mended: Vec<String> = loaded.mended.iter().map(ToString::to_string).collect();
             Ok::<_, Failure>((loaded.health(), mended))
         })?;

@@ -1,21 +1,16 @@
 //! Meshes and songs that commands take: files, or samples by name.
 
 use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError};
-use chladni_mesh::{TriMesh, load_mesh, samples};
+use chladni_mesh::TriMesh;
 use chladni_sound::{Song, SongOptions, SongReader, sample_tune};
 
 use super::{Failure, Terminal, basis_cache};
+use crate::source;
 
 /// Reads a mesh file, or makes `sample:NAME`; tells what had to be mended.
 pub fn open_mesh(name: &str, terminal: &Terminal) -> Result<TriMesh, Failure> {
-    if let Some(sample) = name.strip_prefix("sample:") {
-        return samples::sample(sample).ok_or_else(|| {
-            let known = samples::SAMPLES.join(", ");
-            Failure::BadInput(format!("there is no sample shape {sample}; there are {known}"))
-        });
-    }
     let path = std::path::Path::new(name);
-    let loaded = terminal.watch("reading the mesh", |_| load_mesh(path)).map_err(Failure::input)?;
+    let loaded = terminal.watch("reading the mesh", |_| source::named(path)).map_err(Failure::BadInput)?;
     for line in &loaded.mended {
         terminal.warn(format_args!("{name}: {line}"));
     }
@@ -23,8 +18,15 @@ pub fn open_mesh(name: &str, terminal: &Terminal) -> Result<TriMesh, Failure> {
 }
 
 /// Reads a stretch of a song, or of `sample:tune`.
-pub fn open_song(name: &str, start_secs: f64, duration_secs: Option<f64>, terminal: &Terminal) -> Result<Song, Failure> {
-    if !(start_secs.is_finite() && start_secs >= 0.0) || duration_secs.is_some_and(|d| !(d.is_finite() && d > 0.0)) {
+pub fn open_song(
+    name: &str,
+    start_secs: f64,
+    duration_secs: Option<f64>,
+    terminal: &Terminal,
+) -> Result<Song, Failure> {
+    if !(start_secs.is_finite() && start_secs >= 0.0)
+        || duration_secs.is_some_and(|d| !(d.is_finite() && d > 0.0))
+    {
         return Err(Failure::BadInput("start must not be negative and the duration must be positive".into()));
     }
     if let Some(sample) = name.strip_prefix("sample:") {

@@ -9,13 +9,14 @@ use chladni_match::{
     Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, match_shapes, onto_ellipsoid,
     read_landmarks, self_low_passed, self_scaled,
 };
-use chladni_mesh::{TriMesh, load_mesh};
+use chladni_mesh::TriMesh;
 use chladni_task::Task;
 use chladni_view::{ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, render_picture};
 use serde::Serialize;
 
 use super::npz::write_npz;
 use super::{Failure, Terminal};
+use crate::source;
 
 /// Find the point of a template that belongs to each vertex of a shape, and say how good it is.
 #[derive(clap::Args)]
@@ -112,7 +113,7 @@ impl MatchShapes {
     }
 
     fn load(&self, path: &Path, terminal: &Terminal) -> Result<TriMesh, Failure> {
-        let loaded = load_mesh(path).map_err(Failure::input)?;
+        let loaded = source::named(path).map_err(Failure::BadInput)?;
         for mended in &loaded.mended {
             terminal.warn(format_args!("{}: {mended}", path.display()));
         }

@@ -52,9 +52,11 @@ impl SymmetryCommand {
         let mesh = open_mesh(&self.mesh, terminal)?;
         let (body, _) = build_body(&self.mesh, &mesh, self.harmonics, terminal)?;
         let symmetry =
-            terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(|error| match error {
-                chladni_music::Error::Cancelled(_) => Failure::Cancelled,
-                error => Failure::BadInput(format!("{}: {error}", self.mesh)),
+            terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(|error| {
+                match error {
+                    chladni_music::Error::Cancelled(_) => Failure::Cancelled,
+                    error => Failure::BadInput(format!("{}: {error}", self.mesh)),
+                }
             })?;
         if let Some(path) = &self.render {
             draw(path, &body, &symmetry)?;
@@ -135,10 +137,18 @@ fn draw(path: &Path, body: &Body, symmetry: &Symmetry) -> Result<(), Failure> {
         .extrema
         .iter()
         .map(|&v| marker(v, [20, 20, 20], 3.0))
-        .chain(symmetry.pairs.iter().zip(PAIR_COLORS.iter().cycle()).flat_map(|(p, &color)| p.map(|v| marker(v, color, 6.0))))
+        .chain(
+            symmetry
+                .pairs
+                .iter()
+                .zip(PAIR_COLORS.iter().cycle())
+                .flat_map(|(p, &color)| p.map(|v| marker(v, color, 6.0))),
+        )
         .collect();
-    let top = positions.iter().copied().fold([0.0f32, f32::MIN, 0.0], |top, p| if p[1] > top[1] { p } else { top });
-    let first = basis.eigenvalues.partition_point(|&l| l <= 1e-9 * basis.eigenvalues.last().copied().unwrap_or(0.0));
+    let top =
+        positions.iter().copied().fold([0.0f32, f32::MIN, 0.0], |top, p| if p[1] > top[1] { p } else { top });
+    let first =
+        basis.eigenvalues.partition_point(|&l| l <= 1e-9 * basis.eigenvalues.last().copied().unwrap_or(0.0));
     let harmonics: Vec<(Vec<f32>, Scale, [Marker; 1])> = (first..basis.harmonics().min(first + SHOWN))
         .map(|k| {
             let values: Vec<f32> = basis.harmonic(k).iter().map(|h| *h as f32).collect();
@@ -157,9 +167,14 @@ fn draw(path: &Path, body: &Body, symmetry: &Symmetry) -> Result<(), Failure> {
     let shape = PictureShape { positions: &positions, triangles: &body.triangles, ..PictureShape::default() };
     let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: most };
     let mut shapes = vec![PictureShape { values: Some((&counts, scale)), markers: &dots, ..shape }];
-    shapes.extend(harmonics.iter().map(|(v, scale, flag)| PictureShape { values: Some((v, *scale)), markers: flag, ..shape }));
+    shapes.extend(harmonics.iter().map(|(v, scale, flag)| PictureShape {
+        values: Some((v, *scale)),
+        markers: flag,
+        ..shape
+    }));
     let gpu = Gpu::headless().map_err(Failure::other)?;
-    let request = PictureRequest { shapes: &shapes, width: 1280, height: 960, camera: None, style: Style::default() };
+    let request =
+        PictureRequest { shapes: &shapes, width: 1280, height: 960, camera: None, style: Style::default() };
     let picture = render_picture(&gpu, &request).map_err(Failure::other)?;
     let png = picture.to_png().map_err(Failure::other)?;
     chladni_task::write_atomic(path, &png).map_err(|error| Failure::writing(path, error))

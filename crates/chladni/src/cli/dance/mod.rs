@@ -11,11 +11,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_music::{
-    Action, Dancer, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter, Preset, Session,
-    Symmetry,
+    Action, Dancer, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter, Preset,
+    Session, Symmetry,
 };
 use chladni_sound::{Song, WavSample, track_beats, write_wav};
-use chladni_view::{Background, Film, FilmFormat, FilmSettings, FrameRate, Lights, Material, ffmpeg_is_there};
+use chladni_view::{
+    Background, Film, FilmFormat, FilmSettings, FrameRate, Lights, Material, ffmpeg_is_there,
+};
 use serde::Serialize;
 
 use super::inputs::{build_body, open_mesh, open_song};
@@ -148,14 +150,14 @@ impl Dance {
         let mut seconds = Seconds { reading: begin.elapsed().as_secs_f64(), ..Seconds::default() };
         let preparing = Instant::now();
         let (body, _) = build_body(&self.mesh, &mesh, self.harmonics, terminal)?;
-        let symmetry = terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(failure)?;
+        let symmetry =
+            terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(failure)?;
         let body = symmetry.rotated(&body);
         let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).map_err(failure)?);
         seconds.preparing = preparing.elapsed().as_secs_f64();
         let listening = Instant::now();
-        let beats = terminal
-            .watch("tracking the beat", |task| track_beats(&song, task))
-            .map_err(Failure::input)?;
+        let beats =
+            terminal.watch("tracking the beat", |task| track_beats(&song, task)).map_err(Failure::input)?;
         seconds.beats = listening.elapsed().as_secs_f64();
 
         let (instrument, script) = self.instrument(&dancer)?;
@@ -163,7 +165,12 @@ impl Dance {
         let film_secs = self.fps.0.start_secs(frames);
         let (tempo_bpm, beat_confidence) = (beats.tempo_bpm, beats.confidence);
         let hearing = Hearing::new(song, beats, instrument.parameters())?;
-        let look = Look { lights: self.lights, material: self.material, background: self.background, yaw_rad: self.yaw.to_radians() };
+        let look = Look {
+            lights: self.lights,
+            material: self.material,
+            background: self.background,
+            yaw_rad: self.yaw.to_radians(),
+        };
         let mut show = Show::new(&body, dancer, hearing, instrument, script, self.start, self.fps.0)?;
         if self.allow_flashes {
             show.allow_flashes();
@@ -187,7 +194,8 @@ impl Dance {
         };
         if let Some(folder) = &self.frames {
             let path = folder.join("sound.wav");
-            write_wav(&path, show.song(), WavSample::Int16).map_err(|error| Failure::writing(&path, error))?;
+            write_wav(&path, show.song(), WavSample::Int16)
+                .map_err(|error| Failure::writing(&path, error))?;
         }
         if let Some(path) = &self.coefficients {
             done.recording.write(path).map_err(|error| Failure::writing(path, error))?;
@@ -236,7 +244,9 @@ impl Dance {
             let format = FilmFormat::of(path).map_err(Failure::input)?;
             if format == FilmFormat::Frames {
                 let path = path.display();
-                return Err(Failure::BadInput(format!("{path}: a film ends in .mp4, .gif or .png; for a folder use --frames")));
+                return Err(Failure::BadInput(format!(
+                    "{path}: a film ends in .mp4, .gif or .png; for a folder use --frames"
+                )));
             }
             if format == FilmFormat::Mp4 && !ffmpeg_is_there() {
                 return Err(Failure::BadInput(
@@ -297,12 +307,19 @@ impl Dance {
 }
 
 /// The sound that an MP4 is given, as a temporary file.
-fn sound_for(film: &Path, song: &Song, terminal: &Terminal) -> Result<Option<tempfile::NamedTempFile>, Failure> {
+fn sound_for(
+    film: &Path,
+    song: &Song,
+    terminal: &Terminal,
+) -> Result<Option<tempfile::NamedTempFile>, Failure> {
     if FilmFormat::of(film).map_err(Failure::input)? != FilmFormat::Mp4 {
         return Ok(None);
     }
-    let file = tempfile::Builder::new().prefix("chladni-").suffix(".wav").tempfile().map_err(Failure::other)?;
-    terminal.watch("writing the sound", |_| write_wav(file.path(), song, WavSample::Int16)).map_err(Failure::other)?;
+    let file =
+        tempfile::Builder::new().prefix("chladni-").suffix(".wav").tempfile().map_err(Failure::other)?;
+    terminal
+        .watch("writing the sound", |_| write_wav(file.path(), song, WavSample::Int16))
+        .map_err(Failure::other)?;
     Ok(Some(file))
 }
 
@@ -342,7 +359,11 @@ impl FromStr for Fps {
         } else {
             let fps: f64 = text.parse().map_err(|_| wrong())?;
             let ntsc = (fps.ceil() - fps / 0.999_000_999).abs() < 0.01;
-            if ntsc { rate(1000 * fps.ceil() as u32, 1001) } else { rate((fps * 1000.0).round() as u32, 1000) }
+            if ntsc {
+                rate(1000 * fps.ceil() as u32, 1001)
+            } else {
+                rate((fps * 1000.0).round() as u32, 1000)
+            }
         };
         let fps = f64::from(rate.numerator) / f64::from(rate.denominator.max(1));
         if rate.denominator > 0 && (1.0..=240.0).contains(&fps) { Ok(Self(rate)) } else { Err(wrong()) }
@@ -358,7 +379,9 @@ fn parse_form(text: &str) -> Result<Form, String> {
     }
 }
 
-fn named<T: Send + Sync + Clone + 'static>(find: fn(&str) -> Option<T>) -> impl Fn(&str) -> Result<T, String> + Clone {
+fn named<T: Send + Sync + Clone + 'static>(
+    find: fn(&str) -> Option<T>,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |name| find(name).ok_or_else(|| format!("there is no {name}"))
 }
 

@@ -43,7 +43,9 @@ impl Recording {
         let per_frame = |values: &[f32]| values.len() as u64 / frames.max(1);
         let uneven = self.terms.iter().any(|v| v.len() as u64 % (frames.max(1) * self.channels.max(1)) != 0);
         if uneven || self.terms.windows(2).any(|pair| pair[0].len() != pair[1].len()) {
-            return Err(std::io::Error::other("the form changed within the film, so that frames have no common shape"));
+            return Err(std::io::Error::other(
+                "the form changed within the film, so that frames have no common shape",
+            ));
         }
         write_npz(path, |npz| {
             npz.array("times_secs", &[frames], self.times_secs.iter().copied())?;

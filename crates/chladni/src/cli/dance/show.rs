@@ -4,15 +4,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_harmonics::Body;
-use chladni_music::{
-    Beat, Dancer, Ensemble, Instrument, LoggedAction, Moment, Parameter, Switch, react,
-};
+use chladni_music::{Beat, Dancer, Ensemble, Instrument, LoggedAction, Moment, Parameter, Switch, react};
 use chladni_sound::Song;
 use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
 use chladni_task::Task;
 use chladni_view::{
-    Background, Camera, Canvas, Cell, Figure, Film, FrameRate, Gpu, ItemBuffers, Lights, Material, Rect, Renderer,
-    Topology, ViewError, layout,
+    Background, Camera, Canvas, Cell, Figure, Film, FrameRate, Gpu, ItemBuffers, Lights, Material, Rect,
+    Renderer, Topology, ViewError, layout,
 };
 
 use super::guard::FlashGuard;
@@ -86,7 +84,8 @@ impl Show {
     /// beat, and the items to draw.
     fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(f64, Beat, &[Item]), Failure> {
         let time_secs = self.rate.start_secs(frame);
-        while let Some(line) = self.script.next_if(|line| line.moment.at_secs <= self.start_secs + time_secs) {
+        while let Some(line) = self.script.next_if(|line| line.moment.at_secs <= self.start_secs + time_secs)
+        {
             // Beats are those of this film, which may begin elsewhere than the session did.
             let at_secs = line.moment.at_secs;
             let at_beat = self.hearing.beat(at_secs - self.start_secs).count;
@@ -127,7 +126,8 @@ impl Show {
     ) -> Result<Done, Failure> {
         let (width, height, frames) = (film.settings().width, film.settings().height, film.settings().frames);
         let mut theatre = Theatre::new(self.synthesizer.model(), &self.triangles, width, height)?;
-        let mut guard = FlashGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
+        let mut guard =
+            FlashGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
         let stage = task.stage("filming", frames);
         let mut done = Done::default();
         for frame in 0..frames {
@@ -216,7 +216,12 @@ impl Theatre {
             self.buffers = ItemBuffers::new(&self.gpu, self.rest.len(), items);
         }
         for item in 0..items {
-            self.buffers.write(&self.gpu, item, show.synthesizer.positions(item), show.synthesizer.normals(item))?;
+            self.buffers.write(
+                &self.gpu,
+                item,
+                show.synthesizer.positions(item),
+                show.synthesizer.normals(item),
+            )?;
         }
         let area = Rect::of_size(self.canvas.width(), self.canvas.height());
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, items, 1.0);
@@ -228,9 +233,19 @@ impl Theatre {
         let mut lights = look.lights.turned(reaction.light_turn_rad);
         lights.exposure *= reaction.light_gain;
         let figures: Vec<Figure<'_>> = (0..items)
-            .map(|item| Figure { material: look.material, ..Figure::new(&self.topology, &self.buffers, item) })
+            .map(|item| Figure {
+                material: look.material,
+                ..Figure::new(&self.topology, &self.buffers, item)
+            })
             .collect();
-        let cell = |viewport, background, figures| Cell { viewport, camera, lights, background, figures, markers: &[] };
+        let cell = |viewport, background, figures| Cell {
+            viewport,
+            camera,
+            lights,
+            background,
+            figures,
+            markers: &[],
+        };
         let mut cells = vec![cell(area, look.background, &[])];
         for (viewport, figure) in viewports.into_iter().zip(&figures) {
             cells.push(cell(viewport, Background::TRANSPARENT, std::slice::from_ref(figure)));
