@@ -31,7 +31,7 @@ lines = [
     "## Synthesis and drawing",
     "",
     f"{processor()}, {threads} threads; devices: {', '.join(sorted({r['device'] for r in rows}))}. "
-    f"Load average at the end of the run: {load} (above {threads}, others were using the machine too). "
+    f"Load average at the end of the run: {load} (above {threads}, others were using the machine too: times are upper bounds, and OpenBLAS, whose threads spin, suffers most). "
     "Made by `bench/synth/run`.",
     "",
     "Shapes are generated: a bumpy sphere of exactly n vertices with K smooth functions on it, which are not its "
