@@ -4,9 +4,10 @@ use chladni_task::Task;
 use rayon::prelude::*;
 
 use super::join::{Join, Known};
-use super::lanczos::{self, Pairs, Reach, Stopped, Window, factor_near};
+use super::lanczos::{self, BLOCK, Pairs, Reach, Stopped, W, Window, factor_near};
 use super::plan::{Slice, inertia, plan};
 use super::problem::{Problem, Profile};
+use super::tall::residuals;
 use super::{Solved, assemble};
 use crate::ldlt::{Factor, Workspace};
 use crate::{HarmonicsError, Operator};
@@ -15,6 +16,11 @@ use crate::{HarmonicsError, Operator};
 pub(super) const CLUSTER: f64 = 1e-7;
 /// Runs beyond the first that a slice gets before the solve is given up.
 const REPAIRS: usize = 100;
+
+/// Shifts that are tried for one slice.
+const ATTEMPTS: u32 = 4;
+/// ‖A x − λ x‖ / λ that a run must reach, or its shift is moved.
+const GOOD_RESIDUAL: f64 = 5e-10;
 
 /// One slice's shift, its count, and the pairs found so far (one entry per run).
 pub(super) struct Found {
@@ -104,7 +110,7 @@ impl Found {
     ) -> Result<(), Stopped> {
         let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
         let width = self.slice.high - self.slice.low;
-        for attempt in 1..=4 {
+        for attempt in 1..=ATTEMPTS {
             let mut shift = self.slice.shift;
             if !factor_near(problem, &mut shift, width * 1e-5, &mut factor, &mut workspace, profile) {
                 return Err(Stopped::BadShift);
@@ -119,6 +125,11 @@ impl Found {
             let locked: Vec<&Pairs> = self.runs.iter().collect();
             self.next_seed = self.next_seed.wrapping_add(1);
             match lanczos::run(problem, &factor, shift, &window, &locked, self.next_seed, profile, task) {
+                // A small pivot far from any eigenvalue costs digits: another shift has others.
+                Ok(pairs) if attempt < ATTEMPTS && largest_residual(problem, &pairs) > GOOD_RESIDUAL => {
+                    self.runs.clear();
+                    self.slice.shift += width * 0.011 * f64::from(attempt);
+                }
                 Ok(pairs) => {
                     self.runs.push(pairs);
                     return Ok(());
@@ -157,6 +168,21 @@ impl Found {
             expected: if self.runs.is_empty() { slice.expected } else { slice.expected / 2 },
         }
     }
+}
+
+/// Largest ‖A x − λ x‖ / λ, as measured rather than estimated.
+fn largest_residual(problem: &Problem, pairs: &Pairs) -> f64 {
+    let mut largest = 0.0_f64;
+    for (block, values) in pairs.blocks.iter().zip(pairs.values.chunks(BLOCK)) {
+        let mut row = [[0.0; 8]; W];
+        row.as_flattened_mut()[..values.len()].copy_from_slice(values);
+        let [plain, ..] = residuals(&problem.matrix, block, &row, &problem.mass);
+        for (error, value) in plain.as_flattened().iter().zip(values) {
+            let share = error.sqrt() / value;
+            largest = if share.is_nan() { f64::INFINITY } else { largest.max(share) };
+        }
+    }
+    largest
 }
 
 /// Joins the slices, searching again wherever a count says that a pair is missing.
