@@ -23,7 +23,10 @@ impl Beat {
         let spacing = |a: f64, b: f64| (b - a).max(1e-3);
         if next == 0 {
             let ahead = (first - secs) / spacing(first, beats_secs[1]);
-            return Self { count: (1.0 - ahead).max(0.0), confidence: if ahead < 1.0 { confidence } else { 0.0 } };
+            return Self {
+                count: (1.0 - ahead).max(0.0),
+                confidence: if ahead < 1.0 { confidence } else { 0.0 },
+            };
         }
         if next == count {
             let gone = (secs - last) / spacing(beats_secs[count - 2], last);
