@@ -1,0 +1,262 @@
+//! From bands to moving shapes: rest, mirror, true stereo, calibration, sessions that replay.
+
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+
+use chladni_harmonics::{BasisSettings, Body};
+use chladni_mesh::samples;
+use chladni_music::{
+    Action, Bands, Dancer, Ensemble, Form, Gallery, GalleryShape, Instrument, Mapping, Moment, Player,
+    Playing, Preset, Session, Symmetry,
+};
+use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
+use chladni_synth::{Item, displacements_f64};
+use chladni_task::Task;
+
+const K: usize = 64;
+const BANDS: usize = 128;
+
+struct Ready {
+    body: Body,
+    dancer: Arc<Dancer>,
+}
+
+fn ready(name: &str) -> Ready {
+    let body = Body::build(&samples::sample(name).unwrap(), &BasisSettings::new(K), &Task::new()).unwrap();
+    let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
+    let body = symmetry.rotated(&body);
+    let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).unwrap());
+    Ready { body, dancer }
+}
+
+fn octopus() -> &'static Ready {
+    static READY: OnceLock<Ready> = OnceLock::new();
+    READY.get_or_init(|| ready("octopus"))
+}
+
+fn head() -> &'static Ready {
+    static READY: OnceLock<Ready> = OnceLock::new();
+    READY.get_or_init(|| ready("head"))
+}
+
+fn only(band: usize) -> Vec<f32> {
+    (0..BANDS).map(|b| f32::from(u8::from(b == band))).collect()
+}
+
+fn displacements(ready: &Ready, mapping: &Mapping, bands: &Bands<'_>, playing: Playing) -> Vec<[f64; 3]> {
+    let mut player = Player::new(mapping, &ready.dancer, BANDS, playing).unwrap();
+    let mut item = player.item();
+    player.play(bands, &mut item).unwrap();
+    displacements_f64(&ready.body, &item).unwrap()
+}
+
+fn farthest(d: &[[f64; 3]]) -> f64 {
+    d.iter().map(|d| d.iter().map(|c| c * c).sum::<f64>().sqrt()).fold(0.0, f64::max)
+}
+
+#[test]
+fn no_amplification_leaves_every_form_at_rest_exactly() {
+    let full = vec![1.0; BANDS];
+    let bands = Bands { left: &full, right: &full, mid: &full, side: &full };
+    for form in [Form::Filter, Form::Modal, Form::HalfMask] {
+        let d = displacements(
+            octopus(),
+            &Mapping::rest(BANDS, K),
+            &bands,
+            Playing { form, ..Playing::default() },
+        );
+        assert!(d.iter().all(|d| *d == [0.0; 3]), "{form:?}");
+    }
+}
+
+#[test]
+fn a_tone_hard_left_moves_the_left_half_five_times_more() {
+    let ready = octopus();
+    let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
+    let silence = vec![0.0; BANDS];
+    for band in [5, 20, 60] {
+        let tone = only(band);
+        let half: Vec<f32> = tone.iter().map(|f| 0.5 * f).collect();
+        let side: Vec<f32> = tone.iter().map(|f| 5.0 * f).collect();
+        let energies = |left: &[f32], right: &[f32]| {
+            let bands = Bands { left, right, mid: &half, side: &side };
+            let d = displacements(
+                ready,
+                &mapping,
+                &bands,
+                Playing { form: Form::HalfMask, ..Playing::default() },
+            );
+            let mut energy = [0.0; 2];
+            for ((d, x), a) in d.iter().zip(&ready.body.positions).zip(&ready.body.basis.mass) {
+                energy[usize::from(x[0] > 0.0)] += a * d.iter().map(|c| c * c).sum::<f64>();
+            }
+            energy
+        };
+        let [left, right] = energies(&tone, &silence);
+        assert!(left > 0.0 && left >= 5.0 * right, "band {band}, left: {left} {right}");
+        let [left, right] = energies(&silence, &tone);
+        assert!(right > 0.0 && right >= 5.0 * left, "band {band}, right: {left} {right}");
+    }
+}
+
+#[test]
+fn the_filter_form_keeps_a_mirror_symmetric_shape_symmetric() {
+    let ready = octopus();
+    let key = |p: [f64; 3]| p.map(|c| (c * 1e5).round() as i64);
+    let at: HashMap<[i64; 3], usize> =
+        ready.body.positions.iter().enumerate().map(|(v, p)| (key(*p), v)).collect();
+    let mirror = |v: usize| {
+        let [x, y, z] = key(ready.body.positions[v]);
+        // Rounding may put the mirror image into a neighbouring cell.
+        (0..27)
+            .map(|i: i64| [-x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1])
+            .find_map(|k| at.get(&k).copied())
+    };
+    let tone: Vec<f32> = (0..BANDS).map(|b| 1.0 / (1.0 + b as f32)).collect();
+    let silence = vec![0.0; BANDS];
+    let bands = Bands { left: &tone, right: &silence, mid: &tone, side: &tone };
+    let mapping = Mapping { stereo_mu: 0.3, ..Mapping::direct(&ready.dancer.eigenvalues, BANDS) };
+    let d = displacements(ready, &mapping, &bands, Playing::default());
+    let most = farthest(&d);
+    let mut pairs = 0;
+    let mut worst = 0.0f64;
+    for v in 0..d.len() {
+        if let Some(w) = mirror(v) {
+            pairs += 1;
+            let e = [d[v][0] + d[w][0], d[v][1] - d[w][1], d[v][2] - d[w][2]];
+            worst = worst.max(e.iter().map(|c| c.abs()).fold(0.0, f64::max));
+        }
+    }
+    assert!(most > 0.0 && pairs * 10 > d.len() * 9, "{most} {pairs}");
+    assert!(worst < 1e-3 * most, "{worst} of {most}");
+}
+
+#[test]
+fn a_full_scale_band_moves_each_shape_by_the_calibrated_amount() {
+    let gallery = Gallery::new(
+        5,
+        12,
+        &GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS },
+    )
+    .unwrap();
+    for ready in [octopus(), head()] {
+        for item in gallery.items() {
+            let mapping = Mapping { stereo_mu: 0.0, ..item.mapping.clone() };
+            let mut most = 0.0f64;
+            for band in 0..BANDS {
+                let f = only(band);
+                let bands = Bands { left: &f, right: &f, mid: &f, side: &f };
+                most = most.max(farthest(&displacements(ready, &mapping, &bands, Playing::default())));
+            }
+            let share = most / f64::from(ready.dancer.box_diagonal);
+            assert!((share / 0.08 - 1.0).abs() < 1e-3, "item {}: {share}", item.id);
+        }
+    }
+}
+
+#[test]
+fn a_preset_bred_on_the_octopus_plays_on_the_head() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let mut instrument = Instrument::new(11, 12, shape).unwrap();
+    for item in [0, 1, 6] {
+        instrument.apply(Moment::default(), Action::Choose { item, on: true }).unwrap();
+    }
+    instrument.apply(Moment::default(), Action::Breed).unwrap();
+    let bred = instrument.gallery().items()[3].clone();
+    let preset = Preset::from_text(&Preset::of(&instrument, &bred, vec![]).to_text().unwrap()).unwrap();
+    assert_eq!(preset.mapping, bred.mapping);
+    assert!(preset.lineage.len() >= 3);
+    let most = |ready: &Ready| {
+        (0..BANDS)
+            .map(|band| {
+                let f = only(band);
+                let bands = Bands { left: &f, right: &f, mid: &f, side: &f };
+                farthest(&displacements(ready, &preset.mapping, &bands, Playing::default()))
+            })
+            .fold(0.0, f64::max)
+            / f64::from(ready.dancer.box_diagonal)
+    };
+    for share in [most(octopus()), most(head())] {
+        assert!((0.04..=0.16).contains(&share), "{share}");
+    }
+}
+
+fn coefficients_of(items: &[Item]) -> Vec<u32> {
+    let mut bits = Vec::new();
+    for term in items.iter().flat_map(|item| &item.terms) {
+        match &term.coefficients {
+            chladni_synth::Coefficients::Vector(c) => bits.extend(c.iter().flatten().map(|x| x.to_bits())),
+            chladni_synth::Coefficients::Normal(c) => bits.extend(c.iter().map(|x| x.to_bits())),
+        }
+    }
+    bits
+}
+
+#[test]
+fn a_session_replays_bit_for_bit_through_its_file() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let mut live = Instrument::new(77, 6, shape.clone()).unwrap();
+    let script = [
+        Action::Choose { item: 0, on: true },
+        Action::Choose { item: 4, on: true },
+        Action::Breed,
+        Action::Mutate { item: 2, amount: 0.15 },
+        Action::Favourite { item: 2, on: true },
+        Action::Rename { item: 2, name: "waves \"é\"".into() },
+        Action::SetForm { form: Form::HalfMask },
+        Action::Set { parameter: chladni_music::Parameter::Gain, value: 1.7 },
+        Action::GoTo { generation: 1 },
+        Action::Perform { item: 5 },
+    ];
+    for (i, action) in script.into_iter().enumerate() {
+        let at_secs = 0.1 + 0.3 * i as f64;
+        live.apply(Moment { at_secs, at_beat: 2.0 * at_secs }, action).unwrap();
+    }
+    assert!(live.apply(Moment::default(), Action::Lock { item: 9, on: true }).is_err());
+    let text = Session::of(&live, "song.ogg").to_text().unwrap();
+    let replayed = Session::from_text(&text).unwrap().replay(shape).unwrap();
+    assert_eq!(live, replayed);
+
+    let song = sample_tune();
+    let dance = |instrument: &Instrument| {
+        let mut analyser = SpectrumAnalyser::new(SpectrumSettings::new(song.rate_hz)).unwrap();
+        let mut ensemble = Ensemble::new(octopus().dancer.clone());
+        let window = analyser.window_frames();
+        let mut bits = Vec::new();
+        for frame in 0..10 {
+            let from = 40_000 + frame * 2000;
+            let s =
+                analyser.analyse(&song.left[from..from + window], &song.right[from..from + window], 0.045);
+            let bands = Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side };
+            bits.extend(coefficients_of(
+                ensemble.play(instrument, &bands, 6.0 + frame as f64 * 0.1).unwrap(),
+            ));
+        }
+        bits
+    };
+    let bits = dance(&live);
+    assert!(bits.iter().any(|b| *b != 0));
+    assert_eq!(bits, dance(&replayed));
+}
+
+#[test]
+fn files_of_newer_versions_and_of_nonsense_are_refused() {
+    assert!(Session::from_text("format_version = 99").unwrap_err().to_string().contains("99"));
+    assert!(Preset::from_text("name = 3").is_err());
+    let text = "format_version = 1\nname = \"x\"\nseed = 1\n[mapping]\ntransfer = [2.0]\namplification = [0.5]\nstereo_mu = 0.0\ngain = 1.0\n";
+    assert!(Preset::from_text(text).unwrap_err().to_string().contains("transfer"));
+}
+
+#[test]
+fn the_limit_holds_where_it_is_not_probed() {
+    let ready = octopus();
+    let full = vec![1.0; BANDS];
+    let bands = Bands { left: &full, right: &full, mid: &full, side: &full };
+    let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
+    for form in [Form::Filter, Form::Modal, Form::HalfMask] {
+        let playing = Playing { form, gain: 20.0, ..Playing::default() };
+        let share =
+            farthest(&displacements(ready, &mapping, &bands, playing)) / f64::from(ready.dancer.box_diagonal);
+        assert!((0.15..0.25 * 1.3).contains(&share), "{form:?}: {share}");
+    }
+}
