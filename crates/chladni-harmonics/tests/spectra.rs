@@ -1,5 +1,7 @@
 //! Eigenvalues against closed forms.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 mod shapes;
 
 use chladni_harmonics::{BasisSettings, Body};

@@ -108,7 +108,7 @@ pub fn same_connectivity(shape: &TriMesh, template: &TriMesh) -> Result<Correspo
             // No triangle of the template has this vertex: the closest point of its surface.
             None => {
                 let at = template_surface
-                    .closest(template_surface.from_file(template.positions[v]), f64::INFINITY)
+                    .closest(template_surface.in_frame(template.positions[v]), f64::INFINITY)
                     .ok_or(MatchError::NoSurface(Side::Template))?;
                 (template_surface.file_triangle[at.triangle as usize], at.barycentric)
             }

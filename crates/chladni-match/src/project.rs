@@ -63,7 +63,7 @@ pub(crate) fn correspondence(
                 Some(v) => (at[*v as usize], confidence[*v as usize]),
                 None => {
                     let at = template
-                        .closest(back.at(shape.from_file(*p)), f64::INFINITY)
+                        .closest(back.at(shape.in_frame(*p)), f64::INFINITY)
                         .ok_or(MatchError::NoSurface(Side::Template))?;
                     (at, 0.0)
                 }

@@ -68,7 +68,7 @@ impl Report {
         let mut trust = vec![0.0; shape.points.len()];
         for (v, point) in shape.point_of_vertex.iter().enumerate() {
             if let Some(p) = point {
-                target[*p as usize] = shape.from_file(found.target[v]);
+                target[*p as usize] = shape.in_frame(found.target[v]);
                 trust[*p as usize] = found.confidence[v];
             }
         }

@@ -95,7 +95,7 @@ impl Surface {
     }
 
     /// A file point in this surface's coordinates.
-    pub fn from_file(&self, point: [f64; 3]) -> DVec3 {
+    pub fn in_frame(&self, point: [f64; 3]) -> DVec3 {
         (DVec3::from_array(point) - self.center) / self.diagonal
     }
 

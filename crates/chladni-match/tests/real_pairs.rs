@@ -1,5 +1,7 @@
 //! Real heads and animals, where the shared data is at hand.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use chladni_match::{Landmark, Match, Method, Settings, Similarity, match_shapes};
 use chladni_mesh::{TriMesh, load_mesh};
 use chladni_task::Task;

@@ -1,5 +1,7 @@
 //! The built program, run as a user would: on its own samples always, on real files where they are there.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

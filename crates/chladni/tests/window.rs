@@ -1,6 +1,8 @@
 //! The real window, driven as a person would, drawn without a display. Needs any Vulkan driver;
 //! lavapipe will do.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use std::time::{Duration, Instant};
 
 use chladni::studio::Studio;

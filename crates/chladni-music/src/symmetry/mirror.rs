@@ -10,6 +10,9 @@ use super::SymmetrySettings;
 use super::jacobi::symmetric_eigen;
 use crate::Error;
 
+/// A distance, a point and the point that its mirror image comes to lie on.
+type Pair = (f64, [f64; 3], [f64; 3]);
+
 /// The plane {p : normal · p = offset}, working frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MirrorPlane {
@@ -132,7 +135,7 @@ impl Surface<'_> {
         best
     }
 
-    fn matches(&self, plane: &MirrorPlane, vertices: &[usize]) -> Vec<(f64, [f64; 3], [f64; 3])> {
+    fn matches(&self, plane: &MirrorPlane, vertices: &[usize]) -> Vec<Pair> {
         let mut matches: Vec<_> = vertices
             .par_iter()
             .map(|&v| {
@@ -152,7 +155,7 @@ impl Surface<'_> {
         self.misfit_of(&self.matches(plane, vertices))
     }
 
-    fn misfit_of(&self, matches: &[(f64, [f64; 3], [f64; 3])]) -> f64 {
+    fn misfit_of(&self, matches: &[Pair]) -> f64 {
         let mean = matches.iter().map(|m| m.0).sum::<f64>() / matches.len().max(1) as f64;
         mean.sqrt() / box_diagonal(&self.body.positions)
     }
@@ -166,7 +169,7 @@ impl Surface<'_> {
         for _ in 0..20 {
             let matches = self.matches(&best, vertices);
             let count = matches.len().max(1) as f64;
-            let mean = |f: &dyn Fn(&(f64, [f64; 3], [f64; 3])) -> [f64; 3]| -> [f64; 3] {
+            let mean = |f: fn(&Pair) -> [f64; 3]| -> [f64; 3] {
                 let mut sum = [0.0; 3];
                 for m in &matches {
                     let p = f(m);
@@ -176,7 +179,7 @@ impl Surface<'_> {
                 }
                 sum
             };
-            let (center_p, center_q) = (mean(&|m| m.1), mean(&|m| m.2));
+            let (center_p, center_q) = (mean(|m| m.1), mean(|m| m.2));
             let mut b = vec![vec![0.0; 3]; 3];
             for (_, p, q) in &matches {
                 for i in 0..3 {

@@ -41,7 +41,8 @@ impl Recording {
     pub fn write(&self, path: &Path) -> std::io::Result<()> {
         let frames = self.times_secs.len() as u64;
         let per_frame = |values: &[f32]| values.len() as u64 / frames.max(1);
-        let uneven = self.terms.iter().any(|v| v.len() as u64 % (frames.max(1) * self.channels.max(1)) != 0);
+        let uneven =
+            self.terms.iter().any(|v| !(v.len() as u64).is_multiple_of(frames.max(1) * self.channels.max(1)));
         if uneven || self.terms.windows(2).any(|pair| pair[0].len() != pair[1].len()) {
             return Err(std::io::Error::other(
                 "the form changed within the film, so that frames have no common shape",

@@ -200,10 +200,10 @@ impl Session {
                 changed = true;
             }
         }
-        if self.matching.is_none() {
-            if let Some(request) = self.stack.missing(self.history.project()).into_iter().next() {
-                self.matching = Some((request.clone(), self.start_match(request, ctx)));
-            }
+        if self.matching.is_none()
+            && let Some(request) = self.stack.missing(self.history.project()).into_iter().next()
+        {
+            self.matching = Some((request.clone(), self.start_match(request, ctx)));
         }
         (message, changed)
     }
