@@ -9,7 +9,7 @@ use super::mirror::Image;
 use super::{SymmetrySettings, first_waving};
 use crate::Error;
 
-/// How the harmonics of one repeated eigenvalue are mixed: H'_j = Σ_i H_i `mix`[i][j].
+/// How the harmonics of one repeated eigenvalue are mixed: `H'_j = Σ_i H_i mix[i][j]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rotation {
     /// The first harmonic of the group.
