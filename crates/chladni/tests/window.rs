@@ -43,11 +43,11 @@ fn screenshot(harness: &mut Harness<'static, Studio>, name: &str) {
 fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     let mut harness = open(Vec::new());
     harness.run_steps(3);
-    screenshot(&mut harness, "start.png");
+    screenshot(&mut harness, "window-start.png");
     harness.get_by_label("Open Caricature").click();
     wait(&mut harness, "the sample head", |h| h.query_by_label("Layers").is_some());
     wait(&mut harness, "the match", |h| h.query_by_label("Covered").is_some());
-    screenshot(&mut harness, "caricature.png");
+    screenshot(&mut harness, "window-caricature.png");
 }
 
 #[test]
@@ -57,5 +57,5 @@ fn the_gallery_dances_breeds_and_goes_on_stage() {
     harness.get_by_label("Open Music").click();
     wait(&mut harness, "the gallery", |h| h.query_by_label_contains("12 items").is_some());
     harness.run_steps(12);
-    screenshot(&mut harness, "music.png");
+    screenshot(&mut harness, "window-music.png");
 }
