@@ -1,17 +1,16 @@
 //! `chladni beats`: tempo and beats of a song.
 
-use std::path::PathBuf;
-
-use chladni_sound::{Song, SongOptions, SongReader, track_beats, track_beats_causally};
+use chladni_sound::{track_beats, track_beats_causally};
 use clap::Args;
 
+use super::inputs::open_song;
 use super::{Failure, Terminal};
 
 /// Finds tempo and beats of a song.
 #[derive(Args)]
 pub struct Beats {
-    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis or M4A.
-    song: PathBuf,
+    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis or M4A, or sample:tune.
+    song: String,
     /// Print `tempo_bpm`, `beats_secs` and `confidence` as JSON.
     #[arg(long)]
     json: bool,
@@ -23,9 +22,8 @@ pub struct Beats {
 impl Beats {
     /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let reader = SongReader::open(&self.song).map_err(Failure::input)?;
+        let song = open_song(&self.song, 0.0, None, terminal)?;
         let found = terminal.watch("beats", |task| {
-            let song = Song::read(reader, &SongOptions::default(), task)?;
             if self.causal { track_beats_causally(&song, task) } else { track_beats(&song, task) }
         });
         let beats = found.map_err(sound_failure)?;

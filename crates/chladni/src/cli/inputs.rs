@@ -4,6 +4,7 @@ use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError};
 use chladni_mesh::TriMesh;
 use chladni_sound::{Song, SongOptions, SongReader, sample_tune};
 
+use super::beats::sound_failure;
 use super::{Failure, Terminal, basis_cache};
 use crate::source;
 
@@ -36,10 +37,8 @@ pub fn open_song(
         return stretch(sample_tune(), start_secs, duration_secs);
     }
     let options = SongOptions { start_secs, duration_secs, ..SongOptions::default() };
-    terminal.watch("decoding the song", |task| {
-        let reader = SongReader::open(std::path::Path::new(name)).map_err(Failure::input)?;
-        Song::read(reader, &options, task).map_err(Failure::input)
-    })
+    let reader = SongReader::open(std::path::Path::new(name)).map_err(Failure::input)?;
+    terminal.watch("decoding the song", |task| Song::read(reader, &options, task)).map_err(sound_failure)
 }
 
 fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<Song, Failure> {

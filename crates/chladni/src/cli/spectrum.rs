@@ -2,21 +2,20 @@
 
 use std::path::PathBuf;
 
-use chladni_sound::{
-    FrontEnd, Level, Song, SongOptions, SongReader, SoundError, SpectrumAnalyser, SpectrumSettings,
-};
+use chladni_sound::{FrontEnd, Level, Song, SoundError, SpectrumAnalyser, SpectrumSettings};
 use chladni_task::Task;
 use clap::Args;
 
 use super::beats::sound_failure;
+use super::inputs::open_song;
 use super::{Failure, Terminal};
 
 /// Shows the middle and side spectra of a song over time.
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("form").required(true).args(["json", "render"])))]
 pub struct Spectrum {
-    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis or M4A.
-    song: PathBuf,
+    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis or M4A, or sample:tune.
+    song: String,
     /// Print `rate_hz`, `bands_hz` and `frames` (`time_secs`, `mid`, `side`) as JSON.
     #[arg(long)]
     json: bool,
@@ -63,11 +62,7 @@ const PICTURE_COLUMNS: f64 = 1200.0;
 impl Spectrum {
     /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let reader = SongReader::open(&self.song).map_err(Failure::input)?;
-        let options =
-            SongOptions { start_secs: self.start, duration_secs: self.duration, ..SongOptions::default() };
-        let song =
-            terminal.watch("decoding", |task| Song::read(reader, &options, task)).map_err(sound_failure)?;
+        let song = open_song(&self.song, self.start, self.duration, terminal)?;
         let settings = SpectrumSettings {
             bands: self.bands,
             front_end: if self.linear { FrontEnd::Linear } else { FrontEnd::LogBands },
