@@ -9,7 +9,8 @@ use crate::Mapping;
 const MEAN_RUN: f64 = 0.1;
 
 /// A child of two mappings. Transfer and amplification are each mixed with probability ½ and
-/// otherwise taken whole from one parent; μ and gain likewise. Shorter vectors are resampled
+/// otherwise taken whole from one parent; μ and gain likewise (a gallery then evens the
+/// child's gain). Shorter vectors are resampled
 /// to the longer parent's length, so that every value of the child lies between its parents'.
 pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mapping {
     let bands = mother.transfer.len().max(father.transfer.len());

@@ -182,7 +182,10 @@ impl Gallery {
                 let first = rng.random_range(0..parents.len());
                 let second = (first + rng.random_range(1..parents.len())) % parents.len();
                 let (p, q) = (&parents[first], &parents[second]);
-                let child = breed(&p.mapping, &q.mapping, &mut rng);
+                let mut child = breed(&p.mapping, &q.mapping, &mut rng);
+                // What is inherited is how much louder or softer than even the parents are.
+                let loudness = [p, q].map(|parent| parent.mapping.gain / parent.mapping.even_gain());
+                child.gain = (0.5 * (loudness[0] + loudness[1]) * child.even_gain()).clamp(0.0, 100.0);
                 if item.locked {
                     return GalleryItem { chosen: false, ..item };
                 }
@@ -278,7 +281,8 @@ fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
                 best(true).filter(|&t| feeds(&transfers[t]) > 0).or_else(|| best(false)).unwrap_or(0);
             used[choice] = true;
             let transfer = transfers[choice].clone();
-            Mapping { transfer, amplification, stereo_mu: 0.0, gain: 1.0 }
+            let mapping = Mapping { transfer, amplification, stereo_mu: 0.0, gain: 1.0 };
+            Mapping { gain: mapping.even_gain(), ..mapping }
         })
         .collect()
 }

@@ -45,7 +45,23 @@ impl Mapping {
             })
             .collect();
         let transfer = direct_transfer(eigenvalues, bands.max(1), 0.5, false);
-        Self { transfer, amplification, stereo_mu: 0.0, gain: 1.0 }
+        let mapping = Self { transfer, amplification, stereo_mu: 0.0, gain: 1.0 };
+        Self { gain: mapping.even_gain(), ..mapping }
+    }
+
+    /// 1/√n, where n bands share the busiest harmonic that is amplified: the gain at which a
+    /// sound that is spread over them moves the shape as one full-scale band does at gain 1.
+    /// Without it a mapping that sends the whole song to a few harmonics never leaves the limit.
+    pub fn even_gain(&self) -> f32 {
+        let mut shared = vec![0u32; self.amplification.len()];
+        for k in self.targets(self.transfer.len(), self.amplification.len()) {
+            if let Some(count) = shared.get_mut(k as usize) {
+                *count += 1;
+            }
+        }
+        let heard = shared.iter().zip(&self.amplification).filter(|(_, a)| **a != 0.0);
+        let busiest = heard.map(|(n, _)| *n).max().unwrap_or(1).max(1);
+        1.0 / (busiest as f32).sqrt()
     }
 
     /// Checks lengths (1 to 16384), that every number is finite, and the ranges above

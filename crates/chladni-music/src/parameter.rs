@@ -77,7 +77,7 @@ impl Parameter {
             Self::Bands => ("bands", 2.0, 4096.0, 128.0),
             Self::Gain => ("gain", 0.0, 20.0, 1.0),
             Self::Calibration => ("calibration", 0.001, 1.0, 0.08),
-            Self::Limit => ("limit", 0.01, 1.0, 0.25),
+            Self::Limit => ("limit", 0.01, 1.0, 0.18),
             Self::Detail => ("detail", -10.0, 10.0, 1.0),
             Self::NormalBlending => ("normal-blending", 0.0, 1.0, 0.0),
             Self::TransitionBeats => ("transition-beats", 0.0, 64.0, 4.0),

@@ -89,7 +89,7 @@ impl Default for Playing {
             gain: 1.0,
             flip_sides: false,
             calibration: 0.08,
-            limit: 0.25,
+            limit: 0.18,
             detail: 1.0,
             harmonics: None,
         }

@@ -125,7 +125,8 @@ impl Show {
         task: &Task,
     ) -> Result<Done, Failure> {
         let (width, height, frames) = (film.settings().width, film.settings().height, film.settings().frames);
-        let mut theatre = Theatre::new(self.synthesizer.model(), &self.triangles, width, height)?;
+        let reach = self.instrument.parameters().get(Parameter::Limit) * self.ensemble.dancer().box_diagonal;
+        let mut theatre = Theatre::new(self.synthesizer.model(), &self.triangles, reach, width, height)?;
         let mut guard =
             FlashGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
         let stage = task.stage("filming", frames);
@@ -188,14 +189,19 @@ struct Theatre {
     canvas: Canvas,
     topology: Topology,
     buffers: ItemBuffers,
-    rest: Vec<[f32; 3]>,
+    /// Rest positions, each moved outwards as far as the limit of displacement allows: what
+    /// has to fit into the picture.
+    room: Vec<[f32; 3]>,
 }
 
-/// How much of the picture the shape at rest fills: dancing takes room.
-const FILL: f32 = 0.72;
-
 impl Theatre {
-    fn new(model: &SynthModel, triangles: &[[u32; 3]], width: u32, height: u32) -> Result<Self, Failure> {
+    fn new(
+        model: &SynthModel,
+        triangles: &[[u32; 3]],
+        reach: f32,
+        width: u32,
+        height: u32,
+    ) -> Result<Self, Failure> {
         let gpu = Gpu::headless().map_err(view_failure)?;
         let canvas = Canvas::new(&gpu, width, height).map_err(view_failure)?;
         let topology = Topology::new(&gpu, model.vertices(), triangles).map_err(view_failure)?;
@@ -204,7 +210,7 @@ impl Theatre {
             canvas,
             topology,
             buffers: ItemBuffers::new(&gpu, model.vertices(), 0),
-            rest: model.rest_positions().to_vec(),
+            room: model.rest_positions().iter().map(|p| outwards(*p, reach)).collect(),
             gpu,
         })
     }
@@ -213,7 +219,7 @@ impl Theatre {
         let parameters = show.instrument.parameters();
         let reaction = react(beat, show.instrument.seed(), parameters);
         if self.buffers.items() != items {
-            self.buffers = ItemBuffers::new(&self.gpu, self.rest.len(), items);
+            self.buffers = ItemBuffers::new(&self.gpu, self.room.len(), items);
         }
         for item in 0..items {
             self.buffers.write(
@@ -228,7 +234,7 @@ impl Theatre {
         let viewports = layout::grid(area, rows, columns, 0, items);
         let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
         let mut camera = Camera { pitch_rad: 0.14, ..Camera::default() };
-        camera.fit_turntable(&self.rest, aspect, FILL);
+        camera.fit_turntable(&self.room, aspect, 0.98);
         camera.yaw_rad = look.yaw_rad - reaction.turn_rad;
         let mut lights = look.lights.turned(reaction.light_turn_rad);
         lights.exposure *= reaction.light_gain;
@@ -253,4 +259,9 @@ impl Theatre {
         self.renderer.draw(&self.canvas, &cells)?;
         Ok(())
     }
+}
+
+fn outwards(p: [f32; 3], reach: f32) -> [f32; 3] {
+    let length = p.iter().map(|c| c * c).sum::<f32>().sqrt().max(1e-6);
+    p.map(|c| c * (1.0 + reach / length))
 }
