@@ -1,6 +1,7 @@
 //! `chladni bench`: measures the program against published numbers.
 
 mod caricature;
+mod music;
 mod sphere;
 mod synth;
 mod synth_rows;
@@ -19,6 +20,7 @@ pub struct Bench {
 #[derive(Subcommand)]
 enum What {
     Caricature(caricature::BenchCaricature),
+    Music(music::BenchMusic),
     Synth(synth::BenchSynth),
 }
 
@@ -27,6 +29,7 @@ impl Bench {
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         match self.what {
             What::Caricature(caricature) => caricature.run(terminal),
+            What::Music(music) => music.run(terminal),
             What::Synth(synth) => synth.run(terminal),
         }
     }
