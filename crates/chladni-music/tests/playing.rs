@@ -1,4 +1,5 @@
 //! From bands to moving shapes: rest, mirror, true stereo, calibration, sessions that replay.
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};

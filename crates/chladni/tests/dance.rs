@@ -1,4 +1,5 @@
 //! `chladni dance` and `chladni symmetry` as a script runs them.
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use std::path::Path;
 
