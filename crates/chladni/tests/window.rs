@@ -51,7 +51,7 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
 }
 
 #[test]
-fn the_gallery_dances_breeds_and_goes_on_stage() {
+fn the_music_room_opens_on_a_gallery_of_twelve() {
     let mut harness = open(Vec::new());
     harness.run_steps(3);
     harness.get_by_label("Open Music").click();
