@@ -175,6 +175,10 @@ impl Dance {
         if self.allow_flashes {
             show.allow_flashes();
         }
+        // Only now: a mesh or song that cannot be read leaves no empty folder behind.
+        if let Some(folder) = &self.frames {
+            std::fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
+        }
         let film = self.film_path();
         let recording = self.coefficients.is_some();
         let done = match &film {
@@ -255,9 +259,6 @@ impl Dance {
                         .into(),
                 ));
             }
-        }
-        if let Some(folder) = &self.frames {
-            std::fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
         }
         Ok(())
     }
