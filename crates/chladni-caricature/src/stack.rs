@@ -8,6 +8,7 @@ use chladni_synth::{Coefficients, Residual, Term};
 use rayon::prelude::*;
 
 use crate::exaggeration::single;
+use crate::fold::flipped_triangles;
 use crate::matching::own_target;
 use crate::memo::{Memo, Same};
 use crate::vector::{Vec3, add};
@@ -283,6 +284,16 @@ impl LayerMemo {
         let compute = || Ok::<_, std::convert::Infallible>(Arc::new(difference.field(model, curve)));
         let Ok(field) = slot.get((Same::from(difference), curve.clone()), compute);
         field
+    }
+}
+
+impl EvaluatedLayer {
+    /// How many triangles of `surface` the layer turns over; 0 where it does not act.
+    pub fn folds(&self, surface: &Surface) -> usize {
+        let Some(displacement) = &self.displacement else { return 0 };
+        let base = &self.base.positions;
+        let moved: Vec<Vec3> = base.iter().zip(displacement.iter()).map(|(x, d)| add(*x, *d)).collect();
+        flipped_triangles(surface, base, &moved).len()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use chladni_caricature::{Evaluation, LayerState, MatchRequest, Project, Stack, Template, flipped_triangles};
+use chladni_caricature::{Evaluation, LayerState, MatchRequest, Project, Stack, Template};
 use chladni_harmonics::Body;
 use chladni_mesh::{Format, MorphTarget, TriMesh, save_mesh, write_glb};
 use chladni_task::write_atomic;
@@ -51,14 +51,7 @@ impl Sculpture {
                 continue;
             };
             let farthest = displacement.iter().map(|d| d[0].hypot(d[1]).hypot(d[2])).fold(0.0, f64::max);
-            let moved: Vec<[f64; 3]> = layer
-                .base
-                .positions
-                .iter()
-                .zip(displacement.iter())
-                .map(|(x, d)| std::array::from_fn(|i| x[i] + d[i]))
-                .collect();
-            let folded = flipped_triangles(self.stack.surface(), &layer.base.positions, &moved).len();
+            let folded = layer.folds(self.stack.surface());
             let name = &layer.name;
             let by = farthest / body.frame.scale;
             terminal.result(format_args!("{name}: moves up to {by:.4} units, {folded} triangles folded"))?;

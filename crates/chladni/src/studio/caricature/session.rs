@@ -7,7 +7,7 @@ use chladni_caricature::{
     Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project,
     ShapeSource, Stack, Template, furthest,
 };
-use chladni_harmonics::{BasisCache, BasisSettings, Body, BuildReport};
+use chladni_harmonics::{BasisSettings, Body, BuildReport};
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
@@ -32,7 +32,7 @@ pub fn load(project: Project, path: Option<PathBuf>, task: &Task) -> Result<Load
     let folder = path.as_deref().and_then(Path::parent);
     let (mesh, warnings) = source::shape(&project.shape, folder)?;
     let harmonics = project.harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
-    let cache = BasisCache::of_user();
+    let cache = crate::cli::basis_cache();
     let (body, report) = Body::load_or_build(&mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
         .map_err(|error| error.to_string())?;
     Ok(Loaded { project, path, mesh: Arc::new(mesh), body: Arc::new(body), report, warnings })
@@ -133,24 +133,7 @@ impl Session {
         }
         self.evaluation = self.stack.evaluate(&project);
         let surface = self.stack.surface();
-        self.folds = self
-            .evaluation
-            .layers
-            .iter()
-            .map(|layer| match &layer.displacement {
-                Some(displacement) => {
-                    let moved: Vec<[f64; 3]> = layer
-                        .base
-                        .positions
-                        .iter()
-                        .zip(displacement.iter())
-                        .map(|(x, d)| std::array::from_fn(|i| x[i] + d[i]))
-                        .collect();
-                    chladni_caricature::flipped_triangles(surface, &layer.base.positions, &moved).len()
-                }
-                None => 0,
-            })
-            .collect();
+        self.folds = self.evaluation.layers.iter().map(|layer| layer.folds(surface)).collect();
     }
 
     /// Triangles folded by `layer`.
