@@ -14,7 +14,7 @@ mod start;
 mod theme;
 mod viewport;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use eframe::egui_wgpu::RenderState;
 use egui::Key;
@@ -118,7 +118,8 @@ impl Studio {
     }
 
     fn open_files(&mut self, ctx: &egui::Context, files: &[PathBuf]) {
-        let index = self.current.unwrap_or(0);
+        let claims = |room: &Box<dyn Room>| files.iter().any(|path| room.claims(path));
+        let index = self.current.or_else(|| self.rooms.iter().position(claims)).unwrap_or(0);
         self.current = Some(index);
         self.with_room(ctx, index, |room, shared| room.open(files, shared));
     }
@@ -135,6 +136,7 @@ impl Studio {
             gpu: &self.gpu,
             notices: &mut self.notices,
             settings: &mut self.settings,
+            folder: self.settings_path.as_deref().and_then(Path::parent).map(Path::to_owned),
         };
         Some(act(room.as_mut(), &mut shared))
     }

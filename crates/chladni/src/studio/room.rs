@@ -1,6 +1,6 @@
 //! What a workspace of the window is, and what all of them share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::icon::Icon;
 use super::notices::Notices;
@@ -27,6 +27,11 @@ pub trait Room {
     /// Takes files that were dropped on the window or chosen in a dialog.
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>);
 
+    /// Whether a file on the command line is meant for this room rather than for another.
+    fn claims(&self, _path: &Path) -> bool {
+        false
+    }
+
     /// Something unsaved that closing the window would lose; `None` when all is safe.
     fn unsaved(&self) -> Option<String> {
         None
@@ -43,4 +48,6 @@ pub struct Shared<'a> {
     pub notices: &'a mut Notices,
     /// Preferences and recent files.
     pub settings: &'a mut Settings,
+    /// The folder of the preferences, where rooms may keep files of their own; `None` to keep none.
+    pub folder: Option<PathBuf>,
 }

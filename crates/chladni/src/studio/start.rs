@@ -31,7 +31,8 @@ impl Studio {
                 });
                 ui.add_space(theme::GAP_LARGE * 2.0);
                 if let Some(path) = recent_files(ui, &self.settings.recent) {
-                    chosen = Some((0, vec![path]));
+                    let room = self.rooms.iter().position(|room| room.claims(&path)).unwrap_or(0);
+                    chosen = Some((room, vec![path]));
                 }
             });
         });

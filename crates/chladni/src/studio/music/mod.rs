@@ -97,6 +97,11 @@ impl Room for MusicRoom {
         shared.ctx.request_repaint();
     }
 
+    fn claims(&self, path: &Path) -> bool {
+        let extension = extension(path);
+        extension == "toml" || SONGS.contains(&extension.as_str())
+    }
+
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
         let mut songs = Vec::new();
         for path in paths {
