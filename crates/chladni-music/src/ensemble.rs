@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use chladni_synth::Item;
+use chladni_synth::{Item, Term};
 
-use crate::gallery::{GalleryItem, ItemId};
-use crate::{Bands, Dancer, Error, Instrument, Mapping, Player, Playing, blend};
+use crate::gallery::ItemId;
+use crate::voice::{Voice, VoiceSettings, Voices};
+use crate::{Bands, Beat, Dancer, Error, Instrument, Mapping, Parameter, Player, Playing, blend};
 
 /// Plays all items of the gallery that is shown, or the one on stage, for one dancer.
 ///
@@ -17,11 +18,17 @@ pub struct Ensemble {
     slots: Vec<Slot>,
     /// S items of the gallery, or the item on stage and the one that leaves it.
     items: Vec<Item>,
+    /// Plays what is tried out.
+    soloist: Option<(Slot, [Item; 1])>,
+    voices: Voices,
+    voice_item: Item,
+    most_harmonics: Option<u32>,
 }
 
 #[derive(Clone, Debug)]
 struct Slot {
-    id: ItemId,
+    /// `None` for what is no item of the gallery.
+    id: Option<ItemId>,
     mapping: Mapping,
     playing: Playing,
     bands: usize,
@@ -31,7 +38,29 @@ struct Slot {
 impl Ensemble {
     /// An ensemble for a dancer.
     pub fn new(dancer: Arc<Dancer>) -> Self {
-        Self { dancer, slots: Vec::new(), items: Vec::new() }
+        let voices = Voices::silent(&dancer);
+        Self {
+            dancer,
+            slots: Vec::new(),
+            items: Vec::new(),
+            soloist: None,
+            voices,
+            voice_item: Item::default(),
+            most_harmonics: None,
+        }
+    }
+
+    /// Adds deformations of the dancer, such as the layers of a caricature, as voices: they move
+    /// every item on top of its mapping, as [`Instrument::voice`] says.
+    ///
+    /// Errors if a term has more coefficients than the dancer has harmonics.
+    pub fn with_voices(mut self, terms: Vec<Term>) -> Result<Self, Error> {
+        let settings = VoiceSettings::initial;
+        let voices = terms.into_iter().enumerate();
+        let voices = voices.map(|(i, term)| Voice { term, settings: settings(i) }).collect();
+        self.voices = Voices::new(voices, &self.dancer, Parameter::Limit.initial())?;
+        self.voice_item = self.voices.item();
+        Ok(self)
     }
 
     /// The dancer.
@@ -39,33 +68,67 @@ impl Ensemble {
         &self.dancer
     }
 
-    /// What the sound does after `beat` beats: S items of the gallery in order, or one item
-    /// while there is something on stage.
-    pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: f64) -> Result<&[Item], Error> {
-        let playing = instrument.parameters().playing();
-        let count = bands.mid.len();
-        if let Some(scene) = instrument.scene(beat) {
+    /// Uses at most so many harmonics, whatever the instrument asks for: for a machine that does
+    /// not keep up. `None` is no such limit.
+    pub fn use_at_most(&mut self, harmonics: Option<u32>) {
+        self.most_harmonics = harmonics;
+    }
+
+    /// What the sound does at `beat`: S items of the gallery in order, or one item while there
+    /// is something on stage.
+    pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<&[Item], Error> {
+        let playing = self.playing(instrument);
+        self.play_voices(instrument, bands, beat)?;
+        let count = if let Some(scene) = instrument.scene(beat.count) {
             let cast = [scene.to, scene.from];
             let cast = if scene.weight < 1.0 { &cast[..] } else { &cast[..1] };
             for (slot, &id) in cast.iter().enumerate() {
-                let found = instrument.item(id);
                 let none = Error::NoSuch { what: "item with id", index: id as usize, count: 0 };
-                self.seat(slot, found.ok_or(none)?, playing, count)?;
-                self.slots[slot].player.play(bands, &mut self.items[slot])?;
+                let found = instrument.item(id).ok_or(none)?;
+                self.play_slot(slot, id, &found.mapping, playing, bands)?;
             }
             if let [to, from, ..] = &mut self.items[..]
                 && scene.weight < 1.0
             {
                 blend(to, from, 1.0 - scene.weight)?;
             }
-            return Ok(&self.items[..1]);
+            1
+        } else {
+            let shown = instrument.gallery().items();
+            for (slot, item) in shown.iter().enumerate() {
+                self.play_slot(slot, item.id, &item.mapping, playing, bands)?;
+            }
+            shown.len()
+        };
+        for item in &mut self.items[..count] {
+            item.terms.extend_from_slice(&self.voice_item.terms);
         }
-        let shown = instrument.gallery().items();
-        for (slot, item) in shown.iter().enumerate() {
-            self.seat(slot, item, playing, count)?;
-            self.slots[slot].player.play(bands, &mut self.items[slot])?;
-        }
-        Ok(&self.items[..shown.len()])
+        Ok(&self.items[..count])
+    }
+
+    /// Plays a mapping that is in no gallery, to try it out: one item.
+    pub fn audition(
+        &mut self,
+        instrument: &Instrument,
+        mapping: &Mapping,
+        bands: &Bands<'_>,
+        beat: Beat,
+    ) -> Result<&[Item], Error> {
+        let playing = self.playing(instrument);
+        self.play_voices(instrument, bands, beat)?;
+        let soloist = self.soloist.take().filter(|(slot, _)| slot.plays(None, mapping, playing, bands));
+        let (mut slot, mut items) = match soloist {
+            Some(ready) => ready,
+            None => {
+                let slot = Slot::new(None, mapping, &self.dancer, playing, bands)?;
+                let item = slot.player.item();
+                (slot, [item])
+            }
+        };
+        items[0].terms.truncate(slot.player.terms());
+        slot.player.play(bands, &mut items[0])?;
+        items[0].terms.extend_from_slice(&self.voice_item.terms);
+        Ok(&self.soloist.insert((slot, items)).1)
     }
 
     /// The players of what was played last, in the order of the items.
@@ -73,24 +136,69 @@ impl Ensemble {
         self.slots.iter().map(|slot| &slot.player)
     }
 
-    /// Makes sure that `slot` plays this item.
-    fn seat(&mut self, slot: usize, item: &GalleryItem, playing: Playing, bands: usize) -> Result<(), Error> {
-        if let Some(s) = self.slots.get(slot)
-            && (s.id, s.bands, s.playing) == (item.id, bands, playing)
-            && s.mapping == item.mapping
-        {
+    fn playing(&self, instrument: &Instrument) -> Playing {
+        let playing = instrument.parameters().playing();
+        let harmonics = match (playing.harmonics, self.most_harmonics) {
+            (Some(asked), Some(most)) => Some(asked.min(most)),
+            (asked, most) => asked.or(most),
+        };
+        Playing { harmonics, ..playing }
+    }
+
+    fn play_voices(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<(), Error> {
+        if self.voices.count() == 0 {
             return Ok(());
         }
-        let player = Player::new(&item.mapping, &self.dancer, bands, playing)?;
-        let at_rest = player.item();
-        let new = Slot { id: item.id, mapping: item.mapping.clone(), playing, bands, player };
-        if slot < self.slots.len() {
-            self.slots[slot] = new;
-            self.items[slot] = at_rest;
-        } else {
-            self.slots.push(new);
-            self.items.push(at_rest);
+        self.voices.set_limit(instrument.parameters().get(Parameter::Limit))?;
+        for voice in 0..self.voices.count() {
+            self.voices.tune(voice, instrument.voice(voice))?;
         }
+        self.voices.play(bands, beat, &mut self.voice_item)?;
         Ok(())
+    }
+
+    /// Makes sure that `slot` plays this mapping, and plays it.
+    fn play_slot(
+        &mut self,
+        slot: usize,
+        id: ItemId,
+        mapping: &Mapping,
+        playing: Playing,
+        bands: &Bands<'_>,
+    ) -> Result<(), Error> {
+        if !self.slots.get(slot).is_some_and(|s| s.plays(Some(id), mapping, playing, bands)) {
+            let new = Slot::new(Some(id), mapping, &self.dancer, playing, bands)?;
+            let at_rest = new.player.item();
+            if slot < self.slots.len() {
+                self.slots[slot] = new;
+                self.items[slot] = at_rest;
+            } else {
+                self.slots.push(new);
+                self.items.push(at_rest);
+            }
+        }
+        let (player, item) = (&mut self.slots[slot].player, &mut self.items[slot]);
+        // The voices of the frame before.
+        item.terms.truncate(player.terms());
+        player.play(bands, item)?;
+        Ok(())
+    }
+}
+
+impl Slot {
+    fn new(
+        id: Option<ItemId>,
+        mapping: &Mapping,
+        dancer: &Arc<Dancer>,
+        playing: Playing,
+        bands: &Bands<'_>,
+    ) -> Result<Self, Error> {
+        let bands = bands.mid.len();
+        let player = Player::new(mapping, dancer, bands, playing)?;
+        Ok(Self { id, mapping: mapping.clone(), playing, bands, player })
+    }
+
+    fn plays(&self, id: Option<ItemId>, mapping: &Mapping, playing: Playing, bands: &Bands<'_>) -> bool {
+        (self.id, self.bands, self.playing) == (id, bands.mid.len(), playing) && self.mapping == *mapping
     }
 }

@@ -58,4 +58,4 @@ pub use session::{Action, Instrument, LoggedAction, Moment};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react};
 pub use symmetry::{Class, MirrorPlane, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
-pub use voice::{Driver, Voice, Voices};
+pub use voice::{Driver, Voice, VoiceSettings, Voices};

@@ -196,6 +196,11 @@ impl Player {
         self.voiced.is_empty()
     }
 
+    /// How many terms its items have.
+    pub fn terms(&self) -> usize {
+        if self.playing.form == Form::HalfMask { 2 } else { 1 }
+    }
+
     /// An item at rest, with room for all that [`play`](Self::play) writes.
     pub fn item(&self) -> Item {
         let k = self.dancer.harmonics();
@@ -243,7 +248,7 @@ impl Player {
     /// before it was softened. Nothing is allocated.
     pub fn play(&mut self, bands: &Bands<'_>, item: &mut Item) -> Result<f32, Error> {
         self.check(bands)?;
-        let terms = if self.playing.form == Form::HalfMask { 2 } else { 1 };
+        let terms = self.terms();
         if item.terms.len() != terms {
             return Err(Error::Size { what: "terms", found: item.terms.len(), expected: terms });
         }

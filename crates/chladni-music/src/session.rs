@@ -1,10 +1,12 @@
 //! Actions, the state they change, and the log that replays them.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::gallery::{Gallery, GalleryItem, GalleryShape, ItemId};
 use crate::stage::{Scene, Stage};
-use crate::{Choir, Error, Form, Mapping, Parameter, Parameters, Switch};
+use crate::{Choir, Error, Form, Mapping, Parameter, Parameters, Switch, VoiceSettings};
 
 /// Everything a user can do to the instrument. The window emits these; only
 /// [`Instrument::apply`] changes state. Items are named by their place in the gallery shown.
@@ -48,6 +50,8 @@ pub enum Action {
     SetChoir { choir: Choir },
     /// Uses only the first so many harmonics; 0 is all.
     SetHarmonics { harmonics: u32 },
+    /// Lets a voice, such as a layer of a caricature, listen to something else.
+    SetVoice { voice: usize, settings: VoiceSettings },
     /// Puts an item of the gallery on stage.
     Perform { item: usize },
     /// Puts the favourites on stage, beginning with one.
@@ -55,6 +59,9 @@ pub enum Action {
     /// Back to the gallery.
     LeaveStage,
 }
+
+/// The most voices that can be changed.
+const MAX_VOICES: usize = 256;
 
 /// When something was done: seconds of the song, and beats gone by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -85,6 +92,8 @@ pub struct Instrument {
     gallery: Gallery,
     favourites: Vec<GalleryItem>,
     parameters: Parameters,
+    /// Voices that were changed; the others do what [`VoiceSettings::initial`] says.
+    voices: BTreeMap<usize, VoiceSettings>,
     stage: Stage,
     log: Vec<LoggedAction>,
 }
@@ -99,6 +108,7 @@ impl Instrument {
             size,
             favourites: Vec::new(),
             parameters: Parameters::default(),
+            voices: BTreeMap::new(),
             stage: Stage::default(),
             log: Vec::new(),
         })
@@ -127,6 +137,11 @@ impl Instrument {
     /// All knobs and switches.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// What a voice listens to, and how strongly.
+    pub fn voice(&self, voice: usize) -> VoiceSettings {
+        self.voices.get(&voice).copied().unwrap_or_else(|| VoiceSettings::initial(voice))
     }
 
     /// All that was done, oldest first.
@@ -189,6 +204,13 @@ impl Instrument {
             Action::SetChoir { choir } => self.parameters.choir = choir,
             Action::SetHarmonics { harmonics } => {
                 self.parameters.harmonics = (harmonics > 0).then_some(harmonics);
+            }
+            Action::SetVoice { voice, settings } => {
+                if voice >= MAX_VOICES {
+                    return Err(Error::NoSuch { what: "voice", index: voice, count: MAX_VOICES });
+                }
+                settings.validate()?;
+                self.voices.insert(voice, settings);
             }
             Action::Perform { item } => {
                 let id = self.gallery.item_mut(item)?.id;

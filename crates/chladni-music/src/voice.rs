@@ -48,15 +48,49 @@ impl Driver {
     }
 }
 
+/// What a voice listens to and how strongly it answers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VoiceSettings {
+    /// What it listens to.
+    pub driver: Driver,
+    /// What the driver's strength is multiplied by, [−10, 10]; 0 is silent.
+    pub gain: f32,
+}
+
+impl VoiceSettings {
+    /// What voice number `voice` does until it is told otherwise: the bass, the beat, the side
+    /// and the treble in turn, so that the layers of a caricature move apart.
+    pub fn initial(voice: usize) -> Self {
+        let driver = match voice % 4 {
+            0 => Driver::Band { from: 0.0, to: 0.2 },
+            1 => Driver::Beat,
+            2 => Driver::Side,
+            _ => Driver::Band { from: 0.5, to: 1.0 },
+        };
+        Self { driver, gain: 1.0 }
+    }
+
+    /// Checks that the band lies in [0, 1] and the gain in [−10, 10].
+    pub fn validate(&self) -> Result<(), Error> {
+        let check = |name, value: f32, low: f32, high: f32, range| {
+            let ok = (low..=high).contains(&value);
+            if ok { Ok(()) } else { Err(Error::OutOfRange { name, value: value.into(), range }) }
+        };
+        if let Driver::Band { from, to } = self.driver {
+            check("voice band", from, 0.0, 1.0, "[0, 1]")?;
+            check("voice band", to, 0.0, 1.0, "[0, 1]")?;
+        }
+        check("voice gain", self.gain, -10.0, 10.0, "[-10, 10]")
+    }
+}
+
 /// One voice: a deformation whose strength the song drives.
 #[derive(Clone, Debug)]
 pub struct Voice {
     /// The deformation at full strength, such as one layer of a caricature.
     pub term: Term,
-    /// What it listens to.
-    pub driver: Driver,
-    /// What the driver's strength is multiplied by, [−10, 10].
-    pub gain: f32,
+    /// What it listens to, and how strongly.
+    pub settings: VoiceSettings,
 }
 
 /// Several voices that together make one item.
@@ -64,6 +98,7 @@ pub struct Voice {
 pub struct Voices {
     voices: Vec<Voice>,
     probes: Probes,
+    box_diagonal: f32,
     limit: f32,
     scratch: Vec<[f32; 3]>,
 }
@@ -75,14 +110,8 @@ impl Voices {
     /// Errors if a gain or the limit is out of range, or a term has more coefficients than
     /// the dancer has harmonics.
     pub fn new(voices: Vec<Voice>, dancer: &Dancer, limit: f32) -> Result<Self, Error> {
-        if !(limit > 0.0 && limit <= 1.0) {
-            return Err(Error::OutOfRange { name: "limit", value: limit.into(), range: "(0, 1]" });
-        }
         for voice in &voices {
-            if !(-10.0..=10.0).contains(&voice.gain) {
-                let value = voice.gain.into();
-                return Err(Error::OutOfRange { name: "voice gain", value, range: "[-10, 10]" });
-            }
+            voice.settings.validate()?;
             let found = match &voice.term.coefficients {
                 Coefficients::Vector(c) => c.len(),
                 Coefficients::Normal(c) => c.len(),
@@ -91,8 +120,38 @@ impl Voices {
                 return Err(Error::Size { what: "voice coefficients", found, expected: dancer.harmonics() });
             }
         }
-        let limit = limit * dancer.box_diagonal;
-        Ok(Self { voices, probes: dancer.probes.clone(), limit, scratch: Vec::new() })
+        let mut new = Self { voices, ..Self::silent(dancer) };
+        new.set_limit(limit)?;
+        Ok(new)
+    }
+
+    /// No voices at all.
+    pub(crate) fn silent(dancer: &Dancer) -> Self {
+        let (probes, box_diagonal) = (dancer.probes.clone(), dancer.box_diagonal);
+        Self { voices: Vec::new(), probes, box_diagonal, limit: box_diagonal, scratch: Vec::new() }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.voices.len()
+    }
+
+    /// Another limit, (0, 1].
+    pub fn set_limit(&mut self, limit: f32) -> Result<(), Error> {
+        if !(limit > 0.0 && limit <= 1.0) {
+            return Err(Error::OutOfRange { name: "limit", value: limit.into(), range: "(0, 1]" });
+        }
+        self.limit = limit * self.box_diagonal;
+        Ok(())
+    }
+
+    /// Lets a voice listen to something else.
+    pub fn tune(&mut self, voice: usize, settings: VoiceSettings) -> Result<(), Error> {
+        settings.validate()?;
+        let count = self.voices.len();
+        let missing = Error::NoSuch { what: "voice", index: voice, count };
+        self.voices.get_mut(voice).ok_or(missing)?.settings = settings;
+        Ok(())
     }
 
     /// An item with one term per voice, for [`play`](Self::play) to write.
@@ -113,7 +172,8 @@ impl Voices {
                 _ => return Err(Error::Size { what: "terms of the same form", found: 0, expected: 1 }),
             }
             term.residual_gain = voice.term.residual_gain;
-            scale_term(term, voice.gain * voice.driver.strength(bands, beat));
+            let VoiceSettings { driver, gain } = voice.settings;
+            scale_term(term, gain * driver.strength(bands, beat));
         }
         let reach = self.probes.displacement(item, &mut self.scratch) / self.limit;
         let scale = soft_limit(reach);

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::samples;
 use chladni_music::{
-    Action, Bands, Dancer, Ensemble, Form, Gallery, GalleryShape, Instrument, Mapping, Moment, Player,
+    Action, Bands, Beat, Dancer, Ensemble, Form, Gallery, GalleryShape, Instrument, Mapping, Moment, Player,
     Playing, Preset, Session, Symmetry,
 };
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
@@ -230,9 +230,8 @@ fn a_session_replays_bit_for_bit_through_its_file() {
             let s =
                 analyser.analyse(&song.left[from..from + window], &song.right[from..from + window], 0.045);
             let bands = Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side };
-            bits.extend(coefficients_of(
-                ensemble.play(instrument, &bands, 6.0 + frame as f64 * 0.1).unwrap(),
-            ));
+            let beat = Beat { count: 6.0 + frame as f64 * 0.1, confidence: 1.0 };
+            bits.extend(coefficients_of(ensemble.play(instrument, &bands, beat).unwrap()));
         }
         bits
     };

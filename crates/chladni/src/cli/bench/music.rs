@@ -100,7 +100,8 @@ impl BenchMusic {
             let s = analyser.analyse(left, right, 1.0 / 60.0);
             let heard = start.elapsed().as_secs_f64();
             let bands = Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side };
-            let items = ensemble.play(&instrument, &bands, 0.0).map_err(Failure::other)?;
+            let items =
+                ensemble.play(&instrument, &bands, chladni_music::Beat::default()).map_err(Failure::other)?;
             let mapped = start.elapsed().as_secs_f64();
             synthesizer.synthesize_positions(items).map_err(Failure::other)?;
             let moved = start.elapsed().as_secs_f64();

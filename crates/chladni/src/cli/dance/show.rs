@@ -97,7 +97,7 @@ impl Show {
         let bands = self.hearing.bands(time_secs, dt_secs, self.instrument.parameters())?;
         seconds.analysis += listening.elapsed().as_secs_f64();
         let mapping = Instant::now();
-        let items = self.ensemble.play(&self.instrument, &bands, beat.count).map_err(failure)?;
+        let items = self.ensemble.play(&self.instrument, &bands, beat).map_err(failure)?;
         seconds.mapping += mapping.elapsed().as_secs_f64();
         Ok((time_secs, beat, items))
     }

@@ -149,8 +149,7 @@ impl Concert {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         let (status, beat, bands) = listening.hear(self.instrument.parameters())?;
         self.moment = Moment { at_secs: status.position_secs, at_beat: beat.count };
-        let items =
-            self.ensemble.play(&self.instrument, &bands, beat.count).map_err(|error| error.to_string())?;
+        let items = self.ensemble.play(&self.instrument, &bands, beat).map_err(|error| error.to_string())?;
         let count = items.len();
         // Full blending is the paper's: the mean of the exact and the rest normal.
         let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
