@@ -12,7 +12,8 @@ pub struct History {
     past: Vec<Step>,
     future: Vec<Step>,
     gesture: Option<(&'static str, Option<LayerId>)>,
-    saved: Project,
+    /// What is on the disk; `None` where nothing is.
+    saved: Option<Project>,
 }
 
 #[derive(Clone, Debug)]
@@ -28,7 +29,12 @@ const MAX_STEPS: usize = 500;
 impl History {
     /// A project just opened or made: nothing to undo, nothing to save.
     pub fn new(project: Project) -> Self {
-        Self { saved: project.clone(), project, past: Vec::new(), future: Vec::new(), gesture: None }
+        Self { saved: Some(project.clone()), project, past: Vec::new(), future: Vec::new(), gesture: None }
+    }
+
+    /// A project that lies in no file as it is: all of it is to be saved.
+    pub fn recovered(project: Project) -> Self {
+        Self { saved: None, ..Self::new(project) }
     }
 
     /// The project as it is now.
@@ -104,11 +110,11 @@ impl History {
 
     /// Notes that the project as it is now is on the disk.
     pub fn mark_saved(&mut self) {
-        self.saved = self.project.clone();
+        self.saved = Some(self.project.clone());
     }
 
     /// Whether there is something to save: undoing back to what was saved counts as saved.
     pub fn is_modified(&self) -> bool {
-        self.saved != self.project
+        self.saved.as_ref() != Some(&self.project)
     }
 }

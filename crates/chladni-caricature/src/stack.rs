@@ -290,10 +290,15 @@ impl LayerMemo {
 impl EvaluatedLayer {
     /// How many triangles of `surface` the layer turns over; 0 where it does not act.
     pub fn folds(&self, surface: &Surface) -> usize {
-        let Some(displacement) = &self.displacement else { return 0 };
+        self.folded_triangles(surface).len()
+    }
+
+    /// The triangles of `surface` that the layer turns over, ascending.
+    pub fn folded_triangles(&self, surface: &Surface) -> Vec<u32> {
+        let Some(displacement) = &self.displacement else { return Vec::new() };
         let base = &self.base.positions;
         let moved: Vec<Vec3> = base.iter().zip(displacement.iter()).map(|(x, d)| add(*x, *d)).collect();
-        flipped_triangles(surface, base, &moved).len()
+        flipped_triangles(surface, base, &moved)
     }
 }
 

@@ -5,15 +5,14 @@
 
 use std::time::{Duration, Instant};
 
-use chladni::studio::Studio;
+use chladni::studio::{Opening, Studio};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 fn open(files: Vec<std::path::PathBuf>) -> Harness<'static, Studio> {
-    Harness::builder()
-        .with_size([1280.0, 800.0])
-        .wgpu()
-        .build_eframe(|creation| Studio::new(creation, None, files).expect("a graphics device"))
+    Harness::builder().with_size([1280.0, 800.0]).wgpu().build_eframe(|creation| {
+        Studio::new(creation, Opening { files, ..Opening::default() }).expect("a graphics device")
+    })
 }
 
 /// Steps until `ready`, as a person waits; fails after a minute.

@@ -3,6 +3,9 @@
 //! Rooms read their engines' state and emit actions; only the engines change state.
 
 mod caricature;
+mod choose;
+mod closing;
+mod folders;
 mod icon;
 mod job;
 mod music;
@@ -19,6 +22,10 @@ use std::path::{Path, PathBuf};
 use eframe::egui_wgpu::RenderState;
 use egui::Key;
 
+pub use choose::{Chooser, Kind, SystemDialogs};
+pub use folders::Folders;
+
+use closing::Closing;
 use icon::Icon;
 use notices::Notices;
 use room::{Room, Shared};
@@ -52,23 +59,43 @@ pub fn open(files: Vec<PathBuf>) -> Result<(), StudioError> {
     eframe::run_native(
         "chladni",
         options,
-        Box::new(move |creation| Ok(Box::new(Studio::new(creation, Settings::default_path(), files)?))),
+        Box::new(move |creation| {
+            let folders = Folders::of_user();
+            Ok(Box::new(Studio::new(creation, Opening { folders, files, ..Opening::default() })?))
+        }),
     )?;
     Ok(())
+}
+
+/// What a window opens with.
+pub struct Opening {
+    /// Where it keeps what outlives it; nowhere by default.
+    pub folders: Folders,
+    /// Who is asked for files: by default the system's dialogs.
+    pub chooser: Box<dyn Chooser>,
+    /// Files to open at once.
+    pub files: Vec<PathBuf>,
+}
+
+impl Default for Opening {
+    fn default() -> Self {
+        Self { folders: Folders::default(), chooser: Box::new(SystemDialogs), files: Vec::new() }
+    }
 }
 
 /// The whole window.
 pub struct Studio {
     gpu: RenderState,
+    folders: Folders,
+    chooser: Box<dyn Chooser>,
     settings: Settings,
-    settings_path: Option<PathBuf>,
     saved_settings: Settings,
     notices: Notices,
     rooms: Vec<Box<dyn Room>>,
     /// The room on screen; `None` is the start screen.
     current: Option<usize>,
     cheat_sheet: bool,
-    closing: bool,
+    closing: Closing,
 }
 
 /// The device is missing where the window was made without wgpu.
@@ -77,17 +104,17 @@ pub struct Studio {
 struct NoDevice;
 
 impl Studio {
-    /// Builds the window's state. `settings_path` is where preferences are kept, `None` to keep none.
+    /// Builds the window's state.
     ///
     /// Fails where eframe offers no wgpu device.
     pub fn new(
         creation: &eframe::CreationContext<'_>,
-        settings_path: Option<PathBuf>,
-        files: Vec<PathBuf>,
+        opening: Opening,
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
         let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
         let mut notices = Notices::default();
-        let settings = match settings_path.as_deref().map(Settings::load) {
+        let Opening { folders, chooser, files } = opening;
+        let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
             Some(Err(error)) => {
                 notices.warn(format!("Preferences could not be read, defaults are used: {error}"));
@@ -101,7 +128,8 @@ impl Studio {
             gpu,
             saved_settings: settings.clone(),
             settings,
-            settings_path,
+            folders,
+            chooser,
             notices,
             rooms: vec![
                 Box::new(caricature::CaricatureRoom::default()),
@@ -109,7 +137,7 @@ impl Studio {
             ],
             current: None,
             cheat_sheet: false,
-            closing: false,
+            closing: Closing::No,
         };
         if !files.is_empty() {
             studio.open_files(&creation.egui_ctx, &files);
@@ -117,9 +145,10 @@ impl Studio {
         Ok(studio)
     }
 
+    /// Opens files in the room that they are meant for, else in the one on screen.
     fn open_files(&mut self, ctx: &egui::Context, files: &[PathBuf]) {
         let claims = |room: &Box<dyn Room>| files.iter().any(|path| room.claims(path));
-        let index = self.current.or_else(|| self.rooms.iter().position(claims)).unwrap_or(0);
+        let index = self.rooms.iter().position(claims).or(self.current).unwrap_or(0);
         self.current = Some(index);
         self.with_room(ctx, index, |room, shared| room.open(files, shared));
     }
@@ -136,7 +165,9 @@ impl Studio {
             gpu: &self.gpu,
             notices: &mut self.notices,
             settings: &mut self.settings,
-            folder: self.settings_path.as_deref().and_then(Path::parent).map(Path::to_owned),
+            folder: self.folders.settings.as_deref().and_then(Path::parent).map(Path::to_owned),
+            folders: &self.folders,
+            chooser: self.chooser.as_mut(),
         };
         Some(act(room.as_mut(), &mut shared))
     }
@@ -204,40 +235,12 @@ impl Studio {
         if self.settings == self.saved_settings {
             return;
         }
-        if let Some(path) = &self.settings_path
+        if let Some(path) = &self.folders.settings
             && let Err(error) = self.settings.save(path)
         {
             self.notices.warn(format!("{}: preferences could not be kept: {error}", path.display()));
         }
         self.saved_settings = self.settings.clone();
-    }
-
-    /// Asks before unsaved work is lost.
-    fn handle_close(&mut self, ctx: &egui::Context) {
-        let unsaved: Vec<String> = self.rooms.iter().filter_map(|room| room.unsaved()).collect();
-        if ctx.input(|input| input.viewport().close_requested()) && !unsaved.is_empty() && !self.closing {
-            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.closing = true;
-        }
-        if !self.closing {
-            return;
-        }
-        egui::Modal::new(egui::Id::unique("close")).show(ctx, |ui| {
-            ui.heading("Close without saving?");
-            for line in &unsaved {
-                ui.label(line);
-            }
-            ui.add_space(theme::GAP);
-            ui.horizontal(|ui| {
-                if ui.button("Keep working").clicked() {
-                    self.closing = false;
-                }
-                if ui.button("Close and lose changes").clicked() {
-                    self.rooms.clear();
-                    ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-                }
-            });
-        });
     }
 }
 
@@ -262,6 +265,11 @@ impl eframe::App for Studio {
             }
             None => self.start_screen(ui),
         }
+        for index in 0..self.rooms.len() {
+            if self.with_room(&ctx, index, |room, shared| room.show_over(shared)) == Some(true) {
+                self.current = Some(index);
+            }
+        }
         let groups: Vec<(&str, &[Shortcut])> = std::iter::once(("Window", &WINDOW_KEYS[..]))
             .chain(self.current.and_then(|i| self.rooms.get(i)).map(|room| (room.name(), room.shortcuts())))
             .collect();
@@ -269,6 +277,10 @@ impl eframe::App for Studio {
         self.notices.show(&ctx);
         self.save_settings();
         self.handle_close(&ctx);
+    }
+
+    fn on_exit(&mut self) {
+        self.rooms.iter_mut().for_each(|room| room.leave());
     }
 }
 

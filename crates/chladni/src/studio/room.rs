@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::choose::Chooser;
+use super::folders::Folders;
 use super::icon::Icon;
 use super::notices::Notices;
 use super::settings::Settings;
@@ -32,10 +34,25 @@ pub trait Room {
         false
     }
 
+    /// Draws what must be seen whichever room is on screen, such as an offer to recover work;
+    /// true asks for the room to be shown.
+    fn show_over(&mut self, _shared: &mut Shared<'_>) -> bool {
+        false
+    }
+
     /// Something unsaved that closing the window would lose; `None` when all is safe.
     fn unsaved(&self) -> Option<String> {
         None
     }
+
+    /// Saves all that is unsaved, asking for names where there are none; false where something
+    /// still is.
+    fn save_all(&mut self, _shared: &mut Shared<'_>) -> bool {
+        true
+    }
+
+    /// The window closes, and all that matters is saved or given up.
+    fn leave(&mut self) {}
 }
 
 /// What rooms may use of the window around them.
@@ -50,4 +67,8 @@ pub struct Shared<'a> {
     pub settings: &'a mut Settings,
     /// The folder of the preferences, where rooms may keep files of their own; `None` to keep none.
     pub folder: Option<PathBuf>,
+    /// Where things are kept.
+    pub folders: &'a Folders,
+    /// Whom to ask for files.
+    pub chooser: &'a mut dyn Chooser,
 }

@@ -29,12 +29,6 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Where the settings of this user live; `None` where the system knows no home folder.
-    pub fn default_path() -> Option<PathBuf> {
-        let folders = directories::ProjectDirs::from("", "", "chladni")?;
-        Some(folders.config_dir().join("settings.toml"))
-    }
-
     /// Reads `path`. A missing file gives the defaults; a damaged one is an error that says why.
     pub fn load(path: &Path) -> io::Result<Self> {
         let text = match std::fs::read_to_string(path) {

@@ -68,6 +68,13 @@ pub fn title() -> TextStyle {
     TextStyle::Name("title".into())
 }
 
+/// The button that most people want: filled with the accent.
+pub fn primary_button(ui: &mut egui::Ui, label: impl Into<String>) -> egui::Response {
+    let palette = palette(ui);
+    let text = egui::RichText::new(label).color(Color32::from_rgb(24, 18, 8)).strong();
+    ui.add(egui::Button::new(text).fill(palette.accent_fill))
+}
+
 /// Sets fonts and both themes once, when the window opens.
 pub fn install(ctx: &egui::Context) {
     let mut fonts = egui::FontDefinitions::default();

@@ -5,6 +5,7 @@ use chladni_view::{ColorMap, Scale};
 
 use super::curve::Bar;
 use super::session::Session;
+use super::stage::Coating;
 
 /// A quantity drawn on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,6 +13,8 @@ pub enum Quantity {
     /// The material alone.
     #[default]
     None,
+    /// The colours that the shape brought along.
+    Own,
     /// How far the result lies from the original.
     Displacement,
     /// How far the selected layer's template lies from the shape.
@@ -22,19 +25,23 @@ pub enum Quantity {
     Region,
     /// How far the match is to be trusted.
     Confidence,
+    /// Triangles that any layer turned over.
+    Folds,
     /// One harmonic.
     Harmonic,
 }
 
 impl Quantity {
     /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 7] = [
+    pub const ALL: [(Self, &'static str); 9] = [
         (Self::None, "Material"),
+        (Self::Own, "Its own colours"),
         (Self::Displacement, "Displacement"),
         (Self::Difference, "Difference from the template"),
         (Self::Painted, "Region, as painted"),
         (Self::Region, "Region, smoothed"),
         (Self::Confidence, "Confidence of the match"),
+        (Self::Folds, "Folded triangles"),
         (Self::Harmonic, "A harmonic"),
     ];
 }
@@ -60,6 +67,12 @@ impl Heat {
         self.quantity
     }
 
+    /// A shape was opened, with or without colours of its own.
+    pub fn start(&mut self, own_look: bool) {
+        self.quantity = if own_look { Quantity::Own } else { Quantity::None };
+        self.stale = true;
+    }
+
     /// Which harmonic is shown where one is.
     pub fn harmonic(&self) -> usize {
         self.harmonic
@@ -81,14 +94,23 @@ impl Heat {
         std::mem::take(&mut self.stale)
     }
 
+    /// What the stage is to be painted with.
+    pub fn coating(&self, session: &Session) -> Coating {
+        match self.values(session) {
+            Some((values, scale)) => Coating::Values(values, scale),
+            None if self.quantity == Quantity::Own => Coating::Own,
+            None => Coating::Material,
+        }
+    }
+
     /// One value per operator vertex and their scale; `None` where the material is shown or the
     /// quantity does not exist yet.
-    pub fn values(&self, session: &Session) -> Option<(Vec<f32>, Scale)> {
+    fn values(&self, session: &Session) -> Option<(Vec<f32>, Scale)> {
         let length = |d: &[f64; 3]| (d[0].hypot(d[1]).hypot(d[2])) as f32;
         let body = session.stack.body();
         let unit = Scale { map: self.map, low: 0.0, high: 1.0 };
         match self.quantity {
-            Quantity::None => None,
+            Quantity::None | Quantity::Own => None,
             Quantity::Displacement => {
                 let values: Vec<f32> = session.evaluation.displacement().iter().map(length).collect();
                 let scale = Scale::of(self.map, &values);
@@ -123,6 +145,14 @@ impl Heat {
                     if let Some(vertex) = vertex {
                         values[*vertex as usize] = *confidence as f32;
                     }
+                }
+                Some((values, unit))
+            }
+            Quantity::Folds => {
+                let mut values = vec![0.0; body.positions.len()];
+                for triangle in session.folds.iter().flatten() {
+                    let corners = body.triangles.get(*triangle as usize).into_iter().flatten();
+                    corners.for_each(|v| values[*v as usize] = 1.0);
                 }
                 Some((values, unit))
             }

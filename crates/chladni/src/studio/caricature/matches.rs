@@ -23,8 +23,7 @@ pub fn show(ui: &mut Ui, session: &mut Session, edits: &mut Edits, shared: &mut 
         ui.add(egui::Label::new(template_name(&layer.template)).truncate());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.button(icon::text(Icon::FolderOpen)).on_hover_text("Use another mesh as template").clicked()
-                && let Some(path) =
-                    rfd::FileDialog::new().add_filter("Meshes", &super::export::MESHES).pick_file()
+                && let Some(path) = shared.chooser.open(&[("Meshes", &super::files::MESHES)])
             {
                 edits.once(Action::Set { layer: id, to: Property::Template(Template::File(path)) });
             }

@@ -1,34 +1,42 @@
 //! The caricature room: layers on the left, the shape in the middle, controls on the right.
 
+mod autosave;
 mod brush;
+mod center;
 mod controls;
 mod curve;
 mod edits;
 mod export;
+mod files;
 mod heat;
 mod layers;
 mod matches;
+mod own_look;
+mod recover;
 mod session;
+mod shot;
 mod stage;
 mod toolbar;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use chladni_caricature::{Action, Layer, LayerId, Model, Project, Property, ShapeSource, Template};
-use eframe::egui_wgpu::RenderState;
+use chladni_caricature::{Action, LayerId, Property, Recovered};
 use egui::{Key, Ui};
 
-pub use self::export::MESHES;
+pub use self::files::MESHES;
 
+use self::autosave::Autosave;
 use self::brush::BrushTool;
 use self::controls::{Controls, Measured, Wish};
 use self::edits::Edits;
+use self::files::Candidate;
 use self::heat::Heat;
 use self::layers::LayerList;
+use self::recover::Offer;
 use self::session::{Loaded, Session};
 use self::stage::{Look, Show, Stage};
 use super::icon::Icon;
-use super::job::{self, Job, Outcome};
+use super::job::{Job, Outcome};
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::theme;
@@ -76,13 +84,24 @@ const KEYS: [Shortcut; 20] = [
 pub struct CaricatureRoom {
     loading: Option<Job<Result<Loaded, String>>>,
     session: Option<Session>,
+    /// Waits until it is known what becomes of unsaved work.
+    candidate: Option<Candidate>,
+    offer: Offer,
+    /// A recovery copy whose project is open; dropped as soon as our own copy is on the disk.
+    adopting: Option<Recovered>,
+    /// `None` until it is needed; an error where it cannot be.
+    autosave: Option<Result<Autosave, ()>>,
     stage: Option<Stage>,
     layers: LayerList,
     controls: Controls,
+    /// Meshes that become layers as soon as the shape is there.
+    templates: Vec<PathBuf>,
     brush: BrushTool,
     heat: Heat,
     look: Look,
     stale: bool,
+    /// Opening failed: the sample does not push itself forward.
+    refused: bool,
 }
 
 impl Room for CaricatureRoom {
@@ -103,8 +122,8 @@ impl Room for CaricatureRoom {
     }
 
     fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
-        if self.session.is_none() && self.loading.is_none() {
-            self.open_sample(shared);
+        if self.session.is_none() && self.loading.is_none() && !self.refused {
+            self.open_sample("head", shared);
         }
         self.poll(shared);
         self.handle_keys(shared);
@@ -121,66 +140,46 @@ impl Room for CaricatureRoom {
     }
 
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
-        for path in paths {
-            let project = path.extension().is_some_and(|extension| extension == "chladni");
+        let opens_shape = self.session.is_none() || paths.len() > 1;
+        for (index, path) in paths.iter().enumerate() {
             // The first mesh is the shape; the next ones are templates for it.
-            match (&self.session, project) {
-                (Some(_), false) if paths.len() == 1 || Some(path) != paths.first() => {
-                    self.add_template(path.clone(), shared)
-                }
-                _ => self.load(path.clone(), project, shared),
+            if files::is_project(path) || (index == 0 && opens_shape) {
+                self.templates.clear();
+                self.load(path, shared);
+            } else {
+                shared.settings.remember(path);
+                self.templates.push(path.clone());
             }
-            shared.settings.remember(path);
         }
     }
 
+    fn claims(&self, path: &Path) -> bool {
+        files::is_project(path)
+    }
+
+    fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
+        self.keep_copy(shared);
+        self.ask_to_replace(shared);
+        self.offer_recovery(shared)
+    }
+
     fn unsaved(&self) -> Option<String> {
-        let session = self.session.as_ref()?;
-        (session.history.is_modified() && !session.project().layers().is_empty())
-            .then(|| format!("The caricature “{}” has changes that are not saved.", session.name()))
+        let session = self.session.as_ref().filter(|_| self.has_unsaved_work())?;
+        Some(format!("The caricature “{}” has changes that are not saved.", session.name()))
+    }
+
+    fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
+        !self.has_unsaved_work() || self.save(false, shared)
+    }
+
+    fn leave(&mut self) {
+        if let Some(Ok(autosave)) = self.autosave.take() {
+            autosave.finish();
+        }
     }
 }
 
 impl CaricatureRoom {
-    fn open_sample(&mut self, shared: &mut Shared<'_>) {
-        let mut project = Project::new(ShapeSource::Sample("head".into()), shared.settings.harmonics);
-        let mut first = Layer::new("Character", Template::Sample("template".into()));
-        first.mu = -0.8;
-        if let Err(error) = project.push(first) {
-            shared.notices.error(error.to_string());
-        }
-        self.start(project, None, shared);
-    }
-
-    fn load(&mut self, path: PathBuf, project: bool, shared: &mut Shared<'_>) {
-        if project {
-            match Project::load(&path) {
-                Ok(project) => self.start(project, Some(path), shared),
-                Err(error) => shared.notices.error(error.to_string()),
-            }
-        } else {
-            let project = Project::new(ShapeSource::File(path), shared.settings.harmonics);
-            self.start(project, None, shared);
-        }
-    }
-
-    fn start(&mut self, project: Project, path: Option<PathBuf>, shared: &Shared<'_>) {
-        let label = format!("Opening {}", project.shape);
-        self.loading = Some(Job::start(label, &shared.ctx, move |task| session::load(project, path, task)));
-    }
-
-    fn add_template(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
-        let Some(session) = &mut self.session else { return };
-        let name =
-            path.file_stem().map_or_else(|| "Template".into(), |stem| stem.to_string_lossy().into_owned());
-        let index = session.project().layers().len();
-        let layer = Box::new(Layer::new(name, Template::File(path)));
-        match session.apply(vec![edits::Edit::Once(Action::Add { index, layer })]) {
-            Ok(changed) => self.stale |= changed,
-            Err(why) => shared.notices.error(why),
-        }
-    }
-
     /// Takes in what jobs have finished.
     fn poll(&mut self, shared: &mut Shared<'_>) {
         let outcome = self.loading.as_ref().map(Job::poll);
@@ -191,6 +190,7 @@ impl CaricatureRoom {
             }
             Some(Outcome::Done(Err(why))) => {
                 self.loading = None;
+                self.refused = true;
                 shared.notices.error(why);
             }
             Some(Outcome::Lost) => {
@@ -198,6 +198,11 @@ impl CaricatureRoom {
                 shared.notices.error("Opening broke off; this is a bug.");
             }
             Some(Outcome::Running) | None => {}
+        }
+        if self.loading.is_none() && self.session.is_some() {
+            for path in std::mem::take(&mut self.templates) {
+                self.add_template(path, shared);
+            }
         }
         if let Some(session) = &mut self.session {
             let (message, changed) = session.pump_matches(&shared.ctx);
@@ -208,23 +213,30 @@ impl CaricatureRoom {
         }
     }
 
-    fn take_in(&mut self, loaded: Loaded, shared: &mut Shared<'_>) {
+    fn take_in(&mut self, mut loaded: Loaded, shared: &mut Shared<'_>) {
         for warning in &loaded.warnings {
             shared.notices.warn(warning.clone());
         }
         if let Some(warning) = &loaded.report.cache_warning {
             shared.notices.warn(warning.clone());
         }
-        let session = match Session::new(loaded) {
+        let recovered = loaded.recovered.take();
+        let look = loaded.look.take();
+        let session = match Session::new(loaded, recovered.is_some()) {
             Ok(session) => session,
             Err(why) => return shared.notices.error(why),
         };
         let positions = single(&session.stack.body().positions);
-        match Stage::new(shared.gpu, &positions, &session.stack.body().triangles) {
+        match Stage::new(shared.gpu, &positions, &session.stack.body().triangles, look.as_ref()) {
             Ok(stage) => {
+                self.heat.start(stage.has_own_look());
                 self.stage = Some(stage);
                 self.session = Some(session);
                 self.stale = true;
+                if let Some(Ok(autosave)) = &mut self.autosave {
+                    autosave.forget();
+                }
+                self.adopting = recovered;
             }
             Err(error) => shared.notices.error(error.to_string()),
         }
@@ -324,90 +336,6 @@ impl CaricatureRoom {
             });
         });
     }
-
-    fn center(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, edits: &mut Edits) {
-        egui::CentralPanel::default().frame(egui::Frame::new()).show(ui, |ui| {
-            if let Some(loading) = &self.loading {
-                egui::Panel::bottom("loading").show(ui, |ui| {
-                    ui.add_space(theme::GAP_SMALL);
-                    job::show_progress(ui, loading);
-                    ui.add_space(theme::GAP_SMALL);
-                });
-            }
-            self.toolbar(ui, shared);
-            let (Some(session), Some(stage)) = (&mut self.session, &mut self.stage) else {
-                ui.centered_and_justified(|ui| ui.label("The shape appears here as soon as it is read."));
-                return;
-            };
-            let shown = update_stage(session, stage, &mut self.heat, self.look, &mut self.stale)
-                .and_then(|()| show_stage(ui, shared, session, stage, &mut self.brush, self.look, edits));
-            if let Err(why) = shown {
-                shared.notices.error(why);
-            }
-        });
-    }
-}
-
-/// Brings the figures on the stage up to date with the evaluation.
-fn update_stage(
-    session: &mut Session,
-    stage: &mut Stage,
-    heat: &mut Heat,
-    look: Look,
-    stale: &mut bool,
-) -> Result<(), String> {
-    if !std::mem::take(stale) && !heat.take_stale() {
-        return Ok(());
-    }
-    let result = &session.evaluation.result;
-    stage
-        .set_figure(stage::RESULT, &single(&result.positions), &single(result.normals()))
-        .map_err(|error| error.to_string())?;
-    if look.show == Show::Models {
-        let project = session.project().clone();
-        let models = session.selected.and_then(|layer| session.stack.three_models(&project, layer));
-        for (index, _) in Model::ALL.iter().enumerate() {
-            let positions = match &models {
-                Some(models) => &models[index],
-                None => &result.positions,
-            };
-            let normals = single(&session.stack.surface().normals(positions));
-            stage
-                .set_figure(stage::MODELS + index, &single(positions), &normals)
-                .map_err(|error| error.to_string())?;
-        }
-    }
-    let values = heat.values(session);
-    stage
-        .set_heat(values.as_ref().map(|(values, scale)| (values.as_slice(), *scale)))
-        .map_err(|error| error.to_string())
-}
-
-fn show_stage(
-    ui: &mut Ui,
-    shared: &mut Shared<'_>,
-    session: &Session,
-    stage: &mut Stage,
-    brush: &mut BrushTool,
-    mut look: Look,
-    edits: &mut Edits,
-) -> Result<(), String> {
-    let rect = ui.available_rect_before_wrap();
-    if ui.ctx().input(|input| input.key_down(Key::C)) && !ui.ctx().egui_wants_keyboard_input() {
-        look.show = Show::Original;
-    }
-    let gpu: &RenderState = shared.gpu;
-    let ring = brush.active.then_some(brush.radius);
-    let (response, touch) = stage.show(ui, gpu, rect, look, ring, &[]).map_err(|error| error.to_string())?;
-    if let Some(layer) = session.selected.filter(|_| brush.active) {
-        brush.paint(ui, &response, touch, layer, session, edits);
-    } else if response.clicked()
-        && let Some(at) = response.interact_pointer_pos()
-        && let Some((layer, model)) = session.selected.zip(stage::model_at(rect, look.show, at))
-    {
-        edits.set(layer, Property::Model(Model::ALL[model]));
-    }
-    Ok(())
 }
 
 /// Positions or normals in the precision of pictures.

@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use chladni_caricature::{
     Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project,
-    ShapeSource, Stack, Template, furthest,
+    Recovered, ShapeSource, Stack, Template, furthest,
 };
 use chladni_harmonics::{BasisSettings, Body, BuildReport};
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
 use super::edits::Edit;
+use super::files::Candidate;
+use super::own_look::OwnLook;
 use crate::source;
 use crate::studio::job::{Job, Outcome};
 
@@ -19,23 +21,31 @@ use crate::studio::job::{Job, Outcome};
 pub struct Loaded {
     project: Project,
     path: Option<PathBuf>,
+    /// The recovery copy that the project comes from.
+    pub recovered: Option<Recovered>,
     mesh: Arc<TriMesh>,
-    body: Arc<Body>,
+    /// The shape with its harmonics.
+    pub body: Arc<Body>,
+    /// The colours that the file has.
+    pub look: Option<OwnLook>,
     /// How the basis was made.
     pub report: BuildReport,
     /// What was mended in the file.
     pub warnings: Vec<String>,
 }
 
-/// Loads the shape of `project` and its harmonics; `path` is where the project itself lives.
-pub fn load(project: Project, path: Option<PathBuf>, task: &Task) -> Result<Loaded, String> {
+/// Loads the shape of a project and its harmonics.
+pub fn load(candidate: Candidate, task: &Task) -> Result<Loaded, String> {
+    let Candidate { project, path, recovered } = candidate;
     let folder = path.as_deref().and_then(Path::parent);
-    let (mesh, warnings) = source::shape(&project.shape, folder)?;
+    let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
     let harmonics = project.harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
     let cache = crate::cli::basis_cache();
     let (body, report) = Body::load_or_build(&mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
         .map_err(|error| error.to_string())?;
-    Ok(Loaded { project, path, mesh: Arc::new(mesh), body: Arc::new(body), report, warnings })
+    let look = OwnLook::of(&mesh, &body, &mut warnings);
+    let (mesh, body) = (Arc::new(mesh), Arc::new(body));
+    Ok(Loaded { project, path, recovered, mesh, body, look, report, warnings })
 }
 
 /// A project with everything it needs to be drawn and changed.
@@ -53,18 +63,22 @@ pub struct Session {
     /// The layer that the panels edit.
     pub selected: Option<LayerId>,
     /// Triangles that each layer folds, in the order of the evaluation.
-    pub folds: Vec<usize>,
+    pub folds: Vec<Vec<u32>>,
     matching: Option<(MatchRequest, Job<Result<Matched, Error>>)>,
 }
 
 impl Session {
-    /// A session on what was loaded.
-    pub fn new(loaded: Loaded) -> Result<Self, String> {
+    /// A session on what was loaded; one that was recovered is still to be saved.
+    pub fn new(loaded: Loaded, recovered: bool) -> Result<Self, String> {
         let mut stack = Stack::new(loaded.body).map_err(|error| error.to_string())?;
         let evaluation = stack.evaluate(&loaded.project);
         let selected = loaded.project.layers().last().map(|(id, _)| *id);
         Ok(Self {
-            history: History::new(loaded.project),
+            history: if recovered {
+                History::recovered(loaded.project)
+            } else {
+                History::new(loaded.project)
+            },
             path: loaded.path,
             mesh: loaded.mesh,
             stack,
@@ -133,13 +147,13 @@ impl Session {
         }
         self.evaluation = self.stack.evaluate(&project);
         let surface = self.stack.surface();
-        self.folds = self.evaluation.layers.iter().map(|layer| layer.folds(surface)).collect();
+        self.folds = self.evaluation.layers.iter().map(|layer| layer.folded_triangles(surface)).collect();
     }
 
     /// Triangles folded by `layer`.
     pub fn folds_of(&self, layer: LayerId) -> usize {
         let index = self.evaluation.layers.iter().position(|evaluated| evaluated.id == layer);
-        index.and_then(|index| self.folds.get(index)).copied().unwrap_or(0)
+        index.and_then(|index| self.folds.get(index)).map_or(0, Vec::len)
     }
 
     /// The μ with the strongest exaggeration before the selected layer folds new triangles.
@@ -234,6 +248,15 @@ impl Session {
             LayerState::Failed(why) => Some(why),
             _ => None,
         }
+    }
+
+    /// A name for a file that belongs to this project, beside the project or the shape.
+    pub fn beside(&self, extension: &str) -> PathBuf {
+        let file = match (&self.path, &self.project().shape) {
+            (Some(path), _) | (None, ShapeSource::File(path)) => path.clone(),
+            (None, ShapeSource::Sample(name)) => PathBuf::from(name),
+        };
+        file.with_extension(extension)
     }
 
     /// What the window's title and the start screen call it.

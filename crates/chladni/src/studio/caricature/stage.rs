@@ -2,12 +2,14 @@
 //! wires, and the brush on its surface.
 
 use chladni_view::{
-    Background, Brush, Camera, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint,
-    PickTree, Rect, Scale, Topology, VertexPaint, View, ViewError, Wire, layout,
+    Background, Brush, Camera, Cell, Figure, ItemBuffers, Marker, PickTree, Rect, Scale, Skin, Topology,
+    VertexPaint, View, ViewError, layout,
 };
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
+use super::own_look::OwnLook;
+use super::shot::{Coat, Pose, Shot};
 use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 
@@ -45,14 +47,23 @@ pub struct Look {
     pub material: usize,
     /// Index into [`Lights::PRESETS`].
     pub lights: usize,
-    /// The map of heat maps for magnitudes.
-    pub map: ColorMap,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self { show: Show::Result, wire: false, material: 0, lights: 0, map: ColorMap::Viridis }
+        Self { show: Show::Result, wire: false, material: 0, lights: 0 }
     }
+}
+
+/// What gives the figures their colour.
+#[derive(Debug)]
+pub enum Coating {
+    /// The material alone.
+    Material,
+    /// The colours that the shape brought along.
+    Own,
+    /// A heat map.
+    Values(Vec<f32>, Scale),
 }
 
 /// A point under the pointer.
@@ -73,9 +84,12 @@ pub struct Stage {
     pub camera: Camera,
     topology: Topology,
     buffers: ItemBuffers,
-    paint: VertexPaint,
-    heat: Option<Scale>,
-    positions: Vec<Vec<[f32; 3]>>,
+    values: VertexPaint,
+    coat: Coat,
+    /// What `values` holds where the coat is a heat map.
+    heat: Vec<f32>,
+    own: Option<Coat>,
+    poses: Vec<Pose>,
     triangles: Vec<[u32; 3]>,
     pick: Option<(usize, PickTree)>,
     fitted: bool,
@@ -83,32 +97,50 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// A stage for a body of `positions` (working frame) and `triangles`, all figures at rest.
+    /// A stage for a body of `positions` (working frame) and `triangles`, all figures at rest, in
+    /// its own look where it has one.
     pub fn new(
         state: &RenderState,
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
+        look: Option<&OwnLook>,
     ) -> Result<Self, ViewError> {
         let viewport = Viewport::new(state);
         let gpu = viewport.gpu();
         let n = positions.len();
-        let topology = Topology::new(gpu, n, triangles)?;
+        let topology = match look {
+            Some(OwnLook::Image { corner_uvs, .. }) => Topology::with_uvs(gpu, n, triangles, corner_uvs)?,
+            _ => Topology::new(gpu, n, triangles)?,
+        };
+        let own = match look {
+            Some(OwnLook::Image { picture, .. }) => {
+                Some(Coat::Skin(Skin::new(gpu, picture.width, picture.height, &picture.rgba)?))
+            }
+            Some(OwnLook::Colors(colors)) => {
+                let paint = VertexPaint::new(gpu, n);
+                paint.write_colors(gpu, colors)?;
+                Some(Coat::Colors(paint))
+            }
+            None => None,
+        };
         let buffers = ItemBuffers::new(gpu, n, FIGURES);
-        let paint = VertexPaint::new(gpu, n);
+        let values = VertexPaint::new(gpu, n);
+        let normals = chladni_view::smooth_normals(positions, triangles);
         let mut stage = Self {
             viewport,
             camera: Camera::looking(View::ThreeQuarter),
             topology,
             buffers,
-            paint,
-            heat: None,
-            positions: vec![positions.to_vec(); FIGURES],
+            values,
+            coat: Coat::Material,
+            heat: Vec::new(),
+            own,
+            poses: vec![(positions.to_vec(), normals.clone()); FIGURES],
             triangles: triangles.to_vec(),
             pick: None,
             fitted: false,
             last_look: None,
         };
-        let normals = chladni_view::smooth_normals(positions, triangles);
         for figure in 0..FIGURES {
             stage.set_figure(figure, positions, &normals)?;
         }
@@ -123,8 +155,11 @@ impl Stage {
         normals: &[[f32; 3]],
     ) -> Result<(), ViewError> {
         self.buffers.write(self.viewport.gpu(), figure, positions, normals)?;
-        self.positions[figure].clear();
-        self.positions[figure].extend_from_slice(positions);
+        let (held_positions, held_normals) = &mut self.poses[figure];
+        held_positions.clear();
+        held_positions.extend_from_slice(positions);
+        held_normals.clear();
+        held_normals.extend_from_slice(normals);
         if self.pick.as_ref().is_some_and(|(picked, _)| *picked == figure) {
             self.pick = None;
         }
@@ -132,15 +167,58 @@ impl Stage {
         Ok(())
     }
 
-    /// Paints every figure by `values`, or by its material where there are none.
-    pub fn set_heat(&mut self, values: Option<(&[f32], Scale)>) -> Result<(), ViewError> {
-        self.heat = None;
-        if let Some((values, scale)) = values {
-            self.paint.write_values(self.viewport.gpu(), values)?;
-            self.heat = Some(scale);
-        }
+    /// Whether the shape has colours of its own.
+    pub fn has_own_look(&self) -> bool {
+        self.own.is_some()
+    }
+
+    /// Paints every figure.
+    pub fn set_coating(&mut self, coating: Coating) -> Result<(), ViewError> {
+        self.coat = match coating {
+            Coating::Material => Coat::Material,
+            Coating::Own => self.own.clone().unwrap_or(Coat::Material),
+            Coating::Values(values, scale) => {
+                self.values.write_values(self.viewport.gpu(), &values)?;
+                self.heat = values;
+                Coat::Values(self.values.clone(), scale)
+            }
+        };
         self.viewport.invalidate();
         Ok(())
+    }
+
+    /// What is shown now, on its own, before a `background`.
+    pub fn shot(&self, look: Look, background: Background) -> Result<Shot, ViewError> {
+        let gpu = self.viewport.gpu().clone();
+        let coat = match &self.coat {
+            Coat::Values(_, scale) => {
+                let own = VertexPaint::new(&gpu, self.heat.len());
+                own.write_values(&gpu, &self.heat)?;
+                Coat::Values(own, *scale)
+            }
+            constant => constant.clone(),
+        };
+        let poses = figures(look.show).iter().map(|figure| self.poses[*figure].clone()).collect();
+        Ok(Shot { gpu, topology: self.topology.clone(), poses, coat, camera: self.camera, look, background })
+    }
+
+    /// Another pose of this shape, on its own.
+    pub fn shot_of(&self, pose: Pose, coat: Coat, background: Background) -> Shot {
+        let (gpu, topology) = (self.viewport.gpu().clone(), self.topology.clone());
+        Shot {
+            gpu,
+            topology,
+            poses: vec![pose],
+            coat,
+            camera: self.camera,
+            look: Look::default(),
+            background,
+        }
+    }
+
+    /// The device that the stage draws with.
+    pub fn gpu(&self) -> &chladni_view::Gpu {
+        self.viewport.gpu()
     }
 
     /// Moves the camera so that the original fills the view.
@@ -160,12 +238,7 @@ impl Stage {
         markers: &[Marker],
     ) -> Result<(egui::Response, Option<Touch>), ViewError> {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
-        let figures: &[usize] = match look.show {
-            Show::Result => &[RESULT],
-            Show::Models => &[MODELS, MODELS + 1, MODELS + 2],
-            Show::BeforeAfter => &[ORIGINAL, RESULT],
-            Show::Original => &[ORIGINAL],
-        };
+        let figures = figures(look.show);
         let canvas = Rect::of_size(
             ((rect.width() * ui.pixels_per_point()).round() as u32).max(1),
             ((rect.height() * ui.pixels_per_point()).round() as u32).max(1),
@@ -175,7 +248,7 @@ impl Stage {
         if !self.fitted
             && let Some(cell) = cells.first()
         {
-            self.camera.fit(self.positions[ORIGINAL].iter().copied(), cell.aspect(), 0.8);
+            self.camera.fit(self.poses[ORIGINAL].0.iter().copied(), cell.aspect(), 0.8);
             self.fitted = true;
             self.viewport.invalidate();
         }
@@ -195,8 +268,8 @@ impl Stage {
             self.viewport.invalidate();
         }
         self.draw(ui, state, rect, look, figures, &cells, brush, markers)?;
-        if let Some(scale) = self.heat {
-            show_legend(ui, rect, scale);
+        if let Coat::Values(_, scale) = &self.coat {
+            show_legend(ui, rect, *scale);
         }
         show_names(ui, rect, look.show, &cells);
         Ok((response, touch))
@@ -213,29 +286,14 @@ impl Stage {
         brush: Option<Brush>,
         markers: &[Marker],
     ) -> Result<(), ViewError> {
-        let paint = self.heat.map_or(Paint::Material, |scale| Paint::Values(&self.paint, scale));
-        let material = Material::PRESETS.get(look.material).map_or(Material::CLAY, |preset| preset.1);
-        let lights = Lights::PRESETS.get(look.lights).map_or(Lights::STUDIO, |preset| preset.1);
-        let wire = look.wire.then_some(Wire { color: [20, 20, 24], opacity: 0.35, width_px: 1.0 });
         let drawn: Vec<[Figure<'_>; 1]> = figures
             .iter()
-            .map(|figure| {
-                let mut figure = Figure::new(&self.topology, &self.buffers, *figure);
-                (figure.material, figure.paint, figure.wire, figure.brush) = (material, paint, wire, brush);
-                [figure]
+            .map(|item| {
+                let figure = look.figure(&self.topology, &self.buffers, *item, self.coat.paint());
+                [Figure { brush, ..figure }]
             })
             .collect();
-        let stage = theme::palette(ui).stage;
-        let background = if ui.visuals().dark_mode {
-            let lift = |c: u8| c.saturating_add(22);
-            Background {
-                center: [lift(stage.r()), lift(stage.g()), lift(stage.b())],
-                corner: [stage.r(), stage.g(), stage.b()],
-                opacity: 1.0,
-            }
-        } else {
-            Background::PAPER
-        };
+        let (background, lights) = (backdrop(ui), look.lights());
         let camera = self.camera;
         self.viewport.show(ui, state, rect, |_| {
             cells
@@ -257,7 +315,7 @@ impl Stage {
         let at = response.interact_pointer_pos().or(response.hover_pos())?;
         let [x, y] = viewport::to_pixels(ui, rect, at);
         let (cell, figure) = cells.iter().zip(figures).find(|(cell, _)| cell.contains(x, y))?;
-        let positions = &self.positions[*figure];
+        let positions = &self.poses[*figure].0;
         match &mut self.pick {
             Some((picked, _)) if picked == figure => {}
             Some((picked, tree)) => {
@@ -270,6 +328,30 @@ impl Stage {
         let ray = self.camera.ray(x, y, *cell);
         let hit = tree.pick(&ray, positions, &self.triangles)?;
         Some(Touch { triangle: hit.triangle, barycentric: hit.barycentric, point: hit.point(&ray) })
+    }
+}
+
+/// The figures that are shown, from left to right.
+fn figures(show: Show) -> &'static [usize] {
+    match show {
+        Show::Result => &[RESULT],
+        Show::Models => &[MODELS, MODELS + 1, MODELS + 2],
+        Show::BeforeAfter => &[ORIGINAL, RESULT],
+        Show::Original => &[ORIGINAL],
+    }
+}
+
+/// What stands behind shapes in this window.
+pub fn backdrop(ui: &Ui) -> Background {
+    if !ui.visuals().dark_mode {
+        return Background::PAPER;
+    }
+    let stage = theme::palette(ui).stage;
+    let lift = |c: u8| c.saturating_add(22);
+    Background {
+        center: [lift(stage.r()), lift(stage.g()), lift(stage.b())],
+        corner: [stage.r(), stage.g(), stage.b()],
+        opacity: 1.0,
     }
 }
 

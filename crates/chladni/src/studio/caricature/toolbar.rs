@@ -4,7 +4,7 @@ use chladni_view::{ColorMap, Lights, Material};
 use egui::Ui;
 
 use super::heat::Quantity;
-use super::stage::Show;
+use super::stage::{Show, Stage};
 use super::{CaricatureRoom, EXPORT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
@@ -69,7 +69,8 @@ impl CaricatureRoom {
             (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
         let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);
         egui::ComboBox::from_id_salt("heat").width(150.0).selected_text(name).show_ui(ui, |ui| {
-            for (choice, name) in Quantity::ALL {
+            let has_own = self.stage.as_ref().is_some_and(Stage::has_own_look);
+            for (choice, name) in Quantity::ALL.into_iter().filter(|q| q.0 != Quantity::Own || has_own) {
                 ui.selectable_value(&mut quantity, choice, name);
             }
             ui.separator();

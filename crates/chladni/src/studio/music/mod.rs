@@ -232,13 +232,13 @@ impl MusicRoom {
         }
         match wish {
             Some(transport::Wish::OpenSong) => {
-                if let Some(songs) = rfd::FileDialog::new().add_filter("Songs", &SONGS).pick_files() {
+                let songs = shared.chooser.open_several(&[("Songs", &SONGS)]);
+                if !songs.is_empty() {
                     listening.play_list(songs);
                 }
             }
             Some(transport::Wish::OpenShape) => {
-                let meshes = super::caricature::MESHES;
-                shape = rfd::FileDialog::new().add_filter("Meshes", &meshes).pick_file();
+                shape = shared.chooser.open(&[("Meshes", &super::caricature::MESHES)]);
             }
             Some(transport::Wish::SaveSession) => {
                 let session = Session::of(concert.instrument(), &listening.song_name());
@@ -259,10 +259,7 @@ impl MusicRoom {
 }
 
 fn save_as(name: &str, shared: &mut Shared<'_>, save: impl FnOnce(&Path) -> Result<(), String>) {
-    let Some(path) = rfd::FileDialog::new().add_filter("Text", &["toml"]).set_file_name(name).save_file()
-    else {
-        return;
-    };
+    let Some(path) = shared.chooser.save(&[("Text", &["toml"])], Path::new(name)) else { return };
     match save(&path) {
         Ok(()) => shared.notices.done(format!("Saved {}", path.display())),
         Err(why) => shared.notices.error(why),

@@ -1,0 +1,176 @@
+//! Keeps a recovery copy of the open project, beside the window, so that a crash loses seconds.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+
+use chladni_caricature::{History, Project, Recovered, Recovery};
+
+/// The least time between two copies.
+const INTERVAL_SECS: f64 = 2.0;
+
+/// The recovery copy of this window. The disk is only touched on a thread of its own, which
+/// writes what it was given before it ends.
+pub struct Autosave {
+    orders: Option<Sender<Order>>,
+    errors: Receiver<String>,
+    thread: Option<JoinHandle<()>>,
+    /// What the copy holds; `None` where there is none.
+    kept: Option<Project>,
+    last_secs: f64,
+}
+
+enum Order {
+    Keep(Box<Project>, Option<PathBuf>),
+    Clear,
+    /// This recovered copy is kept in ours by now.
+    Discard(Box<Recovered>),
+    Finish,
+}
+
+impl Autosave {
+    /// Copies go to `folder`; fails where it cannot be written.
+    pub fn start(folder: &Path) -> Result<Self, String> {
+        let recovery = Recovery::start(folder, std::process::id()).map_err(|error| error.to_string())?;
+        let ((orders, inbox), (report, errors)) = (channel(), channel());
+        let thread = std::thread::Builder::new()
+            .name("autosave".into())
+            .spawn(move || work(recovery, &inbox, &report))
+            .map_err(|error| format!("no thread to keep copies on: {error}"))?;
+        let last_secs = f64::NEG_INFINITY;
+        Ok(Self { orders: Some(orders), errors, thread: Some(thread), kept: None, last_secs })
+    }
+
+    /// Keeps the project where it has unsaved changes that no copy holds yet, or drops the copy
+    /// where all is saved. `path` is where it was saved; `now_secs` may start anywhere. Returns
+    /// what went wrong since the last call.
+    pub fn tick(&mut self, history: &History, path: Option<&Path>, now_secs: f64) -> Option<String> {
+        if !history.is_modified() {
+            if self.kept.take().is_some() {
+                self.order(Order::Clear);
+            }
+        } else if self.kept.as_ref() != Some(history.project()) && now_secs - self.last_secs >= INTERVAL_SECS
+        {
+            let project = history.project().clone();
+            self.order(Order::Keep(Box::new(project.clone()), path.map(Path::to_owned)));
+            (self.kept, self.last_secs) = (Some(project), now_secs);
+        }
+        self.errors.try_recv().ok()
+    }
+
+    /// Seconds until [`tick`](Self::tick) has something to keep; `None` where it has nothing.
+    pub fn due_secs(&self, history: &History, now_secs: f64) -> Option<f64> {
+        let behind = history.is_modified() && self.kept.as_ref() != Some(history.project());
+        behind.then(|| (self.last_secs + INTERVAL_SECS - now_secs).max(0.0))
+    }
+
+    /// Another project was opened in its place.
+    pub fn forget(&mut self) {
+        self.kept = None;
+        self.last_secs = f64::NEG_INFINITY;
+        self.order(Order::Clear);
+    }
+
+    /// Drops a copy that is open in this window again, once our own copy is on the disk.
+    pub fn adopt(&mut self, recovered: Recovered, history: &History, now_secs: f64) -> Option<String> {
+        self.last_secs = f64::NEG_INFINITY;
+        let error = self.tick(history, recovered.original.as_deref(), now_secs);
+        self.order(Order::Discard(Box::new(recovered)));
+        error
+    }
+
+    /// The window closes well: nothing is left to recover.
+    pub fn finish(self) {
+        self.order(Order::Finish);
+    }
+
+    fn order(&self, order: Order) {
+        if let Some(orders) = &self.orders {
+            // A thread that is gone has reported why.
+            let _ = orders.send(order);
+        }
+    }
+}
+
+impl Drop for Autosave {
+    fn drop(&mut self) {
+        self.orders = None;
+        if let Some(thread) = self.thread.take() {
+            // It ends by itself as soon as its orders are done; a panic there has nothing to add.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn work(recovery: Recovery, inbox: &Receiver<Order>, report: &Sender<String>) {
+    let mut whole = true;
+    while let Ok(order) = inbox.recv() {
+        match order {
+            Order::Keep(project, path) => {
+                let kept = recovery.keep(&project, path.as_deref());
+                whole = kept.is_ok();
+                if let Err(error) = kept {
+                    // The window may have gone meanwhile.
+                    let _ = report.send(format!("No recovery copy could be kept: {error}"));
+                }
+            }
+            Order::Clear => recovery.clear(),
+            Order::Discard(recovered) if whole => recovered.discard(),
+            Order::Discard(_) => {}
+            Order::Finish => return recovery.finish(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_caricature::{Action, Layer, ShapeSource, Template};
+
+    fn changed() -> History {
+        let mut history = History::new(Project::new(ShapeSource::Sample("head".into()), 8));
+        let layer = Box::new(Layer::new("nose", Template::Ellipsoid));
+        history.apply(&Action::Add { index: 0, layer }, None).unwrap();
+        history
+    }
+
+    #[test]
+    fn a_crash_leaves_the_work_and_an_orderly_end_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut history = changed();
+        let mut autosave = Autosave::start(folder.path()).unwrap();
+        assert_eq!(autosave.tick(&history, Some(Path::new("/a/b.chladni")), 10.0), None);
+        // Too soon for another copy: the first is what a crash leaves.
+        history.apply(&Action::Remove(chladni_caricature::LayerId(1)), None).unwrap();
+        autosave.tick(&history, None, 10.5);
+        drop(autosave);
+        let (found, unreadable) = Recovery::find(folder.path());
+        assert!(unreadable.is_empty());
+        assert_eq!((found.len(), found[0].project.layers().len()), (1, 1));
+        assert_eq!(found[0].original.as_deref(), Some(Path::new("/a/b.chladni")));
+
+        let mut next = Autosave::start(folder.path()).unwrap();
+        let recovered = History::recovered(found[0].project.clone());
+        next.adopt(found[0].clone(), &recovered, 0.0);
+        drop(next);
+        let (found, _) = Recovery::find(folder.path());
+        assert_eq!(found.len(), 1, "the adopted copy is gone, our own is there");
+
+        let mut last = Autosave::start(folder.path()).unwrap();
+        last.adopt(found[0].clone(), &recovered, 0.0);
+        last.finish();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn saving_drops_the_copy() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut history = changed();
+        let mut autosave = Autosave::start(folder.path()).unwrap();
+        autosave.tick(&history, None, 0.0);
+        history.mark_saved();
+        autosave.tick(&history, None, 0.1);
+        drop(autosave);
+        assert!(Recovery::find(folder.path()).0.is_empty());
+    }
+}

@@ -1,0 +1,98 @@
+//! What stands in the middle of the room: the toolbar and the stage.
+
+use chladni_caricature::{Model, Property};
+use eframe::egui_wgpu::RenderState;
+use egui::{Key, Ui};
+
+use super::brush::BrushTool;
+use super::edits::Edits;
+use super::heat::Heat;
+use super::session::Session;
+use super::stage::{self, Look, Show, Stage};
+use super::{CaricatureRoom, single};
+use crate::studio::room::Shared;
+use crate::studio::{job, theme};
+
+impl CaricatureRoom {
+    /// Draws it.
+    pub(super) fn center(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, edits: &mut Edits) {
+        egui::CentralPanel::default().frame(egui::Frame::new()).show(ui, |ui| {
+            if let Some(loading) = &self.loading {
+                egui::Panel::bottom("loading").show(ui, |ui| {
+                    ui.add_space(theme::GAP_SMALL);
+                    job::show_progress(ui, loading);
+                    ui.add_space(theme::GAP_SMALL);
+                });
+            }
+            self.toolbar(ui, shared);
+            let (Some(session), Some(stage)) = (&mut self.session, &mut self.stage) else {
+                ui.centered_and_justified(|ui| ui.label("The shape appears here as soon as it is read."));
+                return;
+            };
+            let shown = update_stage(session, stage, &mut self.heat, self.look, &mut self.stale)
+                .and_then(|()| show_stage(ui, shared, session, stage, &mut self.brush, self.look, edits));
+            if let Err(why) = shown {
+                shared.notices.error(why);
+            }
+        });
+    }
+}
+
+/// Brings the figures on the stage up to date with the evaluation.
+fn update_stage(
+    session: &mut Session,
+    stage: &mut Stage,
+    heat: &mut Heat,
+    look: Look,
+    stale: &mut bool,
+) -> Result<(), String> {
+    if !std::mem::take(stale) && !heat.take_stale() {
+        return Ok(());
+    }
+    let result = &session.evaluation.result;
+    stage
+        .set_figure(stage::RESULT, &single(&result.positions), &single(result.normals()))
+        .map_err(|error| error.to_string())?;
+    if look.show == Show::Models {
+        let project = session.project().clone();
+        let models = session.selected.and_then(|layer| session.stack.three_models(&project, layer));
+        for (index, _) in Model::ALL.iter().enumerate() {
+            let positions = match &models {
+                Some(models) => &models[index],
+                None => &result.positions,
+            };
+            let normals = single(&session.stack.surface().normals(positions));
+            stage
+                .set_figure(stage::MODELS + index, &single(positions), &normals)
+                .map_err(|error| error.to_string())?;
+        }
+    }
+    stage.set_coating(heat.coating(session)).map_err(|error| error.to_string())
+}
+
+fn show_stage(
+    ui: &mut Ui,
+    shared: &mut Shared<'_>,
+    session: &Session,
+    stage: &mut Stage,
+    brush: &mut BrushTool,
+    mut look: Look,
+    edits: &mut Edits,
+) -> Result<(), String> {
+    let rect = ui.available_rect_before_wrap();
+    if ui.ctx().input(|input| input.key_down(Key::C)) && !ui.ctx().egui_wants_keyboard_input() {
+        look.show = Show::Original;
+    }
+    let gpu: &RenderState = shared.gpu;
+    let ring = brush.active.then_some(brush.radius);
+    let (response, touch) = stage.show(ui, gpu, rect, look, ring, &[]).map_err(|error| error.to_string())?;
+    if let Some(layer) = session.selected.filter(|_| brush.active) {
+        brush.paint(ui, &response, touch, layer, session, edits);
+    } else if response.clicked()
+        && let Some(at) = response.interact_pointer_pos()
+        && let Some((layer, model)) = session.selected.zip(stage::model_at(rect, look.show, at))
+    {
+        edits.set(layer, Property::Model(Model::ALL[model]));
+    }
+    Ok(())
+}

@@ -1,0 +1,206 @@
+//! Opening, saving, and never losing work: the room's traffic with project files.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use chladni_caricature::{Action, Layer, Project, Recovered, ShapeSource, Template};
+use egui::Context;
+
+use super::CaricatureRoom;
+use super::autosave::Autosave;
+use super::edits::Edit;
+use super::session::{self, Session};
+use crate::studio::job::Job;
+use crate::studio::room::Shared;
+use crate::studio::theme;
+
+/// Extensions of meshes that can be read.
+pub const MESHES: [&str; 7] = ["obj", "ply", "off", "stl", "gltf", "glb", "mesh"];
+/// Extension of projects.
+pub const PROJECT: &str = "chladni";
+
+/// A project that is to take the place of the open one.
+pub struct Candidate {
+    /// The document.
+    pub project: Project,
+    /// Where it lies, if anywhere.
+    pub path: Option<PathBuf>,
+    /// The recovery copy that it comes from.
+    pub recovered: Option<Recovered>,
+}
+
+/// Whether `path` is named like a project.
+pub fn is_project(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == PROJECT)
+}
+
+impl CaricatureRoom {
+    /// Asks for a mesh or project and opens it.
+    pub(super) fn choose_file(&mut self, shared: &mut Shared<'_>) {
+        let mut extensions = vec![PROJECT];
+        extensions.extend(MESHES);
+        if let Some(path) = shared.chooser.open(&[("Meshes and projects", &extensions)]) {
+            self.load(&path, shared);
+        }
+    }
+
+    /// Opens a mesh as a new shape, or a project.
+    pub(super) fn load(&mut self, path: &Path, shared: &mut Shared<'_>) {
+        let candidate = if is_project(path) {
+            match Project::load(path) {
+                Ok(project) => Candidate { project, path: Some(path.to_owned()), recovered: None },
+                Err(error) => return shared.notices.error(error.to_string()),
+            }
+        } else {
+            let shape = ShapeSource::File(path.to_owned());
+            let project = Project::new(shape, shared.settings.harmonics);
+            Candidate { project, path: None, recovered: None }
+        };
+        shared.settings.remember(path);
+        self.start(candidate, shared);
+    }
+
+    /// Opens a sample; the head comes with a first layer, so that there is something to see.
+    pub(super) fn open_sample(&mut self, name: &str, shared: &mut Shared<'_>) {
+        let mut project = Project::new(ShapeSource::Sample(name.into()), shared.settings.harmonics);
+        if name == "head" {
+            let template = Template::Sample("template".into());
+            let first = Layer { mu: -0.8, ..Layer::new("Character", template) };
+            if let Err(error) = project.push(first) {
+                shared.notices.error(error.to_string());
+            }
+        }
+        self.start(Candidate { project, path: None, recovered: None }, shared);
+    }
+
+    /// Puts `candidate` in the place of the open project, which is asked about where it has
+    /// unsaved changes.
+    pub(super) fn start(&mut self, candidate: Candidate, shared: &Shared<'_>) {
+        if self.has_unsaved_work() {
+            self.candidate = Some(candidate);
+        } else {
+            self.begin(candidate, &shared.ctx);
+        }
+    }
+
+    fn begin(&mut self, candidate: Candidate, ctx: &Context) {
+        let label = format!("Opening {}", candidate.project.shape);
+        self.loading = Some(Job::start(label, ctx, move |task| session::load(candidate, task)));
+    }
+
+    /// Lays a mesh beside the shape: a new layer against it.
+    pub(super) fn add_template(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
+        let Some(session) = &mut self.session else { return };
+        let name =
+            path.file_stem().map_or_else(|| "Template".into(), |stem| stem.to_string_lossy().into_owned());
+        let index = session.project().layers().len();
+        let layer = Box::new(Layer::new(name, Template::File(path)));
+        match session.apply(vec![Edit::Once(Action::Add { index, layer })]) {
+            Ok(changed) => self.stale |= changed,
+            Err(why) => shared.notices.error(why),
+        }
+    }
+
+    /// Saves the project, asking for a name where it has none or another is wanted; true where it
+    /// is on the disk now.
+    pub(super) fn save(&mut self, ask: bool, shared: &mut Shared<'_>) -> bool {
+        let Some(session) = &mut self.session else { return true };
+        let known = session.path.clone().filter(|_| !ask);
+        let suggested = session.beside(PROJECT);
+        let path = known.or_else(|| shared.chooser.save(&[("Chladni project", &[PROJECT])], &suggested));
+        let Some(path) = path else { return false };
+        match save_to(session, &path) {
+            Ok(()) => {
+                shared.settings.remember(&path);
+                shared.notices.done(format!("Saved {}", path.display()));
+                true
+            }
+            Err(why) => {
+                shared.notices.error(why);
+                false
+            }
+        }
+    }
+
+    pub(super) fn has_unsaved_work(&self) -> bool {
+        let worth =
+            |session: &Session| session.history.is_modified() && !session.project().layers().is_empty();
+        self.session.as_ref().is_some_and(worth)
+    }
+
+    /// Asks what becomes of unsaved work when another project is opened.
+    pub(super) fn ask_to_replace(&mut self, shared: &mut Shared<'_>) {
+        if self.candidate.is_none() {
+            return;
+        }
+        let name = self.session.as_ref().map(Session::name).unwrap_or_default();
+        let (mut save, mut discard, mut stay) = (false, false, false);
+        let modal = egui::Modal::new(egui::Id::unique("replace")).show(&shared.ctx, |ui| {
+            ui.set_width(420.0);
+            ui.heading("Save before opening another?");
+            ui.add_space(theme::GAP);
+            ui.label(format!("“{name}” has changes that are not saved."));
+            ui.add_space(theme::GAP_LARGE);
+            ui.horizontal(|ui| {
+                save = theme::primary_button(ui, "Save").clicked();
+                stay = ui.button("Keep working").clicked();
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    discard = ui.button("Lose changes").clicked();
+                });
+            });
+        });
+        if discard || (save && self.save(false, shared)) {
+            if let Some(candidate) = self.candidate.take() {
+                self.begin(candidate, &shared.ctx);
+            }
+        } else if stay || modal.should_close() {
+            self.candidate = None;
+        }
+    }
+
+    /// Offers what a crash left behind; true where the person wants it back.
+    pub(super) fn offer_recovery(&mut self, shared: &mut Shared<'_>) -> bool {
+        let Some(recovered) = self.offer.show(shared) else { return false };
+        let candidate = Candidate {
+            project: recovered.project.clone(),
+            path: recovered.original.clone(),
+            recovered: Some(recovered),
+        };
+        self.start(candidate, shared);
+        true
+    }
+
+    /// Keeps a recovery copy of unsaved work.
+    pub(super) fn keep_copy(&mut self, shared: &mut Shared<'_>) {
+        let (Some(session), Some(folder)) = (&self.session, &shared.folders.recovery) else { return };
+        if self.autosave.is_none() {
+            match Autosave::start(folder) {
+                Ok(autosave) => self.autosave = Some(Ok(autosave)),
+                Err(why) => {
+                    shared.notices.warn(format!("There will be no recovery after a crash: {why}"));
+                    self.autosave = Some(Err(()));
+                }
+            }
+        }
+        let Some(Ok(autosave)) = &mut self.autosave else { return };
+        let now_secs = shared.ctx.input(|input| input.time);
+        let error = match self.adopting.take() {
+            Some(recovered) => autosave.adopt(recovered, &session.history, now_secs),
+            None => autosave.tick(&session.history, session.path.as_deref(), now_secs),
+        };
+        if let Some(why) = error {
+            shared.notices.warn(why);
+        }
+        if let Some(secs) = autosave.due_secs(&session.history, now_secs) {
+            shared.ctx.request_repaint_after(Duration::from_secs_f64(secs + 0.05));
+        }
+    }
+}
+
+/// Writes the project to `path`, whole or not at all.
+fn save_to(session: &mut Session, path: &Path) -> Result<(), String> {
+    session.project().save(path).map_err(|error| error.to_string())?;
+    session.path = Some(PathBuf::from(path));
+    session.history.mark_saved();
+    Ok(())
+}

@@ -1,0 +1,109 @@
+//! The offer to recover what a crash left behind.
+
+use std::time::SystemTime;
+
+use chladni_caricature::{Recovered, Recovery, ShapeSource};
+use egui::RichText;
+
+use crate::studio::room::Shared;
+use crate::studio::theme;
+
+/// What was found when the window opened.
+#[derive(Default)]
+pub struct Offer {
+    found: Option<Vec<Recovered>>,
+}
+
+impl Offer {
+    /// Looks once, and asks as long as something is there; returns what the person wants back.
+    pub fn show(&mut self, shared: &mut Shared<'_>) -> Option<Recovered> {
+        let found = self.found.get_or_insert_with(|| find(shared));
+        if found.is_empty() {
+            return None;
+        }
+        let mut answer = None;
+        egui::Modal::new(egui::Id::unique("recover")).show(&shared.ctx, |ui| {
+            ui.set_width(460.0);
+            ui.heading("The last session did not end well");
+            ui.label(
+                RichText::new("Your work is still there. Recover it, or throw it away.")
+                    .color(theme::palette(ui).weak),
+            );
+            ui.add_space(theme::GAP);
+            egui::ScrollArea::vertical().max_height(280.0).show(ui, |ui| {
+                for (index, recovered) in found.iter().enumerate() {
+                    ui.separator();
+                    ui.label(RichText::new(name(recovered)).strong());
+                    ui.label(RichText::new(describe(recovered)).color(theme::palette(ui).weak));
+                    ui.horizontal(|ui| {
+                        if theme::primary_button(ui, "Recover").clicked() {
+                            answer = Some((index, true));
+                        }
+                        if ui.button("Throw away").clicked() {
+                            answer = Some((index, false));
+                        }
+                    });
+                }
+            });
+            ui.separator();
+            if ui.button("Ask again next time").clicked() {
+                answer = Some((usize::MAX, false));
+            }
+        });
+        match answer {
+            None => None,
+            Some((index, wanted)) if index < found.len() => {
+                let recovered = found.remove(index);
+                if !wanted {
+                    recovered.discard();
+                    return None;
+                }
+                // The others are asked about the next time: one project is open at a time.
+                found.clear();
+                Some(recovered)
+            }
+            Some(_) => {
+                found.clear();
+                None
+            }
+        }
+    }
+}
+
+fn find(shared: &mut Shared<'_>) -> Vec<Recovered> {
+    let Some(folder) = &shared.folders.recovery else { return Vec::new() };
+    let (found, unreadable) = Recovery::find(folder);
+    for why in unreadable {
+        shared.notices.warn(format!("A recovery copy cannot be read: {why}"));
+    }
+    found
+}
+
+fn name(recovered: &Recovered) -> String {
+    let file = match (&recovered.original, &recovered.project.shape) {
+        (Some(path), _) | (None, ShapeSource::File(path)) => path,
+        (None, ShapeSource::Sample(name)) => return format!("Sample {name}, never saved"),
+    };
+    let file_name =
+        file.file_name().map_or_else(|| file.display().to_string(), |n| n.to_string_lossy().into_owned());
+    match recovered.original {
+        Some(_) => file_name,
+        None => format!("{file_name}, never saved"),
+    }
+}
+
+fn describe(recovered: &Recovered) -> String {
+    let layers = match recovered.project.layers().len() {
+        1 => "1 layer".to_owned(),
+        count => format!("{count} layers"),
+    };
+    let age = recovered.modified.and_then(|modified| SystemTime::now().duration_since(modified).ok());
+    match age.map(|age| age.as_secs() / 60) {
+        None => layers,
+        Some(0) => format!("{layers}, changed less than a minute ago"),
+        Some(1) => format!("{layers}, changed a minute ago"),
+        Some(minutes @ 2..60) => format!("{layers}, changed {minutes} minutes ago"),
+        Some(minutes @ 60..2880) => format!("{layers}, changed {} hours ago", minutes.div_ceil(60)),
+        Some(minutes) => format!("{layers}, changed {} days ago", minutes / 1440),
+    }
+}

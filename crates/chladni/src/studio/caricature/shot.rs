@@ -1,0 +1,144 @@
+//! A picture of the stage that no later edit changes: for exports and thumbnails.
+
+use std::path::Path;
+
+use chladni_task::Task;
+use chladni_view::{
+    Background, Camera, Canvas, Cell, Figure, Film, FilmSettings, Gpu, ItemBuffers, Lights, Material, Paint,
+    Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, ViewError, Wire, film, layout,
+};
+
+use super::stage::Look;
+
+/// What gives figures their colour, whoever owns it.
+#[derive(Clone, Debug)]
+pub enum Coat {
+    /// The material's own.
+    Material,
+    /// A heat map.
+    Values(VertexPaint, Scale),
+    /// One colour a vertex.
+    Colors(VertexPaint),
+    /// An image.
+    Skin(Skin),
+}
+
+impl Coat {
+    /// As the renderer takes it.
+    pub fn paint(&self) -> Paint<'_> {
+        match self {
+            Self::Material => Paint::Material,
+            Self::Values(values, scale) => Paint::Values(values, *scale),
+            Self::Colors(colors) => Paint::Colors(colors),
+            Self::Skin(skin) => Paint::Skin(skin),
+        }
+    }
+}
+
+/// Positions and normals of one figure, N each.
+pub type Pose = (Vec<[f32; 3]>, Vec<[f32; 3]>);
+
+/// Everything that a picture needs, on its own.
+pub struct Shot {
+    /// The device; may be used on any thread.
+    pub gpu: Gpu,
+    /// What all figures share.
+    pub topology: Topology,
+    /// The figures, side by side.
+    pub poses: Vec<Pose>,
+    /// Their colour; must not be written any more.
+    pub coat: Coat,
+    /// Who looks.
+    pub camera: Camera,
+    /// Material, light, edges.
+    pub look: Look,
+    /// What is behind.
+    pub background: Background,
+}
+
+impl Shot {
+    /// Draws it once.
+    pub fn picture(&self, width: u32, height: u32) -> Result<Picture, ViewError> {
+        let canvas = Canvas::new(&self.gpu, width, height)?;
+        self.draw(&mut Renderer::new(&self.gpu), &canvas, &self.upload()?, self.camera)?;
+        canvas.read(&self.gpu)
+    }
+
+    /// Films the figures turning once around, into the file at `path`.
+    pub fn turntable(&self, path: &Path, settings: FilmSettings, task: &Task) -> Result<(), ViewError> {
+        let (width, height, frames) = (settings.width, settings.height, settings.frames);
+        let canvas = Canvas::new(&self.gpu, width, height)?;
+        let buffers = self.upload()?;
+        let mut start = self.camera;
+        let points: Vec<[f32; 3]> = self.poses.iter().flat_map(|(positions, _)| positions).copied().collect();
+        let aspect = self.cells(width, height).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+        start.fit_turntable(&points, aspect, 0.92);
+        let film = Film::create(path, settings)?;
+        film::shoot(&mut Renderer::new(&self.gpu), &canvas, film, task, |renderer, canvas, frame| {
+            let turn = std::f32::consts::TAU * frame as f32 / frames as f32;
+            self.draw(renderer, canvas, &buffers, Camera { yaw_rad: start.yaw_rad - turn, ..start })
+        })
+    }
+
+    fn upload(&self) -> Result<ItemBuffers, ViewError> {
+        let vertices = self.poses.first().map_or(0, |(positions, _)| positions.len());
+        let buffers = ItemBuffers::new(&self.gpu, vertices, self.poses.len());
+        for (item, (positions, normals)) in self.poses.iter().enumerate() {
+            buffers.write(&self.gpu, item, positions, normals)?;
+        }
+        Ok(buffers)
+    }
+
+    fn cells(&self, width: u32, height: u32) -> Vec<Rect> {
+        let (rows, columns) = layout::rows_and_columns(width, height, self.poses.len(), 0.8);
+        layout::grid(Rect::of_size(width, height), rows, columns, 0, self.poses.len())
+    }
+
+    fn draw(
+        &self,
+        renderer: &mut Renderer,
+        canvas: &Canvas,
+        buffers: &ItemBuffers,
+        camera: Camera,
+    ) -> Result<(), ViewError> {
+        let (lights, camera) = (self.look.lights(), camera);
+        let cell = |viewport, background, figures| Cell {
+            viewport,
+            camera,
+            lights,
+            background,
+            figures,
+            markers: &[],
+        };
+        let figures: Vec<Figure<'_>> = (0..self.poses.len())
+            .map(|item| self.look.figure(&self.topology, buffers, item, self.coat.paint()))
+            .collect();
+        // One background behind all cells, so that no seams show.
+        let mut cells = vec![cell(Rect::of_size(canvas.width(), canvas.height()), self.background, &[])];
+        for (viewport, figure) in self.cells(canvas.width(), canvas.height()).into_iter().zip(&figures) {
+            cells.push(cell(viewport, Background::TRANSPARENT, std::slice::from_ref(figure)));
+        }
+        renderer.draw(canvas, &cells)?;
+        Ok(())
+    }
+}
+
+impl Look {
+    /// The chosen lights.
+    pub fn lights(&self) -> Lights {
+        Lights::PRESETS.get(self.lights).map_or(Lights::STUDIO, |preset| preset.1)
+    }
+
+    /// A figure in the chosen material, with edges where they are wanted.
+    pub fn figure<'a>(
+        &self,
+        topology: &'a Topology,
+        buffers: &'a ItemBuffers,
+        item: usize,
+        paint: Paint<'a>,
+    ) -> Figure<'a> {
+        let material = Material::PRESETS.get(self.material).map_or(Material::CLAY, |preset| preset.1);
+        let wire = self.wire.then_some(Wire { color: [20, 20, 24], opacity: 0.35, width_px: 1.0 });
+        Figure { material, paint, wire, ..Figure::new(topology, buffers, item) }
+    }
+}

@@ -1,0 +1,87 @@
+//! Leaving the window: unsaved work is asked about first.
+
+use super::{Studio, theme};
+
+/// How far the person is on the way out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Closing {
+    /// Staying.
+    #[default]
+    No,
+    /// Asked what becomes of unsaved work.
+    Asked,
+    /// Decided; the window is about to go.
+    Yes,
+}
+
+/// What the person answered.
+enum Answer {
+    Stay,
+    Save,
+    Discard,
+}
+
+impl Studio {
+    /// Asks before unsaved work is lost.
+    pub(super) fn handle_close(&mut self, ctx: &egui::Context) {
+        let unsaved: Vec<String> = self.rooms.iter().filter_map(|room| room.unsaved()).collect();
+        if ctx.input(|input| input.viewport().close_requested())
+            && !unsaved.is_empty()
+            && self.closing != Closing::Yes
+        {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.closing = Closing::Asked;
+        }
+        if self.closing != Closing::Asked {
+            return;
+        }
+        match ask(ctx, &unsaved) {
+            None => {}
+            Some(Answer::Stay) => self.closing = Closing::No,
+            Some(Answer::Discard) => self.leave(ctx),
+            Some(Answer::Save) => {
+                let rooms = 0..self.rooms.len();
+                let saved = rooms
+                    .map(|i| self.with_room(ctx, i, |room, shared| room.save_all(shared)))
+                    .fold(true, |all, saved| all && saved.unwrap_or(true));
+                // What could not be saved has said so; nothing is lost.
+                if saved { self.leave(ctx) } else { self.closing = Closing::No }
+            }
+        }
+    }
+
+    fn leave(&mut self, ctx: &egui::Context) {
+        self.closing = Closing::Yes;
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+    }
+}
+
+fn ask(ctx: &egui::Context, unsaved: &[String]) -> Option<Answer> {
+    let mut answer = None;
+    let modal = egui::Modal::new(egui::Id::unique("close")).show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.heading("Save before closing?");
+        ui.add_space(theme::GAP);
+        for line in unsaved {
+            ui.label(line);
+        }
+        ui.add_space(theme::GAP_LARGE);
+        ui.horizontal(|ui| {
+            if theme::primary_button(ui, "Save and close").clicked() {
+                answer = Some(Answer::Save);
+            }
+            if ui.button("Keep working").clicked() {
+                answer = Some(Answer::Stay);
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Close and lose changes").clicked() {
+                    answer = Some(Answer::Discard);
+                }
+            });
+        });
+    });
+    if modal.should_close() {
+        answer.get_or_insert(Answer::Stay);
+    }
+    answer
+}

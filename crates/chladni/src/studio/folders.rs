@@ -1,0 +1,27 @@
+//! Where the window keeps what outlives it.
+
+use std::path::PathBuf;
+
+/// Places on the disk; nothing is kept where there is none.
+#[derive(Clone, Debug, Default)]
+pub struct Folders {
+    /// The file of preferences and recent files.
+    pub settings: Option<PathBuf>,
+    /// The folder of recovery copies, one for each running session.
+    pub recovery: Option<PathBuf>,
+    /// The folder of small pictures of recent files.
+    pub pictures: Option<PathBuf>,
+}
+
+impl Folders {
+    /// The places of this user, as the system has them; none where it knows no home folder.
+    pub fn of_user() -> Self {
+        let Some(user) = directories::ProjectDirs::from("", "", "chladni") else { return Self::default() };
+        let state = user.state_dir().unwrap_or_else(|| user.data_local_dir());
+        Self {
+            settings: Some(user.config_dir().join("settings.toml")),
+            recovery: Some(state.join("recovery")),
+            pictures: Some(user.cache_dir().join("pictures")),
+        }
+    }
+}
