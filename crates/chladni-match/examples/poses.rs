@@ -89,8 +89,7 @@ impl Row {
         template.positions.iter_mut().for_each(|p| *p = moved.apply(*p));
         let settings = Settings { method, seed, ..Settings::default() };
         let start = Instant::now();
-        let Match { correspondence: found, report } =
-            match_shapes(mesh, &template, &settings, &Task::new())?;
+        let Match { correspondence: found, report } = match_shapes(mesh, &template, &settings, &Task::new())?;
         self.seconds.push(start.elapsed().as_secs_f64());
         let diagonal = diagonal(mesh);
         let (mut pose, mut point) = (0.0_f64, 0.0_f64);

@@ -15,7 +15,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [shape, template] => [shape, template].map(|path: &std::path::PathBuf| load_mesh(path)),
         [] => {
             let shared = |name| chladni_testdata::shared(name).ok_or("no shared data");
-            [shared("meshes/heads/igea.ply")?, shared("meshes/heads/decimated-max.obj")?].map(|p| load_mesh(&p))
+            [shared("meshes/heads/igea.ply")?, shared("meshes/heads/decimated-max.obj")?]
+                .map(|p| load_mesh(&p))
         }
         _ => return Err("expected a shape and a template, or nothing".into()),
     };
@@ -63,7 +64,12 @@ fn watch(shape: &TriMesh, template: &TriMesh) -> Result<Duration, MatchError> {
             (until - *begin).as_secs_f64()
         );
     }
-    println!("{:<24} {:.3} s, longest silence {:.3} s", "all", (end - start).as_secs_f64(), silence.as_secs_f64());
+    println!(
+        "{:<24} {:.3} s, longest silence {:.3} s",
+        "all",
+        (end - start).as_secs_f64(),
+        silence.as_secs_f64()
+    );
     match found {
         Ok(found) => found.map(|_| end - start),
         Err(panic) => std::panic::resume_unwind(panic),

@@ -83,10 +83,11 @@ impl Field {
         }
     }
 
-    /// A sample near `query`.
-    pub fn near(&self, query: DVec3) -> Option<&Sample> {
+    /// A sample near `query`: its index and itself.
+    pub fn near(&self, query: DVec3) -> Option<(usize, &Sample)> {
         let [x, y, z] = self.cell(query);
-        self.samples.get(usize::from(self.nearest[(x * CELLS + y) * CELLS + z]))
+        let index = usize::from(self.nearest[(x * CELLS + y) * CELLS + z]);
+        Some((index, self.samples.get(index)?))
     }
 }
 
@@ -106,7 +107,7 @@ mod tests {
         let field = Field::new(&samples);
         for i in 0..500 {
             let q = DVec3::new((i as f64).sin(), (i as f64 * 1.7).cos(), (i as f64 * 0.3).sin()) * 0.5;
-            let found = field.near(q).unwrap().point.distance(q);
+            let found = field.near(q).unwrap().1.point.distance(q);
             let least = samples.iter().map(|s| s.point.distance(q)).fold(f64::INFINITY, f64::min);
             assert!(found <= least + 0.03, "{found} {least}");
         }

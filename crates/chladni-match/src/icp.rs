@@ -8,6 +8,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::eigen::solve_small;
 use crate::field::Field;
+use crate::relief::{Correlation, RADIUS, Relief};
 use crate::samples::Sample;
 use crate::surface::Surface;
 use crate::{Scaling, Similarity};
@@ -17,6 +18,7 @@ pub(crate) struct Sampled<'a> {
     pub surface: &'a Surface,
     pub samples: Vec<Sample>,
     pub field: Field,
+    pub relief: Relief,
 }
 
 /// What was found near a query: point, normal, squared distance.
@@ -35,7 +37,7 @@ impl Sampled<'_> {
     fn near(&self, query: DVec3, reach: f64, look: Look) -> Option<Near> {
         match look {
             Look::Coarse => {
-                let s = self.field.near(query)?;
+                let (_, s) = self.field.near(query)?;
                 let distance_squared = s.point.distance_squared(query);
                 (distance_squared < reach * reach).then_some(Near {
                     point: s.point,
@@ -45,7 +47,7 @@ impl Sampled<'_> {
             }
             Look::Exact => {
                 // The nearest point is no farther than any sample: a bound that spares most boxes.
-                let bound = self.field.near(query).map(|s| s.point.distance(query) + 1e-9);
+                let bound = self.field.near(query).map(|(_, s)| s.point.distance(query) + 1e-9);
                 let at = self.surface.closest(query, bound.map_or(reach, |b| b.min(reach)))?;
                 (!self.surface.on_boundary(&at)).then(|| Near {
                     point: at.point,
@@ -206,27 +208,37 @@ fn orthonormal(pose: &Similarity) -> Similarity {
 }
 
 /// How badly a pose fits, in [0, 1]: the mean over samples of both surfaces of d²/(c² + d²),
-/// where d² also counts how far the normals disagree. 0 is a perfect fit.
+/// where d² also counts how far the normals disagree, times 1 − ρ, where ρ ≥ 0 is how well the
+/// relief of either correlates with that of the other. 0 is a perfect fit.
 pub(crate) fn misfit(pair: &Pair, pose: &Similarity, samples: usize, c: f64, look: Look) -> f64 {
     let back = pose.inverse();
     let r = pose.rotation_matrix();
-    let cost = |d2: f64, cos: f64| {
-        // Opposite normals cost as much as a distance of 2 c.
-        let d2 = d2 + c * c * 2.0 * (1.0 - cos);
-        d2 / (c * c + d2)
+    let mut relief = Correlation::default();
+    let mut mean = |from: &Sampled, onto: &Sampled, pose: &Similarity, turn: DMat3, unit: f64| {
+        let around =
+            |surface: &Sampled| if std::ptr::eq(surface, &pair.shape) { RADIUS } else { RADIUS * back.scale };
+        let mut cost = 0.0;
+        for (i, s) in from.first(samples).iter().enumerate() {
+            let near = onto.near(pose.at(s.point), 5.0 * c / unit, look);
+            let Some((near, j)) = near.and_then(|near| {
+                let (j, _) = onto.field.near(near.point)?;
+                Some((near, j))
+            }) else {
+                cost += 1.0;
+                continue;
+            };
+            let cos = (turn * s.normal).dot(near.normal);
+            // Opposite normals cost as much as a distance of 2 c.
+            let d2 = near.distance_squared * unit * unit + c * c * 2.0 * (1.0 - cos).max(0.0);
+            cost += d2 / (c * c + d2);
+            if cos > NORMAL_LIMIT {
+                relief.add(from.relief.height(i, around(from)), onto.relief.height(j, around(onto)));
+            }
+        }
+        cost / from.first(samples).len().max(1) as f64
     };
-    let reach = 5.0 * c;
-    let mean = |samples: &[Sample], of: &dyn Fn(&Sample) -> Option<f64>| {
-        samples.iter().map(|s| of(s).unwrap_or(1.0)).sum::<f64>() / samples.len().max(1) as f64
-    };
-    let forth = mean(pair.shape.first(samples), &|s| {
-        let at = pair.template.near(back.at(s.point), reach * back.scale, look)?;
-        Some(cost(at.distance_squared * pose.scale * pose.scale, (r * at.normal).dot(s.normal)))
-    });
-    let home = mean(pair.template.first(samples), &|s| {
-        let at = pair.shape.near(pose.at(s.point), reach, look)?;
-        Some(cost(at.distance_squared, (r * s.normal).dot(at.normal)))
-    });
+    let forth = mean(&pair.shape, &pair.template, &back, r.transpose(), pose.scale);
+    let home = mean(&pair.template, &pair.shape, pose, r, 1.0);
     // Of a template that shows more than the shape, only a part can be near: the shape counts more.
-    0.65 * forth + 0.35 * home
+    (0.65 * forth + 0.35 * home) * (1.0 - relief.value().max(0.0))
 }

@@ -52,6 +52,7 @@ mod matching;
 mod prealign;
 mod project;
 mod quality;
+mod relief;
 mod samples;
 mod settle;
 mod similarity;

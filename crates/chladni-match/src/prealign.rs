@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::eigen::symmetric_eigen;
 use crate::field::Field;
 use crate::icp::{Look, Pair, Sampled, Schedule, misfit, refine};
+use crate::relief::Relief;
 use crate::samples::{Sample, spread};
 use crate::similarity::fit_pairs;
 use crate::surface::Surface;
@@ -66,8 +67,8 @@ pub(crate) fn prealign(
 ) -> Result<Pose, MatchError> {
     let sampled = |surface, seed| {
         let samples = spread(surface, SAMPLES, seed);
-        let field = Field::new(&samples);
-        Sampled { surface, samples, field }
+        let (field, relief) = (Field::new(&samples), Relief::new(&samples));
+        Sampled { surface, samples, field, relief }
     };
     let pair = Pair { shape: sampled(shape, seed), template: sampled(template, seed ^ 0x5eed), landmarks };
     if landmarks.len() >= 3 {

@@ -40,7 +40,7 @@ pub struct Report {
 /// A runner-up within this share of its own misfit is a near tie.
 const TIE: f64 = 0.1;
 /// And so is one that fits this well: between perfect fits the better one is chance.
-const PERFECT: f64 = 0.01;
+const PERFECT: f64 = 0.003;
 
 impl Report {
     /// The report on a correspondence that was made without a template mesh.

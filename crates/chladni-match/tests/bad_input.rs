@@ -56,7 +56,7 @@ fn soup() -> impl Strategy<Value = TriMesh> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(6))]
     #[test]
     fn any_two_soups_give_finite_numbers_or_an_error(shape in soup(), template in soup()) {
         for method in [Method::Icp, Method::Fit, Method::Map] {
