@@ -2,6 +2,7 @@
 
 mod downmix;
 mod mp4_edits;
+mod opus;
 mod reader;
 mod resample;
 mod song;

@@ -3,8 +3,12 @@
 use std::fs::File;
 use std::io::{self, Cursor, Read, SeekFrom};
 use std::path::Path;
+use std::sync::LazyLock;
 
-use symphonia::core::codecs::audio::{AudioDecoder, AudioDecoderOptions};
+use symphonia::core::codecs::audio::{
+    AudioCodecId, AudioCodecParameters, AudioDecoder, AudioDecoderOptions, well_known,
+};
+use symphonia::core::codecs::registry::CodecRegistry;
 use symphonia::core::errors::Error as CodecError;
 use symphonia::core::formats::probe::Hint;
 use symphonia::core::formats::{FormatOptions, FormatReader, SeekMode, SeekTo, Track, TrackType};
@@ -14,6 +18,7 @@ use symphonia::core::units::{TimeBase, Timestamp};
 
 use super::downmix::Downmix;
 use super::mp4_edits::{self, Audible};
+use super::opus::{self, OpusDecoder};
 use crate::SoundError;
 
 /// Packets that may fail one after the other before the file is given up.
@@ -26,7 +31,7 @@ const PREROLL_SECS: f64 = 0.15;
 /// what is left before the sound is the encoder's own delay, 576 frames for LAME.
 const MP3_DECODER_DELAY: u64 = 529;
 
-/// Decodes a sound file block by block: WAV, AIFF, FLAC, MP3, Ogg Vorbis, M4A (AAC-LC, ALAC) and
+/// Decodes a sound file block by block: WAV, AIFF, FLAC, MP3, Ogg Vorbis, Opus, M4A (AAC-LC, ALAC) and
 /// Matroska with any of these codecs. Mono is heard on both sides, more than two channels are
 /// mixed down (ITU-R BS.775), encoder padding is cut off where the file says how long it is. Seeking is exact to the frame
 /// (in Matroska, whose clock is coarse, to 1 ms).
@@ -86,8 +91,7 @@ impl SongReader {
             .probe(&Hint::new(), stream, FormatOptions::default(), MetadataOptions::default())
             .map_err(|error| unrecognised(name, &start, &error))?;
         let opened = open_track(name, format.as_ref())?;
-        let unsaid = if opened.is_untagged_mp3 { MP3_DECODER_DELAY } else { 0 };
-        let audible = audible.unwrap_or(Audible { skip: unsaid, frames: None });
+        let audible = audible.unwrap_or(opened.audible);
         let mut reader = Self {
             name: name.to_owned(),
             format,
@@ -306,9 +310,16 @@ impl SongReader {
     }
 }
 
+static CODECS: LazyLock<CodecRegistry> = LazyLock::new(|| {
+    let mut codecs = CodecRegistry::new();
+    symphonia::default::register_enabled_codecs(&mut codecs);
+    codecs.register_audio_decoder::<OpusDecoder>();
+    codecs
+});
+
 struct OpenedTrack {
-    /// An MP3 file that does not say how much its encoder put before the sound.
-    is_untagged_mp3: bool,
+    /// What is to be heard of what the codec gives, as far as the track says so.
+    audible: Audible,
     track_id: u32,
     time_base: Option<TimeBase>,
     frames: Option<u64>,
@@ -325,16 +336,15 @@ fn open_track(name: &str, format: &dyn FormatReader) -> Result<OpenedTrack, Soun
     if let Some(rate_hz) = params.sample_rate {
         crate::check_rate(name, rate_hz)?;
     }
-    let decoder = symphonia::default::get_codecs()
-        .make_audio_decoder(params, &AudioDecoderOptions::default())
-        .map_err(|error| SoundError::UnsupportedCodec {
+    let decoder = CODECS.make_audio_decoder(params, &AudioDecoderOptions::default()).map_err(|error| {
+        SoundError::UnsupportedCodec {
             name: name.to_owned(),
             codec: codec_name(params.codec).unwrap_or_else(|| error.to_string()),
             advice: CONVERT,
-        })?;
-    let is_mp3 = params.codec == symphonia::core::codecs::audio::well_known::CODEC_ID_MP3;
+        }
+    })?;
     Ok(OpenedTrack {
-        is_untagged_mp3: is_mp3 && track.delay.unwrap_or(0) == 0,
+        audible: audible_of(track, params),
         track_id: track.id,
         time_base: track.time_base,
         frames: track.num_frames,
@@ -342,12 +352,28 @@ fn open_track(name: &str, format: &dyn FormatReader) -> Result<OpenedTrack, Soun
     })
 }
 
-const CONVERT: &str = "convert it to FLAC, WAV, MP3, M4A (AAC-LC) or Ogg Vorbis";
+fn audible_of(track: &Track, params: &AudioCodecParameters) -> Audible {
+    let delay = track.delay.map(u64::from);
+    match params.codec {
+        well_known::CODEC_ID_MP3 if delay.unwrap_or(0) == 0 => {
+            Audible { skip: MP3_DECODER_DELAY, frames: None }
+        }
+        // The demuxers leave an Opus encoder's lead-in to the decoder, which leaves it to us. Only
+        // Ogg states it for the track and counts it in the track's frames.
+        well_known::CODEC_ID_OPUS => {
+            let skip = delay.or_else(|| opus::lead_in_frames(params)).unwrap_or(0);
+            let frames = track.num_frames.filter(|_| delay.is_some());
+            Audible { skip, frames: frames.map(|frames| frames.saturating_sub(skip)) }
+        }
+        _ => Audible { skip: 0, frames: None },
+    }
+}
 
-fn codec_name(id: symphonia::core::codecs::audio::AudioCodecId) -> Option<String> {
-    use symphonia::core::codecs::audio::well_known as known;
+const CONVERT: &str = "convert it to FLAC, WAV, MP3, M4A (AAC-LC), Ogg Vorbis or Opus";
+
+fn codec_name(id: AudioCodecId) -> Option<String> {
+    use well_known as known;
     let names = [
-        (known::CODEC_ID_OPUS, "Opus"),
         (known::CODEC_ID_SPEEX, "Speex"),
         (known::CODEC_ID_MP1, "MPEG layer I"),
         (known::CODEC_ID_MP2, "MPEG layer II"),

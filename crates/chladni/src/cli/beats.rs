@@ -9,7 +9,7 @@ use super::{Failure, Terminal};
 /// Finds tempo and beats of a song.
 #[derive(Args)]
 pub struct Beats {
-    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis or M4A, or sample:tune.
+    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis, Opus or M4A, or sample:tune.
     song: String,
     /// Print `tempo_bpm`, `beats_secs` and `confidence` as JSON.
     #[arg(long)]

@@ -14,7 +14,7 @@ use super::{Failure, Terminal};
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("form").required(true).args(["json", "render"])))]
 pub struct Spectrum {
-    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis or M4A, or sample:tune.
+    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis, Opus or M4A, or sample:tune.
     song: String,
     /// Print `rate_hz`, `bands_hz` and `frames` (`time_secs`, `mid`, `side`) as JSON.
     #[arg(long)]
