@@ -5,10 +5,9 @@ use rayon::prelude::*;
 
 use super::fix_sign;
 use super::join::{Entry, Known};
-use super::lanczos::{BLOCK, W};
 use super::problem::Problem;
 use super::slicing::{Found, not_certified};
-use super::tall::{Small, overlaps, residuals, subtract_products};
+use super::tall::{BLOCK, Small, overlaps, residuals, subtract_products};
 use crate::ldlt::Row;
 use crate::{Basis, Certificate, HarmonicsError, Operator};
 
@@ -51,10 +50,14 @@ pub(super) fn assemble(
             })
             .collect()
     };
-    separate_neighbors(&mut slices, &ranges);
+    let shared = separate_neighbors(&mut slices, &ranges);
     task.check()?;
-    let measured: Vec<Option<Measured>> =
-        (0..slices.len()).into_par_iter().map(|s| measure(problem, &slices, &ranges, s)).collect();
+    let measured: Vec<Option<Measured>> = slices
+        .par_iter()
+        .zip(&ranges)
+        .zip(shared)
+        .map(|((found, own), shared)| measure(problem, found, own, shared))
+        .collect();
     let certificate = certificate(problem, &measured);
     if certificate.max_relative_residual > MAX_RELATIVE_RESIDUAL
         || certificate.max_orthogonality_error > MAX_ORTHOGONALITY_ERROR
@@ -71,9 +74,10 @@ pub(super) fn assemble(
     for (c, h) in constants.chunks_exact_mut(n).enumerate() {
         h.iter_mut().zip(problem.constant(operator, c)).for_each(|(h, value)| *h = value);
     }
-    let mut new = vec![0_u32; n];
-    for (i, &old) in problem.symbolic.old.iter().enumerate() {
-        new[old as usize] = i as u32;
+    // Where each vertex's row is, and 1/√a.
+    let mut places = vec![(0_u32, 0.0_f64); n];
+    for (i, (&old, root)) in problem.symbolic.old.iter().zip(&problem.root_mass).enumerate() {
+        places[old as usize] = (i as u32, root.recip());
     }
     let mut jobs = Vec::with_capacity(slices.len());
     for (found, own) in slices.into_iter().zip(&ranges) {
@@ -82,29 +86,23 @@ pub(super) fn assemble(
         jobs.push((found, *own, out));
     }
     // Each slice is given up as soon as it is written: the vectors are in memory once.
-    jobs.into_par_iter()
-        .with_max_len(1)
-        .for_each(|(found, own, out)| write(&found, own, &new, &operator.mass, out));
+    jobs.into_par_iter().with_max_len(1).for_each(|(found, own, out)| write(&found, own, &places, out));
     let mut eigenvalues = vec![0.0; zeros];
     eigenvalues.extend(entries.iter().map(|e| e.value));
     Ok(Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate })
 }
 
-fn write(found: &Found, own: &[Entry], new: &[u32], mass: &[f64], out: &mut [f64]) {
-    const ROWS: usize = 32;
-    let n = new.len();
-    if own.is_empty() {
-        return;
-    }
-    let sources: Vec<(&[Row<W>], usize)> = own
-        .iter()
-        .map(|e| (found.runs[e.run].blocks[e.column / BLOCK].as_slice(), e.column % BLOCK))
-        .collect();
-    for first in (0..n).step_by(ROWS) {
-        let end = (first + ROWS).min(n);
-        for (h, (block, column)) in out.chunks_exact_mut(n).zip(&sources) {
-            for v in first..end {
-                h[v] = block[new[v] as usize][column / 8][column % 8] / mass[v].sqrt();
+fn write(found: &Found, own: &[Entry], places: &[(u32, f64)], out: &mut [f64]) {
+    const ROWS: usize = 256;
+    let n = places.len();
+    for (block, columns) in used_blocks(found, own) {
+        for first in (0..n).step_by(ROWS) {
+            let places = &places[first..(first + ROWS).min(n)];
+            for (j, i) in columns.iter().enumerate().filter_map(|(j, i)| Some((j, (*i)?))) {
+                let h = &mut out[i * n + first..i * n + first + places.len()];
+                for (h, &(row, inverse_root)) in h.iter_mut().zip(places) {
+                    *h = block[row as usize][j] * inverse_root;
+                }
             }
         }
     }
@@ -112,7 +110,7 @@ fn write(found: &Found, own: &[Entry], new: &[u32], mass: &[f64], out: &mut [f64
 }
 
 /// The blocks of a slice that hold any of `own`, with the column of `own` in each place.
-fn used_blocks<'a>(found: &'a Found, own: &[Entry]) -> Vec<(&'a [Row<W>], [Option<usize>; BLOCK])> {
+fn used_blocks<'a>(found: &'a Found, own: &[Entry]) -> Vec<(&'a [Row], [Option<usize>; BLOCK])> {
     let mut blocks = Vec::new();
     for (run, pairs) in found.runs.iter().enumerate() {
         for (number, block) in pairs.blocks.iter().enumerate() {
@@ -131,94 +129,82 @@ fn used_blocks<'a>(found: &'a Found, own: &[Entry]) -> Vec<(&'a [Row<W>], [Optio
 }
 
 /// Vectors of two slices can overlap where eigenvalues on both sides of a cut are nearly equal;
-/// the upper slice's are then made orthogonal to the lower one's.
-fn separate_neighbors(slices: &mut [Found], ranges: &[&[Entry]]) {
-    let offending: Vec<bool> = (0..slices.len())
-        .into_par_iter()
-        .map(|s| s > 0 && largest_overlap(&slices[s - 1], ranges[s - 1], &slices[s], ranges[s]) > OVERLAP)
-        .collect();
-    for s in (1..slices.len()).filter(|&s| offending[s]) {
+/// the upper slice's are then made orthogonal to the lower one's. Returns what each slice's
+/// vectors still share with those of the slice below.
+fn separate_neighbors(slices: &mut [Found], ranges: &[&[Entry]]) -> Vec<f64> {
+    let with_lower = |slices: &[Found], s: usize| {
+        if s == 0 { 0.0 } else { largest_overlap(&slices[s - 1], ranges[s - 1], &slices[s], ranges[s]) }
+    };
+    let mut shared: Vec<f64> = (0..slices.len()).into_par_iter().map(|s| with_lower(slices, s)).collect();
+    for s in 1..slices.len() {
+        if shared[s] <= OVERLAP {
+            continue;
+        }
         let (lower, upper) = slices.split_at_mut(s);
         let lower_blocks = used_blocks(&lower[s - 1], ranges[s - 1]);
-        for pairs in &mut upper[0].runs {
-            for block in &mut pairs.blocks {
-                for (against, columns) in &lower_blocks {
-                    let mut overlap = overlaps(&[*against], block);
-                    for c in &mut overlap {
-                        keep_rows(c, columns);
-                    }
-                    subtract_products(block, &[*against], &overlap);
-                }
+        for block in upper[0].runs.iter_mut().flat_map(|pairs| &mut pairs.blocks) {
+            for (against, columns) in &lower_blocks {
+                let mut overlap = overlaps(&[against], &[block]);
+                overlap.iter_mut().for_each(|c| keep_rows(c, columns));
+                subtract_products(&mut [block], &[against], &overlap);
             }
         }
+        shared[s] = with_lower(slices, s);
     }
+    shared
 }
 
 /// Clears the coefficients of columns that are not among those in use.
-fn keep_rows(c: &mut Small<W>, columns: &[Option<usize>; BLOCK]) {
+fn keep_rows(c: &mut Small, columns: &[Option<usize>; BLOCK]) {
     for (row, column) in c.iter_mut().zip(columns) {
         if column.is_none() {
-            *row = [[0.0; 8]; W];
+            *row = [0.0; 8];
         }
     }
 }
 
 fn largest_overlap(lower: &Found, lower_own: &[Entry], upper: &Found, upper_own: &[Entry]) -> f64 {
-    let lower = used_blocks(lower, lower_own);
+    deviation(&used_blocks(lower, lower_own), &used_blocks(upper, upper_own), false)
+}
+
+/// Blocks and the number of the pair that each of their columns is, if it is in use.
+type Used<'a> = [(&'a [Row], [Option<usize>; BLOCK])];
+
+/// Largest |xᵀy| over the used columns x of `a` and y of `b`, less 1 on the diagonal where the
+/// two are the `same`.
+fn deviation(a: &Used, b: &Used, same: bool) -> f64 {
+    let (left, right): (Vec<&[Row]>, Vec<&[Row]>) =
+        (a.iter().map(|u| u.0).collect(), b.iter().map(|u| u.0).collect());
+    let products = overlaps(&left, &right);
     let mut largest = 0.0_f64;
-    for (block, columns) in used_blocks(upper, upper_own) {
-        for (against, rows) in &lower {
-            largest = largest.max(deviation(against, rows, block, &columns, false));
+    for (rows, products) in a.iter().zip(products.chunks_exact(b.len().max(1))) {
+        for (columns, product) in b.iter().zip(products) {
+            for (x, row) in rows.1.iter().zip(product).filter_map(|(x, row)| Some(((*x)?, row))) {
+                for (y, value) in columns.1.iter().zip(row).filter_map(|(y, value)| Some(((*y)?, value))) {
+                    let error = (value - f64::from(u8::from(same && x == y))).abs();
+                    // NaN must not pass for small.
+                    largest = if error.is_nan() { f64::INFINITY } else { largest.max(error) };
+                }
+            }
         }
     }
     largest
 }
 
-/// Largest |xᵀy| (less 1 where x is y) over the used columns of two blocks.
-fn deviation(
-    a: &[Row<W>],
-    rows: &[Option<usize>; BLOCK],
-    b: &[Row<W>],
-    columns: &[Option<usize>; BLOCK],
-    same: bool,
-) -> f64 {
-    let Some(overlap) = overlaps(&[a], b).pop() else { return 0.0 };
-    let mut largest = 0.0_f64;
-    for (i, _) in rows.iter().enumerate().filter(|(_, r)| r.is_some()) {
-        for (j, _) in columns.iter().enumerate().filter(|(_, c)| c.is_some()) {
-            let exact = f64::from(u8::from(same && i == j));
-            let error = (overlap[i][j / 8][j % 8] - exact).abs();
-            // NaN must not pass for small.
-            largest = if error.is_nan() { f64::INFINITY } else { largest.max(error) };
-        }
-    }
-    largest
-}
-
-fn measure(problem: &Problem, slices: &[Found], ranges: &[&[Entry]], s: usize) -> Option<Measured> {
-    let own = ranges[s];
+fn measure(problem: &Problem, found: &Found, own: &[Entry], shared: f64) -> Option<Measured> {
     let (first, last) = (own.first()?, own.last()?);
-    let blocks = used_blocks(&slices[s], own);
-    let (mut relative, mut absolute, mut overlap) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for (number, (block, columns)) in blocks.iter().enumerate() {
-        let mut values = [[0.0; 8]; W];
-        for (j, column) in columns.iter().enumerate() {
-            values[j / 8][j % 8] = column.map_or(0.0, |i| own[i].value);
-        }
+    let blocks = used_blocks(found, own);
+    let (mut relative, mut absolute) = (0.0_f64, 0.0_f64);
+    for (block, columns) in &blocks {
+        let values = columns.map(|column| column.map_or(0.0, |i| own[i].value));
         let [plain, weighted, image] = residuals(&problem.matrix, block, &values, &problem.mass);
-        for (j, _) in columns.iter().enumerate().filter(|(_, c)| c.is_some()) {
-            let at = |x: &Row<W>| x[j / 8][j % 8];
-            absolute = absolute.max(at(&plain).sqrt());
-            let share = (at(&weighted) / at(&image)).sqrt();
+        for j in (0..BLOCK).filter(|&j| columns[j].is_some()) {
+            absolute = absolute.max(plain[j].sqrt());
+            let share = (weighted[j] / image[j]).sqrt();
             relative = if share.is_nan() { f64::INFINITY } else { relative.max(share) };
         }
-        for (other, (against, rows)) in blocks.iter().enumerate().take(number + 1) {
-            overlap = overlap.max(deviation(against, rows, block, columns, other == number));
-        }
     }
-    if s > 0 {
-        overlap = overlap.max(largest_overlap(&slices[s - 1], ranges[s - 1], &slices[s], own));
-    }
+    let overlap = shared.max(deviation(&blocks, &blocks, true));
     Some(Measured { relative, absolute, overlap, low: first.value, high: last.value })
 }
 

@@ -8,13 +8,8 @@ use faer::{Mat, Par};
 use super::dense::symmetric_eigen;
 
 use super::problem::{Problem, Profile};
-use super::tall::{Block, Small, orthonormalize, overlaps, subtract_products};
+use super::tall::{BLOCK, Block, Small, orthonormalize, overlaps, subtract_products};
 use crate::ldlt::{Factor, Row, Workspace};
-
-/// Vectors of eight columns in a block.
-pub(super) const W: usize = 1;
-/// Columns of a block.
-pub(super) const BLOCK: usize = 8 * W;
 
 /// How far a run must go on one side of its shift.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +40,7 @@ pub(super) struct Pairs {
     pub values: Vec<f64>,
     /// Their orthonormal vectors, BLOCK to a block in the order of `values`; the last block
     /// is filled up with zeros.
-    pub blocks: Vec<Block<W>>,
+    pub blocks: Vec<Block>,
 }
 
 /// Why a run stopped without its pairs.
@@ -76,7 +71,7 @@ pub(super) fn run(
     task: &Task,
 ) -> Result<Pairs, Stopped> {
     let n = problem.matrix.size();
-    let locked: Vec<&[Row<W>]> = locked.iter().flat_map(|p| p.blocks.iter().map(Vec::as_slice)).collect();
+    let locked: Vec<&[Row]> = locked.iter().flat_map(|p| p.blocks.iter().map(Vec::as_slice)).collect();
     let mut krylov = Krylov { basis: Vec::new(), diagonal: Vec::new(), below: Vec::new() };
     let mut next = random_block(n, seed);
     problem.remove_constants(window, &mut next);
@@ -94,25 +89,21 @@ pub(super) fn run(
         let start = Instant::now();
         krylov.basis.push(next);
         problem.remove_constants(window, &mut image);
-        subtract_projections(&mut image, &locked);
-        let basis: Vec<&[Row<W>]> = krylov.basis.iter().map(Vec::as_slice).collect();
-        let mut coefficients = overlaps(&basis, &image);
-        subtract_products(&mut image, &basis, &coefficients);
-        let sizes = column_sizes(&coefficients);
+        let sizes = krylov.orthogonalize(&mut image, &locked);
         let before = image.clone();
-        let upper = match orthonormalize(&mut image).filter(|t| has_full_rank(&t.r, &sizes)) {
-            Some(triangular) => triangular.r,
+        let upper = match orthonormalize(&mut image).filter(|r| has_full_rank(r, &sizes)) {
+            Some(upper) => upper,
             None => {
                 // The space has become invariant in some direction: go on with a new one.
                 image = before;
                 let seed = seed.wrapping_add(krylov.basis.len() as u64).rotate_left(17);
-                fill_up(problem, window, &mut image, &sizes, &basis, &locked, seed)
-                    .ok_or(Stopped::Exhausted)?
+                let all: Vec<&[Row]> =
+                    locked.iter().copied().chain(krylov.basis.iter().map(Vec::as_slice)).collect();
+                fill_up(problem, window, &mut image, &sizes, &all, seed).ok_or(Stopped::Exhausted)?
             }
         };
-        profile.orthogonalize += start.elapsed().as_secs_f64();
-        krylov.diagonal.push(coefficients.pop().unwrap_or_default());
         krylov.below.push(upper);
+        profile.orthogonalize += start.elapsed().as_secs_f64();
         next = image;
         let m = krylov.basis.len() * BLOCK;
         if m + 2 * BLOCK > n || m > 8 * window.expected + 60 * BLOCK {
@@ -135,10 +126,10 @@ pub(super) fn run(
     }
 }
 
-fn subtract_projections(x: &mut [Row<W>], onto: &[&[Row<W>]]) {
+fn subtract_projections(x: &mut [Row], onto: &[&[Row]]) {
     if !onto.is_empty() {
-        let coefficients = overlaps(onto, x);
-        subtract_products(x, onto, &coefficients);
+        let coefficients = overlaps(onto, &[x]);
+        subtract_products(&mut [x], onto, &coefficients);
     }
 }
 
@@ -147,18 +138,18 @@ fn subtract_projections(x: &mut [Row<W>], onto: &[&[Row<W>]]) {
 const RANK: f64 = 1e-11;
 
 /// The length of each column of OP V inside the space.
-fn column_sizes(coefficients: &[Small<W>]) -> Row<W> {
-    let mut sizes = [[0.0; 8]; W];
-    for c in coefficients.iter().flatten() {
-        for (size, c) in sizes.as_flattened_mut().iter_mut().zip(c.as_flattened()) {
+fn column_sizes(coefficients: &[Small]) -> Row {
+    let mut sizes = [0.0; 8];
+    for c in coefficients.as_flattened() {
+        for (size, c) in sizes.iter_mut().zip(c) {
             *size += c * c;
         }
     }
-    sizes.map(|group| group.map(f64::sqrt))
+    sizes.map(f64::sqrt)
 }
 
-fn has_full_rank(r: &Small<W>, sizes: &Row<W>) -> bool {
-    (0..BLOCK).all(|j| r[j][j / 8][j % 8].abs() > RANK * sizes[j / 8][j % 8])
+fn has_full_rank(r: &Small, sizes: &Row) -> bool {
+    (0..BLOCK).all(|j| r[j][j].abs() > RANK * sizes[j])
 }
 
 /// X ← Q of X = Q R one column after the other; a column that depends on others or is nothing
@@ -167,36 +158,34 @@ fn has_full_rank(r: &Small<W>, sizes: &Row<W>) -> bool {
 fn fill_up(
     problem: &Problem,
     window: &Window,
-    x: &mut Block<W>,
-    sizes: &Row<W>,
-    basis: &[&[Row<W>]],
-    locked: &[&[Row<W>]],
+    x: &mut Block,
+    sizes: &Row,
+    space: &[&[Row]],
     seed: u64,
-) -> Option<Small<W>> {
-    let n = x.len();
-    let mut r = vec![[[0.0; 8]; W]; BLOCK];
-    let mut fresh = random_block(n, seed);
+) -> Option<Small> {
+    let mut r = [[0.0; 8]; BLOCK];
+    let mut fresh = random_block(x.len(), seed);
     problem.remove_constants(window, &mut fresh);
     for _ in 0..2 {
-        subtract_projections(&mut fresh, locked);
-        subtract_projections(&mut fresh, basis);
+        subtract_projections(&mut fresh, space);
     }
-    let column = |x: &Block<W>, j: usize| x.iter().map(|row| row[j / 8][j % 8]).collect::<Vec<f64>>();
+    subtract_projections(x, space);
+    let column = |x: &Block, j: usize| x.iter().map(|row| row[j]).collect::<Vec<f64>>();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut done: Vec<Vec<f64>> = Vec::with_capacity(BLOCK);
     for j in 0..BLOCK {
         let mut own = column(x, j);
-        let limit = RANK * sizes[j / 8][j % 8] + 1e-9 * dot(&own, &own).sqrt();
+        let limit = RANK * sizes[j] + 1e-9 * dot(&own, &own).sqrt();
         for _ in 0..2 {
             for (i, q) in done.iter().enumerate() {
                 let overlap = dot(q, &own);
-                r[i][j / 8][j % 8] += overlap;
+                r[i][j] += overlap;
                 own.iter_mut().zip(q).for_each(|(x, q)| *x -= overlap * q);
             }
         }
         let mut length = dot(&own, &own).sqrt();
         if length > limit {
-            r[j][j / 8][j % 8] = length;
+            r[j][j] = length;
         } else {
             own = column(&fresh, j);
             for _ in 0..2 {
@@ -211,14 +200,14 @@ fn fill_up(
             }
         }
         own.iter_mut().for_each(|x| *x /= length);
-        x.iter_mut().zip(&own).for_each(|(row, value)| row[j / 8][j % 8] = *value);
+        x.iter_mut().zip(&own).for_each(|(row, value)| row[j] = *value);
         done.push(own);
     }
     Some(r)
 }
 
 /// Uniform in [-½, ½) by SplitMix64, the same for every number of threads.
-fn random_block(n: usize, seed: u64) -> Block<W> {
+fn random_block(n: usize, seed: u64) -> Block {
     let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x1405_7b7e_f767_814f;
     let mut random = || {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -227,16 +216,16 @@ fn random_block(n: usize, seed: u64) -> Block<W> {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     };
-    (0..n).map(|_| std::array::from_fn(|_| std::array::from_fn(|_| random()))).collect()
+    (0..n).map(|_| std::array::from_fn(|_| random())).collect()
 }
 
 /// An orthonormal basis V of blocks and the block tridiagonal T = Vᵀ OP V.
 struct Krylov {
-    basis: Vec<Block<W>>,
+    basis: Vec<Block>,
     /// V_jᵀ OP V_j.
-    diagonal: Vec<Small<W>>,
+    diagonal: Vec<Small>,
     /// The triangular factor of what OP V_j has outside V_0 … V_j.
-    below: Vec<Small<W>>,
+    below: Vec<Small>,
 }
 
 /// Eigenpairs of T.
@@ -253,19 +242,39 @@ struct Ritz {
 }
 
 impl Krylov {
+    /// Takes out of `image` = OP · (last block) what lies in the space, keeping the last
+    /// block's share as the next diagonal block of T. Returns the length of each column inside.
+    ///
+    /// In exact arithmetic the last two blocks are all there is to take out. Rounding brings
+    /// the older ones back, by little in one step, so that every second step takes them out of
+    /// this block and the one before it together, for one reading of the space.
+    fn orthogonalize(&mut self, image: &mut [Row], locked: &[&[Row]]) -> Row {
+        let recent: Vec<&[Row]> = self.basis.iter().rev().take(2).rev().map(Vec::as_slice).collect();
+        let coefficients = overlaps(&recent, &[image]);
+        subtract_products(&mut [image], &recent, &coefficients);
+        self.diagonal.extend(coefficients.last());
+        if self.basis.len().is_multiple_of(2)
+            && let Some((last, older)) = self.basis.split_last_mut()
+        {
+            let space: Vec<&[Row]> = locked.iter().copied().chain(older.iter().map(Vec::as_slice)).collect();
+            let rest = overlaps(&space, &[last, image]);
+            subtract_products(&mut [last, image], &space, &rest);
+        }
+        column_sizes(&coefficients)
+    }
+
     fn ritz(&self, shift: f64) -> Option<Ritz> {
         let blocks = self.basis.len();
         let m = blocks * BLOCK;
-        let at = |s: &Small<W>, i: usize, j: usize| s[i][j / 8][j % 8];
         let mut t = Mat::<f64>::zeros(m, m);
         for block in 0..blocks {
             let first = block * BLOCK;
             for i in 0..BLOCK {
                 for j in 0..BLOCK {
                     let d = &self.diagonal[block];
-                    t[(first + i, first + j)] = 0.5 * (at(d, i, j) + at(d, j, i));
+                    t[(first + i, first + j)] = 0.5 * (d[i][j] + d[j][i]);
                     if block + 1 < blocks {
-                        let value = at(&self.below[block], i, j);
+                        let value = self.below[block][i][j];
                         t[(first + BLOCK + i, first + j)] = value;
                         t[(first + j, first + BLOCK + i)] = value;
                     }
@@ -277,7 +286,7 @@ impl Krylov {
         let mut leaving = Mat::<f64>::zeros(BLOCK, m);
         for j in 0..m {
             for i in 0..BLOCK {
-                leaving[(i, j)] = (i..BLOCK).map(|k| at(last, i, k) * coordinates[(m - BLOCK + k, j)]).sum();
+                leaving[(i, j)] = (i..BLOCK).map(|k| last[i][k] * coordinates[(m - BLOCK + k, j)]).sum();
             }
         }
         let mut order: Vec<(f64, usize, f64)> = (0..m)
@@ -300,22 +309,21 @@ impl Krylov {
 
     /// The chosen Ritz vectors with one step of inverse iteration that costs no solve: by the
     /// Lanczos relation OP V s / θ = V s + V_next R s_last / θ (Ericsson & Ruhe 1980).
-    fn vectors(&self, ritz: &Ritz, chosen: std::ops::Range<usize>, next: &Block<W>) -> Pairs {
+    fn vectors(&self, ritz: &Ritz, chosen: std::ops::Range<usize>, next: &Block) -> Pairs {
         let chosen: Vec<usize> = chosen.collect();
-        let n = next.len();
-        let mut blocks = Vec::with_capacity(chosen.len().div_ceil(BLOCK));
-        let mut basis: Vec<&[Row<W>]> = self.basis.iter().map(Vec::as_slice).collect();
+        let groups: Vec<&[usize]> = chosen.chunks(BLOCK).collect();
+        let mut basis: Vec<&[Row]> = self.basis.iter().map(Vec::as_slice).collect();
         basis.push(next);
-        for group in chosen.chunks(BLOCK) {
-            let mut coefficients = vec![vec![[[0.0; 8]; W]; BLOCK]; basis.len()];
+        let mut coefficients = vec![[[0.0; 8]; BLOCK]; basis.len() * groups.len()];
+        for (g, group) in groups.iter().enumerate() {
             for (column, &pair) in group.iter().enumerate() {
                 let (j, theta) = ritz.from[pair];
                 let extra: f64 = (0..BLOCK).map(|i| (ritz.leaving[(i, j)] / theta).powi(2)).sum();
                 // Minus, because the kernel subtracts.
                 let scale = -1.0 / (1.0 + extra).sqrt();
-                for (block, c) in coefficients.iter_mut().enumerate() {
+                for (block, c) in coefficients.chunks_exact_mut(groups.len()).enumerate() {
                     for i in 0..BLOCK {
-                        c[i][column / 8][column % 8] = scale
+                        c[g][i][column] = scale
                             * if block < self.basis.len() {
                                 ritz.coordinates[(block * BLOCK + i, j)]
                             } else {
@@ -324,10 +332,10 @@ impl Krylov {
                     }
                 }
             }
-            let mut x = vec![[[0.0; 8]; W]; n];
-            subtract_products(&mut x, &basis, &coefficients);
-            blocks.push(x);
         }
+        let mut blocks = vec![vec![[0.0; 8]; next.len()]; groups.len()];
+        let mut views: Vec<&mut [Row]> = blocks.iter_mut().map(Vec::as_mut_slice).collect();
+        subtract_products(&mut views, &basis, &coefficients);
         Pairs { values: chosen.iter().map(|&p| ritz.values[p]).collect(), blocks }
     }
 }

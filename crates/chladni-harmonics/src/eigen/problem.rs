@@ -1,6 +1,6 @@
 //! The symmetric problem A x = λ x that slices work on, A = M^-½ S M^-½ in elimination order.
 
-use super::lanczos::{W, Window};
+use super::lanczos::Window;
 use crate::ldlt::{Row, Symbolic, nested_dissection};
 use crate::{Operator, SolveProfile, SymmetricSparse};
 
@@ -63,21 +63,21 @@ impl Problem {
 
     /// Where the window reaches down to zero: makes each column orthogonal to the vectors of
     /// λ = 0.
-    pub(super) fn remove_constants(&self, window: &Window, x: &mut [Row<W>]) {
+    pub(super) fn remove_constants(&self, window: &Window, x: &mut [Row]) {
         if !window.from_zero {
             return;
         }
-        let mut sums = vec![[[0.0; 8]; W]; self.components()];
+        let mut sums = vec![[0.0; 8]; self.components()];
         for ((x, &c), &root) in x.iter().zip(&self.component).zip(&self.root_mass) {
-            for (sum, x) in sums[c as usize].as_flattened_mut().iter_mut().zip(x.as_flattened()) {
+            for (sum, x) in sums[c as usize].iter_mut().zip(x) {
                 *sum += root * x;
             }
         }
         for (sum, area) in sums.iter_mut().zip(&self.component_area) {
-            sum.as_flattened_mut().iter_mut().for_each(|s| *s /= area);
+            sum.iter_mut().for_each(|s| *s /= area);
         }
         for ((x, &c), &root) in x.iter_mut().zip(&self.component).zip(&self.root_mass) {
-            for (x, sum) in x.as_flattened_mut().iter_mut().zip(sums[c as usize].as_flattened()) {
+            for (x, sum) in x.iter_mut().zip(&sums[c as usize]) {
                 *x -= root * sum;
             }
         }

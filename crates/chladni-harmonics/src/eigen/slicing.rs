@@ -4,10 +4,10 @@ use chladni_task::Task;
 use rayon::prelude::*;
 
 use super::join::{Join, Known};
-use super::lanczos::{self, BLOCK, Pairs, Reach, Stopped, W, Window, factor_near};
+use super::lanczos::{self, Pairs, Reach, Stopped, Window, factor_near};
 use super::plan::{Slice, inertia, plan};
 use super::problem::{Problem, Profile};
-use super::tall::residuals;
+use super::tall::{BLOCK, residuals};
 use super::{Solved, assemble};
 use crate::ldlt::{Factor, Workspace};
 use crate::{HarmonicsError, Operator};
@@ -174,11 +174,11 @@ impl Found {
 fn largest_residual(problem: &Problem, pairs: &Pairs) -> f64 {
     let mut largest = 0.0_f64;
     for (block, values) in pairs.blocks.iter().zip(pairs.values.chunks(BLOCK)) {
-        let mut row = [[0.0; 8]; W];
-        row.as_flattened_mut()[..values.len()].copy_from_slice(values);
-        let [plain, ..] = residuals(&problem.matrix, block, &row, &problem.mass);
-        for (error, value) in plain.as_flattened().iter().zip(values) {
-            let share = error.sqrt() / value;
+        let mut row = [0.0; 8];
+        row[..values.len()].copy_from_slice(values);
+        let [_, weighted, image] = residuals(&problem.matrix, block, &row, &problem.mass);
+        for ((error, size), _) in weighted.iter().zip(&image).zip(values) {
+            let share = (error / size).sqrt();
             largest = if share.is_nan() { f64::INFINITY } else { largest.max(share) };
         }
     }

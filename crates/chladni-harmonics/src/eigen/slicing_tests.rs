@@ -71,16 +71,12 @@ fn a_pair_that_is_missing_or_doubled_in_a_slice_is_noticed_and_mended() {
 
 /// Removes a pair: its value goes, and later columns move up.
 fn forget_column(pairs: &mut Pairs, column: usize) {
-    use super::super::lanczos::BLOCK;
+    use super::super::tall::BLOCK;
     let count = pairs.values.len();
     for k in column..count {
         for row in 0..pairs.blocks[0].len() {
-            let next = if k + 1 < count {
-                pairs.blocks[(k + 1) / BLOCK][row][(k + 1) % BLOCK / 8][(k + 1) % 8]
-            } else {
-                0.0
-            };
-            pairs.blocks[k / BLOCK][row][k % BLOCK / 8][k % 8] = next;
+            let next = if k + 1 < count { pairs.blocks[(k + 1) / BLOCK][row][(k + 1) % BLOCK] } else { 0.0 };
+            pairs.blocks[k / BLOCK][row][k % BLOCK] = next;
         }
     }
     pairs.values.remove(column);

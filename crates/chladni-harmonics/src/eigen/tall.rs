@@ -1,102 +1,59 @@
-//! Arithmetic on tall blocks: n rows of 8·W columns, stored row after row.
+//! Arithmetic on tall blocks: n rows of eight columns, stored row after row.
 
 use crate::SymmetricSparse;
 use crate::ldlt::Row;
 use crate::simd::{Kernel, Lanes, dispatch};
 
-/// A tall block of 8·W columns.
-pub(super) type Block<const W: usize> = Vec<Row<W>>;
+/// Columns of a block.
+pub(super) const BLOCK: usize = 8;
 
-/// A small matrix of 8·W columns; row i holds the coefficients of column i of a block.
-pub(super) type Small<const W: usize> = Vec<Row<W>>;
+/// A tall block of eight columns.
+pub(super) type Block = Vec<Row>;
+
+/// An 8×8 matrix, row after row.
+pub(super) type Small = [Row; BLOCK];
 
 /// Rows that are worked on while they lie in the first cache.
 const PANEL: usize = 128;
 
-/// VᵀX for each block V of `basis`.
-pub(super) fn overlaps<const W: usize>(basis: &[&[Row<W>]], x: &[Row<W>]) -> Vec<Small<W>> {
-    let mut sums = vec![vec![[[0.0; 8]; W]; 8 * W]; basis.len()];
-    dispatch(Overlaps { basis, x, sums: &mut sums });
+/// VᵀX for each block V of `basis` and each X of `xs`, those of one V side by side; the basis
+/// is read once for all of `xs`.
+pub(super) fn overlaps(basis: &[&[Row]], xs: &[&[Row]]) -> Vec<Small> {
+    let mut sums = vec![[[0.0; 8]; BLOCK]; basis.len() * xs.len()];
+    dispatch(Overlaps { basis, xs, sums: &mut sums });
     sums
 }
 
-struct Overlaps<'a, const W: usize> {
-    basis: &'a [&'a [Row<W>]],
-    x: &'a [Row<W>],
-    sums: &'a mut [Small<W>],
+/// VᵀX.
+pub(super) fn overlap(v: &[Row], x: &[Row]) -> Small {
+    let mut sums = [[[0.0; 8]; BLOCK]];
+    dispatch(Overlaps { basis: &[v], xs: &[x], sums: &mut sums });
+    sums[0]
 }
 
-impl<const W: usize> Kernel for Overlaps<'_, W> {
+struct Overlaps<'a> {
+    basis: &'a [&'a [Row]],
+    xs: &'a [&'a [Row]],
+    sums: &'a mut [Small],
+}
+
+impl Kernel for Overlaps<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        for (panel, x) in self.x.chunks(PANEL).enumerate() {
-            for (v, sum) in self.basis.iter().zip(self.sums.iter_mut()) {
-                let v = &v[panel * PANEL..panel * PANEL + x.len()];
-                for group in 0..W {
-                    add_overlap(lanes, v, x, group, &mut sum[8 * group..8 * group + 8]);
+        let n = self.xs.first().map_or(0, |x| x.len());
+        for first in (0..n).step_by(PANEL) {
+            let panel = first..(first + PANEL).min(n);
+            for (v, sums) in self.basis.iter().zip(self.sums.chunks_exact_mut(self.xs.len())) {
+                let v = &v[panel.clone()];
+                let (pairs, last) = self.xs.as_chunks::<2>();
+                let (pair_sums, last_sums) = sums.as_chunks_mut::<2>();
+                for (x, sum) in pairs.iter().zip(pair_sums) {
+                    add_overlaps(lanes, v, x.map(|x| &x[panel.clone()]), sum);
                 }
-            }
-        }
-    }
-}
-
-/// Eight rows of VᵀX, those of one group of V's columns.
-#[inline(always)]
-fn add_overlap<L: Lanes, const W: usize>(
-    lanes: L,
-    v: &[Row<W>],
-    x: &[Row<W>],
-    group: usize,
-    sum: &mut [Row<W>],
-) {
-    let mut total = [[lanes.splat(0.0); W]; 8];
-    for (v, x) in v.iter().zip(x) {
-        let x: [L::V; W] = std::array::from_fn(|b| lanes.load(&x[b]));
-        for i in 0..8 {
-            let v = lanes.splat(v[group][i]);
-            for b in 0..W {
-                total[i][b] = lanes.mul_add(v, x[b], total[i][b]);
-            }
-        }
-    }
-    for (sum, total) in sum.iter_mut().zip(total) {
-        for b in 0..W {
-            lanes.store(lanes.add(lanes.load(&sum[b]), total[b]), &mut sum[b]);
-        }
-    }
-}
-
-/// X ← X − Σ V C over the blocks V of `basis` and their coefficients C.
-pub(super) fn subtract_products<const W: usize>(
-    x: &mut [Row<W>],
-    basis: &[&[Row<W>]],
-    coefficients: &[Small<W>],
-) {
-    dispatch(SubtractProducts { x, basis, coefficients });
-}
-
-struct SubtractProducts<'a, const W: usize> {
-    x: &'a mut [Row<W>],
-    basis: &'a [&'a [Row<W>]],
-    coefficients: &'a [Small<W>],
-}
-
-impl<const W: usize> Kernel for SubtractProducts<'_, W> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
-        for (panel, x) in self.x.chunks_mut(PANEL).enumerate() {
-            for (v, c) in self.basis.iter().zip(self.coefficients) {
-                let v = &v[panel * PANEL..panel * PANEL + x.len()];
-                let (mut xs, mut vs) = (x.chunks_exact_mut(8), v.chunks_exact(8));
-                for (x, v) in xs.by_ref().zip(vs.by_ref()) {
-                    subtract_rows::<L, 8, W>(lanes, x, v, c);
-                }
-                for (x, v) in xs.into_remainder().iter_mut().zip(vs.remainder()) {
-                    subtract_rows::<L, 1, W>(lanes, std::slice::from_mut(x), std::slice::from_ref(v), c);
+                for (x, sum) in last.iter().zip(last_sums) {
+                    add_overlaps(lanes, v, [&x[panel.clone()]], std::array::from_mut(sum));
                 }
             }
         }
@@ -104,190 +61,220 @@ impl<const W: usize> Kernel for SubtractProducts<'_, W> {
 }
 
 #[inline(always)]
-fn subtract_rows<L: Lanes, const R: usize, const W: usize>(
-    lanes: L,
-    x: &mut [Row<W>],
-    v: &[Row<W>],
-    c: &[Row<W>],
-) {
-    let mut sum: [[L::V; W]; R] = std::array::from_fn(|r| std::array::from_fn(|b| lanes.load(&x[r][b])));
-    for group in 0..W {
-        for i in 0..8 {
-            let c: [L::V; W] = std::array::from_fn(|b| lanes.load(&c[8 * group + i][b]));
-            for r in 0..R {
-                let v = lanes.splat(v[r][group][i]);
-                for b in 0..W {
-                    sum[r][b] = lanes.mul_sub_from(v, c[b], sum[r][b]);
+fn add_overlaps<L: Lanes, const X: usize>(lanes: L, v: &[Row], xs: [&[Row]; X], sums: &mut [Small; X]) {
+    let mut total = [[lanes.splat(0.0); BLOCK]; X];
+    let xs = xs.map(|x| &x[..v.len()]);
+    for (k, v) in v.iter().enumerate() {
+        let x: [L::V; X] = std::array::from_fn(|b| lanes.load(&xs[b][k]));
+        for i in 0..BLOCK {
+            let v = lanes.splat(v[i]);
+            for b in 0..X {
+                total[b][i] = lanes.mul_add(v, x[b], total[b][i]);
+            }
+        }
+    }
+    for (sum, total) in sums.as_flattened_mut().iter_mut().zip(total.as_flattened()) {
+        lanes.store(lanes.add(lanes.load(sum), *total), sum);
+    }
+}
+
+/// X ← X − Σ V C over the blocks V of `basis`, for each X of `xs`; the coefficients C of one V
+/// lie side by side. The basis is read once for all of `xs`.
+pub(super) fn subtract_products(xs: &mut [&mut [Row]], basis: &[&[Row]], coefficients: &[Small]) {
+    dispatch(SubtractProducts { xs, basis, coefficients });
+}
+
+struct SubtractProducts<'a, 'b> {
+    xs: &'a mut [&'b mut [Row]],
+    basis: &'a [&'a [Row]],
+    coefficients: &'a [Small],
+}
+
+impl Kernel for SubtractProducts<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { xs, basis, coefficients } = self;
+        let (n, count) = (xs.first().map_or(0, |x| x.len()), xs.len());
+        for first in (0..n).step_by(PANEL) {
+            let panel = first..(first + PANEL).min(n);
+            let (pairs, last) = xs.as_chunks_mut::<2>();
+            for (at, pair) in pairs.iter_mut().enumerate() {
+                for (v, c) in basis.iter().zip(coefficients.chunks_exact(count)) {
+                    let [a, b] = pair;
+                    let xs = [&mut a[panel.clone()], &mut b[panel.clone()]];
+                    subtract_panel(lanes, xs, &v[panel.clone()], [&c[2 * at], &c[2 * at + 1]]);
+                }
+            }
+            for x in last {
+                for (v, c) in basis.iter().zip(coefficients.chunks_exact(count)) {
+                    subtract_panel(lanes, [&mut x[panel.clone()]], &v[panel.clone()], [&c[count - 1]]);
                 }
             }
         }
     }
-    for r in 0..R {
-        for b in 0..W {
-            lanes.store(sum[r][b], &mut x[r][b]);
+}
+
+#[inline(always)]
+fn subtract_panel<L: Lanes, const X: usize>(lanes: L, mut xs: [&mut [Row]; X], v: &[Row], c: [&Small; X]) {
+    let (fours, rest) = v.as_chunks::<4>();
+    for (k, v) in fours.iter().enumerate() {
+        subtract_rows(lanes, &mut xs, 4 * k, v, c);
+    }
+    for (k, v) in rest.iter().enumerate() {
+        subtract_rows(lanes, &mut xs, 4 * fours.len() + k, std::array::from_ref(v), c);
+    }
+}
+
+/// Rows `first .. first + R` of X − V C.
+#[inline(always)]
+fn subtract_rows<L: Lanes, const X: usize, const R: usize>(
+    lanes: L,
+    xs: &mut [&mut [Row]; X],
+    first: usize,
+    v: &[Row; R],
+    c: [&Small; X],
+) {
+    let mut sum: [[L::V; R]; X] = std::array::from_fn(|b| {
+        let x = &xs[b][first..first + R];
+        std::array::from_fn(|r| lanes.load(&x[r]))
+    });
+    for i in 0..BLOCK {
+        let c: [L::V; X] = std::array::from_fn(|b| lanes.load(&c[b][i]));
+        for r in 0..R {
+            let v = lanes.splat(v[r][i]);
+            for b in 0..X {
+                sum[b][r] = lanes.mul_sub_from(v, c[b], sum[b][r]);
+            }
+        }
+    }
+    for b in 0..X {
+        let x = &mut xs[b][first..first + R];
+        for r in 0..R {
+            lanes.store(sum[b][r], &mut x[r]);
         }
     }
 }
 
-/// X ← X R⁻¹ for an upper triangular R given by its inverse (8W × 8W).
-pub(super) fn multiply_right<const W: usize>(x: &mut [Row<W>], right: &Small<W>) {
+/// X ← X R⁻¹ for an upper triangular R given by its inverse.
+fn multiply_right(x: &mut [Row], right: &Small) {
     dispatch(MultiplyRight { x, right });
 }
 
-struct MultiplyRight<'a, const W: usize> {
-    x: &'a mut [Row<W>],
-    right: &'a Small<W>,
+struct MultiplyRight<'a> {
+    x: &'a mut [Row],
+    right: &'a Small,
 }
 
-impl<const W: usize> Kernel for MultiplyRight<'_, W> {
+impl Kernel for MultiplyRight<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let mut chunks = self.x.chunks_exact_mut(8);
-        for x in chunks.by_ref() {
-            multiply_rows::<L, 8, W>(lanes, x, self.right);
+        let (chunks, rest) = self.x.as_chunks_mut::<8>();
+        for x in chunks {
+            multiply_rows(lanes, x, self.right);
         }
-        for x in chunks.into_remainder() {
-            multiply_rows::<L, 1, W>(lanes, std::slice::from_mut(x), self.right);
+        for x in rest {
+            multiply_rows(lanes, std::array::from_mut(x), self.right);
         }
     }
 }
 
 #[inline(always)]
-fn multiply_rows<L: Lanes, const R: usize, const W: usize>(lanes: L, x: &mut [Row<W>], right: &[Row<W>]) {
-    let mut sum = [[lanes.splat(0.0); W]; R];
-    for group in 0..W {
-        for i in 0..8 {
-            let c: [L::V; W] = std::array::from_fn(|b| lanes.load(&right[8 * group + i][b]));
-            for r in 0..R {
-                let v = lanes.splat(x[r][group][i]);
-                for b in 0..W {
-                    sum[r][b] = lanes.mul_add(v, c[b], sum[r][b]);
-                }
-            }
+fn multiply_rows<L: Lanes, const R: usize>(lanes: L, x: &mut [Row; R], right: &Small) {
+    let mut sum = [lanes.splat(0.0); R];
+    for (i, c) in right.iter().enumerate() {
+        let c = lanes.load(c);
+        for r in 0..R {
+            sum[r] = lanes.mul_add(lanes.splat(x[r][i]), c, sum[r]);
         }
     }
     for r in 0..R {
-        for b in 0..W {
-            lanes.store(sum[r][b], &mut x[r][b]);
-        }
+        lanes.store(sum[r], &mut x[r]);
     }
 }
 
 /// For each column x with value λ: ‖A x − λ x‖², Σ w (A x − λ x)² and Σ w (A x)².
-pub(super) fn residuals<const W: usize>(
-    matrix: &SymmetricSparse,
-    x: &[Row<W>],
-    values: &Row<W>,
-    weight: &[f64],
-) -> [Row<W>; 3] {
+pub(super) fn residuals(matrix: &SymmetricSparse, x: &[Row], values: &Row, weight: &[f64]) -> [Row; 3] {
     dispatch(Residuals { matrix, x, values, weight })
 }
 
-struct Residuals<'a, const W: usize> {
+struct Residuals<'a> {
     matrix: &'a SymmetricSparse,
-    x: &'a [Row<W>],
-    values: &'a Row<W>,
+    x: &'a [Row],
+    values: &'a Row,
     weight: &'a [f64],
 }
 
-impl<const W: usize> Kernel for Residuals<'_, W> {
-    type Output = [Row<W>; 3];
+impl Kernel for Residuals<'_> {
+    type Output = [Row; 3];
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Self::Output {
         let Self { matrix, x, values, weight } = self;
-        let mut sums = [[lanes.splat(0.0); W]; 3];
+        let mut sums = [lanes.splat(0.0); 3];
+        let values = lanes.load(values);
         for i in 0..x.len() {
             let range = matrix.column_starts[i]..matrix.column_starts[i + 1];
-            let mut image = [lanes.splat(0.0); W];
+            let mut image = lanes.splat(0.0);
             for (&j, &a) in matrix.rows[range.clone()].iter().zip(&matrix.values[range]) {
-                for b in 0..W {
-                    image[b] = lanes.mul_add(lanes.splat(a), lanes.load(&x[j as usize][b]), image[b]);
-                }
+                image = lanes.mul_add(lanes.splat(a), lanes.load(&x[j as usize]), image);
             }
             let w = lanes.splat(weight[i]);
-            for b in 0..W {
-                let r = lanes.mul_sub_from(lanes.load(&values[b]), lanes.load(&x[i][b]), image[b]);
-                sums[0][b] = lanes.mul_add(r, r, sums[0][b]);
-                sums[1][b] = lanes.mul_add(lanes.mul(w, r), r, sums[1][b]);
-                sums[2][b] = lanes.mul_add(lanes.mul(w, image[b]), image[b], sums[2][b]);
-            }
+            let r = lanes.mul_sub_from(values, lanes.load(&x[i]), image);
+            sums[0] = lanes.mul_add(r, r, sums[0]);
+            sums[1] = lanes.mul_add(lanes.mul(w, r), r, sums[1]);
+            sums[2] = lanes.mul_add(lanes.mul(w, image), image, sums[2]);
         }
-        let mut out = [[[0.0; 8]; W]; 3];
+        let mut out = [[0.0; 8]; 3];
         for (sum, out) in sums.into_iter().zip(&mut out) {
-            for b in 0..W {
-                lanes.store(sum[b], &mut out[b]);
-            }
+            lanes.store(sum, out);
         }
         out
     }
 }
 
-/// The factor of an orthonormalisation X = Q R.
-pub(super) struct Triangular<const W: usize> {
-    /// R, row i from column i on.
-    pub r: Small<W>,
-}
-
-/// X ← Q and R of X = Q R by Cholesky on XᵀX, twice (Yamamoto et al. 2015). `None`, with X
+/// X ← Q of X = Q R by Cholesky on XᵀX, twice (Yamamoto et al. 2015), and R. `None`, with X
 /// spoiled, where the columns are dependent to working precision.
-pub(super) fn orthonormalize<const W: usize>(x: &mut [Row<W>]) -> Option<Triangular<W>> {
-    let mut r: Option<Small<W>> = None;
+pub(super) fn orthonormalize(x: &mut [Row]) -> Option<Small> {
+    let mut r: Option<Small> = None;
     for _ in 0..2 {
-        let gram = overlaps::<W>(&[x], x).pop()?;
-        let (upper, inverse) = cholesky::<W>(&gram)?;
+        let (upper, inverse) = cholesky(&overlap(x, x))?;
         multiply_right(x, &inverse);
-        r = Some(match r {
-            None => upper,
-            Some(first) => product::<W>(&upper, &first),
-        });
+        r = Some(r.map_or(upper, |first| product(&upper, &first)));
     }
-    r.map(|r| Triangular { r })
+    r
 }
 
 /// Upper triangular R with RᵀR = G, and its inverse.
-fn cholesky<const W: usize>(gram: &Small<W>) -> Option<(Small<W>, Small<W>)> {
-    let b = 8 * W;
-    let at = |m: &Small<W>, i: usize, j: usize| m[i][j / 8][j % 8];
-    let mut r = vec![[[0.0; 8]; W]; b];
-    for i in 0..b {
-        let sum: f64 = (0..i).map(|k| at(&r, k, i).powi(2)).sum();
-        let pivot = at(gram, i, i) - sum;
-        if pivot.is_nan() || pivot <= 1e-24 * at(gram, i, i) || at(gram, i, i) < f64::MIN_POSITIVE {
+fn cholesky(gram: &Small) -> Option<(Small, Small)> {
+    let mut r = [[0.0; 8]; BLOCK];
+    for i in 0..BLOCK {
+        let sum: f64 = (0..i).map(|k| r[k][i] * r[k][i]).sum();
+        let pivot = gram[i][i] - sum;
+        if pivot.is_nan() || pivot <= 1e-24 * gram[i][i] || gram[i][i] < f64::MIN_POSITIVE {
             return None;
         }
         let root = pivot.sqrt();
-        r[i][i / 8][i % 8] = root;
-        for j in i + 1..b {
-            let sum: f64 = (0..i).map(|k| at(&r, k, i) * at(&r, k, j)).sum();
-            r[i][j / 8][j % 8] = (at(gram, i, j) - sum) / root;
+        r[i][i] = root;
+        for j in i + 1..BLOCK {
+            let sum: f64 = (0..i).map(|k| r[k][i] * r[k][j]).sum();
+            r[i][j] = (gram[i][j] - sum) / root;
         }
     }
-    let mut inverse = vec![[[0.0; 8]; W]; b];
-    for j in 0..b {
-        inverse[j][j / 8][j % 8] = 1.0 / at(&r, j, j);
+    let mut inverse = [[0.0; 8]; BLOCK];
+    for j in 0..BLOCK {
+        inverse[j][j] = 1.0 / r[j][j];
         for i in (0..j).rev() {
-            let sum: f64 = (i + 1..=j).map(|k| at(&r, i, k) * at(&inverse, k, j)).sum();
-            inverse[i][j / 8][j % 8] = -sum / at(&r, i, i);
+            let sum: f64 = (i + 1..=j).map(|k| r[i][k] * inverse[k][j]).sum();
+            inverse[i][j] = -sum / r[i][i];
         }
     }
     Some((r, inverse))
 }
 
-fn product<const W: usize>(a: &Small<W>, b: &Small<W>) -> Small<W> {
-    let size = 8 * W;
-    let mut out = vec![[[0.0; 8]; W]; size];
-    for i in 0..size {
-        for k in 0..size {
-            let factor = a[i][k / 8][k % 8];
-            for group in 0..W {
-                for lane in 0..8 {
-                    out[i][group][lane] += factor * b[k][group][lane];
-                }
-            }
-        }
-    }
-    out
+fn product(a: &Small, b: &Small) -> Small {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..BLOCK).map(|k| a[i][k] * b[k][j]).sum()))
 }

@@ -4,6 +4,7 @@
 mod factor;
 mod front;
 mod ordering;
+mod separator;
 mod solve;
 mod symbolic;
 

@@ -1,147 +1,156 @@
 //! Nested dissection of a surface's graph: an elimination order with little fill.
 
-use std::collections::{BinaryHeap, VecDeque};
+use std::collections::VecDeque;
 
+use super::separator::{Graph, LEFT, RIGHT, SEPARATOR, separate};
 use crate::SymmetricSparse;
 
-/// Parts of at most this many vertices are eliminated as they are: one dense front each.
-const LEAF: usize = 40;
+/// Parts of at most this many vertices are ordered by minimum degree.
+const LEAF: usize = 160;
 /// Parts larger than this are dissected side by side on two threads.
 const PARALLEL: usize = 3000;
 
 /// An order of elimination, as the old index of each new one. Does not depend on threads.
 pub(crate) fn nested_dissection(matrix: &SymmetricSparse) -> Vec<u32> {
     let n = matrix.size();
-    let mut graph = Graph {
-        starts: vec![0],
-        neighbors: Vec::with_capacity(matrix.rows.len() - n),
-        name: (0..n as u32).collect(),
-    };
+    let mut graph = Graph { starts: vec![0], neighbors: Vec::with_capacity(matrix.rows.len() - n) };
     for j in 0..n {
         graph.neighbors.extend(matrix.column(j).filter(|(i, _)| *i != j).map(|(i, _)| i as u32));
         graph.starts.push(graph.neighbors.len());
     }
     let mut order = vec![0; n];
-    dissect(&graph, &mut order);
+    let whole = Part { graph, name: (0..n as u32).collect() };
+    dissect(&whole.graph, &whole, &mut order);
     order
 }
 
 /// A part of the whole graph under local names.
-struct Graph {
-    starts: Vec<usize>,
-    neighbors: Vec<u32>,
+struct Part {
+    graph: Graph,
     /// The vertex of the whole graph that each local one is.
     name: Vec<u32>,
 }
 
-/// Which side of a cut a vertex is on.
-const LEFT: u8 = 0;
-const RIGHT: u8 = 1;
-const SEPARATOR: u8 = 2;
-
-impl Graph {
-    fn size(&self) -> usize {
-        self.name.len()
-    }
-
-    fn of(&self, v: u32) -> &[u32] {
-        &self.neighbors[self.starts[v as usize]..self.starts[v as usize + 1]]
-    }
-
+impl Part {
     /// The subgraph of the vertices where `part` is `which`.
-    fn part(&self, part: &[u8], which: u8) -> Self {
-        let mut local = vec![u32::MAX; self.size()];
+    fn side(&self, part: &[u8], which: u8) -> Self {
+        let n = self.name.len();
+        let mut local = vec![u32::MAX; n];
         let mut name = Vec::new();
-        for v in 0..self.size() {
-            if part[v] == which {
-                local[v] = name.len() as u32;
-                name.push(self.name[v]);
-            }
+        for v in (0..n).filter(|&v| part[v] == which) {
+            local[v] = name.len() as u32;
+            name.push(self.name[v]);
         }
-        let mut starts = Vec::with_capacity(name.len() + 1);
-        starts.push(0);
-        let mut neighbors = Vec::new();
-        for v in (0..self.size()).filter(|&v| part[v] == which) {
-            neighbors.extend(self.of(v as u32).iter().map(|&u| local[u as usize]).filter(|&u| u != u32::MAX));
-            starts.push(neighbors.len());
+        let mut graph = Graph { starts: Vec::with_capacity(name.len() + 1), neighbors: Vec::new() };
+        graph.starts.push(0);
+        for v in (0..n).filter(|&v| part[v] == which) {
+            let kept = self.graph.of(v as u32).iter().map(|&u| local[u as usize]).filter(|&u| u != u32::MAX);
+            graph.neighbors.extend(kept);
+            graph.starts.push(graph.neighbors.len());
         }
-        Self { starts, neighbors, name }
-    }
-
-    /// Distances in edges from `source`, and the vertices in the order they are reached.
-    fn distances(&self, source: u32, distance: &mut [u32], reached: &mut Vec<u32>) {
-        distance.fill(u32::MAX);
-        reached.clear();
-        distance[source as usize] = 0;
-        reached.push(source);
-        let mut next = 0;
-        while let Some(&v) = reached.get(next) {
-            next += 1;
-            for &u in self.of(v) {
-                if distance[u as usize] == u32::MAX {
-                    distance[u as usize] = distance[v as usize] + 1;
-                    reached.push(u);
-                }
-            }
-        }
+        Self { graph, name }
     }
 }
 
-/// Writes the names of `graph` in order of elimination: left part, right part, separator.
-fn dissect(graph: &Graph, order: &mut [u32]) {
-    let n = graph.size();
+/// Writes the names of `part` in order of elimination: left part, right part, separator.
+fn dissect(whole: &Graph, part: &Part, order: &mut [u32]) {
+    let n = part.name.len();
     if n <= LEAF {
-        order.copy_from_slice(&graph.name);
+        order_by_degree(whole, &part.name, order);
         return;
     }
-    let mut part = split(graph);
-    refine(graph, &mut part);
-    let (left, right) = (graph.part(&part, LEFT), graph.part(&part, RIGHT));
-    let (first, rest) = order.split_at_mut(left.size());
-    let (second, separator) = rest.split_at_mut(right.size());
-    let names = (0..n).filter(|&v| part[v] == SEPARATOR).map(|v| graph.name[v]);
+    let sides = split(&part.graph);
+    let (left, right) = (part.side(&sides, LEFT), part.side(&sides, RIGHT));
+    let (first, rest) = order.split_at_mut(left.name.len());
+    let (second, separator) = rest.split_at_mut(right.name.len());
+    let names = (0..n).filter(|&v| sides[v] == SEPARATOR).map(|v| part.name[v]);
     separator.iter_mut().zip(names).for_each(|(slot, name)| *slot = name);
-    if left.size() == n || right.size() == n {
+    if left.name.len() == n || right.name.len() == n {
         // Nothing was split off; keep the order as it is rather than recurse for ever.
-        order.copy_from_slice(&graph.name);
+        order.copy_from_slice(&part.name);
     } else if n > PARALLEL {
-        rayon::join(|| dissect(&left, first), || dissect(&right, second));
+        rayon::join(|| dissect(whole, &left, first), || dissect(whole, &right, second));
     } else {
-        dissect(&left, first);
-        dissect(&right, second);
+        dissect(whole, &left, first);
+        dissect(whole, &right, second);
     }
 }
 
-/// A first cut: what is nearer to one end of the graph than to the other, the two in balance.
-/// Components are never cut while they can be dealt out whole.
-fn split(graph: &Graph) -> Vec<u8> {
-    let n = graph.size();
-    let (mut from_a, mut from_b) = (vec![0; n], vec![0; n]);
-    let mut reached = Vec::with_capacity(n);
-    graph.distances(0, &mut from_a, &mut reached);
-    if reached.len() < n {
-        return deal_components(graph);
+/// A small part by minimum degree, its neighbours in the separators around it counted with it
+/// though they are eliminated later. Sets of up to 512 vertices are eight words.
+fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
+    type Set = [u64; 8];
+    let mut around: Vec<u32> = part.iter().flat_map(|&v| whole.of(v)).copied().collect();
+    around.sort_unstable();
+    around.dedup();
+    let inside: Vec<(u32, usize)> = {
+        let mut named: Vec<(u32, usize)> = part.iter().enumerate().map(|(i, &v)| (v, i)).collect();
+        named.sort_unstable();
+        named
+    };
+    let mut outside = part.len();
+    // The number of each vertex around: its own inside the part, the next one outside.
+    let number: Vec<usize> = around
+        .iter()
+        .map(|&v| {
+            inside.binary_search_by_key(&v, |e| e.0).map_or_else(
+                |_| {
+                    outside += 1;
+                    outside - 1
+                },
+                |at| inside[at].1,
+            )
+        })
+        .collect();
+    if outside > 512 {
+        // A vertex of huge degree; what is in such a part is soon dense whatever the order.
+        order.copy_from_slice(part);
+        return;
     }
-    let a = reached[n - 1];
-    graph.distances(a, &mut from_a, &mut reached);
-    let b = reached[n - 1];
-    graph.distances(b, &mut from_b, &mut reached);
-    let nearness = |v: usize| i64::from(from_a[v]) - i64::from(from_b[v]);
-    // The median by counting; vertices at the median itself go left in order of distance.
-    let mut sorted: Vec<(i64, u32, u32)> = (0..n).map(|v| (nearness(v), from_a[v], v as u32)).collect();
-    let half = n / 2;
-    sorted.select_nth_unstable(half);
-    let mut part = vec![RIGHT; n];
-    for &(_, _, v) in &sorted[..half] {
-        part[v as usize] = LEFT;
-    }
-    // The separator: vertices of the right that touch the left.
-    for v in 0..n {
-        if part[v] == RIGHT && graph.of(v as u32).iter().any(|&u| part[u as usize] == LEFT) {
-            part[v] = SEPARATOR;
+    let mut adjacent: Vec<Set> = part
+        .iter()
+        .enumerate()
+        .map(|(i, &v)| {
+            let mut set = [0; 8];
+            for u in whole.of(v) {
+                if let Ok(at) = around.binary_search(u) {
+                    set[number[at] / 64] |= 1 << (number[at] % 64);
+                }
+            }
+            set[i / 64] &= !(1 << (i % 64));
+            set
+        })
+        .collect();
+    let mut left: Vec<usize> = (0..part.len()).collect();
+    for slot in order.iter_mut() {
+        let degree = |v: usize| adjacent[v].iter().map(|w| w.count_ones()).sum::<u32>();
+        let Some(at) = (0..left.len()).min_by_key(|&at| degree(left[at])) else { return };
+        let v = left.swap_remove(at);
+        *slot = part[v];
+        let joined = adjacent[v];
+        for &u in &left {
+            if adjacent[v][u / 64] >> (u % 64) & 1 == 1 {
+                for (word, new) in adjacent[u].iter_mut().zip(joined) {
+                    *word |= new;
+                }
+                adjacent[u][u / 64] &= !(1 << (u % 64));
+                adjacent[u][v / 64] &= !(1 << (v % 64));
+            }
         }
     }
-    part
+}
+
+/// A separator, or where there are several components, a deal of them that cuts none.
+fn split(graph: &Graph) -> Vec<u8> {
+    let mut met = vec![false; graph.size()];
+    let mut queue = vec![0];
+    met[0] = true;
+    let mut reached = 0;
+    while let Some(v) = queue.pop() {
+        reached += 1;
+        queue.extend(graph.of(v).iter().filter(|&&u| !std::mem::replace(&mut met[u as usize], true)));
+    }
+    if reached < graph.size() { deal_components(graph) } else { separate(graph) }
 }
 
 /// Whole components to the emptier side, the largest first.
@@ -178,99 +187,4 @@ fn deal_components(graph: &Graph) -> Vec<u8> {
         filled[emptier as usize] += size;
     }
     component.into_iter().map(|c| side[c as usize]).collect()
-}
-
-/// Makes the separator smaller by moving its vertices to a side, each pulling its neighbours
-/// of the other side into the separator, best moves first, also through worse states
-/// (Fiduccia & Mattheyses 1982; Hendrickson & Rothberg 1998). Sides stay in balance.
-fn refine(graph: &Graph, part: &mut [u8]) {
-    let n = graph.size();
-    let mut count = [0_usize; 3];
-    for &p in part.iter() {
-        count[p as usize] += 1;
-    }
-    if count[2] == 0 {
-        return;
-    }
-    let largest_side = n * 11 / 20;
-    let mut moved_in_pass = vec![0_u32; n];
-    for pass in 1..=4 {
-        let before = count[2];
-        improve_once(graph, part, &mut count, largest_side, pass, &mut moved_in_pass);
-        if count[2] == before {
-            break;
-        }
-    }
-}
-
-fn improve_once(
-    graph: &Graph,
-    part: &mut [u8],
-    count: &mut [usize; 3],
-    largest_side: usize,
-    pass: u32,
-    moved: &mut [u32],
-) {
-    // What moving v out of the separator to `side` wins: itself, less those it pulls in.
-    let gain = |part: &[u8], v: u32, side: u8| {
-        1 - graph.of(v).iter().filter(|&&u| part[u as usize] == 1 - side).count() as i32
-    };
-    let mut heap = BinaryHeap::new();
-    let push = |heap: &mut BinaryHeap<(i32, u32, u8)>, part: &[u8], v: u32| {
-        for side in [LEFT, RIGHT] {
-            heap.push((gain(part, v, side), v, side));
-        }
-    };
-    for v in 0..part.len() as u32 {
-        if part[v as usize] == SEPARATOR {
-            push(&mut heap, part, v);
-        }
-    }
-    let imbalance = |count: &[usize; 3]| count[0].abs_diff(count[1]);
-    let mut log: Vec<(u32, u8)> = Vec::new();
-    let mut best = (count[2], imbalance(count), 0);
-    let patience = 60 + count[2] / 4;
-    while let Some((claimed, v, side)) = heap.pop() {
-        let at = v as usize;
-        if part[at] != SEPARATOR || moved[at] == pass || log.len() > best.2 + patience {
-            continue;
-        }
-        let now = gain(part, v, side);
-        if now != claimed {
-            // Stale: it comes back under its true gain.
-            heap.push((now, v, side));
-            continue;
-        }
-        if count[side as usize] + 1 > largest_side {
-            continue;
-        }
-        log.push((v, part[at]));
-        part[at] = side;
-        moved[at] = pass;
-        count[2] -= 1;
-        count[side as usize] += 1;
-        for &u in graph.of(v) {
-            if part[u as usize] == 1 - side {
-                log.push((u, part[u as usize]));
-                part[u as usize] = SEPARATOR;
-                count[2] += 1;
-                count[1 - side as usize] -= 1;
-                push(&mut heap, part, u);
-                for &w in graph.of(u) {
-                    if part[w as usize] == SEPARATOR {
-                        push(&mut heap, part, w);
-                    }
-                }
-            }
-        }
-        let state = (count[2], imbalance(count), log.len());
-        if (state.0, state.1) < (best.0, best.1) {
-            best = state;
-        }
-    }
-    for (v, was) in log.drain(best.2..).rev() {
-        count[part[v as usize] as usize] -= 1;
-        count[was as usize] += 1;
-        part[v as usize] = was;
-    }
 }

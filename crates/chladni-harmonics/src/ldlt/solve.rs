@@ -5,23 +5,23 @@ use super::symbolic::Supernode;
 use super::{Factor, Symbolic};
 use crate::simd::{Kernel, Lanes, dispatch};
 
-/// One row of a block of 8·W columns.
-pub(crate) type Row<const W: usize> = [[f64; 8]; W];
+/// One row of a block of eight columns.
+pub(crate) type Row = [f64; 8];
 
 impl Factor {
     /// Overwrites the block `x` (n rows of right-hand sides, new order) by (A − σI)⁻¹ x.
-    pub(crate) fn solve<const W: usize>(&self, symbolic: &Symbolic, x: &mut [Row<W>]) {
+    pub(crate) fn solve(&self, symbolic: &Symbolic, x: &mut [Row]) {
         dispatch(Solve { factor: self, symbolic, x });
     }
 }
 
-struct Solve<'a, const W: usize> {
+struct Solve<'a> {
     factor: &'a Factor,
     symbolic: &'a Symbolic,
-    x: &'a mut [Row<W>],
+    x: &'a mut [Row],
 }
 
-impl<const W: usize> Kernel for Solve<'_, W> {
+impl Kernel for Solve<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -42,9 +42,7 @@ impl<const W: usize> Kernel for Solve<'_, W> {
             let (head, tail) = x.split_at_mut(end);
             let own = &mut head[node.first..];
             for (x, &d) in own.iter_mut().zip(&factor.inverse_pivots[node.first..end]) {
-                for x in x {
-                    lanes.store(lanes.mul(lanes.load(x), lanes.splat(d)), x);
-                }
+                lanes.store(lanes.mul(lanes.load(x), lanes.splat(d)), x);
             }
             backward_below(lanes, below, node.width, rows, own, tail, end);
             backward_diagonal(lanes, diagonal, node.width, own);
@@ -56,13 +54,13 @@ impl<const W: usize> Kernel for Solve<'_, W> {
 /// Puts the rows of a supernode in the order of elimination, or `back`. They move within
 /// groups of [`TILE`] only.
 #[inline(always)]
-fn reorder<const W: usize>(own: &mut [Row<W>], order: &[u32], back: bool) {
+fn reorder(own: &mut [Row], order: &[u32], back: bool) {
     for (group, (rows, order)) in own.chunks_mut(TILE).zip(order.chunks(TILE)).enumerate() {
         let first = group * TILE;
         if order.iter().enumerate().all(|(k, &from)| first + k == from as usize) {
             continue;
         }
-        let mut kept = [[[0.0; 8]; W]; TILE];
+        let mut kept = [[0.0; 8]; TILE];
         kept[..rows.len()].copy_from_slice(rows);
         for (k, &from) in order.iter().enumerate() {
             let from = from as usize - first;
@@ -88,71 +86,49 @@ fn parts<'a>(
 }
 
 #[inline(always)]
-fn subtract<L: Lanes, const W: usize>(lanes: L, x: &mut Row<W>, sum: &[L::V; W]) {
-    for (x, sum) in x.iter_mut().zip(sum) {
-        lanes.store(lanes.sub(lanes.load(x), *sum), x);
-    }
+fn subtract<L: Lanes>(lanes: L, x: &mut Row, sum: L::V) {
+    lanes.store(lanes.sub(lanes.load(x), sum), x);
 }
 
 /// own ← L₁₁⁻¹ own.
 #[inline(always)]
-fn forward_diagonal<L: Lanes, const W: usize>(lanes: L, diagonal: &[f64], w: usize, own: &mut [Row<W>]) {
+fn forward_diagonal<L: Lanes>(lanes: L, diagonal: &[f64], w: usize, own: &mut [Row]) {
     let mut i = 0;
     while i + 8 <= w {
-        forward_group::<L, 8, W>(lanes, diagonal, w, i, own);
+        forward_group::<L, 8>(lanes, diagonal, w, i, own);
         i += 8;
     }
     while i < w {
-        forward_group::<L, 1, W>(lanes, diagonal, w, i, own);
+        forward_group::<L, 1>(lanes, diagonal, w, i, own);
         i += 1;
     }
 }
 
 /// Rows `i .. i + R` of L₁₁⁻¹, given all rows before them.
 #[inline(always)]
-fn forward_group<L: Lanes, const R: usize, const W: usize>(
-    lanes: L,
-    diagonal: &[f64],
-    w: usize,
-    i: usize,
-    own: &mut [Row<W>],
-) {
+fn forward_group<L: Lanes, const R: usize>(lanes: L, diagonal: &[f64], w: usize, i: usize, own: &mut [Row]) {
     let (before, group) = own.split_at_mut(i);
-    let mut x = products::<L, R, W>(lanes, diagonal, w, i, before);
+    let mut x = products::<L, R>(lanes, diagonal, w, i, before);
     for r in 0..R {
-        for b in 0..W {
-            x[r][b] = lanes.sub(lanes.load(&group[r][b]), x[r][b]);
-        }
+        x[r] = lanes.sub(lanes.load(&group[r]), x[r]);
         for k in 0..r {
             let l = lanes.splat(diagonal[(i + r) * w + i + k]);
-            for b in 0..W {
-                x[r][b] = lanes.mul_sub_from(l, x[k][b], x[r][b]);
-            }
+            x[r] = lanes.mul_sub_from(l, x[k], x[r]);
         }
-        for b in 0..W {
-            lanes.store(x[r][b], &mut group[r][b]);
-        }
+        lanes.store(x[r], &mut group[r]);
     }
 }
 
 /// Rows `first .. first + R` of L (rows `w` apart) times `x`.
 #[inline(always)]
-fn products<L: Lanes, const R: usize, const W: usize>(
-    lanes: L,
-    l: &[f64],
-    w: usize,
-    first: usize,
-    x: &[Row<W>],
-) -> [[L::V; W]; R] {
+fn products<L: Lanes, const R: usize>(lanes: L, l: &[f64], w: usize, first: usize, x: &[Row]) -> [L::V; R] {
     let rows: [&[f64]; R] = std::array::from_fn(|r| &l[(first + r) * w..(first + r) * w + x.len()]);
-    let mut sum = [[lanes.splat(0.0); W]; R];
+    let mut sum = [lanes.splat(0.0); R];
     for (k, x) in x.iter().enumerate() {
-        let x: [L::V; W] = std::array::from_fn(|b| lanes.load(&x[b]));
+        let x = lanes.load(x);
         for r in 0..R {
             let l = lanes.splat(rows[r][k]);
-            for b in 0..W {
-                sum[r][b] = lanes.mul_add(l, x[b], sum[r][b]);
-            }
+            sum[r] = lanes.mul_add(l, x, sum[r]);
         }
     }
     sum
@@ -160,135 +136,125 @@ fn products<L: Lanes, const R: usize, const W: usize>(
 
 /// x[rows] ← x[rows] − L₂₁ own.
 #[inline(always)]
-fn forward_below<L: Lanes, const W: usize>(
+fn forward_below<L: Lanes>(
     lanes: L,
     below: &[f64],
     w: usize,
     rows: &[u32],
-    own: &[Row<W>],
-    tail: &mut [Row<W>],
+    own: &[Row],
+    tail: &mut [Row],
     offset: usize,
 ) {
     let mut i = 0;
     while i + 8 <= rows.len() {
-        let sum = products::<L, 8, W>(lanes, below, w, i, own);
+        let sum = products::<L, 8>(lanes, below, w, i, own);
         for r in 0..8 {
-            subtract(lanes, &mut tail[rows[i + r] as usize - offset], &sum[r]);
+            subtract(lanes, &mut tail[rows[i + r] as usize - offset], sum[r]);
         }
         i += 8;
     }
     while i + 2 <= rows.len() {
-        let sum = products::<L, 2, W>(lanes, below, w, i, own);
+        let sum = products::<L, 2>(lanes, below, w, i, own);
         for r in 0..2 {
-            subtract(lanes, &mut tail[rows[i + r] as usize - offset], &sum[r]);
+            subtract(lanes, &mut tail[rows[i + r] as usize - offset], sum[r]);
         }
         i += 2;
     }
     if i < rows.len() {
-        let sum = products::<L, 1, W>(lanes, below, w, i, own);
-        subtract(lanes, &mut tail[rows[i] as usize - offset], &sum[0]);
+        let sum = products::<L, 1>(lanes, below, w, i, own);
+        subtract(lanes, &mut tail[rows[i] as usize - offset], sum[0]);
     }
 }
 
 /// own ← own − L₂₁ᵀ x[rows].
 #[inline(always)]
-fn backward_below<L: Lanes, const W: usize>(
+fn backward_below<L: Lanes>(
     lanes: L,
     below: &[f64],
     w: usize,
     rows: &[u32],
-    own: &mut [Row<W>],
-    tail: &[Row<W>],
+    own: &mut [Row],
+    tail: &[Row],
     offset: usize,
 ) {
     let mut k = 0;
     while k + 8 <= w {
-        backward_columns::<L, 8, W>(lanes, below, w, rows, k, own, tail, offset);
+        backward_columns::<L, 8>(lanes, below, w, rows, k, own, tail, offset);
         k += 8;
     }
     while k + 2 <= w {
-        backward_columns::<L, 2, W>(lanes, below, w, rows, k, own, tail, offset);
+        backward_columns::<L, 2>(lanes, below, w, rows, k, own, tail, offset);
         k += 2;
     }
     if k < w {
-        backward_columns::<L, 1, W>(lanes, below, w, rows, k, own, tail, offset);
+        backward_columns::<L, 1>(lanes, below, w, rows, k, own, tail, offset);
     }
 }
 
 #[inline(always)]
-fn backward_columns<L: Lanes, const R: usize, const W: usize>(
+fn backward_columns<L: Lanes, const R: usize>(
     lanes: L,
     below: &[f64],
     w: usize,
     rows: &[u32],
     k: usize,
-    own: &mut [Row<W>],
-    tail: &[Row<W>],
+    own: &mut [Row],
+    tail: &[Row],
     offset: usize,
 ) {
-    let mut sum = [[lanes.splat(0.0); W]; R];
+    let mut sum = [lanes.splat(0.0); R];
     for (l, &row) in below.chunks_exact(w).zip(rows) {
         let x = &tail[row as usize - offset];
-        let x: [L::V; W] = std::array::from_fn(|b| lanes.load(&x[b]));
+        let x = lanes.load(x);
         let l = &l[k..k + R];
         for r in 0..R {
             let l = lanes.splat(l[r]);
-            for b in 0..W {
-                sum[r][b] = lanes.mul_add(l, x[b], sum[r][b]);
-            }
+            sum[r] = lanes.mul_add(l, x, sum[r]);
         }
     }
     for r in 0..R {
-        subtract(lanes, &mut own[k + r], &sum[r]);
+        subtract(lanes, &mut own[k + r], sum[r]);
     }
 }
 
 /// own ← L₁₁⁻ᵀ own.
 #[inline(always)]
-fn backward_diagonal<L: Lanes, const W: usize>(lanes: L, diagonal: &[f64], w: usize, own: &mut [Row<W>]) {
+fn backward_diagonal<L: Lanes>(lanes: L, diagonal: &[f64], w: usize, own: &mut [Row]) {
     let mut end = w;
     while end >= 8 {
         end -= 8;
-        backward_group::<L, 8, W>(lanes, diagonal, w, end, own);
+        backward_group::<L, 8>(lanes, diagonal, w, end, own);
     }
     while end > 0 {
         end -= 1;
-        backward_group::<L, 1, W>(lanes, diagonal, w, end, own);
+        backward_group::<L, 1>(lanes, diagonal, w, end, own);
     }
 }
 
 /// Rows `start .. start + R` of L₁₁⁻ᵀ, given all rows after them.
 #[inline(always)]
-fn backward_group<L: Lanes, const R: usize, const W: usize>(
+fn backward_group<L: Lanes, const R: usize>(
     lanes: L,
     diagonal: &[f64],
     w: usize,
     start: usize,
-    own: &mut [Row<W>],
+    own: &mut [Row],
 ) {
-    let mut x = [[lanes.splat(0.0); W]; R];
+    let mut x = [lanes.splat(0.0); R];
     for i in start + R..w {
         let l = &diagonal[i * w + start..i * w + start + R];
-        let later: [L::V; W] = std::array::from_fn(|b| lanes.load(&own[i][b]));
+        let later = lanes.load(&own[i]);
         for r in 0..R {
             let l = lanes.splat(l[r]);
-            for b in 0..W {
-                x[r][b] = lanes.mul_add(l, later[b], x[r][b]);
-            }
+            x[r] = lanes.mul_add(l, later, x[r]);
         }
     }
     for r in (0..R).rev() {
-        for b in 0..W {
-            x[r][b] = lanes.sub(lanes.load(&own[start + r][b]), x[r][b]);
-        }
+        x[r] = lanes.sub(lanes.load(&own[start + r]), x[r]);
         for later in r + 1..R {
             let l = lanes.splat(diagonal[(start + later) * w + start + r]);
-            for b in 0..W {
-                x[r][b] = lanes.mul_sub_from(l, x[later][b], x[r][b]);
-            }
+            x[r] = lanes.mul_sub_from(l, x[later], x[r]);
         }
-        for b in 0..W {
-            lanes.store(x[r][b], &mut own[start + r][b]);
-        }
+        lanes.store(x[r], &mut own[start + r]);
     }
 }

@@ -273,9 +273,8 @@ fn supernode_spans(parent: &[u32], counts: &[u32]) -> Vec<(usize, usize)> {
             let stored = width * (width + 1) / 2 + width * node.below;
             let share = zeros as f64 / stored as f64;
             let worth = match width {
-                0..9 => true,
-                9..25 => share < 0.5,
-                25..65 => share < 0.15,
+                0..9 => share < 0.4,
+                9..17 => share < 0.2,
                 _ => share < 0.05,
             };
             if !worth {
