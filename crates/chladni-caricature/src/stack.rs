@@ -44,6 +44,10 @@ struct LayerMemo {
     signals: Memo<Same<Difference>, Signals>,
 }
 
+/// From this many matches on the oldest that no layer asks for is dropped: moving landmarks makes
+/// many, of a megabyte or two each.
+const MAX_MATCHES: usize = 32;
+
 type Mask = Option<Arc<[f32]>>;
 type FieldMemo = Memo<(Same<Difference>, ScaleCurve), Arc<Field>>;
 /// The field, μ and χ it came from.
@@ -83,6 +87,9 @@ pub struct EvaluatedLayer {
 pub enum LayerState {
     /// It does.
     Acts,
+    /// It does, with the last match of its template: the match that it asks for now is
+    /// [`missing`](Stack::missing), as while landmarks are moved.
+    Outdated,
     /// It is switched off, or others are soloed.
     Off,
     /// Its template is not matched yet; see [`Stack::missing`].
@@ -150,6 +157,12 @@ impl Stack {
     /// Evaluates every layer of `project`, lowest first. Layers that cannot act leave the shape
     /// as it is and say why in their state.
     pub fn evaluate(&mut self, project: &Project) -> Evaluation {
+        if self.matches.len() > MAX_MATCHES {
+            let wanted: Vec<_> = project.layers().iter().filter_map(|(_, l)| MatchRequest::of(l)).collect();
+            if let Some(oldest) = self.matches.iter().position(|(known, _)| !wanted.contains(known)) {
+                drop(self.matches.remove(oldest));
+            }
+        }
         let mut memos = std::mem::take(&mut self.layers);
         let mut base = self.original.clone();
         let mut layers = Vec::with_capacity(project.layers().len());
@@ -170,7 +183,8 @@ impl Stack {
                 match memo.evaluate(&scene, layer, &base) {
                     Ok(Some(acting)) => {
                         base = acting.result;
-                        evaluated.state = LayerState::Acts;
+                        evaluated.state =
+                            if acting.outdated { LayerState::Outdated } else { LayerState::Acts };
                         evaluated.mask = acting.mask;
                         evaluated.difference = Some(acting.difference);
                         evaluated.displacement = Some(acting.displacement);
@@ -223,6 +237,7 @@ struct Scene<'a> {
 
 /// A layer that acts.
 struct Acting {
+    outdated: bool,
     mask: Mask,
     difference: Arc<Difference>,
     displacement: Arc<Vec<Vec3>>,
@@ -237,7 +252,7 @@ impl LayerMemo {
         layer: &Layer,
         base: &Arc<Base>,
     ) -> Result<Option<Acting>, Error> {
-        let Some(target) = self.target(scene, layer, base)? else { return Ok(None) };
+        let Some((target, outdated)) = self.target(scene, layer, base)? else { return Ok(None) };
         let inputs = (Same::from(base), Same::from(&target));
         let new = || Difference::new(base.clone(), target.clone()).map(Arc::new);
         let difference = self.difference.get(inputs, new)?;
@@ -252,19 +267,26 @@ impl LayerMemo {
         let displacement = self.displacement.get(inputs, displace)?;
         let inputs = (Same::from(base), Same::from(&displacement));
         let result = self.result.get(inputs, || Ok::<_, Error>(Arc::new(base.moved(&displacement))))?;
-        Ok(Some(Acting { mask, difference, displacement, result }))
+        Ok(Some(Acting { outdated, mask, difference, displacement, result }))
     }
 
+    /// The template's points, and whether they are of an older match than the one asked for.
     fn target(
         &mut self,
         scene: &Scene<'_>,
         layer: &Layer,
         base: &Arc<Base>,
-    ) -> Result<Option<Arc<Target>>, Error> {
+    ) -> Result<Option<(Arc<Target>, bool)>, Error> {
         if let Some(request) = MatchRequest::of(layer) {
+            let older = || {
+                let newest_first = scene.matches.iter().rev();
+                newest_first
+                    .filter(|(known, _)| known.template == request.template)
+                    .find_map(|(_, m)| m.as_ref().ok())
+            };
             return match scene.matches.iter().find(|(known, _)| *known == request) {
-                None => Ok(None),
-                Some((_, Ok(matched))) => Ok(Some(matched.target.clone())),
+                None => Ok(older().map(|matched| (matched.target.clone(), true))),
+                Some((_, Ok(matched))) => Ok(Some((matched.target.clone(), false))),
                 Some((_, Err(why))) => Err(Error::Unmatched(why.clone())),
             };
         }
@@ -276,7 +298,7 @@ impl LayerMemo {
                 why: "needs a match".into(),
             })
         };
-        self.own_target.get(inputs, make).map(Some)
+        Ok(Some((self.own_target.get(inputs, make)?, false)))
     }
 
     fn field(&mut self, difference: &Arc<Difference>, model: Model, curve: &ScaleCurve) -> Arc<Field> {

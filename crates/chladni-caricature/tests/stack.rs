@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use chladni_caricature::*;
 use chladni_harmonics::{BasisSettings, Body};
+use chladni_match::{Method, Settings as MatchSettings};
 use chladni_synth::displacements_f64;
 use chladni_task::Task;
 
@@ -125,6 +126,33 @@ fn off_solo_waiting_and_failed_layers_leave_the_shape_alone() {
     assert!(
         matches!(&states(&stack.evaluate(&project))[0], LayerState::Failed(why) if why.contains("absent.obj"))
     );
+}
+
+#[test]
+fn a_layer_acts_with_its_last_match_until_the_new_one_is_there() {
+    let (mesh, mut stack) = stack();
+    let body = stack.body().clone();
+    let template = chladni_mesh::TriMesh {
+        positions: mesh.positions.iter().map(|[x, y, z]| [*x, 1.2 * y, *z]).collect(),
+        ..mesh.clone()
+    };
+    let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
+    let layer = project.push(Layer::new("wide", Template::File("wide.obj".into()))).unwrap();
+    let matching = |seed| MatchSettings { method: Method::Same, seed, ..MatchSettings::default() };
+    for seed in 0..40 {
+        let set = Action::Set { layer, to: Property::Matching(matching(seed)) };
+        project.apply(&set, None).unwrap();
+        let before = stack.evaluate(&project).layers.remove(0);
+        let expected = if seed == 0 { LayerState::Waiting } else { LayerState::Outdated };
+        assert_eq!((before.state, before.displacement.is_some()), (expected, seed > 0));
+        let request = stack.missing(&project).remove(0);
+        let matched = request.run(&mesh, &body, Some(&template), &Task::new());
+        stack.install(request, matched);
+        assert_eq!(stack.evaluate(&project).layers[0].state, LayerState::Acts);
+    }
+    // An old match that nobody asks for is dropped at last; asked for again, it is made again.
+    project.apply(&Action::Set { layer, to: Property::Matching(matching(1)) }, None).unwrap();
+    assert_eq!(stack.missing(&project).len(), 1);
 }
 
 #[test]

@@ -58,8 +58,7 @@ impl Studio {
 
 fn ask(ctx: &egui::Context, unsaved: &[String]) -> Option<Answer> {
     let mut answer = None;
-    let modal = egui::Modal::new(egui::Id::unique("close")).show(ctx, |ui| {
-        ui.set_width(420.0);
+    let ((), dismissed) = theme::modal(ctx, "close", 420.0, |ui| {
         ui.heading("Save before closing?");
         ui.add_space(theme::GAP);
         for line in unsaved {
@@ -80,7 +79,7 @@ fn ask(ctx: &egui::Context, unsaved: &[String]) -> Option<Answer> {
             });
         });
     });
-    if modal.should_close() {
+    if dismissed {
         answer.get_or_insert(Answer::Stay);
     }
     answer

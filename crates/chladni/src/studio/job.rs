@@ -76,13 +76,15 @@ impl<T> Drop for Job<T> {
 /// Draws progress and a cancel button. Repaints by itself while shown.
 pub fn show_progress<T>(ui: &mut egui::Ui, job: &Job<T>) {
     let progress = job.progress();
-    ui.horizontal(|ui| {
-        ui.spinner();
-        ui.label(job.label());
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.button("Cancel").clicked() {
-                job.cancel();
-            }
+    // The button first, so that a long label cannot push it away.
+    let row = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(row, egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        if ui.button("Cancel").clicked() {
+            job.cancel();
+        }
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.spinner();
+            ui.add(egui::Label::new(job.label()).truncate());
         });
     });
     let bar = match progress.fraction() {

@@ -68,6 +68,34 @@ pub fn title() -> TextStyle {
     TextStyle::Name("title".into())
 }
 
+/// A question or a choice in front of everything else; true beside its result where Escape or a
+/// click beside it dismissed it.
+pub fn modal<R>(
+    ctx: &egui::Context,
+    id: &'static str,
+    width: f32,
+    content: impl FnOnce(&mut egui::Ui) -> R,
+) -> (R, bool) {
+    let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(22.0).corner_radius(12.0);
+    let shown = egui::Modal::new(egui::Id::unique(id)).frame(frame).show(ctx, |ui| {
+        ui.set_width(width);
+        content(ui)
+    });
+    let dismissed = shown.should_close();
+    (shown.inner, dismissed)
+}
+
+/// Names a control for screen readers, where its text does not.
+pub fn name(response: &egui::Response, name: &str) {
+    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+}
+
+/// A name as it begins a label.
+pub fn capitalised(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// The button that most people want: filled with the accent.
 pub fn primary_button(ui: &mut egui::Ui, label: impl Into<String>) -> egui::Response {
     let palette = palette(ui);

@@ -24,11 +24,20 @@ impl CaricatureRoom {
                     ui.add_space(theme::GAP_SMALL);
                 });
             }
+            self.export.progress(ui);
             self.toolbar(ui, shared);
             let (Some(session), Some(stage)) = (&mut self.session, &mut self.stage) else {
                 ui.centered_and_justified(|ui| ui.label("The shape appears here as soon as it is read."));
                 return;
             };
+            self.picking.take_if(|picking| !picking.belongs_to(session));
+            if let Some(picking) = &mut self.picking {
+                if let Err(why) = picking.show(ui, session, edits, self.look, shared) {
+                    shared.notices.error(why);
+                    self.picking = None;
+                }
+                return;
+            }
             let shown = update_stage(session, stage, &mut self.heat, self.look, &mut self.stale)
                 .and_then(|()| show_stage(ui, shared, session, stage, &mut self.brush, self.look, edits));
             if let Err(why) = shown {

@@ -135,8 +135,7 @@ impl CaricatureRoom {
         }
         let name = self.session.as_ref().map(Session::name).unwrap_or_default();
         let (mut save, mut discard, mut stay) = (false, false, false);
-        let modal = egui::Modal::new(egui::Id::unique("replace")).show(&shared.ctx, |ui| {
-            ui.set_width(420.0);
+        let ((), dismissed) = theme::modal(&shared.ctx, "replace", 420.0, |ui| {
             ui.heading("Save before opening another?");
             ui.add_space(theme::GAP);
             ui.label(format!("“{name}” has changes that are not saved."));
@@ -153,7 +152,7 @@ impl CaricatureRoom {
             if let Some(candidate) = self.candidate.take() {
                 self.begin(candidate, &shared.ctx);
             }
-        } else if stay || modal.should_close() {
+        } else if stay || dismissed {
             self.candidate = None;
         }
     }

@@ -5,6 +5,7 @@ use chladni_match::Method;
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
+use super::landmarks;
 use super::session::Session;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job;
@@ -12,7 +13,15 @@ use crate::studio::room::Shared;
 use crate::studio::theme;
 
 /// Draws the panel for the selected layer.
-pub fn show(ui: &mut Ui, session: &mut Session, edits: &mut Edits, shared: &mut Shared<'_>) {
+///
+/// `picking` says whether landmarks are picked, and is toggled by a button.
+pub fn show(
+    ui: &mut Ui,
+    session: &mut Session,
+    picking: &mut bool,
+    edits: &mut Edits,
+    shared: &mut Shared<'_>,
+) {
     let Some((id, layer)) = session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))
     else {
         return;
@@ -29,9 +38,6 @@ pub fn show(ui: &mut Ui, session: &mut Session, edits: &mut Edits, shared: &mut 
             }
         });
     });
-    if let Some(running) = session.running_match() {
-        job::show_progress(ui, running);
-    }
     if let Some(why) = session.selected_failure().map(str::to_owned) {
         ui.label(RichText::new(why).color(theme::palette(ui).error));
         if ui.button("Try again").clicked() {
@@ -43,8 +49,13 @@ pub fn show(ui: &mut Ui, session: &mut Session, edits: &mut Edits, shared: &mut 
         .is_some_and(|request| layer.template.is_mesh() && request.template == layer.template)
     {
         method(ui, session, id, edits);
+        landmarks::show_list(ui, session, id, &layer.matching, picking, edits, shared);
+        ui.add_space(theme::GAP_SMALL);
     }
-    if let Some(report) = session.selected_match().and_then(|matched| matched.report.clone()) {
+    // A match that runs is shown in the place of the report, so that nothing jumps about.
+    if let Some(running) = session.running_match() {
+        job::show_progress(ui, running);
+    } else if let Some(report) = session.selected_match().and_then(|matched| matched.report.clone()) {
         quality(ui, &report);
     }
 }
@@ -52,12 +63,14 @@ pub fn show(ui: &mut Ui, session: &mut Session, edits: &mut Edits, shared: &mut 
 fn method(ui: &mut Ui, session: &Session, id: chladni_caricature::LayerId, edits: &mut Edits) {
     let Some(layer) = session.project().layer(id) else { return };
     let mut matching = layer.matching.clone();
-    egui::ComboBox::from_id_salt("method").selected_text(describe(matching.method).0).show_ui(ui, |ui| {
+    let chosen = describe(matching.method).0;
+    let choice = egui::ComboBox::from_id_salt("method").selected_text(chosen).show_ui(ui, |ui| {
         for method in [Method::Fit, Method::Icp, Method::Map, Method::Same] {
             let (name, tip) = describe(method);
             ui.selectable_value(&mut matching.method, method, name).on_hover_text(tip);
         }
     });
+    theme::name(&choice.response, "How to match");
     if matching != layer.matching {
         edits.set(id, Property::Matching(matching));
     }
@@ -91,11 +104,16 @@ fn quality(ui: &mut Ui, report: &chladni_match::Report) {
             percent(report.median_distance),
         );
         row("Covered", "Share of the surface that found a trustworthy partner", percent(report.coverage));
+        row(
+            "Confidence",
+            "Mean trust in the match, by area; the heat map shows where",
+            percent(report.mean_confidence),
+        );
         row("Turned over", "Triangles whose image is inside out", report.flipped_triangles.to_string());
     });
-    if report.near_tie {
-        let text = icon::label(Icon::TriangleAlert, "A turned or mirrored pose fits nearly as well");
-        ui.label(RichText::new(text).color(palette.warning).small());
+    for warning in &report.warnings {
+        let text = icon::label(Icon::TriangleAlert, &theme::capitalised(warning));
+        ui.add(egui::Label::new(RichText::new(text).color(palette.warning).small()).wrap().selectable(true));
     }
 }
 
@@ -103,7 +121,8 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
 }
 
-fn template_name(template: &Template) -> String {
+/// What a template is called in the window.
+pub fn template_name(template: &Template) -> String {
     match template {
         Template::File(path) => path
             .file_name()

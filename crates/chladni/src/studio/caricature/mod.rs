@@ -9,6 +9,7 @@ mod edits;
 mod export;
 mod files;
 mod heat;
+mod landmarks;
 mod layers;
 mod matches;
 mod own_look;
@@ -29,8 +30,10 @@ use self::autosave::Autosave;
 use self::brush::BrushTool;
 use self::controls::{Controls, Measured, Wish};
 use self::edits::Edits;
+use self::export::Export;
 use self::files::Candidate;
 use self::heat::Heat;
+use self::landmarks::Picking;
 use self::layers::LayerList;
 use self::recover::Offer;
 use self::session::{Loaded, Session};
@@ -56,7 +59,9 @@ const LARGER: Shortcut = Shortcut::key(Key::CloseBracket, "Larger brush");
 const COMPARE: Shortcut = Shortcut::key(Key::C, "Hold to see the original");
 const NEXT_SHOW: Shortcut = Shortcut::key(Key::V, "Result, three models, before and after");
 const WIRE: Shortcut = Shortcut::key(Key::W, "Edges of triangles");
-const KEYS: [Shortcut; 20] = [
+const LANDMARKS: Shortcut = Shortcut::key(Key::L, "Pick landmarks on both shapes");
+const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave picking or painting");
+const KEYS: [Shortcut; 22] = [
     OPEN,
     SAVE,
     SAVE_AS,
@@ -72,6 +77,8 @@ const KEYS: [Shortcut; 20] = [
     COMPARE,
     NEXT_SHOW,
     WIRE,
+    LANDMARKS,
+    LEAVE,
     super::viewport::VIEW_KEYS[0],
     super::viewport::VIEW_KEYS[1],
     super::viewport::VIEW_KEYS[2],
@@ -86,6 +93,7 @@ pub struct CaricatureRoom {
     session: Option<Session>,
     /// Waits until it is known what becomes of unsaved work.
     candidate: Option<Candidate>,
+    export: Export,
     offer: Offer,
     /// A recovery copy whose project is open; dropped as soon as our own copy is on the disk.
     adopting: Option<Recovered>,
@@ -97,6 +105,8 @@ pub struct CaricatureRoom {
     /// Meshes that become layers as soon as the shape is there.
     templates: Vec<PathBuf>,
     brush: BrushTool,
+    /// Landmarks of the selected layer are picked.
+    picking: Option<Picking>,
     heat: Heat,
     look: Look,
     stale: bool,
@@ -130,6 +140,7 @@ impl Room for CaricatureRoom {
         let mut edits = Edits::default();
         self.panels(ui, shared, &mut edits);
         self.center(ui, shared, &mut edits);
+        self.show_export(ui, shared);
         let requests = edits.take();
         if let Some(session) = &mut self.session {
             match session.apply(requests) {
@@ -254,7 +265,7 @@ impl CaricatureRoom {
             self.save(false, shared);
         }
         if EXPORT.pressed(&ctx) {
-            self.export(shared);
+            self.export();
         }
         let Some(session) = &mut self.session else { return };
         if REDO.pressed(&ctx) {
@@ -296,6 +307,15 @@ impl CaricatureRoom {
         if WIRE.pressed(&ctx) {
             self.look.wire = !self.look.wire;
         }
+        if LANDMARKS.pressed(&ctx) {
+            toggle_picking(&mut self.picking, session, shared);
+        }
+        if (self.picking.is_some() || self.brush.active) && LEAVE.pressed(&ctx) {
+            self.brush.active = false;
+            if !self.picking.as_mut().is_some_and(Picking::drop_pending) {
+                self.picking = None;
+            }
+        }
     }
 
     fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, edits: &mut Edits) {
@@ -309,7 +329,11 @@ impl CaricatureRoom {
                     self.stale = true;
                 }
                 ui.add_space(theme::GAP_LARGE);
-                matches::show(ui, session, edits, shared);
+                let (was, mut picking) = (self.picking.is_some(), self.picking.is_some());
+                matches::show(ui, session, &mut picking, edits, shared);
+                if picking != was {
+                    toggle_picking(&mut self.picking, session, shared);
+                }
             });
         });
         egui::Panel::right("controls").exact_size(theme::PANEL_WIDTH).show(ui, |ui| {
@@ -335,6 +359,18 @@ impl CaricatureRoom {
                 self.brush.show(ui);
             });
         });
+    }
+}
+
+/// Opens or leaves the view of both shapes.
+fn toggle_picking(picking: &mut Option<Picking>, session: &Session, shared: &mut Shared<'_>) {
+    if picking.take().is_some() {
+        return;
+    }
+    match Picking::begin(session, shared) {
+        Some(Ok(begun)) => *picking = Some(begun),
+        Some(Err(why)) => shared.notices.error(why),
+        None => shared.notices.warn("Landmarks need a layer whose template is a mesh."),
     }
 }
 

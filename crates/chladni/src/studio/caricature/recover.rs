@@ -22,8 +22,7 @@ impl Offer {
             return None;
         }
         let mut answer = None;
-        egui::Modal::new(egui::Id::unique("recover")).show(&shared.ctx, |ui| {
-            ui.set_width(460.0);
+        theme::modal(&shared.ctx, "recover", 460.0, |ui| {
             ui.heading("The last session did not end well");
             ui.label(
                 RichText::new("Your work is still there. Recover it, or throw it away.")

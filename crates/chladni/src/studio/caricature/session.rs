@@ -12,6 +12,7 @@ use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
 use super::edits::Edit;
+use super::export::named_after;
 use super::files::Candidate;
 use super::own_look::OwnLook;
 use crate::source;
@@ -172,8 +173,8 @@ impl Session {
         Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
     }
 
-    /// Starts the next match that a layer waits for, and takes in one that is done. Returns a
-    /// message to show where a match failed or has something to say, and whether to look again.
+    /// Starts the next match that a layer waits for, and takes in one that is done. Returns
+    /// why a match failed, and whether to look again.
     pub fn pump_matches(&mut self, ctx: &egui::Context) -> (Option<String>, bool) {
         let mut message = None;
         let mut changed = false;
@@ -185,20 +186,20 @@ impl Session {
             };
             if let Some(result) = outcome {
                 let request = request.clone();
-                message = match &result {
-                    Ok(matched) => {
-                        matched.report.as_ref().and_then(|report| report.warnings.first().cloned())
-                    }
-                    Err(why) => Some(why.to_string()),
-                };
+                message = result.as_ref().err().map(ToString::to_string);
                 self.stack.install(request, result);
                 self.matching = None;
                 self.refresh();
                 changed = true;
             }
         }
+        let missing = self.stack.missing(self.history.project());
+        if self.matching.as_ref().is_some_and(|(running, _)| !missing.contains(running)) {
+            // Landmarks have moved on, or the layer is gone: nobody waits for it.
+            self.matching = None;
+        }
         if self.matching.is_none()
-            && let Some(request) = self.stack.missing(self.history.project()).into_iter().next()
+            && let Some(request) = missing.into_iter().next()
         {
             self.matching = Some((request.clone(), self.start_match(request, ctx)));
         }
@@ -207,8 +208,9 @@ impl Session {
 
     fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Result<Matched, Error>> {
         let (shape, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
-        let folder = self.path.as_deref().and_then(Path::parent).map(Path::to_owned);
-        Job::start(format!("Matching {}", request.template), ctx, move |task| {
+        let folder = self.folder();
+        let name = super::matches::template_name(&request.template);
+        Job::start(format!("Matching {name}"), ctx, move |task| {
             let mesh = match &request.template {
                 Template::File(path) => {
                     source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| Some(mesh))
@@ -250,13 +252,26 @@ impl Session {
         }
     }
 
-    /// A name for a file that belongs to this project, beside the project or the shape.
+    /// The name of the project's file, beside the shape where it was never saved.
     pub fn beside(&self, extension: &str) -> PathBuf {
-        let file = match (&self.path, &self.project().shape) {
+        self.own_path().with_extension(extension)
+    }
+
+    /// A name for a file made from this project, such as `igea-caricature.glb`.
+    pub fn beside_named(&self, addition: &str, extension: &str) -> PathBuf {
+        named_after(&self.own_path(), addition, extension)
+    }
+
+    /// The folder that the project's relative paths start from.
+    pub fn folder(&self) -> Option<PathBuf> {
+        self.path.as_deref().and_then(Path::parent).map(Path::to_owned)
+    }
+
+    fn own_path(&self) -> PathBuf {
+        match (&self.path, &self.project().shape) {
             (Some(path), _) | (None, ShapeSource::File(path)) => path.clone(),
             (None, ShapeSource::Sample(name)) => PathBuf::from(name),
-        };
-        file.with_extension(extension)
+        }
     }
 
     /// What the window's title and the start screen call it.

@@ -216,11 +216,6 @@ impl Stage {
         }
     }
 
-    /// The device that the stage draws with.
-    pub fn gpu(&self) -> &chladni_view::Gpu {
-        self.viewport.gpu()
-    }
-
     /// Moves the camera so that the original fills the view.
     pub fn fit(&mut self) {
         self.fitted = false;

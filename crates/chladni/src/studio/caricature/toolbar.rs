@@ -35,7 +35,7 @@ impl CaricatureRoom {
             self.save(false, shared);
         }
         if ui.button(icon::label(Icon::Share, "Export")).on_hover_text(EXPORT.tooltip(&ctx)).clicked() {
-            self.export(shared);
+            self.export();
         }
         let Some(session) = &mut self.session else { return };
         for (back, mark, shortcut, label) in [
@@ -68,16 +68,18 @@ impl CaricatureRoom {
         let (mut quantity, mut harmonic, mut map) =
             (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
         let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);
-        egui::ComboBox::from_id_salt("heat").width(150.0).selected_text(name).show_ui(ui, |ui| {
-            let has_own = self.stage.as_ref().is_some_and(Stage::has_own_look);
-            for (choice, name) in Quantity::ALL.into_iter().filter(|q| q.0 != Quantity::Own || has_own) {
-                ui.selectable_value(&mut quantity, choice, name);
-            }
-            ui.separator();
-            for choice in [ColorMap::Viridis, ColorMap::Cividis, ColorMap::Magma] {
-                ui.selectable_value(&mut map, choice, choice.name());
-            }
-        });
+        let choice =
+            egui::ComboBox::from_id_salt("heat").width(150.0).selected_text(name).show_ui(ui, |ui| {
+                let has_own = self.stage.as_ref().is_some_and(Stage::has_own_look);
+                for (choice, name) in Quantity::ALL.into_iter().filter(|q| q.0 != Quantity::Own || has_own) {
+                    ui.selectable_value(&mut quantity, choice, name);
+                }
+                ui.separator();
+                for choice in [ColorMap::Viridis, ColorMap::Cividis, ColorMap::Magma] {
+                    ui.selectable_value(&mut map, choice, choice.name());
+                }
+            });
+        theme::name(&choice.response, "What colours show");
         if quantity == Quantity::Harmonic {
             let top = self.session.as_ref().map_or(1, |session| session.stack.body().basis.harmonics()) - 1;
             ui.add(egui::DragValue::new(&mut harmonic).range(0..=top).prefix("H "));

@@ -1,0 +1,80 @@
+//! The list of landmarks in the match panel, and their text file.
+
+use chladni_caricature::{LayerId, Property};
+use chladni_match::{Settings, read_landmarks, write_landmarks};
+use egui::{RichText, Ui};
+
+use super::super::edits::Edits;
+use super::super::layers::icon_button;
+use super::super::session::Session;
+use super::color;
+use crate::studio::icon::{self, Icon};
+use crate::studio::room::Shared;
+use crate::studio::theme;
+
+/// Draws the landmarks of `layer`; `picking` is toggled by its button.
+pub fn show_list(
+    ui: &mut Ui,
+    session: &Session,
+    layer: LayerId,
+    settings: &Settings,
+    picking: &mut bool,
+    edits: &mut Edits,
+    shared: &mut Shared<'_>,
+) {
+    ui.add_space(theme::GAP_SMALL);
+    ui.horizontal(|ui| {
+        ui.label("Landmarks").on_hover_text("Pairs of places that belong together; 3 or more lead the match");
+        ui.label(RichText::new(settings.landmarks.len().to_string()).color(theme::palette(ui).weak));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if icon_button(ui, Icon::Save, "Write the landmarks to a text file").clicked() {
+                save(session, settings, shared);
+            }
+            if icon_button(ui, Icon::FolderOpen, "Read landmarks from a text file").clicked()
+                && let Some(landmarks) = load(shared)
+            {
+                edits.set(layer, Property::Matching(Settings { landmarks, ..settings.clone() }));
+            }
+            let label =
+                if *picking { icon::label(Icon::Check, "Done") } else { icon::label(Icon::MapPin, "Pick") };
+            ui.toggle_value(picking, label).on_hover_text(super::super::LANDMARKS.tooltip(ui.ctx()));
+        });
+    });
+    let mut removed = None;
+    for (index, landmark) in settings.landmarks.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let (dot, _) = ui.allocate_exact_size(egui::vec2(12.0, 16.0), egui::Sense::hover());
+            ui.painter().circle_filled(dot.center(), 5.0, color(index));
+            ui.label(format!("{}", index + 1));
+            let text = format!("vertex {} on {}", landmark.shape, landmark.template);
+            ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if icon_button(ui, Icon::X, &format!("Remove landmark {}", index + 1)).clicked() {
+                    removed = Some(index);
+                }
+            });
+        });
+    }
+    if let Some(index) = removed {
+        let mut settings = settings.clone();
+        settings.landmarks.remove(index);
+        edits.set(layer, Property::Matching(settings));
+    }
+}
+
+fn load(shared: &mut Shared<'_>) -> Option<Vec<chladni_match::Landmark>> {
+    let path = shared.chooser.open(&[("Landmarks", &["txt"])])?;
+    let read = std::fs::read_to_string(&path)
+        .map_err(|error| error.to_string())
+        .and_then(|text| read_landmarks(&text).map_err(|error| error.to_string()));
+    read.map_err(|why| shared.notices.error(format!("{}: {why}", path.display()))).ok()
+}
+
+fn save(session: &Session, settings: &Settings, shared: &mut Shared<'_>) {
+    let suggested = session.beside_named("landmarks", "txt");
+    let Some(path) = shared.chooser.save(&[("Landmarks", &["txt"])], &suggested) else { return };
+    match chladni_task::write_atomic(&path, write_landmarks(&settings.landmarks).as_bytes()) {
+        Ok(()) => shared.notices.done(format!("Saved {}", path.display())),
+        Err(error) => shared.notices.error(format!("{}: {error}", path.display())),
+    }
+}

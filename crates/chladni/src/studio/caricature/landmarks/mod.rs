@@ -1,0 +1,438 @@
+//! Picking landmarks on the shape and its template, side by side.
+
+mod list;
+mod side;
+
+use chladni_caricature::{LayerId, Property, Template};
+use chladni_match::{Landmark, Settings};
+use chladni_mesh::TriMesh;
+use chladni_view::{Cell, Marker, Material, Rect};
+use egui::{Color32, PointerButton, Pos2, RichText, Ui};
+
+pub use list::show_list;
+
+use self::side::Side;
+use super::edits::Edits;
+use super::session::Session;
+use super::stage::{Look, backdrop};
+use crate::source;
+use crate::studio::job::{self, Job, Outcome};
+use crate::studio::room::Shared;
+use crate::studio::theme;
+use crate::studio::viewport::{self, Viewport};
+
+/// How near a landmark the pointer takes hold of it, in window points.
+const GRIP: f32 = 12.0;
+
+/// Colours that people with any colour vision can tell apart (Okabe & Ito 2008), repeated.
+const COLORS: [[u8; 3]; 7] = [
+    [230, 159, 0],
+    [86, 180, 233],
+    [0, 158, 115],
+    [240, 228, 66],
+    [0, 114, 178],
+    [213, 94, 0],
+    [204, 121, 167],
+];
+
+/// The colour of landmark `index`.
+pub fn color(index: usize) -> Color32 {
+    let [r, g, b] = COLORS[index % COLORS.len()];
+    Color32::from_rgb(r, g, b)
+}
+
+/// Which of the two shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    Shape,
+    Template,
+}
+
+/// The view of both shapes while landmarks of one layer are picked.
+pub struct Picking {
+    layer: LayerId,
+    template: Template,
+    viewport: Viewport,
+    shape: Side,
+    /// `None` while it is read.
+    other: Option<Side>,
+    reading: Option<Job<Result<TriMesh, String>>>,
+    /// Half a pair: picked on one shape, not yet on the other.
+    pending: Option<(Which, u32)>,
+    /// The landmark that the pointer holds, and where it is now.
+    held: Option<(Which, usize, u32)>,
+    /// Show the confidence of the match.
+    pub confidence: bool,
+    /// The match whose confidence is on the device.
+    shown_match: Option<usize>,
+}
+
+/// What the person did on one of the shapes.
+enum Deed {
+    Pick(u32),
+    Hold(usize, u32),
+    Drop,
+    Remove(usize),
+}
+
+impl Picking {
+    /// Opens both shapes for the selected layer; `None` where its template is no mesh.
+    pub fn begin(session: &Session, shared: &Shared<'_>) -> Option<Result<Self, String>> {
+        let layer = session.selected?;
+        let template = session.project().layer(layer)?.template.clone();
+        if !template.is_mesh() {
+            return None;
+        }
+        let viewport = Viewport::new(shared.gpu);
+        let shape = match Side::new(viewport.gpu(), &session.mesh) {
+            Ok(shape) => shape,
+            Err(error) => return Some(Err(error.to_string())),
+        };
+        let (wanted, folder) = (template.clone(), session.folder());
+        let reading = Job::start("Reading the template", &shared.ctx, move |_| match &wanted {
+            Template::File(path) => source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| mesh),
+            Template::Sample(name) => source::sample(name),
+            other => Err(format!("{other} is no mesh")),
+        });
+        Some(Ok(Self {
+            layer,
+            template,
+            viewport,
+            shape,
+            other: None,
+            reading: Some(reading),
+            pending: None,
+            held: None,
+            confidence: false,
+            shown_match: None,
+        }))
+    }
+
+    /// Whether it still belongs to what is selected.
+    pub fn belongs_to(&self, session: &Session) -> bool {
+        let layer =
+            session.selected.filter(|id| *id == self.layer).and_then(|id| session.project().layer(id));
+        layer.is_some_and(|layer| layer.template == self.template)
+    }
+
+    /// Forgets half a pair; false where there was none.
+    pub fn drop_pending(&mut self) -> bool {
+        self.viewport.invalidate();
+        self.pending.take().is_some()
+    }
+
+    /// Draws both shapes and handles the pointer.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        session: &Session,
+        edits: &mut Edits,
+        look: Look,
+        shared: &mut Shared<'_>,
+    ) -> Result<(), String> {
+        self.poll()?;
+        self.update_confidence(session)?;
+        let Some(settings) = session.project().layer(self.layer).map(|layer| layer.matching.clone()) else {
+            return Ok(());
+        };
+        let rect = ui.available_rect_before_wrap();
+        let half = egui::vec2(rect.width() / 2.0, rect.height());
+        let left = egui::Rect::from_min_size(rect.min, half);
+        let right = left.translate(egui::vec2(half.x, 0.0));
+        let deeds = [(Which::Shape, left), (Which::Template, right)]
+            .map(|(which, area)| (which, self.interact(ui, which, area, rect, &settings)));
+        self.draw(ui, shared, rect, [left, right], &settings, look)?;
+        for (which, deed) in deeds {
+            if let Some(deed) = deed {
+                self.act(which, deed, settings.clone(), edits, shared);
+            }
+        }
+        if let Some(reading) = &self.reading {
+            ui.scope_builder(egui::UiBuilder::new().max_rect(right.shrink(24.0)), |ui| {
+                job::show_progress(ui, reading)
+            });
+        }
+        Ok(())
+    }
+
+    fn poll(&mut self) -> Result<(), String> {
+        match self.reading.as_ref().map(Job::poll) {
+            Some(Outcome::Done(mesh)) => {
+                self.reading = None;
+                let side = Side::new(self.viewport.gpu(), &mesh?).map_err(|error| error.to_string())?;
+                self.other = Some(side);
+                self.viewport.invalidate();
+            }
+            Some(Outcome::Lost) => {
+                self.reading = None;
+                return Err("Reading the template broke off; this is a bug.".into());
+            }
+            Some(Outcome::Running) | None => {}
+        }
+        Ok(())
+    }
+
+    fn update_confidence(&mut self, session: &Session) -> Result<(), String> {
+        let matched = session.selected_match().filter(|_| self.confidence);
+        let identity = matched.map(|matched| std::sync::Arc::as_ptr(matched).addr());
+        if identity != self.shown_match {
+            self.shown_match = identity;
+            let confidence = matched.map(|matched| matched.confidence.as_slice());
+            let gpu = self.viewport.gpu();
+            self.shape.set_confidence(gpu, confidence).map_err(|error| error.to_string())?;
+            self.viewport.invalidate();
+        }
+        Ok(())
+    }
+
+    fn side(&mut self, which: Which) -> Option<&mut Side> {
+        match which {
+            Which::Shape => Some(&mut self.shape),
+            Which::Template => self.other.as_mut(),
+        }
+    }
+
+    /// Steers the camera of one shape and finds out what the pointer does there.
+    fn interact(
+        &mut self,
+        ui: &mut Ui,
+        which: Which,
+        area: egui::Rect,
+        whole: egui::Rect,
+        settings: &Settings,
+    ) -> Option<Deed> {
+        let cell = cell_of(ui, area, whole);
+        let response =
+            ui.interact(area, ui.scope_id().with(("landmarks", which as u8)), egui::Sense::click_and_drag());
+        let name = if which == Which::Shape { "Landmarks on the shape" } else { "Landmarks on the template" };
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
+        let held = self.held.filter(|(side, ..)| *side == which);
+        let side = self.side(which)?;
+        side.fit(cell.aspect());
+        let home = ui.input(|input| input.key_pressed(egui::Key::Home)) && response.hovered();
+        if home {
+            side.refit();
+        }
+        let moved = viewport::navigate(ui, &response, &mut side.camera) || home;
+        let pixel = |at: Pos2| viewport::to_pixels(ui, whole, at);
+        let under = |side: &Side, at: Pos2| {
+            let [x, y] = pixel(at);
+            side.vertex_at(x, y, cell)
+        };
+        let at = response.interact_pointer_pos().or(response.hover_pos());
+        // A drag is noticed some way from where it began.
+        let began = ui.input(|input| input.pointer.press_origin()).filter(|_| response.drag_started());
+        let near = began.or(at).and_then(|at| {
+            let grip = GRIP * ui.pixels_per_point();
+            let distance = |vertex: u32| {
+                let ([x, y], visible) = side.pixel(vertex, cell)?;
+                let [px, py] = pixel(at);
+                visible.then(|| (x - px).hypot(y - py)).filter(|d| *d <= grip)
+            };
+            let all =
+                settings.landmarks.iter().map(|l| if which == Which::Shape { l.shape } else { l.template });
+            let near = all.enumerate().filter_map(|(i, v)| Some((i, v, distance(v)?)));
+            near.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(i, v, _)| (i, v))
+        });
+        let primary = PointerButton::Primary;
+        let steering = ui.input(|input| input.modifiers.alt);
+        let deed = if steering {
+            None
+        } else if let Some((_, index, vertex)) = held {
+            if response.dragged_by(primary) {
+                Some(Deed::Hold(index, at.and_then(|at| under(side, at)).unwrap_or(vertex)))
+            } else {
+                Some(Deed::Drop)
+            }
+        } else if response.drag_started_by(primary) {
+            near.map(|(index, vertex)| Deed::Hold(index, vertex))
+        } else if response.secondary_clicked() {
+            near.map(|(index, _)| Deed::Remove(index))
+        } else if response.clicked_by(primary) && near.is_none() {
+            at.and_then(|at| under(side, at)).map(Deed::Pick)
+        } else {
+            None
+        };
+        if near.is_some() || held.is_some() {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::Grab);
+        } else if response.hovered() {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
+        }
+        if moved || deed.is_some() {
+            self.viewport.invalidate();
+        }
+        deed
+    }
+
+    fn act(
+        &mut self,
+        which: Which,
+        deed: Deed,
+        mut settings: Settings,
+        edits: &mut Edits,
+        shared: &mut Shared<'_>,
+    ) {
+        match deed {
+            Deed::Hold(index, vertex) => return self.held = Some((which, index, vertex)),
+            Deed::Drop => {
+                let Some((_, index, vertex)) = self.held.take() else { return };
+                let Some(landmark) = settings.landmarks.get_mut(index) else { return };
+                let end = if which == Which::Shape { &mut landmark.shape } else { &mut landmark.template };
+                if *end == vertex {
+                    return;
+                }
+                *end = vertex;
+            }
+            Deed::Remove(index) => {
+                settings.landmarks.remove(index);
+            }
+            Deed::Pick(vertex) => {
+                let landmark = match self.pending.take() {
+                    Some((Which::Shape, shape)) if which == Which::Template => {
+                        Landmark { shape, template: vertex }
+                    }
+                    Some((Which::Template, template)) if which == Which::Shape => {
+                        Landmark { shape: vertex, template }
+                    }
+                    _ => return self.pending = Some((which, vertex)),
+                };
+                settings.landmarks.push(landmark);
+            }
+        }
+        if repeats_a_shape_vertex(&settings.landmarks) {
+            return shared.notices.warn("That vertex of the shape has a landmark already.");
+        }
+        edits.set(self.layer, Property::Matching(settings));
+    }
+
+    fn draw(
+        &mut self,
+        ui: &mut Ui,
+        shared: &mut Shared<'_>,
+        rect: egui::Rect,
+        areas: [egui::Rect; 2],
+        settings: &Settings,
+        look: Look,
+    ) -> Result<(), String> {
+        let cells = areas.map(|area| cell_of(ui, area, rect));
+        let material = Material::PRESETS.get(look.material).map_or(Material::CLAY, |preset| preset.1);
+        let (background, lights) = (backdrop(ui), look.lights());
+        let sides = [(Which::Shape, Some(&self.shape)), (Which::Template, self.other.as_ref())];
+        let ends: Vec<Vec<(usize, u32)>> =
+            sides.iter().map(|(which, _)| self.ends(*which, settings)).collect();
+        let markers: Vec<Vec<Marker>> = sides
+            .iter()
+            .zip(&ends)
+            .map(|((_, side), ends)| side.map_or_else(Vec::new, |s| dots(s, ends)))
+            .collect();
+        let figures: Vec<Vec<chladni_view::Figure<'_>>> =
+            sides.iter().map(|(_, side)| side.iter().map(|side| side.figure(material)).collect()).collect();
+        let drawn = self.viewport.show(ui, shared.gpu, rect, |_| {
+            let each = sides.iter().zip(cells).zip(figures.iter().zip(&markers));
+            each.map(|(((_, side), viewport), (figures, markers))| Cell {
+                viewport,
+                camera: side.map_or_else(Default::default, |side| side.camera),
+                lights,
+                background,
+                figures,
+                markers,
+            })
+            .collect()
+        });
+        drawn.map_err(|error| error.to_string())?;
+        for ((((_, side), ends), area), name) in sides.iter().zip(&ends).zip(areas).zip(["Shape", "Template"])
+        {
+            label(ui, area, name);
+            if let Some(side) = side {
+                numbers(ui, side, ends, area, rect);
+            }
+        }
+        ui.painter().vline(areas[1].left(), rect.y_range(), egui::Stroke::new(1.0, theme::palette(ui).line));
+        hint(ui, rect, self.pending.map(|(which, _)| which), settings.landmarks.len());
+        Ok(())
+    }
+
+    /// The landmarks on one shape with their numbers: those of the project, the one that is held
+    /// where it is now, and half a pair.
+    fn ends(&self, which: Which, settings: &Settings) -> Vec<(usize, u32)> {
+        let end = |l: &Landmark| if which == Which::Shape { l.shape } else { l.template };
+        let mut ends: Vec<(usize, u32)> = settings.landmarks.iter().map(end).enumerate().collect();
+        if let Some((_, index, vertex)) = self.held.filter(|(side, ..)| *side == which)
+            && let Some(held) = ends.get_mut(index)
+        {
+            held.1 = vertex;
+        }
+        let pending = self.pending.filter(|(side, _)| *side == which);
+        ends.extend(pending.map(|(_, vertex)| (settings.landmarks.len(), vertex)));
+        ends
+    }
+}
+
+/// Whether two landmarks share a vertex of the shape, which no file could hold.
+fn repeats_a_shape_vertex(landmarks: &[Landmark]) -> bool {
+    let mut vertices: Vec<u32> = landmarks.iter().map(|landmark| landmark.shape).collect();
+    vertices.sort_unstable();
+    vertices.windows(2).any(|pair| pair[0] == pair[1])
+}
+
+fn cell_of(ui: &Ui, area: egui::Rect, whole: egui::Rect) -> Rect {
+    let scale = ui.pixels_per_point();
+    let offset = (area.min - whole.min) * scale;
+    let total = (whole.size() * scale).round();
+    let x = (offset.x.round() as u32).min(total.x as u32);
+    let width = ((area.width() * scale).round() as u32).min(total.x as u32 - x);
+    Rect { x, y: 0, width: width.max(1), height: (total.y as u32).max(1) }
+}
+
+fn dots(side: &Side, ends: &[(usize, u32)]) -> Vec<Marker> {
+    let dot = |(index, vertex): &(usize, u32)| {
+        let [r, g, b] = COLORS[index % COLORS.len()];
+        Some(Marker { position: side.position(*vertex)?, radius_px: 6.0, color: [r, g, b, 255] })
+    };
+    ends.iter().filter_map(dot).collect()
+}
+
+fn numbers(ui: &Ui, side: &Side, ends: &[(usize, u32)], area: egui::Rect, whole: egui::Rect) {
+    let cell = cell_of(ui, area, whole);
+    let painter = ui.painter_at(area);
+    for (index, vertex) in ends {
+        let Some(([x, y], true)) = side.pixel(*vertex, cell) else { continue };
+        let at = whole.min + egui::vec2(x, y) / ui.pixels_per_point() + egui::vec2(9.0, -9.0);
+        let font = egui::TextStyle::Button.resolve(ui.style());
+        let text = painter.layout_no_wrap((index + 1).to_string(), font, Color32::WHITE);
+        let box_ = egui::Rect::from_min_size(at, text.size())
+            .expand2(egui::vec2(4.0, 0.0))
+            .translate(egui::vec2(0.0, -text.size().y / 2.0));
+        painter.rect_filled(box_, 4.0, Color32::from_black_alpha(170));
+        painter.galley(at - egui::vec2(0.0, text.size().y / 2.0), text, Color32::WHITE);
+    }
+}
+
+fn label(ui: &Ui, area: egui::Rect, name: &str) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let at = area.left_top() + egui::vec2(12.0, 10.0);
+    ui.painter().text(at, egui::Align2::LEFT_TOP, name, font, theme::palette(ui).weak);
+}
+
+/// What to do next, at the foot of the view.
+fn hint(ui: &mut Ui, rect: egui::Rect, pending: Option<Which>, count: usize) {
+    let text = match (pending, count) {
+        (Some(Which::Shape), _) => "Now click the same place on the template.".to_owned(),
+        (Some(Which::Template), _) => "Now click the same place on the shape.".to_owned(),
+        (None, 0) => {
+            "Click a place on the shape, such as the tip of the nose, then the same place on the template."
+                .to_owned()
+        }
+        (None, 1 | 2) => format!("{} more, and the landmarks lead the alignment.", 3 - count),
+        (None, _) => "Drag a landmark to move it, right-click to remove it. The match follows.".to_owned(),
+    };
+    let area = egui::Rect::from_center_size(
+        egui::pos2(rect.center().x, rect.bottom() - 30.0),
+        egui::vec2(rect.width() - 40.0, 28.0),
+    );
+    ui.scope_builder(egui::UiBuilder::new().max_rect(area), |ui| {
+        ui.vertical_centered(|ui| {
+            egui::Frame::popup(ui.style()).inner_margin(6.0).show(ui, |ui| ui.label(RichText::new(text)));
+        });
+    });
+}

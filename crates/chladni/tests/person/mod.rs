@@ -1,0 +1,200 @@
+//! A person at the real window, which is drawn without a display. Needs any Vulkan driver;
+//! lavapipe will do.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+#![allow(dead_code, reason = "each test program uses a part")]
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use chladni::studio::{Chooser, Folders, Kind, Opening, Studio};
+use chladni_mesh::{TriMesh, samples, save_mesh};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+
+/// What the person answers to file dialogs, in order; no answer is "cancel".
+#[derive(Clone, Default)]
+pub struct Answers(Rc<RefCell<VecDeque<PathBuf>>>);
+
+impl Answers {
+    pub fn next(&self, path: &Path) {
+        self.0.borrow_mut().push_back(path.to_owned());
+    }
+}
+
+impl Chooser for Answers {
+    fn open(&mut self, _kinds: &[Kind<'_>]) -> Option<PathBuf> {
+        self.0.borrow_mut().pop_front()
+    }
+
+    fn open_several(&mut self, _kinds: &[Kind<'_>]) -> Vec<PathBuf> {
+        self.0.borrow_mut().drain(..).collect()
+    }
+
+    fn save(&mut self, _kinds: &[Kind<'_>], _suggested: &Path) -> Option<PathBuf> {
+        self.0.borrow_mut().pop_front()
+    }
+}
+
+/// A folder with `shape.obj` and `template.obj`, two lumps of 642 vertices, and preferences that
+/// ask for few harmonics.
+pub struct Desk {
+    pub folder: tempfile::TempDir,
+    pub answers: Answers,
+}
+
+/// Harmonics that windows on a [`Desk`] solve for.
+pub const HARMONICS: usize = 48;
+
+impl Desk {
+    pub fn new() -> Self {
+        let desk = Self { folder: tempfile::tempdir().unwrap(), answers: Answers::default() };
+        save_mesh(&lump(0.5), &desk.path("shape.obj")).unwrap();
+        save_mesh(&lump(0.2), &desk.path("template.obj")).unwrap();
+        std::fs::write(desk.path("settings.toml"), format!("harmonics = {HARMONICS}\n")).unwrap();
+        desk
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn sit_down(&self, files: &[&str]) -> Person {
+        let opening = Opening {
+            folders: Folders {
+                settings: Some(self.path("settings.toml")),
+                recovery: Some(self.path("recovery")),
+                pictures: Some(self.path("pictures")),
+            },
+            chooser: Box::new(self.answers.clone()),
+            files: files.iter().map(|name| self.path(name)).collect(),
+        };
+        Person::new(opening)
+    }
+}
+
+/// An asymmetric lump, smooth enough to be matched.
+pub fn lump(size: f64) -> TriMesh {
+    let mut mesh = samples::icosphere(3);
+    for p in &mut mesh.positions {
+        let [x, y, z] = *p;
+        let r = 3.0 + size * ((2.0 * x + 0.5).sin() + 0.7 * y * z + 0.4 * (3.0 * z).cos());
+        *p = [r * x, 1.3 * r * y, 0.8 * r * z];
+    }
+    mesh
+}
+
+/// The window and whoever sits before it.
+pub struct Person(pub Harness<'static, Studio>);
+
+impl Person {
+    pub fn new(opening: Opening) -> Self {
+        let harness = Harness::builder()
+            .with_size([1280.0, 800.0])
+            .wgpu()
+            .build_eframe(|creation| Studio::new(creation, opening).expect("a graphics device"));
+        let mut person = Self(harness);
+        person.0.run_steps(3);
+        person
+    }
+
+    /// Steps until `ready`, as a person waits; fails after a minute.
+    pub fn wait(&mut self, what: &str, ready: impl Fn(&Self) -> bool) {
+        let start = Instant::now();
+        while !ready(self) {
+            if start.elapsed() > Duration::from_secs(60) {
+                self.screenshot("failed.png");
+                panic!("{what} did not happen within a minute");
+            }
+            std::thread::sleep(Duration::from_millis(15));
+            self.0.run_steps(1);
+        }
+    }
+
+    pub fn sees(&self, text: &str) -> bool {
+        self.0.query_all_by_label_contains(text).next().is_some()
+    }
+
+    pub fn wait_to_see(&mut self, text: &str) {
+        self.wait(text, |person| person.sees(text));
+    }
+
+    pub fn wait_until_gone(&mut self, text: &str) {
+        self.wait(&format!("the end of “{text}”"), |person| !person.sees(text));
+    }
+
+    /// Clicks the only thing called exactly `name`.
+    pub fn click(&mut self, name: &str) {
+        self.0.get_by_label(name).click();
+        self.0.run_steps(3);
+    }
+
+    /// Clicks the first button whose name ends in `end`, after its icon.
+    pub fn click_button(&mut self, end: &str) {
+        let buttons = self.0.get_all_by_role(egui::accesskit::Role::Button);
+        let named =
+            |node: &egui_kittest::Node<'_>| node.accesskit_node().label().is_some_and(|l| l.ends_with(end));
+        buttons.into_iter().find(named).unwrap_or_else(|| panic!("no button “{end}”")).click();
+        self.0.run_steps(3);
+    }
+
+    pub fn press(&mut self, key: Key) {
+        self.press_with(Modifiers::NONE, key);
+    }
+
+    pub fn press_with(&mut self, modifiers: Modifiers, key: Key) {
+        self.0.key_press_modifiers(modifiers, key);
+        self.0.run_steps(2);
+    }
+
+    /// Drags with the left button along `path`.
+    pub fn drag(&mut self, path: &[Pos2]) {
+        let button = |pos, pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        self.0.hover_at(path[0]);
+        self.0.run_steps(1);
+        self.0.event(button(path[0], true));
+        for pos in path {
+            self.0.hover_at(*pos);
+            self.0.run_steps(1);
+        }
+        self.0.event(button(path[path.len() - 1], false));
+        self.0.run_steps(2);
+    }
+
+    pub fn click_at(&mut self, pos: Pos2) {
+        self.drag(&[pos]);
+    }
+
+    pub fn place_of(&self, name: &str) -> Rect {
+        self.0.get_by_label(name).rect()
+    }
+
+    /// Asks the window to close, as its frame's cross does.
+    pub fn close(&mut self) {
+        let viewports = &mut self.0.input_mut().viewports;
+        viewports.entry(egui::ViewportId::ROOT).or_default().events.push(egui::ViewportEvent::Close);
+        self.0.run_steps(1);
+        let viewports = &mut self.0.input_mut().viewports;
+        viewports.entry(egui::ViewportId::ROOT).or_default().events.clear();
+        self.0.run_steps(2);
+    }
+
+    /// Writes what the window shows, for a person to look at, where CHLADNI_SCREENSHOTS names a
+    /// folder.
+    pub fn screenshot(&mut self, name: &str) {
+        self.0.run_steps(2);
+        if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {
+            let picture = self.0.render().expect("the window can be drawn");
+            picture.save(Path::new(&folder).join(name)).expect("the folder is there");
+        }
+    }
+}
