@@ -28,6 +28,7 @@
 //! coefficients between machines of different floating-point behaviour.
 
 mod breeding;
+mod control;
 mod dancer;
 mod ensemble;
 mod error;
@@ -45,6 +46,7 @@ mod symmetry;
 mod voice;
 
 pub use breeding::{breed, mutate};
+pub use control::{Binding, Bindings, Control, Cue, Target, Touch, osc_cue};
 pub use dancer::Dancer;
 pub use ensemble::Ensemble;
 pub use error::Error;

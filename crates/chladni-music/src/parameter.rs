@@ -70,6 +70,16 @@ impl Parameter {
         self.row().3
     }
 
+    /// The value at a share of the way in [0, 1]: even steps, or even factors where the range
+    /// spans more than three powers of ten.
+    pub fn at_share(self, share: f32) -> f32 {
+        let (low, high) = self.range();
+        let share = share.clamp(0.0, 1.0);
+        let even_factors = low > 0.0 && high / low > 1000.0;
+        let value = if even_factors { low * (high / low).powf(share) } else { low + share * (high - low) };
+        value.clamp(low, high)
+    }
+
     fn row(self) -> (&'static str, f32, f32, f32) {
         match self {
             Self::Decay => ("decay", 0.0, 0.99, 0.5),
@@ -107,11 +117,35 @@ pub enum Switch {
     LogBands,
 }
 
+impl Switch {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::BeatTurns,
+        Self::BeatLights,
+        Self::BeatSteps,
+        Self::FlipSides,
+        Self::FlashLimit,
+        Self::LogBands,
+    ];
+
+    /// Its name in session files and OSC addresses.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BeatTurns => "beat-turns",
+            Self::BeatLights => "beat-lights",
+            Self::BeatSteps => "beat-steps",
+            Self::FlipSides => "flip-sides",
+            Self::FlashLimit => "flash-limit",
+            Self::LogBands => "log-bands",
+        }
+    }
+}
+
 /// Where all knobs and switches stand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     values: [f32; Parameter::ALL.len()],
-    on: [bool; 6],
+    on: [bool; Switch::ALL.len()],
     /// Filter, modal or half-mask.
     pub form: Form,
     /// Which harmonics may sound.
@@ -185,6 +219,11 @@ mod tests {
             let (low, high) = p.range();
             assert!((low..=high).contains(&p.initial()), "{}", p.name());
         }
+        for (i, s) in Switch::ALL.into_iter().enumerate() {
+            assert_eq!(s as usize, i);
+        }
+        assert!((Parameter::Bands.at_share(0.5) - 90.5).abs() < 0.1);
+        assert_eq!(Parameter::TurnRad.at_share(0.5), 1.6);
         assert_eq!(Parameters::default().playing(), Playing::default());
         assert!(Parameters::default().is_on(Switch::FlashLimit));
         assert!(Parameters::default().set(Parameter::Gain, f32::NAN).is_err());

@@ -211,3 +211,24 @@ fn what_the_machine_plays_can_be_captured() {
     assert!(frames > 30_000.0, "{text}");
     assert!((left - 0.5).abs() < 0.02 && right < 0.01, "{text}");
 }
+
+#[test]
+fn the_list_changes_around_the_song_that_plays() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b, c] = ["a.wav", "b.wav", "c.wav"].map(|name| write_tone(folder.path(), name, 44_100, 20.0));
+    let player = silent();
+    player.play_list(vec![a.clone(), b.clone()]);
+    player.select(1);
+    wait(5.0, "the second song", || player.status().song == 1 && player.status().position_secs > 0.3);
+    player.set_songs(vec![b.clone(), c.clone(), a]);
+    wait(2.0, "its new number", || player.status().song == 0);
+    assert!(player.status().position_secs > 0.3, "the song went on");
+    player.set_songs(vec![c]);
+    wait(2.0, "the song in its place", || player.status().position_secs < 0.3);
+    wait(2.0, "that it plays", || player.status().state == PlayerState::Playing);
+    player.set_songs(Vec::new());
+    wait(2.0, "silence", || player.status().state == PlayerState::Stopped);
+    player.set_songs(vec![b]);
+    player.play();
+    wait(2.0, "a song again", || player.status().state == PlayerState::Playing);
+}

@@ -48,13 +48,3 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     wait(&mut harness, "the match", |h| h.query_by_label("Covered").is_some());
     screenshot(&mut harness, "window-caricature.png");
 }
-
-#[test]
-fn the_music_room_opens_on_a_gallery_of_twelve() {
-    let mut harness = open(Vec::new());
-    harness.run_steps(3);
-    harness.get_by_label("Open Music").click();
-    wait(&mut harness, "the gallery", |h| h.query_by_label_contains("12 items").is_some());
-    harness.run_steps(12);
-    screenshot(&mut harness, "window-music.png");
-}

@@ -41,6 +41,7 @@ pub enum PlayerEvent {
 
 pub(super) enum Command {
     PlayList(Vec<PathBuf>),
+    Songs(Vec<PathBuf>),
     Play,
     Pause,
     Seek(f64),
@@ -123,6 +124,7 @@ impl Engine {
                 self.list.songs = songs;
                 self.start(Some(0), 0.0, true);
             }
+            Command::Songs(songs) => self.set_songs(songs),
             Command::Play if self.song.is_some() => self.set_playing(true),
             Command::Play => self.start(Some(self.list.current), 0.0, true),
             Command::Pause => self.set_playing(false),
@@ -139,6 +141,19 @@ impl Engine {
                 self.reopen();
             }
             Command::Quit => {}
+        }
+    }
+
+    /// Another list around the song that plays; where that song is gone, the one in its place plays.
+    fn set_songs(&mut self, songs: Vec<PathBuf>) {
+        let places = self.list.places_in(&songs);
+        self.shared.timeline().stretches.renumber(&places);
+        let current = self.list.current;
+        let last = songs.len().checked_sub(1);
+        self.list.songs = songs;
+        match places.get(current).copied().flatten() {
+            Some(place) => self.list.current = place,
+            None => self.start(last.map(|last| current.min(last)), 0.0, self.playing),
         }
     }
 

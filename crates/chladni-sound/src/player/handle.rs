@@ -142,6 +142,12 @@ impl Player {
         self.send(Command::PlayList(songs));
     }
 
+    /// Changes the playlist around the song that plays; where that song is not in it any more,
+    /// the one in its place plays.
+    pub fn set_songs(&self, songs: Vec<PathBuf>) {
+        self.send(Command::Songs(songs));
+    }
+
     /// Goes on after a pause, or begins again after the end.
     pub fn play(&self) {
         self.send(Command::Play);

@@ -25,6 +25,16 @@ impl Playlist {
         }
     }
 
+    /// Where each song lies in another list: in its old place if it is still there, else in the
+    /// first place of the same file.
+    pub fn places_in(&self, songs: &[PathBuf]) -> Vec<Option<usize>> {
+        let place = |(i, old): (usize, &PathBuf)| match songs.get(i) {
+            Some(same) if same == old => Some(i),
+            _ => songs.iter().position(|new| new == old),
+        };
+        self.songs.iter().enumerate().map(place).collect()
+    }
+
     /// The song before the current one.
     pub fn before(&self) -> Option<usize> {
         let last = self.songs.len().checked_sub(1)?;
@@ -53,6 +63,13 @@ pub(super) struct Stretches {
 impl Stretches {
     pub fn clear(&mut self) {
         self.list.clear();
+    }
+
+    /// Songs have moved to other places of the list; what is gone keeps its number until it ends.
+    pub fn renumber(&mut self, places: &[Option<usize>]) {
+        for stretch in &mut self.list {
+            stretch.song = places.get(stretch.song).copied().flatten().unwrap_or(stretch.song);
+        }
     }
 
     pub fn begin(&mut self, stretch: Stretch) {
@@ -88,6 +105,17 @@ mod tests {
         list.repeat = Repeat::Song;
         assert_eq!((list.after(false), list.after(true)), (Some(1), Some(0)));
         assert_eq!(Playlist::default().after(true), None);
+    }
+
+    #[test]
+    fn songs_keep_their_place_or_are_found_again() {
+        let list = Playlist { songs: ["a", "b", "a", "c"].map(PathBuf::from).into(), ..Playlist::default() };
+        let places = list.places_in(&["a", "c", "a"].map(PathBuf::from));
+        assert_eq!(places, [Some(0), None, Some(2), Some(1)]);
+        let mut stretches = Stretches::default();
+        stretches.begin(Stretch { ring_frame: 0, song: 3, song_secs: 0.0, duration_secs: None });
+        stretches.renumber(&places);
+        assert_eq!(stretches.at(0.0, 48_000).map(|(s, _)| s.song), Some(1));
     }
 
     #[test]

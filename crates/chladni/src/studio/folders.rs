@@ -11,6 +11,8 @@ pub struct Folders {
     pub recovery: Option<PathBuf>,
     /// The folder of small pictures of recent files.
     pub pictures: Option<PathBuf>,
+    /// The folder of the music room's shelf.
+    pub dances: Option<PathBuf>,
 }
 
 impl Folders {
@@ -22,6 +24,7 @@ impl Folders {
             settings: Some(user.config_dir().join("settings.toml")),
             recovery: Some(state.join("recovery")),
             pictures: Some(user.cache_dir().join("pictures")),
+            dances: Some(user.data_dir().join("dances")),
         }
     }
 }

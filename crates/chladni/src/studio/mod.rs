@@ -17,7 +17,7 @@ mod start;
 mod theme;
 mod viewport;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use eframe::egui_wgpu::RenderState;
 use egui::Key;
@@ -165,7 +165,6 @@ impl Studio {
             gpu: &self.gpu,
             notices: &mut self.notices,
             settings: &mut self.settings,
-            folder: self.folders.settings.as_deref().and_then(Path::parent).map(Path::to_owned),
             folders: &self.folders,
             chooser: self.chooser.as_mut(),
         };
@@ -258,7 +257,11 @@ impl eframe::App for Studio {
         if !dropped.is_empty() {
             self.open_files(&ctx, &dropped);
         }
-        self.top_bar(ui);
+        let room = self.current.and_then(|index| self.rooms.get(index));
+        let hidden = room.is_some_and(|room| room.hides_the_window());
+        if !hidden {
+            self.top_bar(ui);
+        }
         match self.current {
             Some(index) => {
                 self.with_room(&ctx, index, |room, shared| room.show(ui, shared));
@@ -274,7 +277,9 @@ impl eframe::App for Studio {
             .chain(self.current.and_then(|i| self.rooms.get(i)).map(|room| (room.name(), room.shortcuts())))
             .collect();
         shortcut::show_cheat_sheet(&ctx, &mut self.cheat_sheet, &groups);
-        self.notices.show(&ctx);
+        if !hidden {
+            self.notices.show(&ctx);
+        }
         self.save_settings();
         self.handle_close(&ctx);
     }

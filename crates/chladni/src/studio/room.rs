@@ -40,6 +40,11 @@ pub trait Room {
         false
     }
 
+    /// Whether the room wants the whole window for itself now, without the top bar.
+    fn hides_the_window(&self) -> bool {
+        false
+    }
+
     /// Something unsaved that closing the window would lose; `None` when all is safe.
     fn unsaved(&self) -> Option<String> {
         None
@@ -65,8 +70,6 @@ pub struct Shared<'a> {
     pub notices: &'a mut Notices,
     /// Preferences and recent files.
     pub settings: &'a mut Settings,
-    /// The folder of the preferences, where rooms may keep files of their own; `None` to keep none.
-    pub folder: Option<PathBuf>,
     /// Where things are kept.
     pub folders: &'a Folders,
     /// Whom to ask for files.

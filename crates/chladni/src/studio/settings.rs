@@ -20,11 +20,19 @@ pub struct Settings {
     pub harmonics: usize,
     /// Projects and shapes, most recent first.
     pub recent: Vec<PathBuf>,
+    /// The music room's own.
+    pub music: super::music::Preferences,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { light: false, zoom: 1.0, harmonics: 512, recent: Vec::new() }
+        Self {
+            light: false,
+            zoom: 1.0,
+            harmonics: 512,
+            recent: Vec::new(),
+            music: super::music::Preferences::default(),
+        }
     }
 }
 

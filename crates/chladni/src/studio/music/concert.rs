@@ -1,22 +1,22 @@
 //! A body that dances: instrument, synthesizer and the picture of all items.
 
-use std::sync::Arc;
-
-use chladni_caricature::ShapeSource;
-use chladni_harmonics::{BasisSettings, Body};
 use chladni_music::{
-    Action, Dancer, Ensemble, FlashLimiter, GalleryShape, Instrument, Moment, Parameter, Session, Switch,
-    Symmetry, react,
+    Action, Beat, Ensemble, FlashLimiter, GalleryShape, Instrument, Mapping, Moment, Parameter, Session,
+    Switch, react,
 };
 use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
-use chladni_task::Task;
-use chladni_view::{Background, Camera, Cell, Figure, ItemBuffers, Lights, Material, Rect, Topology, layout};
+use chladni_view::{Camera, Cell, Figure, ItemBuffers, Rect, Topology, layout};
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
+use super::close_up::{self, Draft};
 use super::gallery;
+use super::harmonics::Harmonics;
 use super::listening::Listening;
-use crate::source;
+use super::loading::Ready;
+use super::pace::Pace;
+use super::preferences::Look;
+use super::wish::Wish;
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
 
@@ -25,25 +25,16 @@ const FIRST_SEED: u64 = 2012;
 /// How much of its cell the shape at rest fills: dancing takes room.
 const FILL: f32 = 0.56;
 
-/// What loading brings back.
-pub struct Ready {
-    body: Body,
-    dancer: Arc<Dancer>,
-    /// What was mended in the file.
-    pub warnings: Vec<String>,
-}
-
-/// Loads a shape, its harmonics and their symmetry classes.
-pub fn load(source: &ShapeSource, harmonics: usize, task: &Task) -> Result<Ready, String> {
-    let (mesh, warnings) = source::shape(source, None)?;
-    let harmonics = harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
-    let cache = crate::cli::basis_cache();
-    let (body, _) = Body::load_or_build(&mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
-        .map_err(|error| error.to_string())?;
-    let symmetry = Symmetry::of(&body, task).map_err(|error| error.to_string())?;
-    let body = symmetry.rotated(&body);
-    let dancer = Dancer::new(&body, &symmetry.classes).map_err(|error| error.to_string())?;
-    Ok(Ready { body, dancer: Arc::new(dancer), warnings })
+/// What the middle of the room shows while nothing is on stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum View {
+    /// All items.
+    #[default]
+    Gallery,
+    /// One item of the gallery, with its curves.
+    CloseUp(usize),
+    /// The harmonics of the body from this one on, and their symmetry.
+    Harmonics(usize),
 }
 
 /// Everything that moves on screen.
@@ -59,9 +50,12 @@ pub struct Concert {
     limiter: FlashLimiter,
     moment: Moment,
     hovered: Option<usize>,
-    preset_wish: Option<usize>,
-    /// Index into [`Material::PRESETS`].
-    pub material: usize,
+    view: View,
+    draft: Option<Draft>,
+    tried_out: Option<Mapping>,
+    harmonics: Harmonics,
+    pace: Pace,
+    voice_names: Vec<String>,
 }
 
 impl Concert {
@@ -77,9 +71,11 @@ impl Concert {
             Topology::new(gpu, model.vertices(), &ready.body.triangles).map_err(|error| error.to_string())?;
         let buffers = ItemBuffers::new(gpu, model.vertices(), 12);
         let rest = model.rest_positions().to_vec();
+        let (voice_names, terms) = ready.voices.into_iter().unzip();
+        let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
         Ok(Self {
             instrument,
-            ensemble: Ensemble::new(ready.dancer),
+            ensemble,
             synthesizer: CpuSynthesizer::new(model),
             topology,
             buffers,
@@ -89,14 +85,33 @@ impl Concert {
             limiter: FlashLimiter::default(),
             moment: Moment::default(),
             hovered: None,
-            preset_wish: None,
-            material: 3,
+            view: View::Gallery,
+            draft: None,
+            tried_out: None,
+            harmonics: Harmonics::new(ready.body, ready.symmetry),
+            pace: Pace::default(),
+            voice_names,
         })
     }
 
     /// The state that the panels read.
     pub fn instrument(&self) -> &Instrument {
         &self.instrument
+    }
+
+    /// The body's harmonics and their symmetry.
+    pub fn harmonics(&self) -> &Harmonics {
+        &self.harmonics
+    }
+
+    /// The layers of the caricature that this body came with.
+    pub fn voice_names(&self) -> &[String] {
+        &self.voice_names
+    }
+
+    /// What keeps the frames coming.
+    pub fn pace(&self) -> &Pace {
+        &self.pace
     }
 
     /// Does what the user asked, at the moment that is heard.
@@ -109,17 +124,30 @@ impl Concert {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: self.ensemble.dancer().eigenvalues.clone(), bands };
         self.instrument = session.replay(shape).map_err(|error| error.to_string())?;
+        self.view = View::Gallery;
         Ok(())
-    }
-
-    /// Which generation is shown.
-    pub fn generation(&self) -> usize {
-        self.instrument.gallery().current()
     }
 
     /// The item under the pointer.
     pub fn hovered(&self) -> Option<usize> {
         self.hovered
+    }
+
+    /// What the middle shows.
+    pub fn view(&self) -> View {
+        self.view
+    }
+
+    /// Shows something else; what was being drawn is given up.
+    pub fn look_at(&mut self, view: View) {
+        self.view = view;
+        self.draft = None;
+        self.hovered = None;
+    }
+
+    /// Plays a mapping in the gallery's place in the next frame.
+    pub fn try_out(&mut self, mapping: Mapping) {
+        self.tried_out = Some(mapping);
     }
 
     /// Whether an item is a favourite, and whether it is locked.
@@ -133,29 +161,89 @@ impl Concert {
         self.instrument.scene(self.moment.at_beat).is_some()
     }
 
-    /// The item that is to be saved as a preset; handed out once.
-    pub fn take_preset_wish(&mut self) -> Option<usize> {
-        self.preset_wish.take()
+    /// Index of the favourite after or before the one on stage.
+    pub fn next_favourite(&self, forward: bool) -> Option<usize> {
+        let count = self.instrument.favourites().len();
+        let on_stage = self.instrument.scene(self.moment.at_beat).map(|scene| scene.to);
+        let now = self.instrument.favourites().iter().position(|item| Some(item.id) == on_stage);
+        let step = if forward { 1 } else { count.checked_sub(1)? };
+        (count > 0).then(|| now.map_or(0, |now| (now + step) % count))
     }
 
-    /// Hears, deforms and draws one frame, and handles clicks on the items.
+    /// Hears, deforms and draws one frame, and handles clicks on what is shown.
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        shared: &Shared<'_>,
+        shared: &mut Shared<'_>,
         listening: &mut Listening,
+        wishes: &mut Vec<Wish>,
     ) -> Result<(), String> {
-        let rect = ui.available_rect_before_wrap();
-        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
-        let (status, beat, bands) = listening.hear(self.instrument.parameters())?;
-        self.moment = Moment { at_secs: status.position_secs, at_beat: beat.count };
-        let items = self.ensemble.play(&self.instrument, &bands, beat).map_err(|error| error.to_string())?;
-        let count = items.len();
+        let began = std::time::Instant::now();
+        let whole = ui.available_rect_before_wrap();
+        let heard = listening.hear(self.instrument.parameters())?;
+        self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
+        let beat = heard.beat;
+        let on_stage = self.on_stage();
+        if let View::Harmonics(first) = self.view
+            && !on_stage
+        {
+            let response = ui.allocate_rect(whole, egui::Sense::click_and_drag());
+            viewport::navigate(ui, &response, &mut self.camera);
+            let camera = self.camera;
+            return self.harmonics.show(ui, shared, &mut self.viewport, &self.topology, camera, whole, first);
+        }
+        let solo = self.tried_out.take().or_else(|| self.close_up_mapping()).filter(|_| !on_stage);
+        let items = match &solo {
+            Some(mapping) => self.ensemble.audition(&self.instrument, mapping, &heard.bands, beat),
+            None => self.ensemble.play(&self.instrument, &heard.bands, beat),
+        }
+        .map_err(|error| error.to_string())?;
         // Full blending is the paper's: the mean of the exact and the rest normal.
         let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
         self.synthesizer
             .synthesize(items, &FrameSettings { normal_blending })
             .map_err(|error| error.to_string())?;
+        let count = items.len();
+        if let Some(told) = self.pace.frame(began, self.ensemble.dancer().harmonics()) {
+            self.ensemble.use_at_most(self.pace.harmonics());
+            shared.notices.warn(told);
+        }
+        self.upload(count)?;
+        let close_up = matches!(self.view, View::CloseUp(_)) && !on_stage;
+        let (rect, bench) = if close_up { close_up::split(whole) } else { (whole, whole) };
+        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
+        viewport::navigate(ui, &response, &mut self.camera);
+        let cells = self.cells(ui, rect, count);
+        let look = shared.settings.music.look();
+        self.draw(ui, shared, rect, &cells, beat, look)?;
+        self.hovered = None;
+        match self.view {
+            View::CloseUp(item) if close_up => {
+                let heard = close_up::Heard {
+                    mid: &listening.spectrum().mid,
+                    bands_hz: listening.bands_hz(),
+                    eigenvalues: &self.ensemble.dancer().eigenvalues,
+                };
+                close_up::show(ui, bench, &self.instrument, item, &mut self.draft, &heard, wishes);
+            }
+            View::Gallery if !on_stage && solo.is_none() => {
+                let places: Vec<egui::Rect> =
+                    cells.iter().map(|cell| viewport::to_points(ui, rect, *cell)).collect();
+                self.hovered = gallery::overlay(ui, &places, &self.instrument, wishes);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// What the close-up plays: the stroke that is being drawn, or the item as it is.
+    fn close_up_mapping(&self) -> Option<Mapping> {
+        let View::CloseUp(item) = self.view else { return None };
+        let item = self.instrument.gallery().items().get(item)?;
+        Some(self.draft.as_ref().map_or_else(|| item.mapping.clone(), |draft| draft.mapping.clone()))
+    }
+
+    fn upload(&mut self, count: usize) -> Result<(), String> {
         if self.buffers.items() != count {
             self.buffers = ItemBuffers::new(self.viewport.gpu(), self.rest.len(), count);
         }
@@ -165,29 +253,15 @@ impl Concert {
                 .write(self.viewport.gpu(), item, positions, normals)
                 .map_err(|error| error.to_string())?;
         }
-        viewport::navigate(ui, &response, &mut self.camera);
         self.viewport.invalidate();
-        let scale = ui.pixels_per_point();
-        let area = Rect::of_size(
-            ((rect.width() * scale).round() as u32).max(1),
-            ((rect.height() * scale).round() as u32).max(1),
-        );
-        let (rows, columns) = layout::rows_and_columns(area.width, area.height, count, 1.0);
-        let cells = layout::grid(area, rows, columns, 6, count);
-        self.draw(ui, shared, rect, &cells, beat)?;
-        if self.on_stage() {
-            self.hovered = None;
-            return Ok(());
-        }
-        let places: Vec<egui::Rect> = cells.iter().map(|cell| viewport::to_points(ui, rect, *cell)).collect();
-        let clicks = gallery::overlay(ui, &response, &places, &self.instrument, &mut self.hovered);
-        for click in clicks {
-            match click {
-                gallery::Click::Do(action) => self.act(action)?,
-                gallery::Click::SavePreset(item) => self.preset_wish = Some(item),
-            }
-        }
         Ok(())
+    }
+
+    fn cells(&self, ui: &Ui, rect: egui::Rect, count: usize) -> Vec<Rect> {
+        let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
+        let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
+        let (rows, columns) = layout::rows_and_columns(area.width, area.height, count, 1.0);
+        layout::grid(area, rows, columns, 6, count)
     }
 
     fn draw(
@@ -196,7 +270,8 @@ impl Concert {
         shared: &Shared<'_>,
         rect: egui::Rect,
         cells: &[Rect],
-        beat: chladni_music::Beat,
+        beat: Beat,
+        look: Look,
     ) -> Result<(), String> {
         let parameters = self.instrument.parameters();
         let reaction = react(beat, self.instrument.seed(), parameters);
@@ -206,16 +281,19 @@ impl Concert {
         camera.fit_turntable(&self.rest, aspect, FILL);
         camera.distance *= zoom;
         camera.yaw_rad = self.camera.yaw_rad - reaction.turn_rad;
-        let mut lights = Lights::STAGE.turned(reaction.light_turn_rad);
+        let mut lights = look.lights.turned(reaction.light_turn_rad);
         let seconds = ui.input(|input| input.time);
         lights.exposure *= if parameters.is_on(Switch::FlashLimit) {
-            self.limiter.limit(seconds, reaction.light_gain)
+            // The lights at most double; a picture that is all shape follows them in full.
+            2.0 * self.limiter.limit(seconds, 0.5 * reaction.light_gain)
         } else {
             reaction.light_gain
         };
-        let material = Material::PRESETS.get(self.material).map_or(Material::PEARL, |preset| preset.1);
         let figures: Vec<Figure<'_>> = (0..cells.len())
-            .map(|item| Figure { material, ..Figure::new(&self.topology, &self.buffers, item) })
+            .map(|item| Figure {
+                material: look.material,
+                ..Figure::new(&self.topology, &self.buffers, item)
+            })
             .collect();
         self.viewport
             .show(ui, shared.gpu, rect, |_| {
@@ -226,7 +304,7 @@ impl Concert {
                         viewport: *cell,
                         camera,
                         lights,
-                        background: Background::NIGHT,
+                        background: look.background,
                         figures: std::slice::from_ref(figure),
                         markers: &[],
                     })

@@ -3,10 +3,11 @@
 use chladni_music::{Action, Choir, Form, Instrument, Parameter, Switch};
 use egui::{RichText, Slider, Ui};
 
+use super::wish::Wish;
 use crate::studio::theme;
 
 /// Draws them all and collects what was turned.
-pub fn show(ui: &mut Ui, instrument: &Instrument, actions: &mut Vec<Action>) {
+pub fn show(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
     let parameters = instrument.parameters();
     heading(ui, "Form");
     ui.horizontal(|ui| {
@@ -20,7 +21,7 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, actions: &mut Vec<Action>) {
             (Form::HalfMask, "Halves", "The left channel moves the left half, the right one the right"),
         ] {
             if ui.selectable_label(parameters.form == form, name).on_hover_text(tip).clicked() {
-                actions.push(Action::SetForm { form });
+                wishes.push(Wish::Do(Action::SetForm { form }));
             }
         }
     });
@@ -30,21 +31,21 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, actions: &mut Vec<Action>) {
         {
             let tip = "Which harmonics may sound";
             if ui.selectable_label(parameters.choir == choir, name).on_hover_text(tip).clicked() {
-                actions.push(Action::SetChoir { choir });
+                wishes.push(Wish::Do(Action::SetChoir { choir }));
             }
         }
     });
     for (name, rows) in GROUPS {
         heading(ui, name);
         for (parameter, name, tip) in *rows {
-            knob(ui, instrument, *parameter, name, tip, actions);
+            knob(ui, instrument, *parameter, name, tip, wishes);
         }
     }
     heading(ui, "On the beat");
     for (switch, name, tip) in SWITCHES {
         let mut on = parameters.is_on(*switch);
         if ui.checkbox(&mut on, *name).on_hover_text(*tip).changed() {
-            actions.push(Action::Switch { switch: *switch, on });
+            wishes.push(Wish::Do(Action::Switch { switch: *switch, on }));
         }
     }
 }
@@ -105,7 +106,7 @@ fn knob(
     parameter: Parameter,
     name: &str,
     tip: &str,
-    actions: &mut Vec<Action>,
+    wishes: &mut Vec<Wish>,
 ) {
     let mut value = instrument.parameters().get(parameter);
     let (low, high) = parameter.range();
@@ -114,6 +115,6 @@ fn knob(
     let mut slider = Slider::new(&mut value, low..=high).fixed_decimals(if whole { 0 } else { 2 });
     slider = slider.logarithmic(high / low.max(1e-3) > 500.0);
     if ui.add(slider).on_hover_text(tip).changed() {
-        actions.push(Action::Set { parameter, value });
+        wishes.push(Wish::Do(Action::Set { parameter, value }));
     }
 }

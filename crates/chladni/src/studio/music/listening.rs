@@ -1,20 +1,23 @@
-//! The ears of the room: the song that plays, its spectrum and its beat, at the moment that is heard.
+//! The ears of the room: the song that plays or what a microphone hears, its spectrum and its beat,
+//! at the moment that is heard.
 
 use std::path::PathBuf;
 use std::time::Instant;
 
 use chladni_music::{Bands, Beat, Parameter, Parameters, Switch};
 use chladni_sound::{
-    BeatFollower, BeatMoment, FrontEnd, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus,
-    Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune, write_wav,
+    BeatFollower, BeatMoment, Capture, CaptureLevel, CaptureSource, FrontEnd, Player, PlayerEvent,
+    PlayerSettings, PlayerState, PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings,
+    WavSample, sample_tune, write_wav,
 };
 
 /// A step of the song longer than this is a seek: the beat tracker starts afresh.
 const LONGEST_STEP_SECS: f64 = 0.5;
 
-/// Player, analyser and beat tracker in step.
+/// Player or capture, analyser and beat tracker in step.
 pub struct Listening {
     player: Player,
+    live: Option<Live>,
     analyser: SpectrumAnalyser,
     follower: BeatFollower,
     left: Vec<f32>,
@@ -23,12 +26,32 @@ pub struct Listening {
     last_position_secs: f64,
     beats_gone: f64,
     songs: Vec<PathBuf>,
+    repeat: Repeat,
+    warnings: Vec<String>,
     /// The sample tune lives in a file while the room is open.
-    _tune: tempfile::TempDir,
+    tune: PathBuf,
+    _folder: tempfile::TempDir,
+}
+
+/// What is listened to instead of a song.
+struct Live {
+    capture: Capture,
+    name: String,
+    heard_secs: f64,
+}
+
+/// What is heard at one moment.
+pub struct Heard<'a> {
+    /// Position in the song, or seconds of live input so far.
+    pub at_secs: f64,
+    /// The beat there.
+    pub beat: Beat,
+    /// The sound there.
+    pub bands: Bands<'a>,
 }
 
 impl Listening {
-    /// Starts the player on the sample tune, paused.
+    /// Starts the player on the sample tune.
     pub fn start() -> Result<Self, String> {
         let folder = tempfile::tempdir().map_err(|error| format!("no room for the sample tune: {error}"))?;
         let tune = folder.path().join("sample tune.wav");
@@ -40,6 +63,7 @@ impl Listening {
         let follower = BeatFollower::new(rate_hz).map_err(|error| error.to_string())?;
         let mut listening = Self {
             player,
+            live: None,
             analyser,
             follower,
             left: Vec::new(),
@@ -47,27 +71,99 @@ impl Listening {
             last: Instant::now(),
             last_position_secs: 0.0,
             beats_gone: 0.0,
-            songs: Vec::new(),
-            _tune: folder,
+            songs: vec![tune.clone()],
+            repeat: Repeat::Off,
+            warnings: Vec::new(),
+            tune,
+            _folder: folder,
         };
-        listening.play_list(vec![tune]);
+        listening.player.play_list(listening.songs.clone());
+        listening.set_repeat(Repeat::List);
         Ok(listening)
     }
 
-    /// Plays these songs in order.
-    pub fn play_list(&mut self, songs: Vec<PathBuf>) {
-        self.songs = songs.clone();
-        self.player.play_list(songs);
-        self.player.repeat(chladni_sound::Repeat::List);
-        self.player.play();
+    /// The playlist.
+    pub fn songs(&self) -> &[PathBuf] {
+        &self.songs
     }
 
-    /// The song that is heard, by its file name.
-    pub fn song_name(&self) -> String {
-        let path = self.songs.get(self.player.status().song);
-        path.map_or_else(String::new, |path| {
-            path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
-        })
+    /// Adds songs at the end of the list and plays the first of them; the sample tune goes.
+    pub fn add(&mut self, songs: Vec<PathBuf>) {
+        if songs.is_empty() {
+            return;
+        }
+        self.songs.retain(|song| *song != self.tune);
+        let first = self.songs.len();
+        self.songs.extend(songs);
+        self.player.set_songs(self.songs.clone());
+        self.select(first);
+    }
+
+    /// Takes a song out of the list; the last one makes room for the sample tune.
+    pub fn remove(&mut self, song: usize) {
+        if song >= self.songs.len() {
+            return;
+        }
+        self.songs.remove(song);
+        if self.songs.is_empty() {
+            self.songs.push(self.tune.clone());
+        }
+        self.player.set_songs(self.songs.clone());
+    }
+
+    /// Plays a song of the list.
+    pub fn select(&mut self, song: usize) {
+        self.live = None;
+        self.player.select(song);
+    }
+
+    /// What comes after a song.
+    pub fn repeat(&self) -> Repeat {
+        self.repeat
+    }
+
+    /// Changes what comes after a song.
+    pub fn set_repeat(&mut self, repeat: Repeat) {
+        self.repeat = repeat;
+        self.player.repeat(repeat);
+    }
+
+    /// Listens to a microphone or to what the machine plays; the song pauses.
+    pub fn listen_to(&mut self, source: &CaptureSource) -> Result<(), String> {
+        let capture = Capture::start(source).map_err(|error| error.to_string())?;
+        self.player.pause();
+        self.live = Some(Live { capture, name: source.name.clone(), heard_secs: 0.0 });
+        self.forget_beat();
+        Ok(())
+    }
+
+    /// Back to the songs.
+    pub fn stop_listening(&mut self) {
+        self.live = None;
+        self.forget_beat();
+    }
+
+    /// The live input's name and level.
+    pub fn live(&self) -> Option<(&str, CaptureLevel)> {
+        self.live.as_ref().map(|live| (live.name.as_str(), live.capture.level()))
+    }
+
+    /// The name of a song of the list.
+    pub fn name_of(&self, song: usize) -> String {
+        let stem = self.songs.get(song).and_then(|path| path.file_stem());
+        stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// What is heard: the song's file name or the live input's.
+    pub fn source_name(&self) -> String {
+        self.live.as_ref().map_or_else(|| self.name_of(self.player.status().song), |live| live.name.clone())
+    }
+
+    /// The song's file, as a session keeps it; empty for live input and the sample tune.
+    pub fn session_song(&self) -> String {
+        let song = self.songs.get(self.player.status().song).filter(|_| self.live.is_none());
+        let song = song.filter(|song| **song != self.tune);
+        song.map_or_else(String::new, |path| path.display().to_string())
     }
 
     /// The player.
@@ -75,12 +171,15 @@ impl Listening {
         &self.player
     }
 
-    /// Plays or pauses.
-    pub fn toggle(&self) {
+    /// Plays or pauses; leaves live input.
+    pub fn toggle(&mut self) {
+        if self.live.take().is_some() {
+            return self.player.play();
+        }
         if self.player.status().state == PlayerState::Playing {
-            self.player.pause()
+            self.player.pause();
         } else {
-            self.player.play()
+            self.player.play();
         }
     }
 
@@ -104,6 +203,11 @@ impl Listening {
         self.analyser.spectrum()
     }
 
+    /// Where its bands lie.
+    pub fn bands_hz(&self) -> &[f32] {
+        self.analyser.bands_hz()
+    }
+
     /// What the player has to say.
     pub fn messages(&mut self) -> Vec<String> {
         let tell = |event| match event {
@@ -111,27 +215,31 @@ impl Listening {
             PlayerEvent::DeviceLost(why) => Some(format!("No sound: {why}. The song goes on in silence.")),
             PlayerEvent::SongStarted(_) | PlayerEvent::Finished | PlayerEvent::DeviceOpened(_) => None,
         };
-        self.player.events().filter_map(tell).collect()
+        let told: Vec<String> = self.player.events().filter_map(tell).collect();
+        self.warnings.drain(..).chain(told).collect()
     }
 
-    /// Listens to what is heard at this moment: the player's status, the beat, and the bands.
-    pub fn hear(&mut self, parameters: &Parameters) -> Result<(PlayerStatus, Beat, Bands<'_>), String> {
-        let status = self.player.status();
+    /// Listens to what is heard at this moment.
+    pub fn hear(&mut self, parameters: &Parameters) -> Result<Heard<'_>, String> {
         let now = Instant::now();
         let dt_secs = (now - self.last).as_secs_f64().clamp(1e-3, 0.25);
         self.last = now;
-        self.follow_rate(&status, parameters)?;
-        self.follow_beat(&status);
-        let window = self.analyser.window_frames();
-        self.left.resize(window, 0.0);
-        self.right.resize(window, 0.0);
-        self.player.heard_window(window / 2, &mut self.left, &mut self.right);
-        if status.state != PlayerState::Playing {
-            self.left.fill(0.0);
-            self.right.fill(0.0);
+        if let Some(live) = self.live.take_if(|live| live.capture.is_lost()) {
+            self.warnings.push(format!("{} is gone; choose it again when it is back.", live.name));
         }
+        let status = self.player.status();
+        let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
+        self.follow_rate(rate_hz, parameters)?;
+        let at_secs = match self.live.is_some() {
+            true => self.take_live(),
+            false => {
+                self.follow_song(&status);
+                status.position_secs
+            }
+        };
+        let playing = self.live.is_some() || status.state == PlayerState::Playing;
+        self.take_window(playing);
         let moment = self.follower.moment();
-        let playing = status.state == PlayerState::Playing;
         let beat = Beat {
             count: self.beats_gone + moment.phase.clamp(0.0, 1.0),
             confidence: if playing { moment.confidence as f32 } else { 0.0 },
@@ -139,11 +247,11 @@ impl Listening {
         let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
         let bands =
             Bands { left: &spectrum.left, right: &spectrum.right, mid: &spectrum.mid, side: &spectrum.side };
-        Ok((status, beat, bands))
+        Ok(Heard { at_secs, beat, bands })
     }
 
-    fn follow_rate(&mut self, status: &PlayerStatus, parameters: &Parameters) -> Result<(), String> {
-        let rate_hz = if status.rate_hz > 0 { status.rate_hz } else { self.analyser.settings().rate_hz };
+    fn follow_rate(&mut self, rate_hz: u32, parameters: &Parameters) -> Result<(), String> {
+        let rate_hz = if rate_hz > 0 { rate_hz } else { self.analyser.settings().rate_hz };
         if rate_hz != self.analyser.settings().rate_hz {
             self.follower = BeatFollower::new(rate_hz).map_err(|error| error.to_string())?;
         }
@@ -160,22 +268,59 @@ impl Listening {
         Ok(())
     }
 
+    /// The samples to analyse: around what is heard of a song, the newest ones of live input.
+    fn take_window(&mut self, playing: bool) {
+        let window = self.analyser.window_frames();
+        self.left.resize(window, 0.0);
+        self.right.resize(window, 0.0);
+        match &self.live {
+            Some(live) => live.capture.window(&mut self.left, &mut self.right),
+            None => {
+                self.player.heard_window(window / 2, &mut self.left, &mut self.right);
+            }
+        }
+        if !playing {
+            self.left.fill(0.0);
+            self.right.fill(0.0);
+        }
+    }
+
+    /// Feeds the tracker with what has come in; the seconds heard so far.
+    fn take_live(&mut self) -> f64 {
+        let Some(live) = &mut self.live else { return 0.0 };
+        self.left.clear();
+        self.right.clear();
+        let frames = live.capture.take(&mut self.left, &mut self.right);
+        live.heard_secs += frames as f64 / f64::from(live.capture.rate_hz().max(1));
+        let heard_secs = live.heard_secs;
+        self.follower.push(&self.left, &self.right);
+        self.count_beats();
+        heard_secs
+    }
+
     /// Feeds the tracker with what was heard since the last frame.
-    fn follow_beat(&mut self, status: &PlayerStatus) {
+    fn follow_song(&mut self, status: &PlayerStatus) {
         let step_secs = status.position_secs - self.last_position_secs;
         self.last_position_secs = status.position_secs;
         if !(0.0..LONGEST_STEP_SECS).contains(&step_secs) {
-            // After a seek the old beat means nothing; a tracker that cannot start over goes on as it is.
-            let _ = self.follower.reset();
-            return;
+            return self.forget_beat();
         }
         let frames = (step_secs * f64::from(status.rate_hz)).round() as usize;
         self.left.resize(frames, 0.0);
         self.right.resize(frames, 0.0);
         self.player.heard_window(0, &mut self.left, &mut self.right);
         self.follower.push(&self.left, &self.right);
+        self.count_beats();
+    }
+
+    fn count_beats(&mut self) {
         while self.follower.take_beat().is_some() {
             self.beats_gone += 1.0;
         }
+    }
+
+    /// After a seek the old beat means nothing; a tracker that cannot start over goes on as it is.
+    fn forget_beat(&mut self) {
+        let _ = self.follower.reset();
     }
 }

@@ -1,10 +1,24 @@
 //! The music room: a gallery of living shapes, breeding, and the stage.
 
+mod close_up;
 mod concert;
+mod curve;
+mod drawer;
 mod gallery;
+mod harmonics;
 mod knobs;
 mod listening;
+mod loading;
+mod look;
+mod meters;
+mod pace;
+mod preferences;
+mod shelf;
+mod songs;
+mod stage;
 mod transport;
+mod voices;
+mod wish;
 
 use std::path::{Path, PathBuf};
 
@@ -12,8 +26,13 @@ use chladni_caricature::ShapeSource;
 use chladni_music::{Action, Preset, Session};
 use egui::{Key, Ui};
 
-use self::concert::{Concert, Ready};
+use self::concert::{Concert, View};
+use self::drawer::{Drawer, Drawers};
 use self::listening::Listening;
+use self::loading::Ready;
+pub use self::preferences::Preferences;
+use self::stage::Curtain;
+use self::wish::Wish;
 use super::icon::Icon;
 use super::job::{self, Job, Outcome};
 use super::room::{Room, Shared};
@@ -27,12 +46,19 @@ const FAVOURITE: Shortcut = Shortcut::key(Key::F, "Favourite the item under the 
 const LOCK: Shortcut = Shortcut::key(Key::L, "Lock the item under the pointer");
 const MUTATE: Shortcut = Shortcut::key(Key::M, "Change the item under the pointer a little");
 const STAGE: Shortcut = Shortcut::key(Key::S, "Put the item under the pointer on stage");
-const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave the stage");
+const DRAW: Shortcut = Shortcut::key(Key::E, "Name the item under the pointer and draw its curves");
+const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave the stage, or back to the gallery");
+const NEXT: Shortcut = Shortcut::key(Key::ArrowRight, "On stage: the next favourite");
+const PREVIOUS: Shortcut = Shortcut::key(Key::ArrowLeft, "On stage: the favourite before");
 const TAP: Shortcut = Shortcut::key(Key::T, "Tap the beat");
-const KEYS: [Shortcut; 9] = [PLAY, BREED, BACK, FAVOURITE, LOCK, MUTATE, STAGE, LEAVE, TAP];
+const KEYS: [Shortcut; 12] =
+    [PLAY, BREED, BACK, FAVOURITE, LOCK, MUTATE, DRAW, STAGE, NEXT, PREVIOUS, LEAVE, TAP];
 
 /// Extensions of songs that can be heard.
 const SONGS: [&str; 9] = ["wav", "flac", "mp3", "ogg", "oga", "m4a", "aac", "aiff", "aif"];
+
+/// The most harmonics that dance live.
+const MOST_HARMONICS: usize = 512;
 
 /// The room: one body, one gallery, one playlist.
 #[derive(Default)]
@@ -40,6 +66,10 @@ pub struct MusicRoom {
     loading: Option<Job<Result<Ready, String>>>,
     concert: Option<Concert>,
     listening: Option<Listening>,
+    drawers: Drawers,
+    curtain: Curtain,
+    /// Presets and sessions that wait for a shape.
+    waiting: Vec<PathBuf>,
     refused: bool,
 }
 
@@ -64,30 +94,29 @@ impl Room for MusicRoom {
         if self.concert.is_none() && self.loading.is_none() && !self.refused {
             self.load(ShapeSource::Sample("octopus".into()), shared);
         }
-        if self.listening.is_none() && !self.refused {
-            match Listening::start() {
-                Ok(listening) => self.listening = Some(listening),
-                Err(why) => {
-                    self.refused = true;
-                    shared.notices.error(why);
-                }
-            }
-        }
+        self.listening(shared);
         self.poll(shared);
-        self.handle_keys(shared);
+        let mut wishes = self.keys(&shared.ctx);
         let on_stage = self.concert.as_ref().is_some_and(Concert::on_stage);
+        self.curtain.follow(&shared.ctx, on_stage, shared.settings.music.screen);
         if !on_stage {
-            self.panels(ui, shared);
+            self.panels(ui, shared, &mut wishes);
         }
         egui::CentralPanel::default().frame(egui::Frame::new()).show(ui, |ui| {
             if let Some(loading) = &self.loading {
                 job::show_progress(ui, loading);
             }
             let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
-            if let Err(why) = concert.show(ui, shared, listening) {
+            if let Err(why) = concert.show(ui, shared, listening, &mut wishes) {
                 shared.notices.error(why);
             }
+            if on_stage {
+                self.curtain.show(ui, concert);
+            }
         });
+        for wish in wishes {
+            self.fulfil(wish, shared);
+        }
         if let Some(listening) = &mut self.listening {
             for message in listening.messages() {
                 shared.notices.warn(message);
@@ -95,6 +124,10 @@ impl Room for MusicRoom {
         }
         // The shapes dance: every frame is a new one.
         shared.ctx.request_repaint();
+    }
+
+    fn hides_the_window(&self) -> bool {
+        self.concert.as_ref().is_some_and(Concert::on_stage)
     }
 
     fn claims(&self, path: &Path) -> bool {
@@ -106,37 +139,57 @@ impl Room for MusicRoom {
         let mut songs = Vec::new();
         for path in paths {
             match extension(path).as_str() {
-                "toml" => self.open_text(path, shared),
+                "toml" => self.waiting.push(path.clone()),
+                "chladni" => self.load_caricature(path.clone(), shared),
                 song if SONGS.contains(&song) => songs.push(path.clone()),
                 _ => self.load(ShapeSource::File(path.clone()), shared),
             }
             shared.settings.remember(path);
         }
-        if !songs.is_empty()
-            && let Some(listening) = &mut self.listening
-        {
-            listening.play_list(songs);
+        if !songs.is_empty() {
+            match self.listening(shared) {
+                Some(listening) => listening.add(songs),
+                None => shared.notices.warn("There is no player for these songs."),
+            }
         }
     }
 }
 
 impl MusicRoom {
-    fn load(&mut self, source: ShapeSource, shared: &Shared<'_>) {
-        let harmonics = shared.settings.harmonics.min(512);
+    fn load(&mut self, source: ShapeSource, shared: &mut Shared<'_>) {
+        let harmonics = shared.settings.harmonics.min(MOST_HARMONICS);
         let label = format!("Opening {source}");
         self.loading =
-            Some(Job::start(label, &shared.ctx, move |task| concert::load(&source, harmonics, task)));
+            Some(Job::start(label, &shared.ctx, move |task| loading::shape(&source, harmonics, task)));
+    }
+
+    fn load_caricature(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
+        let harmonics = shared.settings.harmonics.min(MOST_HARMONICS);
+        let label = format!("Opening {}", path.display());
+        self.drawers.open = Drawer::Body;
+        self.loading =
+            Some(Job::start(label, &shared.ctx, move |task| loading::caricature(&path, harmonics, task)));
+    }
+
+    /// The ears, started when they are first needed; `None` where that failed.
+    fn listening(&mut self, shared: &mut Shared<'_>) -> Option<&mut Listening> {
+        if self.listening.is_none() && !self.refused {
+            match Listening::start() {
+                Ok(listening) => self.listening = Some(listening),
+                Err(why) => {
+                    self.refused = true;
+                    shared.notices.error(why);
+                }
+            }
+        }
+        self.listening.as_mut()
     }
 
     /// A preset goes into the gallery, a session replaces it.
     fn open_text(&mut self, path: &Path, shared: &mut Shared<'_>) {
-        let Some(concert) = &mut self.concert else {
-            return shared.notices.warn("Open a shape first.");
-        };
+        let Some(concert) = &mut self.concert else { return };
         let opened = match Preset::load(path) {
-            Ok(preset) => {
-                concert.act(Action::Load { item: 0, name: preset.name.clone(), mapping: preset.mapping })
-            }
+            Ok(preset) => take(concert, preset),
             Err(not_preset) => match Session::load(path) {
                 Ok(session) => concert.replay(&session),
                 Err(_) => Err(format!("{}: {not_preset}", path.display())),
@@ -163,6 +216,11 @@ impl MusicRoom {
             Some(Outcome::Lost) => self.refuse("Opening broke off; this is a bug.".into(), shared),
             Some(Outcome::Running) | None => {}
         }
+        if self.concert.is_some() && self.loading.is_none() {
+            for path in std::mem::take(&mut self.waiting) {
+                self.open_text(&path, shared);
+            }
+        }
     }
 
     /// Tells what went wrong and does not try the same again by itself.
@@ -172,98 +230,138 @@ impl MusicRoom {
         shared.notices.error(why);
     }
 
-    fn handle_keys(&mut self, shared: &mut Shared<'_>) {
-        let ctx = shared.ctx.clone();
-        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
-        if PLAY.pressed(&ctx) {
+    /// What the keys ask for.
+    fn keys(&mut self, ctx: &egui::Context) -> Vec<Wish> {
+        let mut wishes = Vec::new();
+        let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return wishes };
+        if PLAY.pressed(ctx) {
             listening.toggle();
         }
-        if TAP.pressed(&ctx) {
+        if TAP.pressed(ctx) {
             listening.tap();
         }
-        let mut actions = Vec::new();
-        if BREED.pressed(&ctx) {
-            actions.push(Action::Breed);
+        let on_stage = concert.on_stage();
+        let mut when = |shortcut: Shortcut, wish: Wish| {
+            if shortcut.pressed(ctx) {
+                wishes.push(wish);
+            }
+        };
+        if on_stage {
+            when(LEAVE, Wish::Do(Action::LeaveStage));
+            when(NEXT, Wish::StepFavourite(true));
+            when(PREVIOUS, Wish::StepFavourite(false));
+            return wishes;
         }
-        if BACK.pressed(&ctx) && concert.generation() > 0 {
-            actions.push(Action::GoTo { generation: concert.generation() - 1 });
+        when(BREED, Wish::Do(Action::Breed));
+        if let Some(before) = concert.instrument().gallery().current().checked_sub(1) {
+            when(BACK, Wish::Do(Action::GoTo { generation: before }));
         }
-        if concert.on_stage() && LEAVE.pressed(&ctx) {
-            actions.push(Action::LeaveStage);
+        if concert.view() != View::Gallery {
+            when(LEAVE, Wish::Show(View::Gallery));
         }
         if let Some(item) = concert.hovered() {
             let (favourite, locked) = concert.marks(item);
-            if FAVOURITE.pressed(&ctx) {
-                actions.push(Action::Favourite { item, on: !favourite });
-            }
-            if LOCK.pressed(&ctx) {
-                actions.push(Action::Lock { item, on: !locked });
-            }
-            if MUTATE.pressed(&ctx) {
-                actions.push(Action::Mutate { item, amount: 0.2 });
-            }
-            if STAGE.pressed(&ctx) {
-                actions.push(Action::Perform { item });
-            }
+            when(FAVOURITE, Wish::Do(Action::Favourite { item, on: !favourite }));
+            when(LOCK, Wish::Do(Action::Lock { item, on: !locked }));
+            when(MUTATE, Wish::Do(Action::Mutate { item, amount: 0.2 }));
+            when(DRAW, Wish::Show(View::CloseUp(item)));
+            when(STAGE, Wish::Do(Action::Perform { item }));
         }
-        for action in actions {
-            if let Err(why) = concert.act(action) {
-                shared.notices.warn(why);
+        wishes
+    }
+
+    fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
+        let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
+        egui::Panel::top("transport").exact_size(40.0).show(ui, |ui| {
+            transport::show(ui, listening, concert, wishes);
+        });
+        egui::Panel::right("drawer").exact_size(theme::PANEL_WIDTH - 24.0).show(ui, |ui| {
+            self.drawers.show(ui, concert, listening, shared, wishes);
+        });
+        egui::Panel::bottom("meters").exact_size(84.0).show(ui, |ui| meters::show(ui, listening));
+    }
+
+    fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {
+        if let Wish::Open | Wish::AddSongs = wish {
+            return self.choose_files(matches!(wish, Wish::AddSongs), shared);
+        }
+        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return };
+        let done = match wish {
+            Wish::Do(action) => concert.act(action),
+            Wish::Show(view) => {
+                concert.look_at(view);
+                Ok(())
             }
+            Wish::TryOut(mapping) => {
+                concert.try_out(mapping);
+                Ok(())
+            }
+            Wish::StepFavourite(forward) => match concert.next_favourite(forward) {
+                Some(first) => concert.act(Action::PerformFavourites { first }),
+                None => Ok(()),
+            },
+            Wish::Keep(item) => {
+                self.drawers.open = Drawer::Shelf;
+                self.drawers.shelf.ask(concert.instrument(), item);
+                Ok(())
+            }
+            Wish::Take(path) => match self.drawers.shelf.find(&path) {
+                Some(preset) => take(concert, preset.clone()),
+                None => Ok(()),
+            },
+            Wish::Discard(path) => self.drawers.shelf.discard(&path),
+            Wish::SavePreset(item) => match concert.instrument().item(item) {
+                Some(item) => {
+                    let preset = Preset::of(concert.instrument(), item, Vec::new());
+                    save_as("dance.toml", shared, |path| preset.save(path).map_err(|why| why.to_string()))
+                }
+                None => Ok(()),
+            },
+            Wish::SaveSession => {
+                let session = Session::of(concert.instrument(), &listening.session_song());
+                save_as("session.toml", shared, |path| session.save(path).map_err(|why| why.to_string()))
+            }
+            Wish::Open | Wish::AddSongs => Ok(()),
+        };
+        if let Err(why) = done {
+            shared.notices.warn(why);
         }
     }
 
-    fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
-        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
-        let mut actions = Vec::new();
-        let mut wish = None;
-        let mut shape = None;
-        egui::Panel::top("transport").exact_size(40.0).show(ui, |ui| {
-            wish = transport::show(ui, listening, concert, &mut actions);
-        });
-        egui::Panel::right("knobs").exact_size(theme::PANEL_WIDTH - 24.0).show(ui, |ui| {
-            egui::ScrollArea::vertical().show(ui, |ui| knobs::show(ui, concert.instrument(), &mut actions));
-        });
-        egui::Panel::bottom("meters").exact_size(84.0).show(ui, |ui| transport::meters(ui, listening));
-        for action in actions {
-            if let Err(why) = concert.act(action) {
-                shared.notices.warn(why);
-            }
-        }
-        match wish {
-            Some(transport::Wish::OpenSong) => {
-                let songs = shared.chooser.open_several(&[("Songs", &SONGS)]);
-                if !songs.is_empty() {
-                    listening.play_list(songs);
-                }
-            }
-            Some(transport::Wish::OpenShape) => {
-                shape = shared.chooser.open(&[("Meshes", &super::caricature::MESHES)]);
-            }
-            Some(transport::Wish::SaveSession) => {
-                let session = Session::of(concert.instrument(), &listening.song_name());
-                save_as("session.toml", shared, |path| session.save(path).map_err(|error| error.to_string()));
-            }
-            None => {}
-        }
-        if let Some(item) = concert.take_preset_wish()
-            && let Some(chosen) = concert.instrument().gallery().items().get(item).cloned()
-        {
-            let preset = Preset::of(concert.instrument(), &chosen, Vec::new());
-            save_as("dance.toml", shared, |path| preset.save(path).map_err(|error| error.to_string()));
-        }
-        if let Some(path) = shape {
-            self.load(ShapeSource::File(path), shared);
+    fn choose_files(&mut self, songs_only: bool, shared: &mut Shared<'_>) {
+        let meshes = super::caricature::MESHES;
+        let texts = ["toml", "chladni"];
+        let all: Vec<&str> = meshes.iter().chain(&SONGS).chain(&texts).copied().collect();
+        let kinds = [("All that dances or sounds", &all[..]), ("Meshes", &meshes), ("Songs", &SONGS)];
+        let paths = shared.chooser.open_several(if songs_only { &kinds[2..] } else { &kinds });
+        if !paths.is_empty() {
+            self.open(&paths, shared);
         }
     }
 }
 
-fn save_as(name: &str, shared: &mut Shared<'_>, save: impl FnOnce(&Path) -> Result<(), String>) {
-    let Some(path) = shared.chooser.save(&[("Text", &["toml"])], Path::new(name)) else { return };
-    match save(&path) {
-        Ok(()) => shared.notices.done(format!("Saved {}", path.display())),
-        Err(why) => shared.notices.error(why),
+/// A preset goes where nothing is lost that was chosen or loved: the last such place. The
+/// generation before stays as it was.
+fn take(concert: &mut Concert, preset: Preset) -> Result<(), String> {
+    let instrument = concert.instrument();
+    let items = instrument.gallery().items();
+    let loved = |id| instrument.favourites().iter().any(|favourite| favourite.id == id);
+    let free = items.iter().rposition(|item| !item.chosen && !item.locked && !loved(item.id));
+    let item = free.unwrap_or(items.len().saturating_sub(1));
+    concert.look_at(View::Gallery);
+    concert.act(Action::Load { item, name: preset.name, mapping: preset.mapping })
+}
+
+fn save_as(
+    name: &str,
+    shared: &mut Shared<'_>,
+    save: impl FnOnce(&Path) -> Result<(), String>,
+) -> Result<(), String> {
+    if let Some(path) = shared.chooser.save(&[("Text", &["toml"])], Path::new(name)) {
+        save(&path)?;
+        shared.notices.done(format!("Saved {}", path.display()));
     }
+    Ok(())
 }
 
 fn extension(path: &Path) -> String {

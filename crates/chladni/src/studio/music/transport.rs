@@ -1,177 +1,165 @@
-//! Song, gallery and meters: the bars around the dancing shapes.
+//! Files, song and gallery: the bar above the dancing shapes.
 
 use chladni_music::Action;
 use chladni_sound::PlayerState;
-use egui::{Color32, Rect, RichText, Slider, Stroke, Ui, pos2};
+use egui::{RichText, ScrollArea, Slider, Ui};
 
-use super::concert::Concert;
+use super::concert::{Concert, View};
 use super::listening::Listening;
+use super::wish::Wish;
 use super::{BREED, PLAY};
 use crate::studio::icon::{self, Icon};
 use crate::studio::theme;
 
-/// What the bar asks of the room.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
-    /// Choose songs.
-    OpenSong,
-    /// Choose another shape.
-    OpenShape,
-    /// Save the session.
-    SaveSession,
-}
-
-/// Draws the bar above the gallery.
-pub fn show(
-    ui: &mut Ui,
-    listening: &mut Listening,
-    concert: &Concert,
-    actions: &mut Vec<Action>,
-) -> Option<Wish> {
-    let mut wish = None;
+/// Draws the bar.
+pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &mut Vec<Wish>) {
     ui.horizontal_centered(|ui| {
-        if ui.button(icon::text(Icon::Music)).on_hover_text("Choose songs").clicked() {
-            wish = Some(Wish::OpenSong);
-        }
-        if ui.button(icon::text(Icon::FolderOpen)).on_hover_text("Choose another shape").clicked() {
-            wish = Some(Wish::OpenShape);
-        }
-        if ui.button(icon::text(Icon::Save)).on_hover_text("Save the session, to film it later").clicked() {
-            wish = Some(Wish::SaveSession);
-        }
+        files(ui, wishes);
         ui.separator();
         song(ui, listening);
-        ui.separator();
-        breeding(ui, concert, actions);
-    });
-    wish
-}
-
-fn song(ui: &mut Ui, listening: &mut Listening) {
-    let status = listening.player().status();
-    let mark = if status.state == PlayerState::Playing { Icon::Pause } else { Icon::Play };
-    if ui.button(icon::text(mark)).on_hover_text(PLAY.tooltip(ui.ctx())).clicked() {
-        listening.toggle();
-    }
-    if ui.button(icon::text(Icon::SkipForward)).on_hover_text("Next song").clicked() {
-        listening.player().next();
-    }
-    let length = status.duration_secs.unwrap_or(0.0);
-    let mut at = status.position_secs;
-    ui.spacing_mut().slider_width = 130.0;
-    let slider = ui.add_enabled(length > 0.0, Slider::new(&mut at, 0.0..=length.max(0.1)).show_value(false));
-    if slider.changed() {
-        listening.player().seek(at);
-    }
-    ui.monospace(format!("{} / {}", clock(status.position_secs), clock(length)));
-    ui.add(egui::Label::new(RichText::new(listening.song_name()).color(theme::palette(ui).weak)).truncate());
-}
-
-fn breeding(ui: &mut Ui, concert: &Concert, actions: &mut Vec<Action>) {
-    let gallery = concert.instrument().gallery();
-    let chosen = gallery.items().iter().filter(|item| item.chosen).count();
-    let button = egui::Button::new(icon::label(Icon::Heart, "Breed"));
-    let tip = format!("{}: choose at least two that you like", BREED.tooltip(ui.ctx()));
-    if ui.add_enabled(chosen >= 2, button).on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked() {
-        actions.push(Action::Breed);
-    }
-    let (current, count) = (gallery.current(), gallery.generations().len());
-    let back = egui::Button::new(icon::text(Icon::ChevronLeft));
-    if ui.add_enabled(current > 0, back).on_hover_text("The generation before").clicked() {
-        actions.push(Action::GoTo { generation: current - 1 });
-    }
-    ui.label(format!("{} / {count}", current + 1)).on_hover_text("Generation");
-    let forth = egui::Button::new(icon::text(Icon::ChevronRight));
-    if ui.add_enabled(current + 1 < count, forth).on_hover_text("The generation after").clicked() {
-        actions.push(Action::GoTo { generation: current + 1 });
-    }
-    ui.menu_button(format!("{} items, seed {}", gallery.items().len(), gallery.seed()), |ui| {
-        for size in chladni_music::GALLERY_SIZES {
-            if ui.button(format!("{size} items")).clicked() {
-                actions.push(Action::NewGallery { seed: gallery.seed(), size });
-                ui.close();
-            }
-        }
-        if ui.button(icon::label(Icon::Dices, "Another seed")).clicked() {
-            actions.push(Action::NewGallery {
-                seed: gallery.seed().wrapping_add(1),
-                size: gallery.items().len(),
-            });
-            ui.close();
-        }
-    });
-    let favourites = concert.instrument().favourites().len();
-    let button = egui::Button::new(icon::label(Icon::Presentation, "Stage"));
-    let tip = "Put the favourites on stage; Escape comes back";
-    if ui
-        .add_enabled(favourites > 0, button)
-        .on_hover_text(tip)
-        .on_disabled_hover_text("Favourite a dance first (F)")
-        .clicked()
-    {
-        actions.push(Action::PerformFavourites { first: 0 });
-    }
-}
-
-/// Draws spectrum and beat below the gallery.
-pub fn meters(ui: &mut Ui, listening: &mut Listening) {
-    let palette = theme::palette(ui);
-    ui.add_space(theme::GAP_SMALL);
-    let height = ui.available_height() - theme::GAP_SMALL;
-    ui.horizontal(|ui| {
-        let width = (ui.available_width() - 190.0).max(120.0);
-        let (rect, _) = ui.allocate_exact_size(egui::vec2(width, height), egui::Sense::hover());
-        ui.painter().rect_filled(rect, 6.0, ui.visuals().extreme_bg_color);
-        let spectrum = listening.spectrum();
-        bars(ui, rect, &spectrum.mid, palette.accent.gamma_multiply(0.8));
-        bars(ui, rect, &spectrum.side, Color32::from_rgb(120, 190, 220).gamma_multiply(0.6));
-        let font = egui::TextStyle::Small.resolve(ui.style());
-        ui.painter().text(
-            rect.left_top() + egui::vec2(6.0, 4.0),
-            egui::Align2::LEFT_TOP,
-            "mid · side",
-            font,
-            palette.weak,
-        );
-        ui.vertical(|ui| {
-            let moment = listening.beat_moment();
-            ui.horizontal(|ui| {
-                let size = 9.0 * (1.0 - moment.phase as f32).clamp(0.0, 1.0) * moment.confidence as f32 + 2.0;
-                let (dot, _) = ui.allocate_exact_size(egui::vec2(24.0, 24.0), egui::Sense::hover());
-                ui.painter().circle_filled(dot.center(), size, palette.accent);
-                ui.label(format!("{:.0} BPM", moment.tempo_bpm));
-            });
-            ui.label(
-                RichText::new(format!("confidence {:.0} %", moment.confidence * 100.0))
-                    .small()
-                    .color(palette.weak),
-            );
-            ui.horizontal(|ui| {
-                if ui.small_button("½").on_hover_text("Half as fast").clicked() {
-                    listening.follower().halve();
-                }
-                if ui.small_button("×2").on_hover_text("Twice as fast").clicked() {
-                    listening.follower().double();
-                }
-                if ui.small_button("Tap").on_hover_text(super::TAP.tooltip(ui.ctx())).clicked() {
-                    listening.tap();
-                }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            stage(ui, concert, wishes);
+            breeding(ui, concert, wishes);
+            ui.separator();
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                let name = RichText::new(listening.source_name()).color(theme::palette(ui).weak);
+                ui.add(egui::Label::new(name).truncate());
             });
         });
     });
 }
 
-fn bars(ui: &Ui, rect: Rect, values: &[f32], color: Color32) {
-    if values.is_empty() {
+fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
+    ui.menu_button(icon::label(Icon::FolderOpen, "File"), |ui| {
+        for (mark, name, tip, wish) in [
+            (Icon::FolderOpen, "Open …", "A shape, a caricature, songs, a preset or a session", Wish::Open),
+            (Icon::Music, "Add songs …", "To the end of the list", Wish::AddSongs),
+            (
+                Icon::Save,
+                "Save session …",
+                "All that was done, to go on with or to film later",
+                Wish::SaveSession,
+            ),
+        ] {
+            if ui.button(icon::label(mark, name)).on_hover_text(tip).clicked() {
+                wishes.push(wish);
+                ui.close();
+            }
+        }
+    });
+}
+
+fn song(ui: &mut Ui, listening: &mut Listening) {
+    if ui.button(icon::text(Icon::SkipBack)).on_hover_text("The song before").clicked() {
+        listening.player().previous();
+    }
+    let status = listening.player().status();
+    let playing = status.state == PlayerState::Playing && listening.live().is_none();
+    let mark = if playing { Icon::Pause } else { Icon::Play };
+    let button = ui.button(icon::text(mark)).on_hover_text(PLAY.tooltip(ui.ctx()));
+    let label = if playing { "Pause" } else { "Play" };
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, label));
+    if button.clicked() {
+        listening.toggle();
+    }
+    if ui.button(icon::text(Icon::SkipForward)).on_hover_text("The next song").clicked() {
+        listening.player().next();
+    }
+    if listening.live().is_some() {
+        ui.label(icon::label(Icon::Mic, "Live"));
         return;
     }
-    let step = rect.width() / values.len() as f32;
-    for (i, value) in values.iter().enumerate() {
-        let x = rect.left() + (i as f32 + 0.5) * step;
-        let height = rect.height() * value.clamp(0.0, 1.0).sqrt();
-        let line = [pos2(x, rect.bottom()), pos2(x, rect.bottom() - height)];
-        ui.painter().line_segment(line, Stroke::new((step - 1.0).max(1.0), color));
+    let length = status.duration_secs.unwrap_or(0.0);
+    let mut at = status.position_secs;
+    ui.spacing_mut().slider_width = 110.0;
+    let slider = ui.add_enabled(length > 0.0, Slider::new(&mut at, 0.0..=length.max(0.1)).show_value(false));
+    if slider.changed() {
+        listening.player().seek(at);
     }
+    ui.monospace(format!("{} / {}", clock(status.position_secs), clock(length)));
+}
+
+/// From right to left.
+fn stage(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
+    let favourites = concert.instrument().favourites().len();
+    let button = egui::Button::new(icon::label(Icon::Presentation, "Stage"));
+    let button = ui
+        .add_enabled(favourites > 0, button)
+        .on_hover_text("Put the favourites on stage; Escape comes back")
+        .on_disabled_hover_text("Favourite a dance first (F)");
+    if button.clicked() {
+        wishes.push(Wish::Do(Action::PerformFavourites { first: 0 }));
+    }
+}
+
+/// From right to left.
+fn breeding(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
+    let gallery = concert.instrument().gallery();
+    sizes(ui, concert, wishes);
+    let (current, count) = (gallery.current(), gallery.generations().len());
+    let forth = egui::Button::new(icon::text(Icon::ChevronRight));
+    if ui.add_enabled(current + 1 < count, forth).on_hover_text("The generation after").clicked() {
+        wishes.push(Wish::Do(Action::GoTo { generation: current + 1 }));
+    }
+    generations(ui, concert, wishes);
+    let back = egui::Button::new(icon::text(Icon::ChevronLeft));
+    if ui.add_enabled(current > 0, back).on_hover_text("The generation before").clicked() {
+        wishes.push(Wish::Do(Action::GoTo { generation: current - 1 }));
+    }
+    let chosen = gallery.items().iter().filter(|item| item.chosen).count();
+    let name = if chosen == 0 { "Breed".into() } else { format!("Breed {chosen}") };
+    let button = egui::Button::new(icon::label(Icon::Heart, &name));
+    let tip = format!("{}: click at least two that you like", BREED.tooltip(ui.ctx()));
+    if ui.add_enabled(chosen >= 2, button).on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked() {
+        wishes.push(Wish::Do(Action::Breed));
+    }
+}
+
+/// The way back to any generation.
+fn generations(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
+    let gallery = concert.instrument().gallery();
+    let (current, count) = (gallery.current(), gallery.generations().len());
+    ui.menu_button(format!("{} / {count}", current + 1), |ui| {
+        ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
+            for (index, generation) in gallery.generations().iter().enumerate().rev() {
+                let from = match generation.from {
+                    Some(from) => format!("{}, from {}", index + 1, from + 1),
+                    None => "1, the beginning".into(),
+                };
+                if ui.selectable_label(index == current, format!("Generation {from}")).clicked() {
+                    wishes.push(Wish::Do(Action::GoTo { generation: index }));
+                    ui.close();
+                }
+            }
+        });
+    })
+    .response
+    .on_hover_text("Generations");
+}
+
+fn sizes(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
+    let gallery = concert.instrument().gallery();
+    let (seed, size) = (gallery.seed(), gallery.items().len());
+    ui.menu_button(format!("{size} items, seed {seed}"), |ui| {
+        let mut entry = |ui: &mut Ui, name: String, wish: Wish| {
+            if ui.button(name).clicked() {
+                wishes.push(wish);
+                ui.close();
+            }
+        };
+        for size in chladni_music::GALLERY_SIZES {
+            entry(ui, format!("{size} items"), Wish::Do(Action::NewGallery { seed, size }));
+        }
+        let another = Action::NewGallery { seed: (seed + 1) % (1 << 53), size };
+        entry(ui, icon::label(Icon::Dices, "Another seed"), Wish::Do(another));
+        let first = concert.harmonics().first_waving();
+        ui.separator();
+        entry(
+            ui,
+            icon::label(Icon::FlipHorizontal2, "Harmonics and symmetry"),
+            Wish::Show(View::Harmonics(first)),
+        );
+    });
 }
 
 fn clock(secs: f64) -> String {

@@ -1,0 +1,161 @@
+//! A curve of many values that is drawn by hand.
+
+use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2};
+
+use crate::studio::theme;
+
+/// Colour of transfers, in every curve and meter.
+pub const TRANSFER: Color32 = Color32::from_rgb(120, 190, 220);
+
+/// How a curve looks and what its values may be.
+pub struct Plot<'a> {
+    /// What it is called, on screen and for screen readers.
+    pub name: &'a str,
+    /// Lowest and highest value.
+    pub range: (f32, f32),
+    /// Its line.
+    pub color: Color32,
+    /// Bars behind it, each in [0, 1], spread over the width.
+    pub behind: &'a [f32],
+}
+
+/// Draws `values` and lets the pointer draw over them. The response is
+/// [`changed`](Response::changed) where values were drawn, and `drag_stopped` or `clicked` ends
+/// a stroke. With Shift a stroke keeps the height at which it began.
+pub fn edit(ui: &mut Ui, rect: Rect, plot: &Plot<'_>, values: &mut [f32]) -> Response {
+    let id = ui.scope_id().with(plot.name);
+    let mut response = ui.interact(rect, id, Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, plot.name));
+    let inside = inside(rect);
+    let held = response.is_pointer_button_down_on()
+        && ui.input(|input| input.pointer.button_down(egui::PointerButton::Primary));
+    if let Some(at) = response.interact_pointer_pos().filter(|_| held || response.clicked()) {
+        let mut point = from_screen(inside, plot.range, at);
+        let last = ui.data(|data| data.get_temp::<[f32; 2]>(id)).unwrap_or(point);
+        if ui.input(|input| input.modifiers.shift) {
+            point[1] = last[1];
+        }
+        if draw(values, plot.range, last, point) {
+            response.mark_changed();
+        }
+        ui.data_mut(|data| data.insert_temp(id, point));
+    } else {
+        ui.data_mut(|data| data.remove_temp::<[f32; 2]>(id));
+    }
+    paint(ui, rect, inside, plot, values, response.hovered());
+    response.on_hover_cursor(egui::CursorIcon::Crosshair)
+}
+
+/// Where the curve lies within its frame: below the name.
+fn inside(rect: Rect) -> Rect {
+    let mut inside = rect.shrink2(vec2(10.0, 10.0));
+    inside.min.y += 16.0;
+    inside
+}
+
+/// Sets all values between two points to the line between them; true where one changed.
+fn draw(values: &mut [f32], range: (f32, f32), from: [f32; 2], to: [f32; 2]) -> bool {
+    let Some(last) = values.len().checked_sub(1) else { return false };
+    let index = |u: f32| ((u.clamp(0.0, 1.0) * values.len() as f32) as usize).min(last);
+    let (left, right) = if from[0] <= to[0] { (from, to) } else { (to, from) };
+    let (first, end) = (index(left[0]), index(right[0]));
+    let mut changed = false;
+    for i in first..=end {
+        let share = if end > first { (i - first) as f32 / (end - first) as f32 } else { 1.0 };
+        // A click on one value sets it to where the pointer is now, not to where it was.
+        let height = if end > first { left[1] + share * (right[1] - left[1]) } else { to[1] };
+        let value = height.clamp(range.0, range.1);
+        changed |= values[i] != value;
+        values[i] = value;
+    }
+    changed
+}
+
+/// The mean of each value and its neighbours, three times: what "smooth" does.
+pub fn smooth(values: &mut [f32]) {
+    for _ in 0..3 {
+        let before = values.to_vec();
+        for i in 1..before.len().saturating_sub(1) {
+            values[i] = (before[i - 1] + before[i] + before[i + 1]) / 3.0;
+        }
+    }
+}
+
+fn from_screen(inside: Rect, (low, high): (f32, f32), at: Pos2) -> [f32; 2] {
+    let u = (at.x - inside.left()) / inside.width().max(1.0);
+    let share = (inside.bottom() - at.y) / inside.height().max(1.0);
+    [u.clamp(0.0, 1.0), (low + share * (high - low)).clamp(low, high)]
+}
+
+fn paint(ui: &Ui, rect: Rect, inside: Rect, plot: &Plot<'_>, values: &[f32], hovered: bool) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter_at(rect);
+    let edge = if hovered { plot.color.gamma_multiply(0.6) } else { palette.line };
+    painter.rect(rect, 8.0, ui.visuals().extreme_bg_color, Stroke::new(1.0, edge), egui::StrokeKind::Inside);
+    let step = inside.width() / plot.behind.len().max(1) as f32;
+    for (i, value) in plot.behind.iter().enumerate() {
+        let x = inside.left() + (i as f32 + 0.5) * step;
+        let height = inside.height() * value.clamp(0.0, 1.0).sqrt();
+        let bar = Stroke::new((step - 1.0).max(1.0), palette.weak.gamma_multiply(0.3));
+        painter.vline(x, inside.bottom() - height..=inside.bottom(), bar);
+    }
+    let (low, high) = plot.range;
+    let y = |value: f32| inside.bottom() - inside.height() * ((value - low) / (high - low)).clamp(0.0, 1.0);
+    if low < 0.0 {
+        painter.hline(inside.x_range(), y(0.0), Stroke::new(1.0, palette.line));
+    }
+    line(&painter, inside, values, plot.range, Stroke::new(2.0, plot.color));
+    let font = TextStyle::Small.resolve(ui.style());
+    painter.text(rect.left_top() + vec2(10.0, 6.0), Align2::LEFT_TOP, plot.name, font, palette.weak);
+    let small = FontId::proportional(10.0);
+    for (value, anchor) in [(high, Align2::RIGHT_TOP), (low, Align2::RIGHT_BOTTOM)] {
+        let at = pos2(rect.right() - 8.0, y(value) + if value == high { -4.0 } else { 4.0 });
+        painter.text(at, anchor, format!("{value:.0}"), small.clone(), palette.weak);
+    }
+}
+
+/// `values` as one line across `rect`.
+pub fn line(painter: &egui::Painter, rect: Rect, values: &[f32], (low, high): (f32, f32), stroke: Stroke) {
+    let last = values.len().saturating_sub(1).max(1) as f32;
+    let span = if high > low { high - low } else { 1.0 };
+    let points: Vec<Pos2> = values
+        .iter()
+        .enumerate()
+        .map(|(i, value)| {
+            let share = ((value - low) / span).clamp(0.0, 1.0);
+            pos2(rect.left() + rect.width() * i as f32 / last, rect.bottom() - rect.height() * share)
+        })
+        .collect();
+    painter.line(points, stroke);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stroke_sets_all_that_lies_under_it_whichever_way_it_goes() {
+        for (from, to) in [([0.2, 0.0], [0.8, 1.0]), ([0.8, 1.0], [0.2, 0.0])] {
+            let mut values = [0.5; 10];
+            assert!(draw(&mut values, (0.0, 1.0), from, to));
+            assert_eq!(values[..2], [0.5; 2]);
+            assert_eq!((values[2], values[8], values[9]), (0.0, 1.0, 0.5));
+            assert!(values[2..=8].windows(2).all(|pair| pair[0] < pair[1]));
+        }
+        let mut one = [0.5];
+        assert!(draw(&mut one, (0.0, 1.0), [0.0, 0.1], [1.0, 7.0]));
+        assert_eq!(one, [1.0]);
+        assert!(!draw(&mut [], (0.0, 1.0), [0.0, 0.0], [1.0, 1.0]));
+    }
+
+    #[test]
+    fn smoothing_keeps_constants_and_ends() {
+        let mut flat = [0.25; 9];
+        smooth(&mut flat);
+        assert!(flat.iter().all(|v| (v - 0.25).abs() < 1e-6));
+        let mut step = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+        smooth(&mut step);
+        assert!(step.windows(2).all(|pair| pair[0] <= pair[1]) && step[0] == 0.0 && step[7] == 1.0);
+        smooth(&mut []);
+    }
+}

@@ -1,0 +1,132 @@
+//! The drawer at the right of the room, and what lies in it.
+
+use egui::{RichText, ScrollArea, Ui};
+
+use super::concert::{Concert, View};
+use super::harmonics::CELLS;
+use super::listening::Listening;
+use super::shelf::Shelf;
+use super::songs::{self, Inputs};
+use super::wish::Wish;
+use super::{knobs, look, voices};
+use crate::studio::icon::{self, Icon};
+use crate::studio::room::Shared;
+use crate::studio::theme;
+
+/// One drawer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drawer {
+    /// Knobs and switches.
+    #[default]
+    Knobs,
+    /// Playlist and live input.
+    Songs,
+    /// Favourites and presets.
+    Shelf,
+    /// Materials, lights and the stage's screen.
+    Look,
+    /// Layers as voices, and symmetry.
+    Body,
+}
+
+const DRAWERS: [(Drawer, Icon, &str); 5] = [
+    (Drawer::Knobs, Icon::SlidersHorizontal, "Knobs"),
+    (Drawer::Songs, Icon::ListMusic, "Songs"),
+    (Drawer::Shelf, Icon::Library, "Shelf"),
+    (Drawer::Look, Icon::Palette, "Look"),
+    (Drawer::Body, Icon::Drama, "Body"),
+];
+
+/// What the drawers keep between frames.
+#[derive(Default)]
+pub struct Drawers {
+    /// The one that is open.
+    pub open: Drawer,
+    /// Presets.
+    pub shelf: Shelf,
+    inputs: Inputs,
+}
+
+impl Drawers {
+    /// Draws the tabs and the open drawer.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        concert: &Concert,
+        listening: &mut Listening,
+        shared: &mut Shared<'_>,
+        wishes: &mut Vec<Wish>,
+    ) {
+        self.tabs(ui);
+        let instrument = concert.instrument();
+        ScrollArea::vertical().id_salt(self.open as usize).show(ui, |ui| match self.open {
+            Drawer::Knobs => knobs::show(ui, instrument, wishes),
+            Drawer::Songs => songs::show(ui, listening, &mut self.inputs, shared.notices, wishes),
+            Drawer::Shelf => {
+                self.shelf.ready(shared.folders.dances.as_deref(), shared.notices);
+                self.shelf.show(ui, instrument, shared.notices, wishes);
+            }
+            Drawer::Look => look::show(ui, &mut shared.settings.music),
+            Drawer::Body => {
+                voices::show(ui, instrument, concert.voice_names(), wishes);
+                symmetry(ui, concert, wishes);
+            }
+        });
+    }
+
+    fn tabs(&mut self, ui: &mut Ui) {
+        ui.add_space(theme::GAP_SMALL);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            let width = (ui.available_width() - 2.0 * DRAWERS.len() as f32) / DRAWERS.len() as f32;
+            for (drawer, mark, name) in DRAWERS {
+                let text = RichText::new(icon::text(mark)).size(17.0);
+                let tab = egui::Button::selectable(self.open == drawer, text);
+                let tab = ui.add_sized([width, 30.0], tab);
+                tab.widget_info(|| {
+                    egui::WidgetInfo::selected(egui::Role::Tab, true, self.open == drawer, name)
+                });
+                if tab.on_hover_text(name).clicked() {
+                    self.open = drawer;
+                }
+            }
+        });
+        ui.separator();
+    }
+}
+
+fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
+    ui.add_space(theme::GAP_LARGE);
+    ui.label(RichText::new("Symmetry").strong());
+    let harmonics = concert.harmonics();
+    let [symmetric, antisymmetric, undecided] = harmonics.class_counts();
+    let text = format!("{symmetric} symmetric, {antisymmetric} antisymmetric, {undecided} undecided");
+    ui.label(text);
+    ui.label(RichText::new(harmonics.method()).small().color(theme::palette(ui).weak));
+    let shown = match concert.view() {
+        View::Harmonics(first) => Some(first),
+        _ => None,
+    };
+    if ui.selectable_label(shown.is_some(), icon::label(Icon::FlipHorizontal2, "Show harmonics")).clicked() {
+        let first = harmonics.first_waving();
+        wishes.push(Wish::Show(if shown.is_some() { View::Gallery } else { View::Harmonics(first) }));
+    }
+    if let Some(first) = shown {
+        let last = harmonics.count().saturating_sub(1);
+        let mut at = first;
+        let slider = egui::Slider::new(&mut at, harmonics.first_waving()..=last).step_by((CELLS - 1) as f64);
+        if ui.add(slider).on_hover_text("The first harmonic that is shown").changed() {
+            wishes.push(Wish::Show(View::Harmonics(at)));
+        }
+    }
+    let pace = concert.pace();
+    ui.add_space(theme::GAP_LARGE);
+    ui.label(RichText::new("Pace").strong());
+    let used = pace.harmonics().map_or(harmonics.count(), |k| (k as usize).min(harmonics.count()));
+    let text = format!(
+        "{used} of {} harmonics, {:.1} ms a frame before drawing",
+        harmonics.count(),
+        1e3 * pace.mean_secs()
+    );
+    ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+}

@@ -1,0 +1,200 @@
+//! The body's harmonics in colour, their classes, and the paper's figure of extrema and pairs.
+
+use chladni_harmonics::Body;
+use chladni_music::{Class, Symmetry, SymmetryMethod};
+use chladni_view::{
+    Background, Camera, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint, Rect, Scale,
+    Topology, VertexPaint, layout, smooth_normals,
+};
+use egui::{Color32, RichText, Ui};
+
+use crate::studio::room::Shared;
+use crate::studio::viewport::{self, Viewport};
+
+/// Cells of the view: the figure, then harmonics.
+pub const CELLS: usize = 12;
+
+/// Colours of the pairs, in turn.
+const PAIR_COLORS: [[u8; 3]; 8] = [
+    [230, 60, 60],
+    [50, 120, 230],
+    [40, 170, 90],
+    [240, 160, 30],
+    [150, 80, 200],
+    [30, 180, 190],
+    [220, 90, 170],
+    [120, 110, 90],
+];
+
+/// A body's harmonics, with what is needed to draw them.
+pub struct Harmonics {
+    body: Body,
+    symmetry: Symmetry,
+    figure_markers: Vec<Marker>,
+    drawn: Option<Drawn>,
+}
+
+/// What is on the device for one page.
+struct Drawn {
+    first: usize,
+    rest: ItemBuffers,
+    paints: Vec<(VertexPaint, Scale)>,
+}
+
+impl Harmonics {
+    /// The harmonics of `body`, mixed as `symmetry` says.
+    pub fn new(body: Body, symmetry: Symmetry) -> Self {
+        let position = |v: u32| body.positions.get(v as usize).map_or([0.0; 3], |p| p.map(|c| c as f32));
+        let dots = symmetry.extrema.iter().map(|&v| (v, [20, 20, 20], 2.5));
+        let pairs = symmetry.pairs.iter().zip(PAIR_COLORS.iter().cycle());
+        let pairs = pairs.flat_map(|(pair, &color)| pair.map(|v| (v, color, 5.0)));
+        let marker = |(v, [r, g, b], radius_px): (u32, [u8; 3], f32)| Marker {
+            position: position(v),
+            radius_px,
+            color: [r, g, b, 255],
+        };
+        let figure_markers = dots.chain(pairs).map(marker).collect();
+        Self { body, symmetry, figure_markers, drawn: None }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.symmetry.classes.len()
+    }
+
+    /// The first that is not constant.
+    pub fn first_waving(&self) -> usize {
+        let eigenvalues = &self.body.basis.eigenvalues;
+        let largest = eigenvalues.last().copied().unwrap_or(0.0);
+        eigenvalues.partition_point(|&l| l <= 1e-9 * largest).min(self.count())
+    }
+
+    /// How many are symmetric, antisymmetric and neither.
+    pub fn class_counts(&self) -> [usize; 3] {
+        [Class::Symmetric, Class::Antisymmetric, Class::Undecided]
+            .map(|class| self.symmetry.classes.iter().filter(|c| **c == class).count())
+    }
+
+    /// In words, how the classes were found.
+    pub fn method(&self) -> String {
+        match self.symmetry.method {
+            SymmetryMethod::Mirror(plane) => {
+                let share = 100.0 * plane.misfit;
+                format!("By its mirror plane, which misses the shape by {share:.2} % of its size.")
+            }
+            SymmetryMethod::Vote => {
+                "The shape has no mirror plane: classes are by the vote of the pairs, and rough.".into()
+            }
+        }
+    }
+
+    /// Draws the figure of extrema and pairs, and the harmonics from `first` on.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        shared: &Shared<'_>,
+        viewport: &mut Viewport,
+        topology: &Topology,
+        camera: Camera,
+        rect: egui::Rect,
+        first: usize,
+    ) -> Result<(), String> {
+        let first = first.clamp(self.first_waving(), self.count());
+        let shown = (self.count() - first).min(CELLS - 1) + 1;
+        if self.drawn.as_ref().is_none_or(|drawn| drawn.first != first) {
+            self.drawn = Some(self.prepare(viewport, first, shown).map_err(|why| why.to_string())?);
+        }
+        let Some(drawn) = &self.drawn else { return Ok(()) };
+        let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
+        let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
+        let (rows, columns) = layout::rows_and_columns(area.width, area.height, shown, 1.0);
+        let cells = layout::grid(area, rows, columns, 6, shown);
+        let mut fitted = camera;
+        let points: Vec<[f32; 3]> = self.body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let aspect = cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+        fitted.fit_turntable(&points, aspect, 0.8);
+        fitted.distance *= camera.distance / Camera::default().distance;
+        let figures: Vec<Figure<'_>> = drawn
+            .paints
+            .iter()
+            .map(|(paint, scale)| Figure {
+                material: Material::PORCELAIN,
+                paint: Paint::Values(paint, *scale),
+                ..Figure::new(topology, &drawn.rest, 0)
+            })
+            .collect();
+        viewport.invalidate();
+        let places: Vec<egui::Rect> = cells.iter().map(|cell| viewport::to_points(ui, rect, *cell)).collect();
+        viewport
+            .show(ui, shared.gpu, rect, |_| {
+                let cell = |(i, (cell, figure)): (usize, (&Rect, _))| Cell {
+                    viewport: *cell,
+                    camera: fitted,
+                    lights: Lights::SOFT,
+                    background: Background::SLATE,
+                    figures: std::slice::from_ref(figure),
+                    markers: if i == 0 { &self.figure_markers } else { &[] },
+                };
+                cells.iter().zip(&figures).enumerate().map(cell).collect()
+            })
+            .map_err(|error| error.to_string())?;
+        self.captions(ui, &places, first);
+        Ok(())
+    }
+
+    fn prepare(
+        &self,
+        viewport: &Viewport,
+        first: usize,
+        shown: usize,
+    ) -> Result<Drawn, chladni_view::ViewError> {
+        let gpu = viewport.gpu();
+        let count = self.body.positions.len();
+        let positions: Vec<[f32; 3]> = self.body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let rest = ItemBuffers::new(gpu, count, 1);
+        rest.write(gpu, 0, &positions, &smooth_normals(&positions, &self.body.triangles))?;
+        let paint = |values: &[f32], scale: Scale| {
+            let paint = VertexPaint::new(gpu, count);
+            paint.write_values(gpu, values).map(|()| (paint, scale))
+        };
+        let extrema: Vec<f32> = self.symmetry.extrema_counts.iter().map(|&c| f32::from(c)).collect();
+        let mut paints = vec![paint(&extrema, Scale::of(ColorMap::Viridis, &extrema))?];
+        for k in first..first + shown - 1 {
+            let values: Vec<f32> = self.body.basis.harmonic(k).iter().map(|h| *h as f32).collect();
+            paints.push(paint(&values, Scale::of(ColorMap::BlueRed, &values))?);
+        }
+        Ok(Drawn { first, rest, paints })
+    }
+
+    fn captions(&self, ui: &mut Ui, places: &[egui::Rect], first: usize) {
+        for (i, place) in places.iter().enumerate() {
+            let row = egui::Rect::from_min_size(
+                place.left_top() + egui::vec2(10.0, 8.0),
+                egui::vec2(place.width() - 20.0, 20.0),
+            );
+            let mut ui = ui.new_child(
+                egui::UiBuilder::new().max_rect(row).layout(egui::Layout::left_to_right(egui::Align::Center)),
+            );
+            let Some(k) = (i > 0).then(|| first + i - 1) else {
+                let pairs = self.symmetry.pairs.len();
+                let text = format!("Extrema and their {pairs} pairs");
+                ui.label(RichText::new(text).color(Color32::WHITE));
+                continue;
+            };
+            let (name, color) = class_name(self.symmetry.classes.get(k).copied());
+            ui.label(RichText::new(format!("{k}")).strong().color(Color32::WHITE));
+            let response = ui.label(RichText::new(name).color(color));
+            if let Some(score) = self.symmetry.scores.get(k) {
+                response.on_hover_text(format!("Agreement with its mirror image: {score:+.2}"));
+            }
+        }
+    }
+}
+
+fn class_name(class: Option<Class>) -> (&'static str, Color32) {
+    match class {
+        Some(Class::Symmetric) => ("symmetric", Color32::from_rgb(240, 170, 90)),
+        Some(Class::Antisymmetric) => ("antisymmetric", Color32::from_rgb(130, 180, 245)),
+        Some(Class::Undecided) | None => ("undecided", Color32::from_gray(190)),
+    }
+}

@@ -1,0 +1,99 @@
+//! Shapes and caricatures, made ready to dance.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use chladni_caricature::{Error, MatchRequest, Project, ShapeSource, Stack, Template};
+use chladni_harmonics::{BasisSettings, Body};
+use chladni_mesh::TriMesh;
+use chladni_music::{Dancer, Symmetry};
+use chladni_synth::Term;
+use chladni_task::Task;
+
+use crate::source;
+
+/// What loading brings back.
+pub struct Ready {
+    /// The body; harmonics of repeated eigenvalues are mixed so that they have a class.
+    pub body: Body,
+    /// What the players need of it.
+    pub dancer: Arc<Dancer>,
+    /// Its harmonics' classes.
+    pub symmetry: Symmetry,
+    /// The layers of a caricature, by name.
+    pub voices: Vec<(String, Term)>,
+    /// What was mended in the file, and what could not act.
+    pub warnings: Vec<String>,
+}
+
+/// Loads a shape, its harmonics and their symmetry classes.
+pub fn shape(source: &ShapeSource, harmonics: usize, task: &Task) -> Result<Ready, String> {
+    let (mesh, warnings) = source::shape(source, None)?;
+    Ready::new(body(&mesh, harmonics, task)?, Vec::new(), warnings, task)
+}
+
+/// Loads a caricature's project: its shape is the body, each acting layer a voice.
+pub fn caricature(path: &Path, harmonics: usize, task: &Task) -> Result<Ready, String> {
+    let project = Project::load(path).map_err(|error| error.to_string())?;
+    let folder = path.parent();
+    let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
+    let layered = Arc::new(body(&mesh, project.harmonics, task)?);
+    let voices = voices(&project, &mesh, &layered, folder, &mut warnings, task)?;
+    // The layers are displacements: they do not depend on how many harmonics dance.
+    let body =
+        if project.harmonics <= harmonics { (*layered).clone() } else { body(&mesh, harmonics, task)? };
+    Ready::new(body, voices, warnings, task)
+}
+
+/// The acting layers of a project on its body, each at its full strength.
+pub fn voices(
+    project: &Project,
+    mesh: &TriMesh,
+    body: &Arc<Body>,
+    folder: Option<&Path>,
+    warnings: &mut Vec<String>,
+    task: &Task,
+) -> Result<Vec<(String, Term)>, String> {
+    let mut stack = Stack::new(Arc::clone(body)).map_err(|error| error.to_string())?;
+    for request in stack.missing(project) {
+        let matched =
+            template(&request, folder).and_then(|template| request.run(mesh, body, template.as_ref(), task));
+        if let Err(why) = &matched {
+            warnings.push(why.to_string());
+        }
+        task.check().map_err(|error| error.to_string())?;
+        stack.install(request, matched);
+    }
+    Ok(stack.evaluate(project).voices())
+}
+
+fn template(request: &MatchRequest, folder: Option<&Path>) -> Result<Option<TriMesh>, Error> {
+    let failed = |why| Error::Template { template: request.template.to_string(), why };
+    match &request.template {
+        Template::File(path) => source::mesh_file(path, folder).map(|(mesh, _)| Some(mesh)).map_err(failed),
+        Template::Sample(name) => source::sample(name).map(Some).map_err(failed),
+        _ => Ok(None),
+    }
+}
+
+fn body(mesh: &TriMesh, harmonics: usize, task: &Task) -> Result<Body, String> {
+    let harmonics = harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
+    let cache = crate::cli::basis_cache();
+    Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
+        .map(|(body, _)| body)
+        .map_err(|error| error.to_string())
+}
+
+impl Ready {
+    fn new(
+        body: Body,
+        voices: Vec<(String, Term)>,
+        warnings: Vec<String>,
+        task: &Task,
+    ) -> Result<Self, String> {
+        let symmetry = Symmetry::of(&body, task).map_err(|error| error.to_string())?;
+        let body = symmetry.rotated(&body);
+        let dancer = Dancer::new(&body, &symmetry.classes).map_err(|error| error.to_string())?;
+        Ok(Self { body, dancer: Arc::new(dancer), symmetry, voices, warnings })
+    }
+}

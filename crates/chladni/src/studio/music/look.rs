@@ -1,0 +1,45 @@
+//! The look of the dance, and the screen that the stage appears on.
+
+use chladni_view::{Background, Lights, Material};
+use egui::{RichText, Ui};
+
+use super::preferences::{Preferences, Screen};
+use crate::studio::theme;
+
+/// Screens that are offered; the system does not tell how many there are.
+const SCREENS: usize = 4;
+
+/// Draws the drawer.
+pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
+    choose(ui, "Material", &mut preferences.material, &Material::PRESETS.map(|preset| preset.0));
+    choose(ui, "Light", &mut preferences.lights, &Lights::PRESETS.map(|preset| preset.0));
+    let backgrounds = Background::PRESETS.map(|preset| preset.0);
+    choose(ui, "Background", &mut preferences.background, &backgrounds);
+    ui.label(RichText::new("Stage").strong());
+    let screens = [(Screen::Window, "In the window".to_owned()), (Screen::Full, "This screen".to_owned())];
+    let more = (0..SCREENS).map(|i| (Screen::Monitor(i), format!("Screen {}", i + 1)));
+    ui.horizontal_wrapped(|ui| {
+        for (screen, name) in screens.into_iter().chain(more) {
+            ui.selectable_value(&mut preferences.screen, screen, name);
+        }
+    });
+    let tip = "Nothing but the dance is shown on stage. Escape comes back. A screen that is not there is \
+               left out: the stage then stays where it is.";
+    ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
+}
+
+fn choose(ui: &mut Ui, heading: &str, chosen: &mut String, names: &[&str]) {
+    ui.label(RichText::new(heading).strong());
+    ui.horizontal_wrapped(|ui| {
+        for name in names {
+            let mut title = (*name).to_owned();
+            if let Some(first) = title.get_mut(..1) {
+                first.make_ascii_uppercase();
+            }
+            if ui.selectable_label(chosen == name, title).clicked() {
+                *chosen = (*name).to_owned();
+            }
+        }
+    });
+    ui.add_space(theme::GAP);
+}

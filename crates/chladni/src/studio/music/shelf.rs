@@ -1,0 +1,236 @@
+//! The shelf: favourites of this session, and the dances that are kept in files for the next.
+
+use std::path::{Path, PathBuf};
+
+use chladni_music::{Action, Instrument, ItemId, Mapping, Preset};
+use egui::{RichText, Sense, Stroke, TextEdit, Ui, vec2};
+
+use super::curve;
+use super::wish::Wish;
+use crate::studio::icon::{self, Icon};
+use crate::studio::notices::Notices;
+use crate::studio::theme;
+
+/// At most this many presets are read.
+const MOST: usize = 2000;
+
+/// The presets of a folder, and the form that adds one.
+#[derive(Debug, Default)]
+pub struct Shelf {
+    folder: Option<PathBuf>,
+    kept: Vec<(PathBuf, Preset)>,
+    read: bool,
+    search: String,
+    form: Option<Form>,
+}
+
+#[derive(Debug)]
+struct Form {
+    item: ItemId,
+    name: String,
+    tags: String,
+}
+
+impl Shelf {
+    /// Reads the folder when it is first needed; a file that is no preset is told and left alone.
+    pub fn ready(&mut self, folder: Option<&Path>, notices: &mut Notices) {
+        if self.read {
+            return;
+        }
+        self.read = true;
+        self.folder = folder.map(Path::to_owned);
+        self.kept.clear();
+        // A folder that is not there yet holds nothing.
+        let Some(Ok(entries)) = self.folder.as_deref().map(std::fs::read_dir) else { return };
+        let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+        paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+        paths.sort();
+        paths.truncate(MOST);
+        for path in paths {
+            match Preset::load(&path) {
+                Ok(preset) => self.kept.push((path, preset)),
+                Err(why) => notices.warn(format!("{}: {why}", path.display())),
+            }
+        }
+        self.kept.sort_by_key(|(_, preset)| preset.name.to_lowercase());
+    }
+
+    /// Opens the form that keeps an item.
+    pub fn ask(&mut self, instrument: &Instrument, item: ItemId) {
+        let name = instrument.item(item).map_or_else(String::new, |item| item.name.clone());
+        self.form = Some(Form { item, name, tags: String::new() });
+    }
+
+    /// The preset in a file of the shelf.
+    pub fn find(&self, path: &Path) -> Option<&Preset> {
+        self.kept.iter().find(|(known, _)| known == path).map(|(_, preset)| preset)
+    }
+
+    /// Deletes a file of the shelf.
+    pub fn discard(&mut self, path: &Path) -> Result<(), String> {
+        if self.find(path).is_none() {
+            return Err(format!("{}: is not on the shelf", path.display()));
+        }
+        std::fs::remove_file(path).map_err(|why| format!("{}: {why}", path.display()))?;
+        self.read = false;
+        Ok(())
+    }
+
+    /// Draws the drawer.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        instrument: &Instrument,
+        notices: &mut Notices,
+        wishes: &mut Vec<Wish>,
+    ) {
+        self.show_form(ui, instrument, notices);
+        favourites(ui, instrument, wishes);
+        ui.add_space(theme::GAP);
+        ui.label(RichText::new("Kept").strong());
+        if self.kept.is_empty() {
+            weak(ui, "Nothing yet. What you keep here is there the next time, for any shape.");
+            return;
+        }
+        let search = TextEdit::singleline(&mut self.search).hint_text("Search names and tags");
+        ui.add(search.desired_width(f32::INFINITY));
+        let wanted: Vec<String> = self.search.to_lowercase().split_whitespace().map(str::to_owned).collect();
+        let mut found = 0;
+        for (path, preset) in &self.kept {
+            let text = format!("{} {}", preset.name, preset.tags.join(" ")).to_lowercase();
+            if wanted.iter().all(|word| text.contains(word)) {
+                kept_row(ui, path, preset, wishes);
+                found += 1;
+            }
+        }
+        if found == 0 {
+            weak(ui, "Nothing here is called that.");
+        }
+    }
+
+    fn show_form(&mut self, ui: &mut Ui, instrument: &Instrument, notices: &mut Notices) {
+        let Some(form) = &mut self.form else { return };
+        let (mut keep, mut cancel) = (false, false);
+        egui::Frame::group(ui.style()).show(ui, |ui| {
+            ui.label(RichText::new("Keep this dance").strong());
+            let width = ui.available_width();
+            let name = ui.add(TextEdit::singleline(&mut form.name).hint_text("Name").desired_width(width));
+            let tags = TextEdit::singleline(&mut form.tags).hint_text("Tags, with commas");
+            let tags = ui.add(tags.desired_width(width));
+            for (field, label) in [(&name, "Name of the dance"), (&tags, "Tags")] {
+                field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, label));
+            }
+            let entered = (name.lost_focus() || tags.lost_focus())
+                && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            ui.horizontal(|ui| {
+                let named = !form.name.trim().is_empty();
+                keep = ui.add_enabled(named, egui::Button::new("Keep")).clicked() || (entered && named);
+                cancel = ui.button("Cancel").clicked();
+            });
+        });
+        ui.add_space(theme::GAP);
+        if keep {
+            match self.keep(instrument) {
+                Ok(name) => notices.done(format!("Kept {name}")),
+                Err(why) => notices.error(why),
+            }
+        }
+        if keep || cancel {
+            self.form = None;
+        }
+    }
+
+    /// Writes the form's item into the folder, under a name that is still free.
+    fn keep(&mut self, instrument: &Instrument) -> Result<String, String> {
+        let form = self.form.as_ref().ok_or("nothing to keep")?;
+        let folder = self.folder.as_ref().ok_or("this system has no folder for preferences")?;
+        let item = instrument.item(form.item).ok_or("this dance is no longer there")?;
+        let tags = form.tags.split(',').map(str::trim).filter(|tag| !tag.is_empty());
+        let mut preset = Preset::of(instrument, item, tags.map(str::to_owned).collect());
+        preset.name = form.name.trim().to_owned();
+        std::fs::create_dir_all(folder).map_err(|why| format!("{}: {why}", folder.display()))?;
+        let path = free_path(folder, &preset.name);
+        preset.save(&path).map_err(|why| why.to_string())?;
+        self.read = false;
+        Ok(preset.name)
+    }
+}
+
+/// A file name for `name` that no file has yet.
+fn free_path(folder: &Path, name: &str) -> PathBuf {
+    let plain: String =
+        name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { ' ' }).take(60).collect();
+    let plain = plain.split_whitespace().collect::<Vec<_>>().join("-").to_lowercase();
+    let stem = if plain.is_empty() { "dance".to_owned() } else { plain };
+    let numbered = (1..).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
+    let mut paths = numbered.map(|stem| folder.join(format!("{stem}.toml")));
+    paths.find(|path| !path.exists()).unwrap_or_else(|| folder.join("dance.toml"))
+}
+
+fn favourites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
+    ui.label(RichText::new("Favourites of this session").strong());
+    if instrument.favourites().is_empty() {
+        weak(ui, "None yet: point at a dance and press F.");
+    }
+    for (index, item) in instrument.favourites().iter().enumerate() {
+        ui.horizontal(|ui| {
+            thumbnail(ui, &item.mapping);
+            let name =
+                if item.name.is_empty() { format!("Dance {}", item.id + 1) } else { item.name.clone() };
+            ui.label(name);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let keep = ui.small_button(icon::text(Icon::BookmarkPlus)).on_hover_text("Keep on the shelf");
+                if keep.clicked() {
+                    wishes.push(Wish::Keep(item.id));
+                }
+                let stage = ui.small_button(icon::text(Icon::Presentation)).on_hover_text("Put on stage");
+                if stage.clicked() {
+                    wishes.push(Wish::Do(Action::PerformFavourites { first: index }));
+                }
+            });
+        });
+    }
+}
+
+fn kept_row(ui: &mut Ui, path: &Path, preset: &Preset, wishes: &mut Vec<Wish>) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 40.0), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &preset.name));
+    let palette = theme::palette(ui);
+    if response.hovered() {
+        ui.painter().rect_filled(rect, 6.0, palette.card);
+        wishes.push(Wish::TryOut(preset.mapping.clone()));
+    }
+    let layout = egui::Layout::left_to_right(egui::Align::Center);
+    let mut row = ui.new_child(egui::UiBuilder::new().max_rect(rect.shrink(4.0)).layout(layout));
+    thumbnail(&mut row, &preset.mapping);
+    row.vertical(|ui| {
+        ui.add(egui::Label::new(&preset.name).truncate().selectable(false));
+        let tags = RichText::new(preset.tags.join(", ")).small().color(palette.weak);
+        ui.add(egui::Label::new(tags).truncate().selectable(false));
+    });
+    let response =
+        response.on_hover_text("It dances while you point at it; a click takes it into the gallery");
+    if response.clicked() {
+        wishes.push(Wish::Take(path.to_owned()));
+    }
+    response.context_menu(|ui| {
+        if ui.button(icon::label(Icon::Trash2, "Delete from the shelf")).clicked() {
+            wishes.push(Wish::Discard(path.to_owned()));
+            ui.close();
+        }
+    });
+}
+
+/// t and a, one above the other.
+fn thumbnail(ui: &mut Ui, mapping: &Mapping) {
+    let (rect, _) = ui.allocate_exact_size(vec2(44.0, 30.0), Sense::hover());
+    let (upper, lower) = rect.shrink(2.0).split_top_bottom_at_fraction(0.5);
+    ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+    curve::line(ui.painter(), upper, &mapping.transfer, (0.0, 1.0), Stroke::new(1.2, curve::TRANSFER));
+    let accent = theme::palette(ui).accent;
+    curve::line(ui.painter(), lower, &mapping.amplification, (-1.0, 1.0), Stroke::new(1.2, accent));
+}
+
+fn weak(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+}

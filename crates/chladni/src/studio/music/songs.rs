@@ -1,0 +1,159 @@
+//! The playlist, and what is listened to instead of it.
+
+use chladni_sound::{CaptureKind, CaptureSource, PlayerState, Repeat, SoundError, capture_sources};
+use egui::{RichText, Ui, vec2};
+
+use super::listening::Listening;
+use super::wish::Wish;
+use crate::studio::icon::{self, Icon};
+use crate::studio::job::{Job, Outcome};
+use crate::studio::notices::Notices;
+use crate::studio::theme;
+
+/// The sources that were found when last looked for.
+#[derive(Default)]
+pub struct Inputs {
+    found: Vec<CaptureSource>,
+    looking: Option<Job<Result<Vec<CaptureSource>, SoundError>>>,
+    looked: bool,
+}
+
+impl Inputs {
+    fn look(&mut self, ctx: &egui::Context) {
+        self.looked = true;
+        self.looking = Some(Job::start("Looking for inputs", ctx, |_| capture_sources()));
+    }
+
+    fn poll(&mut self, notices: &mut Notices) {
+        match self.looking.as_ref().map(Job::poll) {
+            Some(Outcome::Done(Ok(found))) => self.found = found,
+            Some(Outcome::Done(Err(why))) => notices.warn(why.to_string()),
+            Some(Outcome::Lost) => notices.error("Looking for inputs broke off; this is a bug."),
+            Some(Outcome::Running) | None => return,
+        }
+        self.looking = None;
+    }
+}
+
+/// Draws the drawer.
+pub fn show(
+    ui: &mut Ui,
+    listening: &mut Listening,
+    inputs: &mut Inputs,
+    notices: &mut Notices,
+    wishes: &mut Vec<Wish>,
+) {
+    inputs.poll(notices);
+    if !inputs.looked {
+        inputs.look(ui.ctx());
+    }
+    playlist(ui, listening, wishes);
+    ui.add_space(theme::GAP_LARGE);
+    live(ui, listening, inputs, notices);
+}
+
+fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
+    ui.label(RichText::new("Songs").strong());
+    let status = listening.player().status();
+    let (mut play, mut remove) = (None, None);
+    for song in 0..listening.songs().len() {
+        ui.horizontal(|ui| {
+            let heard = song == status.song && listening.live().is_none();
+            let mark = match (heard, status.state) {
+                (true, PlayerState::Playing) => Icon::Volume2,
+                (true, _) => Icon::Pause,
+                (false, _) => Icon::Music,
+            };
+            let name = icon::label(mark, &listening.name_of(song));
+            let width = ui.available_width() - 34.0;
+            let row = egui::Button::selectable(heard, name).truncate().min_size(vec2(width, 0.0));
+            if ui.add_sized(vec2(width, 26.0), row).clicked() {
+                play = Some(song);
+            }
+            let out = ui.small_button(icon::text(Icon::X));
+            out.widget_info(|| {
+                let label = format!("Remove {}", listening.name_of(song));
+                egui::WidgetInfo::labeled(egui::Role::Button, true, label)
+            });
+            if out.on_hover_text("Take it out of the list").clicked() {
+                remove = Some(song);
+            }
+        });
+    }
+    if let Some(song) = play {
+        listening.select(song);
+    }
+    if let Some(song) = remove {
+        listening.remove(song);
+    }
+    ui.horizontal(|ui| {
+        if ui.button(icon::label(Icon::Plus, "Add songs …")).clicked() {
+            wishes.push(Wish::AddSongs);
+        }
+        for (repeat, mark, tip) in [
+            (Repeat::List, Icon::Repeat, "Play the list again and again"),
+            (Repeat::Song, Icon::Repeat1, "Play this song again and again"),
+        ] {
+            let on = listening.repeat() == repeat;
+            if ui.selectable_label(on, icon::text(mark)).on_hover_text(tip).clicked() {
+                listening.set_repeat(if on { Repeat::Off } else { repeat });
+            }
+        }
+    });
+    let tip = "Songs can be dropped anywhere on the window.";
+    ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
+}
+
+fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Inputs, notices: &mut Notices) {
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Live").strong());
+        if inputs.looking.is_some() {
+            ui.spinner();
+        } else if ui.small_button(icon::text(Icon::RefreshCw)).on_hover_text("Look again").clicked() {
+            inputs.look(ui.ctx());
+        }
+    });
+    if inputs.found.is_empty() && inputs.looking.is_none() {
+        let none = "No microphone and nothing to record from here.";
+        ui.label(RichText::new(none).small().color(theme::palette(ui).weak));
+    }
+    let mut chosen = None;
+    for source in &inputs.found {
+        let mark = if source.kind == CaptureKind::Loopback { Icon::Headphones } else { Icon::Mic };
+        let on = listening.live().is_some_and(|(name, _)| name == source.name);
+        let row = egui::Button::selectable(on, icon::label(mark, &source.name)).truncate();
+        let row = ui.add_sized(vec2(ui.available_width(), 26.0), row);
+        if row.on_hover_text(&source.name).clicked() {
+            chosen = Some((!on, source.clone()));
+        }
+    }
+    match chosen {
+        Some((true, source)) => {
+            if let Err(why) = listening.listen_to(&source) {
+                notices.error(why);
+            }
+        }
+        Some((false, _)) => listening.stop_listening(),
+        None => {}
+    }
+    if let Some((_, level)) = listening.live() {
+        meter(ui, level.peak, level.rms);
+    }
+}
+
+/// A bar of the root mean square with a line at the peak, from −60 dB to full scale.
+fn meter(ui: &mut Ui, peak: f32, rms: f32) {
+    let palette = theme::palette(ui);
+    let share = |amplitude: f32| (1.0 + 20.0 * amplitude.max(1e-6).log10() / 60.0).clamp(0.0, 1.0);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 12.0), egui::Sense::hover());
+    let color = if peak >= 0.999 { palette.error } else { palette.good };
+    ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+    let mut bar = rect.shrink(2.0);
+    let whole = bar.width();
+    bar.set_width(whole * share(rms));
+    ui.painter().rect_filled(bar, 3.0, color.gamma_multiply(0.8));
+    let x = rect.left() + 2.0 + whole * share(peak);
+    ui.painter().vline(x, rect.shrink(2.0).y_range(), egui::Stroke::new(2.0, color));
+    let decibels = 20.0 * peak.max(1e-6).log10();
+    response.on_hover_text(format!("Peak {decibels:.0} dB"));
+}

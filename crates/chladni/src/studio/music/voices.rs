@@ -1,0 +1,63 @@
+//! The layers of a caricature as voices: what each listens to.
+
+use chladni_music::{Action, Driver, Instrument, VoiceSettings};
+use egui::{RichText, Slider, Ui};
+
+use super::wish::Wish;
+use crate::studio::theme;
+
+/// Draws the voices, one group a layer.
+pub fn show(ui: &mut Ui, instrument: &Instrument, names: &[String], wishes: &mut Vec<Wish>) {
+    ui.label(RichText::new("Layers as voices").strong());
+    if names.is_empty() {
+        let text = "Open a caricature (a .chladni project): each of its layers becomes a voice that the \
+                    music drives.";
+        ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+    }
+    for (voice, name) in names.iter().enumerate() {
+        let before = instrument.voice(voice);
+        let mut settings = before;
+        ui.add_space(theme::GAP_SMALL);
+        egui::Frame::group(ui.style()).show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            ui.label(name);
+            ui.horizontal_wrapped(|ui| driver(ui, &mut settings.driver));
+            if let Driver::Band { from, to } = &mut settings.driver {
+                band(ui, from, to);
+            }
+            let gain = Slider::new(&mut settings.gain, -4.0..=4.0).fixed_decimals(2).text("gain");
+            ui.add(gain).on_hover_text("1 is the layer as it was made; below 0 is its opposite");
+        });
+        if settings != before {
+            wishes.push(Wish::Do(Action::SetVoice { voice, settings }));
+        }
+    }
+}
+
+fn driver(ui: &mut Ui, driver: &mut Driver) {
+    let band = match *driver {
+        Driver::Band { .. } => *driver,
+        _ => VoiceSettings::initial(0).driver,
+    };
+    for (choice, name, tip) in [
+        (band, "Band", "The loudest tone within a range"),
+        (Driver::Beat, "Beat", "Full on the beat, fading until the next"),
+        (Driver::Mid, "Mid", "The loudest tone of the middle"),
+        (Driver::Side, "Side", "The loudest tone of the sides"),
+    ] {
+        let on = std::mem::discriminant(driver) == std::mem::discriminant(&choice);
+        if ui.selectable_label(on, name).on_hover_text(tip).clicked() {
+            *driver = choice;
+        }
+    }
+}
+
+fn band(ui: &mut Ui, from: &mut f32, to: &mut f32) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().slider_width = 60.0;
+        let tip = "0 is the lowest band, 1 the highest";
+        ui.add(Slider::new(from, 0.0..=1.0).show_value(false)).on_hover_text(tip);
+        ui.add(Slider::new(to, 0.0..=1.0).show_value(false)).on_hover_text(tip);
+        ui.label(RichText::new(format!("{:.0}–{:.0} %", *from * 100.0, *to * 100.0)).small());
+    });
+}

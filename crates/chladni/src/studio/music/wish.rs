@@ -1,0 +1,34 @@
+//! What the bars and drawers of the room ask for.
+
+use std::path::PathBuf;
+
+use chladni_music::{Action, ItemId, Mapping};
+
+use super::concert::View;
+
+/// One wish; the room fulfils it after the frame's panels are drawn.
+#[derive(Clone, Debug)]
+pub enum Wish {
+    /// An action of the instrument.
+    Do(Action),
+    /// Choose a shape, a project, songs, a preset or a session.
+    Open,
+    /// Choose songs to add to the list.
+    AddSongs,
+    /// Save the session as a file.
+    SaveSession,
+    /// Show the gallery, one item or the harmonics.
+    Show(View),
+    /// Plays this mapping in the gallery's place for one frame, to try it out.
+    TryOut(Mapping),
+    /// Ask for name and tags, to keep an item on the shelf.
+    Keep(ItemId),
+    /// Save an item as a preset file anywhere.
+    SavePreset(ItemId),
+    /// Take a preset of the shelf into the gallery.
+    Take(PathBuf),
+    /// Delete a preset of the shelf.
+    Discard(PathBuf),
+    /// On stage: the favourite after (true) or before the one that plays.
+    StepFavourite(bool),
+}

@@ -1,0 +1,172 @@
+//! The music room as a person plays it.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod driving;
+
+use std::path::Path;
+
+use chladni::studio::{Folders, Opening};
+use chladni_music::Preset;
+use driving::{Answers, Window, open, screenshot, wait};
+use egui::accesskit::{Role, Toggled};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2};
+use egui_kittest::kittest::{NodeT, Queryable};
+
+/// Few harmonics are solved quickly.
+fn folders(folder: &Path) -> Folders {
+    let settings = folder.join("settings.toml");
+    std::fs::write(&settings, "harmonics = 96\n").unwrap();
+    Folders { settings: Some(settings), dances: Some(folder.join("dances")), ..Folders::default() }
+}
+
+fn enter(opening: Opening) -> Window {
+    let named = !opening.files.is_empty();
+    let mut window = open(opening);
+    window.run_steps(3);
+    if !named {
+        window.get_by_label("Open Music").click();
+    }
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+    window.run_steps(3);
+    window
+}
+
+fn click(window: &mut Window, label: &str) {
+    window.get_by_label(label).click();
+    window.run_steps(2);
+}
+
+fn click_containing(window: &mut Window, label: &str) {
+    window.get_by_label_contains(label).click();
+    window.run_steps(2);
+}
+
+fn write(window: &mut Window, field: &str, text: &str) {
+    window.get_by_role_and_label(Role::TextInput, field).click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::TextInput, field).type_text(text);
+    window.run_steps(2);
+}
+
+fn shows(window: &Window, label: &str) -> bool {
+    window.query_all_by_label_contains(label).next().is_some()
+}
+
+fn is_chosen(window: &Window, dance: &str) -> bool {
+    window.get_by_label(dance).accesskit_node().toggled() == Some(Toggled::True)
+}
+
+fn drag(window: &mut Window, points: &[Pos2]) {
+    let button = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.event(Event::PointerMoved(points[0]));
+    window.run_steps(1);
+    window.event(button(points[0], true));
+    for &point in points {
+        window.event(Event::PointerMoved(point));
+        window.run_steps(1);
+    }
+    window.event(button(points[points.len() - 1], false));
+    window.run_steps(2);
+}
+
+#[test]
+fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders.clone(), chooser, ..Opening::default() });
+    window.run_steps(10);
+    screenshot(&mut window, "window-music.png");
+
+    click(&mut window, "Dance 2");
+    click(&mut window, "Dance 5");
+    assert!(is_chosen(&window, "Dance 5") && !is_chosen(&window, "Dance 1"));
+    click_containing(&mut window, "Breed 2");
+    assert!(shows(&window, "2 / 2"));
+    for dance in ["Dance 1", "Dance 3", "Dance 8"] {
+        click(&mut window, dance);
+    }
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert!(shows(&window, "3 / 3"));
+
+    // Back to any generation, and forth again.
+    click(&mut window, "3 / 3");
+    click(&mut window, "Generation 1, the beginning");
+    assert!(shows(&window, "1 / 3") && is_chosen(&window, "Dance 5"));
+    click(&mut window, "1 / 3");
+    click(&mut window, "Generation 3, from 2");
+    assert!(shows(&window, "3 / 3") && !is_chosen(&window, "Dance 5"));
+
+    // Name one and draw its a by hand: full to the left of the middle, still to the right.
+    window.get_by_label("Dance 4").hover();
+    window.run_steps(2);
+    window.key_press(Key::E);
+    window.run_steps(3);
+    assert!(!shows(&window, "Dance 5"));
+    write(&mut window, "Name", "Squid");
+    let plot = window.get_by_label("a: how strongly each harmonic answers").rect();
+    let at = |x: f32, y: f32| plot.lerp_inside([x, y]);
+    drag(&mut window, &[at(0.01, 0.05), at(0.3, 0.05), at(0.5, 0.05), at(0.5, 0.547), at(0.99, 0.547)]);
+    screenshot(&mut window, "window-music-curves.png");
+    click_containing(&mut window, "Favourite");
+
+    click_containing(&mut window, "Keep …");
+    write(&mut window, "Tags", "slow, sea");
+    screenshot(&mut window, "window-music-shelf.png");
+    click(&mut window, "Keep");
+    let kept: Vec<_> = std::fs::read_dir(folder.path().join("dances")).unwrap().collect();
+    let preset = Preset::load(&kept[0].as_ref().unwrap().path()).unwrap();
+    assert_eq!((kept.len(), preset.name.as_str()), (1, "Squid"));
+    assert_eq!(preset.tags, ["slow", "sea"]);
+    assert!(preset.lineage.len() > 3 && preset.lineage[0].edited);
+    let a = &preset.mapping.amplification;
+    let (low, high) = a.split_at(a.len() / 2);
+    assert!(low[3..low.len() - 3].iter().all(|a| *a > 0.95), "{low:?}");
+    assert!(high[3..].iter().all(|a| a.abs() < 0.1), "{high:?}");
+
+    // The stage hides everything; Escape comes back.
+    window.get_by_label_contains("Gallery").click();
+    window.run_steps(2);
+    window.get_all_by_label_contains("Stage").last().unwrap().click();
+    window.run_steps(4);
+    assert!(!shows(&window, "12 items") && !shows(&window, "Chladni"));
+    screenshot(&mut window, "window-music-stage.png");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(shows(&window, "12 items"));
+    let session = folder.path().join("evening.toml");
+    answers.add(session.clone());
+    click_containing(&mut window, "File");
+    click_containing(&mut window, "Save session");
+    drop(window);
+
+    // The next evening: the shelf is as it was, and the session goes on.
+    let mut window = enter(Opening { folders, files: vec![session], ..Opening::default() });
+    wait(&mut window, "the session", |w| shows(w, "3 / 3"));
+    window.get_by_role_and_label(Role::CheckBox, "Squid");
+    let seed = "12 items, seed 2012";
+    click_containing(&mut window, seed);
+    click(&mut window, "6 items");
+    assert!(shows(&window, "6 items, seed 2012") && shows(&window, "1 / 1"));
+    click(&mut window, "Shelf");
+    let kept = |window: &Window| window.get_by_role_and_label(Role::Button, "Squid").rect().center();
+    window.hover_at(kept(&window));
+    window.run_steps(2);
+    // It is tried out where the gallery was.
+    assert!(window.query_by_label("Dance 5").is_none());
+    window.get_by_role_and_label(Role::Button, "Squid").click();
+    window.run_steps(2);
+    window.hover_at(Pos2::new(300.0, 300.0));
+    window.run_steps(2);
+    assert!(shows(&window, "2 / 2"));
+    window.get_by_role_and_label(Role::CheckBox, "Squid");
+    screenshot(&mut window, "window-music-reopened.png");
+}
