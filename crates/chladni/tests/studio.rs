@@ -9,7 +9,7 @@ use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::load_mesh;
 use chladni_task::Task;
 use egui::{Key, Modifiers, pos2, vec2};
-use person::{Desk, HARMONICS};
+use person::{Desk, HARMONICS, Person};
 
 const CTRL: Modifiers = Modifiers::COMMAND;
 
@@ -56,7 +56,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
     // The next day.
     let mut person = desk.sit_down(&["p.chladni"]);
     person.wait_to_see("Own size 2");
-    let row = person.place_of("template");
+    let row = person.place_of("Layer template");
     person.click_at(row.center());
     person.wait_to_see("Covered");
     person.press_with(CTRL, Key::E);
@@ -253,4 +253,43 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     assert_eq!(landmarks("changed.chladni"), changed);
     person.press(Key::Escape);
     assert!(!person.sees("Landmarks on the template"));
+}
+
+#[test]
+fn layers_are_named_hidden_soloed_and_moved_by_hand() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    for template in ["Own size", "Ellipsoid"] {
+        person.click_button("Add");
+        person.click(template);
+    }
+    person.wait("the match", |person| !person.sees("Matching"));
+    person.press(Key::F2);
+    person.0.run_steps(2);
+    person.press_with(CTRL, Key::A);
+    person.0.event(egui::Event::Text("Round".into()));
+    person.press(Key::Enter);
+    assert!(person.sees("Layer Round"));
+    let (top, below) = (person.place_of("Layer Round"), person.place_of("Layer Own size 1"));
+    assert!(top.top() < below.top());
+    let order =
+        |person: &Person| person.place_of("Layer Round").top() < person.place_of("Layer Own size 1").top();
+    person.drag(&[top.center(), top.center() + vec2(0.0, 20.0), below.center()]);
+    assert!(!order(&person), "dragged below the other");
+    person.press_with(CTRL, Key::Z);
+    assert!(order(&person));
+
+    // The eye and the headphones of the upper row, by the pointer.
+    person.click_at(pos2(top.left() + 14.0, top.center().y));
+    assert!(person.sees("Show this layer"));
+    person.click_at(pos2(top.right() - 14.0, top.center().y));
+    assert!(person.sees("Show the other layers again"));
+    person.wait("its pictures", |_| true);
+    person.0.run_steps(6);
+    person.screenshot("studio-layers.png");
+    person.press_with(CTRL, Key::D);
+    assert!(person.sees("Layer Round copy"));
+    person.press(Key::Delete);
+    assert!(!person.sees("Layer Round copy"));
 }

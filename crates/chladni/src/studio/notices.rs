@@ -62,7 +62,7 @@ impl Notices {
         ctx.request_repaint_after(Duration::from_millis(500));
         let mut closed = None;
         egui::Area::new(egui::Id::unique("notices"))
-            .anchor(egui::Align2::RIGHT_BOTTOM, [-theme::GAP_LARGE, -theme::GAP_LARGE - 24.0])
+            .anchor(egui::Align2::CENTER_BOTTOM, [0.0, -theme::GAP_LARGE])
             .order(egui::Order::Foreground)
             .show(ctx, |ui| {
                 for (index, notice) in self.shown.iter().enumerate() {

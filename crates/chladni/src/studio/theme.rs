@@ -85,6 +85,36 @@ pub fn modal<R>(
     (shown.inner, dismissed)
 }
 
+/// Begins a group of controls: a line and a heading.
+pub fn section(ui: &mut egui::Ui, name: &str) {
+    ui.add_space(GAP);
+    ui.separator();
+    heading(ui, name);
+}
+
+/// The heading of a group of controls.
+pub fn heading(ui: &mut egui::Ui, name: &str) {
+    ui.label(egui::RichText::new(name).size(14.5).strong());
+}
+
+/// One line of a form: a label of fixed width, its tooltip, and controls. Sliders in it end where
+/// those of the other lines do.
+pub fn row<R>(ui: &mut egui::Ui, label: &str, tip: &str, controls: impl FnOnce(&mut egui::Ui) -> R) -> R {
+    const LABEL: f32 = 66.0;
+    const VALUE: f32 = 58.0;
+    ui.horizontal(|ui| {
+        let size = egui::vec2(LABEL, ui.spacing().interact_size.y);
+        let label = egui::Label::new(label).selectable(false);
+        ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.set_min_width(LABEL);
+            ui.add(label).on_hover_text(tip);
+        });
+        ui.spacing_mut().slider_width = (ui.available_width() - VALUE - GAP).max(40.0);
+        controls(ui)
+    })
+    .inner
+}
+
 /// Names a control for screen readers, where its text does not.
 pub fn name(response: &egui::Response, name: &str) {
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));

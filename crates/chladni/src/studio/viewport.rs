@@ -111,12 +111,17 @@ pub fn to_pixels(ui: &egui::Ui, canvas: egui::Rect, point: egui::Pos2) -> [f32; 
 /// [`VIEW_KEYS`]: middle drag (or right drag, or Alt and left drag) turns, with Shift it
 /// shifts, the wheel zooms. True when the camera moved.
 pub fn navigate(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera) -> bool {
+    navigate_by(ui, response, camera, false)
+}
+
+/// As [`navigate`]; with `primary` a plain left drag turns too, where it has nothing else to do.
+pub fn navigate_by(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera, primary: bool) -> bool {
     let before = *camera;
     let (modifiers, scroll, zoom) =
         ui.input(|input| (input.modifiers, input.smooth_scroll_delta().y, input.zoom_delta()));
     let navigating = response.dragged_by(egui::PointerButton::Middle)
         || response.dragged_by(egui::PointerButton::Secondary)
-        || (modifiers.alt && response.dragged_by(egui::PointerButton::Primary));
+        || ((primary || modifiers.alt) && response.dragged_by(egui::PointerButton::Primary));
     if navigating {
         let drag = response.drag_delta();
         if modifiers.matches_logically(Modifiers::SHIFT) && modifiers.shift {

@@ -6,6 +6,8 @@ use egui::{RichText, Slider, Ui};
 use super::edits::Edits;
 use super::session::Session;
 use super::stage::Touch;
+use crate::studio::icon::{self, Icon};
+use crate::studio::theme;
 
 /// How the brush paints.
 #[derive(Debug)]
@@ -22,11 +24,21 @@ pub struct BrushTool {
     pub mirror: bool,
     /// A click fills everything connected.
     pub fill: bool,
+    /// While painting, show the region as it acts instead of as painted.
+    pub smoothed: bool,
 }
 
 impl Default for BrushTool {
     fn default() -> Self {
-        Self { active: false, radius: 0.15, intensity: 1.0, erase: false, mirror: false, fill: false }
+        Self {
+            active: false,
+            radius: 0.15,
+            intensity: 1.0,
+            erase: false,
+            mirror: false,
+            fill: false,
+            smoothed: false,
+        }
     }
 }
 
@@ -38,22 +50,32 @@ impl BrushTool {
 
     /// Draws the brush's controls.
     pub fn show(&mut self, ui: &mut Ui) {
-        ui.separator();
         ui.horizontal(|ui| {
-            ui.label(RichText::new("Brush").strong());
             let name = if self.active { "Painting" } else { "Paint" };
-            ui.toggle_value(&mut self.active, name).on_hover_text(super::BRUSH.tooltip(ui.ctx()));
-            ui.toggle_value(&mut self.erase, "Erase").on_hover_text(super::ERASE.tooltip(ui.ctx()));
+            ui.toggle_value(&mut self.active, icon::label(Icon::Brush, name))
+                .on_hover_text(super::BRUSH.tooltip(ui.ctx()));
+            if self.active {
+                ui.toggle_value(&mut self.erase, icon::label(Icon::Eraser, "Erase"))
+                    .on_hover_text(super::ERASE.tooltip(ui.ctx()));
+                ui.toggle_value(&mut self.smoothed, "Smoothed")
+                    .on_hover_text("Show the region as it acts, after smoothing, instead of as painted");
+            } else {
+                let hint = RichText::new("on the shape to confine the layer").color(theme::palette(ui).weak);
+                ui.label(hint.small());
+            }
         });
         if !self.active {
             return;
         }
-        ui.horizontal(|ui| {
-            ui.label("Size").on_hover_text("Radius along the surface; [ and ] change it");
-            ui.add(Slider::new(&mut self.radius, 0.005..=1.5).logarithmic(true).fixed_decimals(3));
-        });
-        ui.horizontal(|ui| {
-            ui.label("Intensity");
+        theme::row(
+            ui,
+            "Size",
+            "Radius along the surface, as a share of the shape; [ and ] change it",
+            |ui| {
+                ui.add(Slider::new(&mut self.radius, 0.005..=1.5).logarithmic(true).fixed_decimals(3));
+            },
+        );
+        theme::row(ui, "Intensity", "How much of the layer acts where you paint", |ui| {
             ui.add(Slider::new(&mut self.intensity, 0.0..=1.0).fixed_decimals(2));
         });
         ui.horizontal(|ui| {

@@ -6,7 +6,7 @@ use egui::{Key, Ui};
 
 use super::brush::BrushTool;
 use super::edits::Edits;
-use super::heat::Heat;
+use super::heat::{Heat, Painting};
 use super::session::Session;
 use super::stage::{self, Look, Show, Stage};
 use super::{CaricatureRoom, single};
@@ -30,6 +30,16 @@ impl CaricatureRoom {
                 ui.centered_and_justified(|ui| ui.label("The shape appears here as soon as it is read."));
                 return;
             };
+            // Pictures of layers wait until the hand rests.
+            if !ui.input(|input| input.pointer.any_down()) {
+                match self.thumbnails.update(shared.gpu, stage, session) {
+                    Ok(true) => shared.ctx.request_repaint(),
+                    Ok(false) => {}
+                    Err(error) => shared.notices.error(error.to_string()),
+                }
+            }
+            let painting = if self.brush.smoothed { Painting::Smoothed } else { Painting::Raw };
+            self.heat.paint(self.brush.active.then_some(painting));
             self.picking.take_if(|picking| !picking.belongs_to(session));
             if let Some(picking) = &mut self.picking {
                 if let Err(why) = picking.show(ui, session, edits, self.look, shared) {
@@ -76,7 +86,7 @@ fn update_stage(
                 .map_err(|error| error.to_string())?;
         }
     }
-    stage.set_coating(heat.coating(session)).map_err(|error| error.to_string())
+    stage.set_coating(heat.coating(session), look).map_err(|error| error.to_string())
 }
 
 fn show_stage(

@@ -5,6 +5,7 @@ use chladni_caricature::{
 };
 use egui::{DragValue, RichText, Slider, Ui};
 
+use super::brush::BrushTool;
 use super::curve::{self, Bar, Pen};
 use super::edits::Edits;
 use crate::studio::icon::{self, Icon};
@@ -41,14 +42,17 @@ impl Controls {
         id: LayerId,
         layer: &Layer,
         measured: &Measured<'_>,
+        brush: &mut BrushTool,
         edits: &mut Edits,
     ) -> Option<Wish> {
+        ui.add_space(theme::GAP);
         model_buttons(ui, id, layer, edits);
         let wish = amount(ui, id, layer, measured.folds, edits);
-        section(ui, "Scale");
-        self.scale(ui, id, layer, measured.spectrum, edits);
-        section(ui, "Region");
+        theme::section(ui, "Region");
         region(ui, id, layer, measured.harmonics, edits);
+        brush.show(ui);
+        theme::section(ui, "Scale");
+        self.scale(ui, id, layer, measured.spectrum, edits);
         wish
     }
 
@@ -79,9 +83,8 @@ impl Controls {
         let mut edited = layer.curve.clone();
         let response = curve::edit(ui, &mut edited, self.pen, spectrum);
         edits.drag(id, &response, || Property::Curve(edited.clone()));
-        ui.horizontal(|ui| {
-            ui.label("Finest detail")
-                .on_hover_text("Φ_d: the gain of everything finer than the last harmonic");
+        let tip = "Φ_d: the gain of everything finer than the last harmonic";
+        theme::row(ui, "Finest", tip, |ui| {
             let mut residual = layer.curve.residual;
             let slider = ui.add(Slider::new(&mut residual, 0.0..=2.0).fixed_decimals(2));
             edits.drag(id, &slider, || Property::Curve(ScaleCurve { residual, ..layer.curve.clone() }));
@@ -89,14 +92,8 @@ impl Controls {
     }
 }
 
-fn section(ui: &mut Ui, name: &str) {
-    ui.add_space(theme::GAP);
-    ui.separator();
-    ui.label(RichText::new(name).strong());
-}
-
 fn model_buttons(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
-    ui.label(RichText::new("Model").strong());
+    theme::heading(ui, "Model");
     ui.horizontal(|ui| {
         for (model, name, tip) in [
             (
@@ -121,9 +118,10 @@ fn model_buttons(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
 fn amount(ui: &mut Ui, id: LayerId, layer: &Layer, folds: usize, edits: &mut Edits) -> Option<Wish> {
     let palette = theme::palette(ui);
     let mut wish = None;
-    section(ui, "Amount");
-    ui.horizontal(|ui| {
-        ui.label("μ").on_hover_text("Below 0 exaggerates, 0 is the shape, 1 is the template");
+    theme::section(ui, "Amount");
+    theme::row(ui, "μ", "Below 0 exaggerates, 0 is the shape, 1 is the template", |ui| {
+        // Room for the button at the end.
+        ui.spacing_mut().slider_width -= 40.0;
         let mut mu = layer.mu;
         let low = if layer.model == Model::Distance { -8.0 } else { -3.0 };
         let slider = ui.add(Slider::new(&mut mu, low..=1.0).show_value(false));
@@ -136,8 +134,7 @@ fn amount(ui: &mut Ui, id: LayerId, layer: &Layer, folds: usize, edits: &mut Edi
             wish = Some(Wish::AsFarAsItGoes);
         }
     });
-    ui.horizontal(|ui| {
-        ui.label("Strength").on_hover_text("Fades the layer in and out without losing its μ");
+    theme::row(ui, "Strength", "Fades the layer in and out without losing its μ", |ui| {
         let mut strength = layer.strength;
         let slider = ui.add(Slider::new(&mut strength, 0.0..=1.0).fixed_decimals(2));
         edits.drag(id, &slider, || Property::Strength(strength));
@@ -147,8 +144,11 @@ fn amount(ui: &mut Ui, id: LayerId, layer: &Layer, folds: usize, edits: &mut Edi
         1 => (icon::label(Icon::TriangleAlert, "1 folded triangle"), palette.warning),
         more => (icon::label(Icon::TriangleAlert, &format!("{more} folded triangles")), palette.warning),
     };
-    ui.label(RichText::new(text).color(color).small())
-        .on_hover_text("Triangles that this layer turns inside out");
+    ui.label(RichText::new(text).color(color).small()).on_hover_text(
+        "Counts triangles whose front this layer turned to the back; the colours “Folded triangles” show \
+         where. It does not see parts that pass through each other without turning over, such as an ear \
+         through a cheek.",
+    );
     wish
 }
 
@@ -175,14 +175,10 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut
         }
     });
     if everywhere {
-        ui.label(
-            RichText::new("Paint on the shape to confine the layer.").color(theme::palette(ui).weak).small(),
-        );
         return;
     }
     let smoothing = layer.region.smoothing;
-    ui.horizontal(|ui| {
-        ui.label("Softness").on_hover_text("nχ, the harmonics that the region keeps: fewer is softer");
+    theme::row(ui, "Softness", "nχ, the harmonics that the region keeps: fewer is softer", |ui| {
         let mut cutoff = smoothing.cutoff.min(harmonics);
         let slider = ui.add(Slider::new(&mut cutoff, 4..=harmonics.max(5)).logarithmic(true));
         edits.drag(id, &slider, || Property::Smoothing(Smoothing { cutoff, ..smoothing }));

@@ -26,10 +26,10 @@ pub type Bar = [f64; 2];
 /// Draws and edits `curve`; `spectrum` is shown behind it. The response is
 /// [`changed`](Response::changed) where the curve was edited, and `drag_stopped` ends an edit.
 pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &[Bar]) -> Response {
-    let size = vec2(ui.available_width(), 132.0);
+    let size = vec2(ui.available_width(), 150.0);
     let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve"));
-    let plot = rect.shrink2(vec2(6.0, 8.0));
+    let plot = Rect::from_min_max(rect.min + vec2(26.0, 10.0), rect.max - vec2(10.0, 20.0));
     let before = curve.clone();
     match pen {
         Pen::Points => drag_points(ui, &response, plot, curve),
@@ -108,13 +108,6 @@ fn paint(ui: &Ui, rect: Rect, plot: Rect, curve: &ScaleCurve, spectrum: &[Bar], 
     for gain in [0.0, 1.0, TOP] {
         let y = to_screen(plot, [0.0, gain]).y;
         painter.hline(plot.x_range(), y, Stroke::new(1.0, palette.line.gamma_multiply(0.7)));
-        painter.text(
-            pos2(plot.right(), y - 1.0),
-            egui::Align2::RIGHT_BOTTOM,
-            format!("×{gain:.0}"),
-            egui::FontId::proportional(9.5),
-            palette.weak,
-        );
     }
     paint_spectrum(&painter, plot, spectrum, palette.weak.gamma_multiply(0.45));
     let steps = (plot.width() / 2.0).ceil().max(2.0) as usize;
@@ -125,6 +118,17 @@ fn paint(ui: &Ui, rect: Rect, plot: Rect, curve: &ScaleCurve, spectrum: &[Bar], 
         })
         .collect();
     painter.line(line, Stroke::new(2.0, palette.accent));
+    // Gains stand left of the plot, under no line.
+    for gain in [0.0, 1.0, TOP] {
+        let at = pos2(rect.left() + 4.0, to_screen(plot, [0.0, gain]).y);
+        let font = egui::FontId::proportional(10.5);
+        painter.text(at, egui::Align2::LEFT_CENTER, format!("×{gain:.0}"), font, palette.weak);
+    }
+    let feet = [(0.0, egui::Align2::LEFT_BOTTOM, "broad"), (1.0, egui::Align2::RIGHT_BOTTOM, "fine")];
+    for (u, align, text) in feet {
+        let at = pos2(to_screen(plot, [u, 0.0]).x, rect.bottom() - 2.0);
+        painter.text(at, align, text, egui::FontId::proportional(10.5), palette.weak);
+    }
     if pen == Pen::Points {
         for point in &curve.points {
             painter.circle(

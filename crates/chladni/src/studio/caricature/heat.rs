@@ -52,12 +52,22 @@ pub struct Heat {
     quantity: Quantity,
     harmonic: usize,
     map: ColorMap,
+    painting: Option<Painting>,
     stale: bool,
+}
+
+/// Which form of a region is shown while it is painted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Painting {
+    /// As it was painted.
+    Raw,
+    /// As it acts.
+    Smoothed,
 }
 
 impl Default for Heat {
     fn default() -> Self {
-        Self { quantity: Quantity::None, harmonic: 1, map: ColorMap::Viridis, stale: false }
+        Self { quantity: Quantity::None, harmonic: 1, map: ColorMap::Viridis, painting: None, stale: false }
     }
 }
 
@@ -94,9 +104,23 @@ impl Heat {
         std::mem::take(&mut self.stale)
     }
 
+    /// While a region is painted it is shown, as painted or as it acts, unless a map was chosen.
+    pub fn paint(&mut self, painting: Option<Painting>) {
+        self.stale |= painting != self.painting;
+        self.painting = painting;
+    }
+
     /// What the stage is to be painted with.
     pub fn coating(&self, session: &Session) -> Coating {
-        match self.values(session) {
+        let shown = match self.painting.filter(|_| matches!(self.quantity, Quantity::None | Quantity::Own)) {
+            Some(Painting::Raw) => Quantity::Painted,
+            Some(Painting::Smoothed) => Quantity::Region,
+            None => self.quantity,
+        };
+        match self.values(shown, session) {
+            Some((values, _)) if matches!(shown, Quantity::Painted | Quantity::Region) => {
+                Coating::Region(values)
+            }
             Some((values, scale)) => Coating::Values(values, scale),
             None if self.quantity == Quantity::Own => Coating::Own,
             None => Coating::Material,
@@ -105,11 +129,11 @@ impl Heat {
 
     /// One value per operator vertex and their scale; `None` where the material is shown or the
     /// quantity does not exist yet.
-    fn values(&self, session: &Session) -> Option<(Vec<f32>, Scale)> {
+    fn values(&self, quantity: Quantity, session: &Session) -> Option<(Vec<f32>, Scale)> {
         let length = |d: &[f64; 3]| (d[0].hypot(d[1]).hypot(d[2])) as f32;
         let body = session.stack.body();
         let unit = Scale { map: self.map, low: 0.0, high: 1.0 };
-        match self.quantity {
+        match quantity {
             Quantity::None | Quantity::Own => None,
             Quantity::Displacement => {
                 let values: Vec<f32> = session.evaluation.displacement().iter().map(length).collect();

@@ -4,8 +4,12 @@ use chladni_caricature::{Action, Layer, LayerId, Project, Property, Template};
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
+use super::thumbnails::Thumbnails;
 use crate::studio::icon::{self, Icon};
 use crate::studio::theme;
+
+/// Side of a layer's picture, points.
+const THUMBNAIL: f32 = 38.0;
 
 /// What the list itself remembers.
 #[derive(Debug, Default)]
@@ -19,11 +23,12 @@ impl LayerList {
         &mut self,
         ui: &mut Ui,
         project: &Project,
+        pictures: &Thumbnails,
         selected: &mut Option<LayerId>,
         edits: &mut Edits,
     ) {
         ui.horizontal(|ui| {
-            ui.label(RichText::new("Layers").strong());
+            theme::heading(ui, "Layers");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 stack_buttons(ui, project, *selected, edits);
             });
@@ -39,7 +44,8 @@ impl LayerList {
         let count = project.layers().len();
         let mut dropped: Option<(LayerId, usize)> = None;
         for (index, (id, layer)) in project.layers().iter().enumerate().rev() {
-            let row = ui.push_id(id.0, |ui| self.row(ui, project, *id, layer, selected, edits)).inner;
+            let row =
+                ui.push_id(id.0, |ui| self.row(ui, project, pictures, *id, layer, selected, edits)).inner;
             row.dnd_set_drag_payload(*id);
             if let Some(dragged) = row.dnd_release_payload::<LayerId>() {
                 dropped = Some((*dragged, index));
@@ -57,6 +63,7 @@ impl LayerList {
         &mut self,
         ui: &mut Ui,
         project: &Project,
+        pictures: &Thumbnails,
         id: LayerId,
         layer: &Layer,
         selected: &mut Option<LayerId>,
@@ -65,10 +72,17 @@ impl LayerList {
         let palette = theme::palette(ui);
         let chosen = *selected == Some(id);
         let fill = if chosen { ui.visuals().selection.bg_fill } else { palette.card };
-        let frame =
-            egui::Frame::new().fill(fill).corner_radius(6.0).inner_margin(egui::Margin::symmetric(8, 5));
-        let inner = frame.show(ui, |ui| {
+        // The row is there before its buttons, so that they lie on top of it for the pointer.
+        let size = egui::vec2(ui.available_width(), THUMBNAIL + 10.0);
+        let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
+        response.widget_info(|| {
+            egui::WidgetInfo::selected(egui::Role::Button, true, chosen, format!("Layer {}", layer.name))
+        });
+        ui.painter().rect_filled(rect, 6.0, fill);
+        let inside = egui::UiBuilder::new().max_rect(rect.shrink2(egui::vec2(8.0, 5.0)));
+        ui.scope_builder(inside, |ui| {
             ui.horizontal(|ui| {
+                ui.set_min_height(THUMBNAIL);
                 let (eye, tip) = if layer.enabled {
                     (Icon::Eye, "Hide this layer")
                 } else {
@@ -77,30 +91,69 @@ impl LayerList {
                 if icon_button(ui, eye, tip).clicked() {
                     edits.set(id, Property::Enabled(!layer.enabled));
                 }
-                let text = RichText::new(&layer.name);
-                let text = if project.acts(layer) { text } else { text.color(palette.weak) };
-                self.name(ui, id, text, edits);
+                let acts = project.acts(layer);
+                thumbnail(ui, pictures.of(id), acts);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    let solo = RichText::new(icon::text(Icon::Headphones));
-                    let solo = if layer.solo { solo.color(palette.accent) } else { solo.color(palette.weak) };
-                    if ui.add(egui::Button::new(solo).frame(false)).on_hover_text("Only this layer").clicked()
-                    {
+                    let tip = if layer.solo { "Show the other layers again" } else { "Only this layer" };
+                    let color = if layer.solo { palette.accent } else { palette.weak };
+                    if tinted_button(ui, Icon::Headphones, tip, color).clicked() {
                         edits.set(id, Property::Solo(!layer.solo));
                     }
-                    ui.label(
-                        RichText::new(format!("μ {:.2}", layer.effective_mu())).small().color(palette.weak),
-                    );
+                    ui.with_layout(egui::Layout::top_down(egui::Align::LEFT), |ui| {
+                        ui.spacing_mut().item_spacing.y = 1.0;
+                        let text = RichText::new(&layer.name);
+                        let text = if acts { text } else { text.color(palette.weak) };
+                        self.name(ui, id, text, edits);
+                        let summary = format!("μ {:.2}  {}", layer.effective_mu(), layer.model);
+                        let summary = RichText::new(summary).small().color(if chosen {
+                            ui.visuals().text_color()
+                        } else {
+                            palette.weak
+                        });
+                        ui.add(egui::Label::new(summary).truncate().selectable(false));
+                    });
                 });
             });
         });
-        let response = inner.response.interact(egui::Sense::click_and_drag());
         if response.clicked() {
             *selected = Some(id);
         }
         if response.double_clicked() {
-            self.renaming = Some((id, layer.name.clone()));
+            self.rename(id, layer);
         }
-        response.on_hover_text("Click to edit, double-click to rename, drag to reorder")
+        response.context_menu(|ui| {
+            *selected = Some(id);
+            self.menu(ui, project, id, layer, edits);
+        });
+        response.on_hover_text("Click to edit, double-click to rename, drag to reorder, right-click for more")
+    }
+
+    /// Begins to rename a layer.
+    pub fn rename(&mut self, id: LayerId, layer: &Layer) {
+        self.renaming = Some((id, layer.name.clone()));
+    }
+
+    fn menu(&mut self, ui: &mut Ui, project: &Project, id: LayerId, layer: &Layer, edits: &mut Edits) {
+        let place = project.layers().iter().position(|(known, _)| *known == id).unwrap_or(0);
+        let top = project.layers().len().saturating_sub(1);
+        if ui.button(icon::label(Icon::Pencil, "Rename")).clicked() {
+            self.rename(id, layer);
+        }
+        if ui.button(icon::label(Icon::Copy, "Duplicate")).clicked() {
+            edits.once(Action::Duplicate(id));
+        }
+        let up = egui::Button::new(icon::label(Icon::ArrowUp, "Move up"));
+        if ui.add_enabled(place < top, up).clicked() {
+            edits.once(Action::Move { layer: id, index: place + 1 });
+        }
+        let down = egui::Button::new(icon::label(Icon::ArrowDown, "Move down"));
+        if ui.add_enabled(place > 0, down).clicked() {
+            edits.once(Action::Move { layer: id, index: place - 1 });
+        }
+        ui.separator();
+        if ui.button(icon::label(Icon::Trash2, "Delete")).clicked() {
+            edits.once(Action::Remove(id));
+        }
     }
 
     fn name(&mut self, ui: &mut Ui, id: LayerId, text: RichText, edits: &mut Edits) {
@@ -108,7 +161,8 @@ impl LayerList {
             ui.add(egui::Label::new(text).truncate().selectable(false));
             return;
         };
-        let field = ui.add(egui::TextEdit::singleline(draft).desired_width(120.0));
+        let field = ui.add(egui::TextEdit::singleline(draft).desired_width(130.0));
+        theme::name(&field, "Name of the layer");
         field.request_focus();
         let (enter, escape) =
             ui.input(|input| (input.key_pressed(egui::Key::Enter), input.key_pressed(egui::Key::Escape)));
@@ -125,7 +179,23 @@ impl LayerList {
 
 /// A frameless button of one icon.
 pub fn icon_button(ui: &mut Ui, mark: Icon, tip: &str) -> egui::Response {
-    let response = ui.add(egui::Button::new(icon::text(mark)).frame(false));
+    let color = ui.visuals().text_color();
+    tinted_button(ui, mark, tip, color)
+}
+
+/// The picture of a layer, or a place for one.
+fn thumbnail(ui: &mut Ui, picture: Option<egui::TextureId>, acts: bool) {
+    let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(THUMBNAIL), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 5.0, theme::palette(ui).stage);
+    if let Some(picture) = picture {
+        let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+        let tint = if acts { egui::Color32::WHITE } else { egui::Color32::from_white_alpha(70) };
+        ui.painter().image(picture, rect, whole, tint);
+    }
+}
+
+fn tinted_button(ui: &mut Ui, mark: Icon, tip: &str, color: egui::Color32) -> egui::Response {
+    let response = ui.add(egui::Button::new(RichText::new(icon::text(mark)).color(color)).frame(false));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, tip));
     response.on_hover_text(tip)
 }

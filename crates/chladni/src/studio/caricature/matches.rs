@@ -26,8 +26,7 @@ pub fn show(
     else {
         return;
     };
-    ui.separator();
-    ui.label(RichText::new("Template").strong());
+    theme::section(ui, "Template");
     ui.horizontal(|ui| {
         ui.add(egui::Label::new(template_name(&layer.template)).truncate());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -17,6 +17,7 @@ mod recover;
 mod session;
 mod shot;
 mod stage;
+mod thumbnails;
 mod toolbar;
 
 use std::path::{Path, PathBuf};
@@ -38,6 +39,7 @@ use self::layers::LayerList;
 use self::recover::Offer;
 use self::session::{Loaded, Session};
 use self::stage::{Look, Show, Stage};
+use self::thumbnails::Thumbnails;
 use super::icon::Icon;
 use super::job::{Job, Outcome};
 use super::room::{Room, Shared};
@@ -58,10 +60,11 @@ const SMALLER: Shortcut = Shortcut::key(Key::OpenBracket, "Smaller brush");
 const LARGER: Shortcut = Shortcut::key(Key::CloseBracket, "Larger brush");
 const COMPARE: Shortcut = Shortcut::key(Key::C, "Hold to see the original");
 const NEXT_SHOW: Shortcut = Shortcut::key(Key::V, "Result, three models, before and after");
+const RENAME: Shortcut = Shortcut::key(Key::F2, "Rename the layer");
 const WIRE: Shortcut = Shortcut::key(Key::W, "Edges of triangles");
 const LANDMARKS: Shortcut = Shortcut::key(Key::L, "Pick landmarks on both shapes");
 const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave picking or painting");
-const KEYS: [Shortcut; 22] = [
+const KEYS: [Shortcut; 23] = [
     OPEN,
     SAVE,
     SAVE_AS,
@@ -70,6 +73,7 @@ const KEYS: [Shortcut; 22] = [
     REDO,
     DUPLICATE,
     DELETE,
+    RENAME,
     BRUSH,
     ERASE,
     SMALLER,
@@ -101,6 +105,7 @@ pub struct CaricatureRoom {
     autosave: Option<Result<Autosave, ()>>,
     stage: Option<Stage>,
     layers: LayerList,
+    thumbnails: Thumbnails,
     controls: Controls,
     /// Meshes that become layers as soon as the shape is there.
     templates: Vec<PathBuf>,
@@ -241,6 +246,7 @@ impl CaricatureRoom {
         match Stage::new(shared.gpu, &positions, &session.stack.body().triangles, look.as_ref()) {
             Ok(stage) => {
                 self.heat.start(stage.has_own_look());
+                self.thumbnails.clear(shared.gpu);
                 self.stage = Some(stage);
                 self.session = Some(session);
                 self.stale = true;
@@ -284,6 +290,11 @@ impl CaricatureRoom {
         };
         act(DUPLICATE, Action::Duplicate);
         act(DELETE, Action::Remove);
+        if let Some((id, layer)) = selected.and_then(|id| Some((id, session.project().layer(id)?)))
+            && RENAME.pressed(&ctx)
+        {
+            self.layers.rename(id, layer);
+        }
         if BRUSH.pressed(&ctx) {
             self.brush.active = !self.brush.active;
         }
@@ -323,7 +334,7 @@ impl CaricatureRoom {
         egui::Panel::left("layers").exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {
             egui::ScrollArea::vertical().show(ui, |ui| {
                 let mut selected = session.selected;
-                self.layers.show(ui, session.project(), &mut selected, edits);
+                self.layers.show(ui, session.project(), &self.thumbnails, &mut selected, edits);
                 if selected != session.selected {
                     session.selected = selected;
                     self.stale = true;
@@ -347,7 +358,9 @@ impl CaricatureRoom {
                 let spectrum = heat::spectrum(session);
                 let harmonics = session.stack.body().basis.harmonics();
                 let measured = Measured { spectrum: &spectrum, harmonics, folds: session.folds_of(id) };
-                if self.controls.show(ui, id, &layer, &measured, edits) == Some(Wish::AsFarAsItGoes) {
+                if self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits)
+                    == Some(Wish::AsFarAsItGoes)
+                {
                     match session.furthest_mu() {
                         Some(mu) => edits.set(id, Property::Mu(mu)),
                         None => shared
@@ -355,8 +368,6 @@ impl CaricatureRoom {
                             .warn("This layer never folds in that direction, or does not act yet."),
                     }
                 }
-                ui.add_space(theme::GAP);
-                self.brush.show(ui);
             });
         });
     }

@@ -64,6 +64,11 @@ impl Shot {
         canvas.read(&self.gpu)
     }
 
+    /// Draws it on a canvas that is there, without waiting.
+    pub fn draw_on(&self, renderer: &mut Renderer, canvas: &Canvas) -> Result<(), ViewError> {
+        self.draw(renderer, canvas, &self.upload()?, self.camera)
+    }
+
     /// Films the figures turning once around, into the file at `path`.
     pub fn turntable(&self, path: &Path, settings: FilmSettings, task: &Task) -> Result<(), ViewError> {
         let (width, height, frames) = (settings.width, settings.height, settings.frames);
@@ -129,6 +134,11 @@ impl Look {
         Lights::PRESETS.get(self.lights).map_or(Lights::STUDIO, |preset| preset.1)
     }
 
+    /// The chosen material.
+    pub fn material(&self) -> Material {
+        Material::PRESETS.get(self.material).map_or(Material::CLAY, |preset| preset.1)
+    }
+
     /// A figure in the chosen material, with edges where they are wanted.
     pub fn figure<'a>(
         &self,
@@ -137,7 +147,7 @@ impl Look {
         item: usize,
         paint: Paint<'a>,
     ) -> Figure<'a> {
-        let material = Material::PRESETS.get(self.material).map_or(Material::CLAY, |preset| preset.1);
+        let material = self.material();
         let wire = self.wire.then_some(Wire { color: [20, 20, 24], opacity: 0.35, width_px: 1.0 });
         Figure { material, paint, wire, ..Figure::new(topology, buffers, item) }
     }

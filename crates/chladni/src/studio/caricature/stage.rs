@@ -64,7 +64,12 @@ pub enum Coating {
     Own,
     /// A heat map.
     Values(Vec<f32>, Scale),
+    /// A region on the material: 0 is bare, 1 is painted.
+    Region(Vec<f32>),
 }
+
+/// What painted places look like, sRGB: far from clay for eyes of every kind.
+const PAINTED: [u8; 3] = [52, 122, 190];
 
 /// A point under the pointer.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +90,7 @@ pub struct Stage {
     topology: Topology,
     buffers: ItemBuffers,
     values: VertexPaint,
+    tints: VertexPaint,
     coat: Coat,
     /// What `values` holds where the coat is a heat map.
     heat: Vec<f32>,
@@ -124,7 +130,7 @@ impl Stage {
             None => None,
         };
         let buffers = ItemBuffers::new(gpu, n, FIGURES);
-        let values = VertexPaint::new(gpu, n);
+        let (values, tints) = (VertexPaint::new(gpu, n), VertexPaint::new(gpu, n));
         let normals = chladni_view::smooth_normals(positions, triangles);
         let mut stage = Self {
             viewport,
@@ -132,6 +138,7 @@ impl Stage {
             topology,
             buffers,
             values,
+            tints,
             coat: Coat::Material,
             heat: Vec::new(),
             own,
@@ -173,9 +180,14 @@ impl Stage {
     }
 
     /// Paints every figure.
-    pub fn set_coating(&mut self, coating: Coating) -> Result<(), ViewError> {
+    pub fn set_coating(&mut self, coating: Coating, look: Look) -> Result<(), ViewError> {
         self.coat = match coating {
             Coating::Material => Coat::Material,
+            Coating::Region(region) => {
+                let tints = tints(&region, look.material());
+                self.tints.write_colors(self.viewport.gpu(), &tints)?;
+                Coat::Colors(self.tints.clone())
+            }
             Coating::Own => self.own.clone().unwrap_or(Coat::Material),
             Coating::Values(values, scale) => {
                 self.values.write_values(self.viewport.gpu(), &values)?;
@@ -247,7 +259,10 @@ impl Stage {
             self.fitted = true;
             self.viewport.invalidate();
         }
-        if viewport::navigate(ui, &response, &mut self.camera) || self.last_look.replace(look) != Some(look) {
+        let free = brush_radius.is_none();
+        if viewport::navigate_by(ui, &response, &mut self.camera, free)
+            || self.last_look.replace(look) != Some(look)
+        {
             self.viewport.invalidate();
         }
         if ui.ctx().input(|input| input.key_pressed(egui::Key::Home)) && response.hovered() {
@@ -324,6 +339,18 @@ impl Stage {
         let hit = tree.pick(&ray, positions, &self.triangles)?;
         Some(Touch { triangle: hit.triangle, barycentric: hit.barycentric, point: hit.point(&ray) })
     }
+}
+
+/// The material's colour where `region` is 0, [`PAINTED`] where it is 1; linear light.
+fn tints(region: &[f32], material: chladni_view::Material) -> Vec<[u8; 4]> {
+    let linear = |c: u8| (f32::from(c) / 255.0).powf(2.2);
+    let (bare, painted) = (material.color.map(linear), PAINTED.map(linear));
+    let mixed = |share: &f32| {
+        let share = share.clamp(0.0, 1.0) * 0.85;
+        let channel = |i: usize| ((bare[i] + (painted[i] - bare[i]) * share) * 255.0).round() as u8;
+        [channel(0), channel(1), channel(2), 255]
+    };
+    region.iter().map(mixed).collect()
 }
 
 /// The figures that are shown, from left to right.

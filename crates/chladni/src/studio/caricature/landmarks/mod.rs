@@ -6,7 +6,7 @@ mod side;
 use chladni_caricature::{LayerId, Property, Template};
 use chladni_match::{Landmark, Settings};
 use chladni_mesh::TriMesh;
-use chladni_view::{Cell, Marker, Material, Rect};
+use chladni_view::{Cell, Marker, Rect};
 use egui::{Color32, PointerButton, Pos2, RichText, Ui};
 
 pub use list::show_list;
@@ -213,7 +213,6 @@ impl Picking {
         if home {
             side.refit();
         }
-        let moved = viewport::navigate(ui, &response, &mut side.camera) || home;
         let pixel = |at: Pos2| viewport::to_pixels(ui, whole, at);
         let under = |side: &Side, at: Pos2| {
             let [x, y] = pixel(at);
@@ -235,6 +234,14 @@ impl Picking {
             near.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(i, v, _)| (i, v))
         });
         let primary = PointerButton::Primary;
+        // A left drag that holds no landmark turns the shape.
+        let began_free = response.drag_started_by(primary) && near.is_none();
+        let turning = ui.scope_id().with(("turning", which as u8));
+        if response.drag_started() || !response.dragged() {
+            ui.data_mut(|data| data.insert_temp(turning, began_free));
+        }
+        let free = ui.data(|data| data.get_temp(turning).unwrap_or(false));
+        let moved = viewport::navigate_by(ui, &response, &mut side.camera, free) || home;
         let steering = ui.input(|input| input.modifiers.alt);
         let deed = if steering {
             None
@@ -315,7 +322,7 @@ impl Picking {
         look: Look,
     ) -> Result<(), String> {
         let cells = areas.map(|area| cell_of(ui, area, rect));
-        let material = Material::PRESETS.get(look.material).map_or(Material::CLAY, |preset| preset.1);
+        let material = look.material();
         let (background, lights) = (backdrop(ui), look.lights());
         let sides = [(Which::Shape, Some(&self.shape)), (Which::Template, self.other.as_ref())];
         let ends: Vec<Vec<(usize, u32)>> =

@@ -1,0 +1,109 @@
+//! A small picture of what each layer makes of the shape.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use chladni_caricature::{EvaluatedLayer, LayerId};
+use chladni_view::{Background, Camera, Canvas, ColorMap, Renderer, Scale, VertexPaint, View, ViewError};
+use eframe::egui_wgpu::RenderState;
+use eframe::wgpu;
+
+use super::session::Session;
+use super::shot::{Coat, Shot};
+use super::single;
+use super::stage::Stage;
+
+/// Pixels of a side.
+const SIZE: u32 = 88;
+
+/// The pictures of the open project's layers.
+#[derive(Default)]
+pub struct Thumbnails {
+    renderer: Option<Renderer>,
+    camera: Option<Camera>,
+    pictures: HashMap<LayerId, Thumbnail>,
+}
+
+struct Thumbnail {
+    canvas: Canvas,
+    texture: egui::TextureId,
+    /// The displacement that it shows.
+    of: Arc<Vec<[f64; 3]>>,
+}
+
+impl Thumbnails {
+    /// Another shape was opened.
+    pub fn clear(&mut self, state: &RenderState) {
+        let mut textures = state.renderer.write();
+        self.pictures.drain().for_each(|(_, picture)| textures.free_texture(&picture.texture));
+        self.camera = None;
+    }
+
+    /// The picture of `layer`, where there is one yet.
+    pub fn of(&self, layer: LayerId) -> Option<egui::TextureId> {
+        self.pictures.get(&layer).map(|picture| picture.texture)
+    }
+
+    /// Draws one picture that is missing or out of date; true where more are.
+    pub fn update(
+        &mut self,
+        state: &RenderState,
+        stage: &Stage,
+        session: &Session,
+    ) -> Result<bool, ViewError> {
+        let layers = &session.evaluation.layers;
+        let gone: Vec<LayerId> =
+            self.pictures.keys().filter(|id| !layers.iter().any(|l| l.id == **id)).copied().collect();
+        for id in gone {
+            if let Some(picture) = self.pictures.remove(&id) {
+                state.renderer.write().free_texture(&picture.texture);
+            }
+        }
+        let current = |layer: &EvaluatedLayer| match (&layer.displacement, self.pictures.get(&layer.id)) {
+            (Some(displacement), Some(picture)) => Arc::ptr_eq(displacement, &picture.of),
+            (displacement, _) => displacement.is_none(),
+        };
+        let mut stale = (0..layers.len()).filter(|index| !current(&layers[*index]));
+        let (Some(index), more) = (stale.next(), stale.next().is_some()) else { return Ok(false) };
+        drop(stale);
+        self.draw(state, stage, session, index)?;
+        Ok(more)
+    }
+
+    fn draw(
+        &mut self,
+        state: &RenderState,
+        stage: &Stage,
+        session: &Session,
+        index: usize,
+    ) -> Result<(), ViewError> {
+        let layers = &session.evaluation.layers;
+        let Some(layer) = layers.get(index) else { return Ok(()) };
+        let Some(displacement) = &layer.displacement else { return Ok(()) };
+        let shape = layers.get(index + 1).map_or(&session.evaluation.result, |above| &above.base);
+        let pose = (single(&shape.positions), single(shape.normals()));
+        let length: Vec<f32> = displacement.iter().map(|d| d[0].hypot(d[1]).hypot(d[2]) as f32).collect();
+        let camera = *self.camera.get_or_insert_with(|| {
+            let mut camera = Camera::looking(View::ThreeQuarter);
+            camera.fit(single(&session.stack.original().positions).iter().copied(), 1.0, 0.86);
+            camera
+        });
+        let still = stage.shot_of(pose, Coat::Material, Background::TRANSPARENT);
+        let values = VertexPaint::new(&still.gpu, length.len());
+        values.write_values(&still.gpu, &length)?;
+        let scale = Scale { low: 0.0, ..Scale::of(ColorMap::Viridis, &length) };
+        let shot = Shot { coat: Coat::Values(values, scale), camera, ..still };
+        let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&shot.gpu));
+        let picture = match self.pictures.entry(layer.id) {
+            std::collections::hash_map::Entry::Occupied(held) => held.into_mut(),
+            std::collections::hash_map::Entry::Vacant(place) => {
+                let canvas = Canvas::new(&shot.gpu, SIZE, SIZE)?;
+                let (device, linear) = (&shot.gpu.device, wgpu::FilterMode::Linear);
+                let texture = state.renderer.write().register_native_texture(device, canvas.view(), linear);
+                place.insert(Thumbnail { canvas, texture, of: Arc::clone(displacement) })
+            }
+        };
+        picture.of = Arc::clone(displacement);
+        shot.draw_on(renderer, &picture.canvas)
+    }
+}
