@@ -4,6 +4,7 @@
 
 mod driving;
 
+use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;
 
 use chladni::studio::{Folders, Opening};
@@ -169,4 +170,37 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     assert!(shows(&window, "2 / 2"));
     window.get_by_role_and_label(Role::CheckBox, "Squid");
     screenshot(&mut window, "window-music-reopened.png");
+}
+
+#[test]
+fn a_fader_is_learned_over_osc_and_remembered() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    // Any port that is free now.
+    let port = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
+    let settings = folders.settings.clone().unwrap();
+    std::fs::write(&settings, format!("harmonics = 24\n[music]\nosc_port = {port}\n")).unwrap();
+    let mut window = enter(Opening { folders: folders.clone(), ..Opening::default() });
+    click(&mut window, "Remote");
+    assert!(shows(&window, &format!("Port {port}")));
+    click(&mut window, "Learn Gain");
+    let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    // "/1/f" with one float, by the book: address, type tags, big-endian number.
+    let packet = [&b"/1/f\0\0\0\0,f\0\0"[..], &0.25f32.to_be_bytes()].concat();
+    for tries in 0.. {
+        assert!(tries < 50, "the fader is not learned");
+        socket.send_to(&packet, (Ipv4Addr::LOCALHOST, port)).unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        window.run_steps(1);
+        if shows(&window, "/1/f") {
+            break;
+        }
+    }
+    window.run_steps(1);
+    screenshot(&mut window, "window-music-remote.png");
+    click(&mut window, "Knobs");
+    // A quarter of the way from 0 to 20.
+    assert!(window.query_all_by_value("5.00").next().is_some());
+    let kept = std::fs::read_to_string(settings).unwrap();
+    assert!(kept.contains("/1/f") && kept.contains("gain"), "{kept}");
 }

@@ -5,6 +5,7 @@ use egui::{RichText, ScrollArea, Ui};
 use super::concert::{Concert, View};
 use super::harmonics::CELLS;
 use super::listening::Listening;
+use super::remote::Remote;
 use super::shelf::Shelf;
 use super::songs::{self, Inputs};
 use super::wish::Wish;
@@ -27,14 +28,17 @@ pub enum Drawer {
     Look,
     /// Layers as voices, and symmetry.
     Body,
+    /// MIDI and OSC.
+    Remote,
 }
 
-const DRAWERS: [(Drawer, Icon, &str); 5] = [
+const DRAWERS: [(Drawer, Icon, &str); 6] = [
     (Drawer::Knobs, Icon::SlidersHorizontal, "Knobs"),
     (Drawer::Songs, Icon::ListMusic, "Songs"),
     (Drawer::Shelf, Icon::Library, "Shelf"),
     (Drawer::Look, Icon::Palette, "Look"),
     (Drawer::Body, Icon::Drama, "Body"),
+    (Drawer::Remote, Icon::Cable, "Remote"),
 ];
 
 /// What the drawers keep between frames.
@@ -44,6 +48,8 @@ pub struct Drawers {
     pub open: Drawer,
     /// Presets.
     pub shelf: Shelf,
+    /// Controllers.
+    pub remote: Remote,
     inputs: Inputs,
 }
 
@@ -67,6 +73,7 @@ impl Drawers {
                 self.shelf.show(ui, instrument, shared.notices, wishes);
             }
             Drawer::Look => look::show(ui, &mut shared.settings.music),
+            Drawer::Remote => self.remote.show(ui, &mut shared.settings.music),
             Drawer::Body => {
                 voices::show(ui, instrument, concert.voice_names(), wishes);
                 symmetry(ui, concert, wishes);

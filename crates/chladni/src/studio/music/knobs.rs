@@ -57,6 +57,7 @@ const GROUPS: &[(&str, &[Row])] = &[
         "Movement",
         &[
             (Parameter::Gain, "Gain", "How strongly everything moves; 1 is calibrated to the shape"),
+            (Parameter::Calibration, "Calibration", "How far a full-scale sound moves the shape at gain 1"),
             (Parameter::Limit, "Limit", "The share of the shape's size that no part is to exceed"),
             (Parameter::Detail, "Fine detail", "Gain of everything finer than the last harmonic"),
             (Parameter::NormalBlending, "Normal blending", "0 is exact light, 1 the paper's softer look"),
@@ -94,6 +95,17 @@ const SWITCHES: &[(Switch, &str, &str)] = &[
         "At most three flashes a second, for people with photosensitive epilepsy",
     ),
 ];
+
+/// What a knob is called on screen.
+pub fn name(parameter: Parameter) -> &'static str {
+    let mut rows = GROUPS.iter().flat_map(|(_, rows)| rows.iter());
+    rows.find(|row| row.0 == parameter).map_or(parameter.name(), |row| row.1)
+}
+
+/// What a switch is called on screen.
+pub fn switch_name(switch: Switch) -> &'static str {
+    SWITCHES.iter().find(|row| row.0 == switch).map_or(switch.name(), |row| row.1)
+}
 
 fn heading(ui: &mut Ui, name: &str) {
     ui.add_space(theme::GAP);

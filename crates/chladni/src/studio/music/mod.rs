@@ -13,6 +13,7 @@ mod look;
 mod meters;
 mod pace;
 mod preferences;
+mod remote;
 mod shelf;
 mod songs;
 mod stage;
@@ -23,7 +24,7 @@ mod wish;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::ShapeSource;
-use chladni_music::{Action, Preset, Session};
+use chladni_music::{Action, Cue, Preset, Session};
 use egui::{Key, Ui};
 
 use self::concert::{Concert, View};
@@ -97,6 +98,7 @@ impl Room for MusicRoom {
         self.listening(shared);
         self.poll(shared);
         let mut wishes = self.keys(&shared.ctx);
+        self.follow_remote(shared, &mut wishes);
         let on_stage = self.concert.as_ref().is_some_and(Concert::on_stage);
         self.curtain.follow(&shared.ctx, on_stage, shared.settings.music.screen);
         if !on_stage {
@@ -268,6 +270,20 @@ impl MusicRoom {
             when(STAGE, Wish::Do(Action::Perform { item }));
         }
         wishes
+    }
+
+    /// What controllers ask for.
+    fn follow_remote(&mut self, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
+        let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
+        let parameters = concert.instrument().parameters();
+        for cue in self.drawers.remote.cues(&mut shared.settings.music, parameters) {
+            match cue {
+                Cue::Do(action) => wishes.push(Wish::Do(action)),
+                Cue::StepFavourite(forward) => wishes.push(Wish::StepFavourite(forward)),
+                Cue::Tap => listening.tap(),
+                Cue::PlayPause => listening.toggle(),
+            }
+        }
     }
 
     fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {

@@ -1,5 +1,6 @@
 //! What the music room remembers between runs.
 
+use chladni_music::Binding;
 use chladni_view::{Background, Lights, Material};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +17,10 @@ pub struct Preferences {
     pub background: String,
     /// Where the stage appears.
     pub screen: Screen,
+    /// The UDP port on which OSC messages are heard; `None` is off.
+    pub osc_port: Option<u16>,
+    /// Which controls turn what.
+    pub bindings: Vec<Binding>,
 }
 
 /// Where the stage appears.
@@ -34,7 +39,7 @@ pub enum Screen {
 impl Default for Preferences {
     fn default() -> Self {
         let [material, lights, background] = ["pearl", "stage", "night"].map(str::to_owned);
-        Self { material, lights, background, screen: Screen::default() }
+        Self { material, lights, background, screen: Screen::default(), osc_port: None, bindings: Vec::new() }
     }
 }
 

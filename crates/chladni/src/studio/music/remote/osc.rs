@@ -1,0 +1,235 @@
+//! OSC messages over UDP.
+
+use std::io;
+use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::time::Duration;
+
+use rosc::{OscPacket, OscType};
+
+/// Longer packets are bad: controllers send a few dozen bytes.
+const LONGEST_PACKET: usize = 1536;
+/// At most so many messages of one packet are read, and so many wait for the next frame.
+const MOST_MESSAGES: usize = 256;
+/// Bundles within bundles deeper than this are bad.
+const DEEPEST_BUNDLE: usize = 8;
+
+/// One message: where it goes and its first number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// Such as `/1/fader3`.
+    pub address: String,
+    /// `None` where it has no argument that is a number.
+    pub value: Option<f32>,
+}
+
+/// A port that is listened to. Dropping it closes the port.
+pub struct Osc {
+    address: SocketAddr,
+    messages: Receiver<Message>,
+    counts: Arc<Counts>,
+}
+
+#[derive(Default)]
+struct Counts {
+    good: AtomicU64,
+    bad: AtomicU64,
+    closed: AtomicBool,
+}
+
+impl Osc {
+    /// Listens on a UDP port of every network of this machine; port 0 takes any free one.
+    pub fn listen(port: u16) -> io::Result<Self> {
+        let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, port))?;
+        // The thread looks this often whether the port is to be closed.
+        socket.set_read_timeout(Some(Duration::from_millis(200)))?;
+        let address = socket.local_addr()?;
+        let (sender, messages) = sync_channel(MOST_MESSAGES);
+        let counts = Arc::new(Counts::default());
+        let counted = Arc::clone(&counts);
+        std::thread::Builder::new().name("osc".into()).spawn(move || receive(&socket, &sender, &counted))?;
+        Ok(Self { address, messages, counts })
+    }
+
+    /// The port.
+    pub fn port(&self) -> u16 {
+        self.address.port()
+    }
+
+    /// What has come in since the last call.
+    pub fn messages(&self) -> impl Iterator<Item = Message> {
+        self.messages.try_iter().take(MOST_MESSAGES)
+    }
+
+    /// Packets that were read, and packets that were no OSC, too long or too many.
+    pub fn counts(&self) -> (u64, u64) {
+        (self.counts.good.load(Ordering::Relaxed), self.counts.bad.load(Ordering::Relaxed))
+    }
+}
+
+impl Drop for Osc {
+    fn drop(&mut self) {
+        self.counts.closed.store(true, Ordering::Relaxed);
+    }
+}
+
+fn receive(socket: &UdpSocket, sender: &SyncSender<Message>, counts: &Counts) {
+    let mut packet = [0u8; LONGEST_PACKET + 1];
+    while !counts.closed.load(Ordering::Relaxed) {
+        let length = match socket.recv_from(&mut packet) {
+            Ok((length, _)) => length,
+            Err(why) if matches!(why.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => continue,
+            // Such as a port that nobody answers on; not to be asked again in a hurry.
+            Err(_) => {
+                counts.bad.fetch_add(1, Ordering::Relaxed);
+                std::thread::sleep(Duration::from_millis(20));
+                continue;
+            }
+        };
+        let Some(messages) = packet.get(..length).and_then(read) else {
+            counts.bad.fetch_add(1, Ordering::Relaxed);
+            continue;
+        };
+        counts.good.fetch_add(1, Ordering::Relaxed);
+        for message in messages {
+            match sender.try_send(message) {
+                Ok(()) => {}
+                Err(TrySendError::Full(_)) => {
+                    counts.bad.fetch_add(1, Ordering::Relaxed);
+                }
+                Err(TrySendError::Disconnected(_)) => return,
+            }
+        }
+    }
+}
+
+/// The messages of one packet; `None` where it is no OSC.
+pub fn read(packet: &[u8]) -> Option<Vec<Message>> {
+    if packet.len() > LONGEST_PACKET {
+        return None;
+    }
+    let (rest, packet) = rosc::decoder::decode_udp(packet).ok()?;
+    let mut messages = Vec::new();
+    (rest.is_empty() && collect(packet, 0, &mut messages)).then_some(messages)
+}
+
+fn collect(packet: OscPacket, depth: usize, messages: &mut Vec<Message>) -> bool {
+    match packet {
+        OscPacket::Message(message) => {
+            if messages.len() >= MOST_MESSAGES {
+                return false;
+            }
+            let value = message.args.iter().find_map(number);
+            messages.push(Message { address: message.addr, value });
+            true
+        }
+        OscPacket::Bundle(bundle) => {
+            depth < DEEPEST_BUNDLE
+                && bundle.content.into_iter().all(|packet| collect(packet, depth + 1, messages))
+        }
+    }
+}
+
+fn number(argument: &OscType) -> Option<f32> {
+    match *argument {
+        OscType::Float(value) => Some(value),
+        OscType::Double(value) => Some(value as f32),
+        OscType::Int(value) => Some(value as f32),
+        OscType::Long(value) => Some(value as f32),
+        OscType::Bool(value) => Some(f32::from(u8::from(value))),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rosc::{OscBundle, OscMessage, OscTime, encoder};
+
+    fn message(addr: &str, args: Vec<OscType>) -> OscPacket {
+        OscPacket::Message(OscMessage { addr: addr.into(), args })
+    }
+
+    fn bundle(content: Vec<OscPacket>) -> OscPacket {
+        OscPacket::Bundle(OscBundle { timetag: OscTime { seconds: 0, fractional: 1 }, content })
+    }
+
+    fn read_packet(packet: &OscPacket) -> Option<Vec<Message>> {
+        read(&encoder::encode(packet).unwrap())
+    }
+
+    #[test]
+    fn numbers_of_every_kind_are_read() {
+        for (argument, value) in [
+            (OscType::Float(0.5), Some(0.5)),
+            (OscType::Double(0.25), Some(0.25)),
+            (OscType::Int(3), Some(3.0)),
+            (OscType::Bool(true), Some(1.0)),
+            (OscType::String("x".into()), None),
+        ] {
+            let address = "/1/fader3".to_owned();
+            assert_eq!(
+                read_packet(&message("/1/fader3", vec![argument])),
+                Some(vec![Message { address, value }])
+            );
+        }
+        let inner = bundle(vec![message("/a", vec![]), message("/b", vec![OscType::Int(1)])]);
+        assert_eq!(read_packet(&bundle(vec![inner])).map(|m| m.len()), Some(2));
+    }
+
+    #[test]
+    fn what_is_no_osc_is_refused() {
+        let deep = (0..20).fold(message("/a", vec![]), |packet, _| bundle(vec![packet]));
+        assert_eq!(read_packet(&deep), None);
+        let mut good = encoder::encode(&message("/chladni/gain", vec![OscType::Float(1.5)])).unwrap();
+        for length in 0..good.len() {
+            let cut = read(&good[..length]);
+            assert!(cut.is_none_or(|m| m.iter().all(|m| m.value.is_none())), "cut to {length}");
+        }
+        good.extend([0; LONGEST_PACKET]);
+        assert_eq!(read(&good), None);
+    }
+
+    #[test]
+    fn damaged_packets_neither_panic_nor_hang() {
+        let inner = bundle(vec![message("/a/b", vec![OscType::Float(1.0), OscType::String("text".into())])]);
+        let good =
+            encoder::encode(&bundle(vec![inner, message("/c", vec![OscType::Blob(vec![7; 9])])])).unwrap();
+        let mut state = 7u64;
+        for _ in 0..20_000 {
+            let mut packet = good.clone();
+            for _ in 0..3 {
+                // Knuth's linear congruential generator.
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let at = (state >> 33) as usize % packet.len();
+                packet[at] = (state >> 24) as u8;
+            }
+            let _ = read(&packet);
+        }
+    }
+
+    #[test]
+    fn packets_come_in_over_udp_and_bad_ones_are_counted() {
+        let osc = Osc::listen(0).unwrap();
+        let sender = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let to = (Ipv4Addr::LOCALHOST, osc.port());
+        let packet = encoder::encode(&message("/1/fader1", vec![OscType::Float(0.75)])).unwrap();
+        let mut got = Vec::new();
+        // Loopback may drop packets under load; a controller would be moved on, too.
+        for _ in 0..100 {
+            sender.send_to(b"no osc at all", to).unwrap();
+            sender.send_to(&[b'/'; 4000], to).unwrap();
+            sender.send_to(&packet, to).unwrap();
+            std::thread::sleep(Duration::from_millis(20));
+            got.extend(osc.messages());
+            if !got.is_empty() && osc.counts().1 >= 2 {
+                break;
+            }
+        }
+        assert_eq!(got[0], Message { address: "/1/fader1".into(), value: Some(0.75) });
+        let (good, bad) = osc.counts();
+        assert!(good >= 1 && bad >= 2, "{good} {bad}");
+    }
+}
