@@ -7,12 +7,23 @@ Needs fluidsynth and a General MIDI sound font (Debian: fluidsynth, timgm6mb-sou
 Debian's openttd-openmsx, by several composers, are in /usr/share/games/openttd/baseset/openmsx.
 """
 import pathlib
+import shutil
 import subprocess
 import sys
 
 RATE_HZ = 44_100
 SECS = 40
 SOUND_FONT = "/usr/share/sounds/sf2/TimGM6mb.sf2"
+SONGS = pathlib.Path("/usr/share/games/openttd/baseset/openmsx")
+
+
+def installed():
+    """The songs that can be rendered here, in a fixed order; says so where there are none."""
+    songs = sorted(SONGS.glob("*.mid"))
+    if not songs or not shutil.which("fluidsynth") or not pathlib.Path(SOUND_FONT).exists():
+        print("skipped the MIDI songs: openttd-openmsx, fluidsynth or timgm6mb-soundfont is not installed", file=sys.stderr)
+        return []
+    return songs
 
 
 def variable_length(data, at):
@@ -74,7 +85,7 @@ def quarter_notes_secs(midi):
 
 
 def render(midi, folder):
-    """SECS of the song as mono WAV and its beats; the WAV's path."""
+    """SECS of the song as WAV and its beats; the WAV's path."""
     wav = folder / f"{midi.stem}.wav"
     raw = folder / f"{midi.stem}.raw.wav"
     subprocess.run(["fluidsynth", "-ni", "-q", "-g", "0.5", "-r", str(RATE_HZ), "-F", raw, SOUND_FONT, midi],

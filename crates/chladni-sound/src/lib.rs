@@ -31,7 +31,7 @@ mod spectrum;
 mod tune;
 
 pub use beat::{
-    BeatFollower, BeatMoment, BeatScore, Beats, ONSET_RATE_HZ, OnsetDetector, beat_score, track_beats,
+    BeatFollower, BeatMoment, BeatScore, Beats, ONSET_RATE_HZ, Onset, OnsetDetector, beat_score, track_beats,
     track_beats_causally,
 };
 pub use capture::{Capture, CaptureKind, CaptureLevel, CaptureSource, capture_sources};

@@ -1,7 +1,7 @@
 //! The beat while listening: no future samples.
 
 use super::meter::{Meter, Normaliser};
-use super::onset::{ONSET_RATE_HZ, OnsetDetector};
+use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 use crate::SoundError;
 
 /// What is known about the beat at a time.
@@ -19,7 +19,7 @@ pub struct BeatMoment {
 
 /// Share of the belief that is spread over all states at each beat, so that a lost tracker can
 /// find another tempo.
-const DOUBT: f32 = 0.002;
+const DOUBT: f32 = 0.001_35;
 /// Beats are not announced closer together than this share of a beat.
 const SHORTEST_GAP: f64 = 0.6;
 /// A beat that is only recognised this long after it happened is still announced.
@@ -35,7 +35,7 @@ pub struct BeatFollower {
     /// Probability of changing from tempo j to tempo i.
     change: Vec<f32>,
     onsets: OnsetDetector,
-    fresh: Vec<f32>,
+    fresh: Vec<Onset>,
     normaliser: Normaliser,
     rate_hz: f64,
     frames_heard: u64,
@@ -176,7 +176,7 @@ impl BeatFollower {
     }
 
     /// One frame: walk on, perhaps change tempo at a beat, weigh by what was heard.
-    fn step(&mut self, onset: f32) {
+    fn step(&mut self, onset: Onset) {
         let z = self.normaliser.next(onset);
         let t = self.frames_heard;
         self.frames_heard += 1;

@@ -8,14 +8,16 @@
 //! what a beat at this place makes one expect, less its mean. Random onsets then favour no tempo, a beat
 //! without an onset counts against, and so does an onset where none belongs.
 
-use super::onset::ONSET_RATE_HZ;
+use super::onset::{ONSET_RATE_HZ, Onset};
 
 pub(super) const SLOWEST_BPM: f64 = 42.0;
 pub(super) const FASTEST_BPM: f64 = 216.0;
 /// Expected onsets around a beat: a Gaussian of this many frames (20 ms).
 const BEAT_WIDTH: f64 = 2.0;
 /// What is expected halfway between two beats, as a share of what a beat makes.
-const OFFBEAT: f64 = 0.1;
+const OFFBEAT: f64 = 0.17;
+/// The same two thirds of the way, where the second note of a shuffle is.
+const SHUFFLE: f64 = 0.1;
 /// A change of period by the factor r costs this times |ln r|.
 const TEMPO_STIFFNESS: f64 = 90.0;
 /// Preferred tempo and its spread in octaves (as D. Ellis 2007, narrower).
@@ -76,7 +78,8 @@ fn template(place: usize, period: usize) -> f64 {
         let off = off.min(period as f64 - off);
         (-0.5 * (off / BEAT_WIDTH).powi(2)).exp()
     };
-    bump(0.0) + OFFBEAT * bump(period as f64 / 2.0)
+    let period = period as f64;
+    bump(0.0) + OFFBEAT * bump(period / 2.0) + SHUFFLE * bump(period * 2.0 / 3.0)
 }
 
 fn preference(period: usize) -> f64 {
@@ -84,25 +87,57 @@ fn preference(period: usize) -> f64 {
     (-0.5 * ((bpm / PREFERRED_BPM).log2() / SPREAD_OCTAVES).powi(2)).exp()
 }
 
-/// Brings onset strength to mean 0 and deviation 1 over the last seconds.
+/// The weight of what begins in the bass beside what begins in all bands.
+const BASS: f32 = 0.5;
+
+fn mix(all: f32, bass: f32) -> f32 {
+    (all + BASS * bass) / (1.0 + BASS * BASS).sqrt()
+}
+
+/// Brings onset strength to mean 0 and deviation about 1 over the last seconds, all bands and
+/// the bass each by itself, and mixes the two.
 #[derive(Clone, Copy)]
 pub(super) struct Normaliser {
+    all: Level,
+    bass: Level,
+}
+
+impl Normaliser {
+    pub fn new() -> Self {
+        Self { all: Level::new(), bass: Level::new() }
+    }
+
+    pub fn next(&mut self, onset: Onset) -> f32 {
+        mix(self.all.next(onset.all), self.bass.next(onset.bass))
+    }
+
+    /// The whole at once, with as much memory of what follows as of what came before.
+    pub fn both_ways(onsets: &[Onset]) -> Vec<f32> {
+        let part = |of: fn(&Onset) -> f32| Level::both_ways(&onsets.iter().map(of).collect::<Vec<_>>());
+        let (all, bass) = (part(|onset| onset.all), part(|onset| onset.bass));
+        all.iter().zip(&bass).map(|(&all, &bass)| mix(all, bass)).collect()
+    }
+}
+
+/// Mean and deviation of one strength over the last seconds.
+#[derive(Clone, Copy)]
+struct Level {
     mean: f64,
     square: f64,
     weight: f64,
 }
 
-/// Memory of the normaliser.
-const NORMAL_SECS: f64 = 5.0;
+/// Memory of the level.
+const NORMAL_SECS: f64 = 3.7;
 /// No onset says more than this many deviations.
 const MOST: f64 = 4.0;
 
-impl Normaliser {
-    pub fn new() -> Self {
+impl Level {
+    fn new() -> Self {
         Self { mean: 0.0, square: 0.0, weight: 0.0 }
     }
 
-    pub fn next(&mut self, onset: f32) -> f32 {
+    fn next(&mut self, onset: f32) -> f32 {
         let keep = (-1.0 / (NORMAL_SECS * ONSET_RATE_HZ)).exp();
         let onset = f64::from(onset);
         self.mean = keep * self.mean + (1.0 - keep) * onset;
@@ -118,8 +153,7 @@ impl Normaliser {
         if deviation < 1e-4 { 0.0 } else { ((onset - mean) / deviation).min(MOST) as f32 }
     }
 
-    /// The whole at once, with as much memory of what follows as of what came before.
-    pub fn both_ways(onsets: &[f32]) -> Vec<f32> {
+    fn both_ways(onsets: &[f32]) -> Vec<f32> {
         let run = |values: &mut dyn Iterator<Item = &f32>| {
             let mut state = Self::new();
             values

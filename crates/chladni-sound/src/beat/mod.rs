@@ -7,6 +7,6 @@ mod score;
 mod track;
 
 pub use follow::{BeatFollower, BeatMoment};
-pub use onset::{ONSET_RATE_HZ, OnsetDetector};
+pub use onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 pub use score::{BeatScore, beat_score};
 pub use track::{Beats, track_beats, track_beats_causally};

@@ -3,7 +3,8 @@
 //! Spectral flux over logarithmic bands with a maximum filter, so that a vibrato that wanders into
 //! the next band is no onset: SuperFlux (S. Böck and G. Widmer, "Maximum filter vibrato suppression
 //! for onset detection", DAFx 2013). Unlike there, magnitudes are taken relative to a slow
-//! follower of the level, so that a quiet master has the same onsets, and both channels are heard.
+//! follower of the level, so that a quiet master has the same onsets, and both channels are heard. What
+//! begins in the bass is told apart: a drum there is more often on the beat than a cymbal.
 
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
@@ -18,6 +19,8 @@ const WINDOW_SECS: f64 = 0.046;
 const BANDS_PER_OCTAVE: f64 = 24.0;
 const LOWEST_HZ: f64 = 30.0;
 const HIGHEST_HZ: f64 = 17_000.0;
+/// Bands below this are the bass.
+const BASS_HZ: f64 = 250.0;
 /// Compression: a band 20 dB below the level counts as ln 2, so that what is loud counts more.
 const COMPRESSION: f32 = 10.0;
 /// The level sinks by 1/e in this time.
@@ -27,6 +30,15 @@ const FLOOR: f32 = 3e-5;
 /// A frame is compared with the one this many frames before: there the window has moved by about
 /// half its effective width.
 const LAG: usize = 2;
+
+/// How much new sound begins at a moment, each at least 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Onset {
+    /// In all bands: their mean flux.
+    pub all: f32,
+    /// In the bands below 250 Hz.
+    pub bass: f32,
+}
 
 /// Streaming onset strength. Value n belongs to the time n / [`ONSET_RATE_HZ`] and needs
 /// [`latency_secs`](Self::latency_secs) of sound after it.
@@ -39,6 +51,8 @@ pub struct OnsetDetector {
     scratch: Vec<Complex<f32>>,
     /// For each band its first bin and its triangular weights.
     bands: Vec<(usize, Vec<f32>)>,
+    /// How many of them are the bass.
+    bass: usize,
     channels: [Channel; 2],
     /// Frame number (in samples) of the first sample that is kept.
     kept_from: i64,
@@ -61,6 +75,8 @@ impl OnsetDetector {
         let n = if n as f64 > 1.5 * rate * WINDOW_SECS { n / 2 } else { n }.max(64);
         let fft = RealFftPlanner::new().plan_fft_forward(n);
         let bands = bands(rate, n);
+        let centre_hz = |band: &(usize, Vec<f32>)| (band.0 + band.1.len() / 2) as f64 * rate / n as f64;
+        let bass = bands.iter().take_while(|band| centre_hz(band) < BASS_HZ).count();
         let quiet = vec![0.0; bands.len()];
         let channel = || Channel {
             // Before the first sample there was silence.
@@ -81,6 +97,7 @@ impl OnsetDetector {
             fft,
             channels: [channel(), channel()],
             bands,
+            bass,
             kept_from: -(n as i64) / 2,
             frames_done: 0,
             level: FLOOR,
@@ -97,8 +114,8 @@ impl OnsetDetector {
         self.frames_done
     }
 
-    /// Takes the next samples and appends the values that are now known to `out`, at least 0.
-    pub fn push(&mut self, left: &[f32], right: &[f32], out: &mut Vec<f32>) {
+    /// Takes the next samples and appends the values that are now known to `out`.
+    pub fn push(&mut self, left: &[f32], right: &[f32], out: &mut Vec<Onset>) {
         let count = left.len().min(right.len());
         self.channels[0].samples.extend_from_slice(&left[..count]);
         self.channels[1].samples.extend_from_slice(&right[..count]);
@@ -121,7 +138,7 @@ impl OnsetDetector {
         }
     }
 
-    fn frame(&mut self, start: usize) -> f32 {
+    fn frame(&mut self, start: usize) -> Onset {
         let n = self.window.len();
         let mut loudest = 0.0f32;
         for channel in &mut self.channels {
@@ -141,17 +158,24 @@ impl OnsetDetector {
         let fade = (-1.0 / (LEVEL_SECS * ONSET_RATE_HZ)).exp() as f32;
         self.level = loudest.max(self.level * fade).max(FLOOR);
         let scale = COMPRESSION / self.level;
-        let flux: f32 = self.channels.iter().map(|channel| flux(&channel.past, scale)).sum();
-        flux / (2.0 * self.bands.len() as f32)
+        let (mut all, mut bass) = (0.0, 0.0);
+        for channel in &self.channels {
+            let low = flux(&channel.past, scale, 0..self.bass);
+            bass += low;
+            all += low + flux(&channel.past, scale, self.bass..self.bands.len());
+        }
+        let mean = |sum: f32, bands: usize| sum / (2 * bands).max(1) as f32;
+        Onset { all: mean(all, self.bands.len()), bass: mean(bass, self.bass) }
     }
 }
 
-/// Sum over bands of what is new against the loudest of three neighbours `LAG` frames ago.
-fn flux(past: &[Vec<f32>; LAG + 1], scale: f32) -> f32 {
+/// Sum over some bands of what is new against the loudest of three neighbours `LAG` frames ago.
+fn flux(past: &[Vec<f32>; LAG + 1], scale: f32, bands: std::ops::Range<usize>) -> f32 {
     let (before, now) = (&past[0], &past[LAG]);
     let last = now.len().saturating_sub(1);
     let mut sum = 0.0;
-    for (b, &magnitude) in now.iter().enumerate() {
+    for b in bands {
+        let magnitude = now[b];
         let neighbours = &before[b.saturating_sub(1)..=(b + 1).min(last)];
         let loudest = neighbours.iter().fold(0.0f32, |a, &x| a.max(x));
         if magnitude > loudest {
@@ -200,7 +224,7 @@ mod tests {
     fn onsets(left: &[f32], right: &[f32]) -> Vec<f32> {
         let mut out = Vec::new();
         OnsetDetector::new(44_100).unwrap().push(left, right, &mut out);
-        out
+        out.iter().map(|onset| onset.all).collect()
     }
 
     #[test]
@@ -219,6 +243,28 @@ mod tests {
     }
 
     #[test]
+    fn a_drum_is_heard_in_the_bass_and_a_cymbal_is_not() {
+        let hit = |wave: &dyn Fn(f32) -> f32| -> Onset {
+            // Twice, so that the second finds a level to be measured against.
+            let sound: Vec<f32> = (0..66_150)
+                .map(|n| (n % 33_075) as f32 / 44_100.0)
+                .map(|t| wave(t) * (t / 0.02).min(1.0) * (-t / 0.1).exp())
+                .collect();
+            let mut out = Vec::new();
+            OnsetDetector::new(44_100).unwrap().push(&sound, &sound, &mut out);
+            let second = &out[50..];
+            let bass = second.iter().fold(0.0f32, |a, o| a.max(o.bass));
+            Onset { all: second.iter().fold(0.0f32, |a, o| a.max(o.all)), bass }
+        };
+        let drum = hit(&|t| (std::f32::consts::TAU * 60.0 * t).sin());
+        let cymbal = hit(&|t| {
+            (1..40).map(|h| (std::f32::consts::TAU * (6000.0 + 211.0 * h as f32) * t).sin() / 40.0).sum()
+        });
+        assert!(drum.bass > 2.0 * drum.all, "{drum:?}");
+        assert!(cymbal.bass < 0.2 * cymbal.all, "{cymbal:?}");
+    }
+
+    #[test]
     fn it_does_not_matter_how_the_sound_is_cut_into_blocks() {
         let tune = crate::sample_tune();
         let (left, right) = (&tune.left[..200_000], &tune.right[..200_000]);
@@ -228,6 +274,7 @@ mod tests {
         for (l, r) in left.chunks(733).zip(right.chunks(733)) {
             detector.push(l, r, &mut pieces);
         }
+        let pieces: Vec<f32> = pieces.iter().map(|onset| onset.all).collect();
         assert_eq!(whole, pieces);
     }
 

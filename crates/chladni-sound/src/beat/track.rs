@@ -3,8 +3,8 @@
 use chladni_task::{Cancelled, Task};
 
 use super::follow::BeatFollower;
-use super::meter::{Meter, Normaliser};
-use super::onset::{ONSET_RATE_HZ, OnsetDetector};
+use super::meter::{FASTEST_BPM, Meter, Normaliser};
+use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 use crate::{Song, SoundError};
 
 /// The beats of a song.
@@ -34,7 +34,7 @@ pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let onsets = onsets(song, task)?;
     let heard = Normaliser::both_ways(&onsets);
     let frames = best_path(&Meter::new(), &heard, task)?;
-    let frames = within_the_music(&frames, &heard);
+    let frames = at_the_pulse(within_the_music(&frames, &heard), &heard);
     let strengths = frames.iter().map(|&f| peak_near(&heard, f));
     let confidence = agreement(strengths, &heard);
     let beats_secs = frames.iter().map(|&f| refined(&heard, f) / ONSET_RATE_HZ).collect();
@@ -58,7 +58,7 @@ pub fn track_beats_causally(song: &Song, task: &Task) -> Result<Beats, SoundErro
     Ok(Beats::new(beats_secs, confidence))
 }
 
-fn onsets(song: &Song, task: &Task) -> Result<Vec<f32>, SoundError> {
+fn onsets(song: &Song, task: &Task) -> Result<Vec<Onset>, SoundError> {
     let mut detector = OnsetDetector::new(song.rate_hz)?;
     let stage = task.stage("finding onsets", song.frames() as u64);
     let mut onsets = Vec::new();
@@ -161,6 +161,27 @@ fn within_the_music<'a>(beats: &'a [usize], heard: &[f32]) -> &'a [usize] {
         (Some(first), Some(last)) => &beats[first..=last],
         _ => &[],
     }
+}
+
+/// What lies halfway between beats is as strong as the beats, to this share: nothing groups the
+/// pulses in pairs.
+const UNGROUPED: f32 = 0.95;
+
+/// The beats, or twice as many where those between them cannot be told from them.
+fn at_the_pulse(beats: &[usize], heard: &[f32]) -> Vec<usize> {
+    let between: Vec<usize> = beats.windows(2).map(|w| (w[0] + w[1]).div_ceil(2)).collect();
+    let strength = |frames: &[usize]| frames.iter().map(|&f| peak_near(heard, f)).sum::<f32>();
+    let fast = beats.len() > 1 && tempo_of_frames(beats) * 2.0 <= FASTEST_BPM;
+    // The last beat has none after it.
+    if !fast || strength(&between) < UNGROUPED * strength(&beats[..between.len()]) {
+        return beats.to_vec();
+    }
+    let pairs = beats.iter().zip(&between).flat_map(|(&beat, &between)| [beat, between]);
+    pairs.chain(beats.last().copied()).collect()
+}
+
+fn tempo_of_frames(beats: &[usize]) -> f64 {
+    tempo_of(&beats.iter().map(|&frame| frame as f64 / ONSET_RATE_HZ).collect::<Vec<_>>())
 }
 
 /// Mean strength of the beats over the mean of as many strongest moments, less what a beat by
