@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::graph::{Graph, NodeMap};
 use crate::landmarks::Pinned;
-use crate::project::nearest_facing;
+use crate::partners::Partners;
 use crate::surface::Surface;
 use crate::{MatchError, Similarity};
 
@@ -62,7 +62,8 @@ pub(crate) fn bend(
             let along = step as f64 / (level.iterations - 1) as f64;
             let between = |(a, b): (f64, f64)| a * (b / a).powf(along);
             let normals = vertex_normals(&bent, &shape.triangles);
-            let mut pulls = pulls(template, pose, &vertices, &bent, &normals, between(level.reach));
+            let mut pulls =
+                pulls(shape, &Partners::none(template), pose, &vertices, &bent, &normals, between(level.reach));
             let weight = 0.02 * vertices.len() as f64;
             pulls.extend(landmarks.iter().map(|l| Pull {
                 vertex: l.shape,
@@ -89,7 +90,8 @@ fn data_vertices(shape: &Surface, seed: u64) -> Vec<u32> {
 
 /// Where each data vertex is drawn to; weight 0 is left out.
 pub(crate) fn pulls(
-    template: &Surface,
+    shape: &Surface,
+    partners: &Partners,
     pose: &Similarity,
     vertices: &[u32],
     bent: &[DVec3],
@@ -98,11 +100,12 @@ pub(crate) fn pulls(
 ) -> Vec<Pull> {
     let back = pose.inverse();
     let turn = back.rotation_matrix();
+    let template = partners.template;
     vertices
         .par_iter()
         .filter_map(|&vertex| {
             let normal = turn * normals[vertex as usize];
-            let at = nearest_facing(template, back.at(bent[vertex as usize]), normal)?;
+            let at = partners.nearest(shape.component[vertex as usize], back.at(bent[vertex as usize]), normal)?;
             let facing = template.smooth_normal(&at).dot(normal);
             if facing < NORMAL_LIMIT || template.on_boundary(&at) {
                 return None;

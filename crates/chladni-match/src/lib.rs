@@ -49,6 +49,7 @@ mod icp;
 mod landmarks;
 mod laplacian;
 mod matching;
+mod partners;
 mod prealign;
 mod project;
 mod quality;
@@ -58,6 +59,7 @@ mod settle;
 mod similarity;
 mod sphere;
 mod surface;
+mod unfold;
 
 pub use analytic::{Ellipsoid, onto_ellipsoid, self_low_passed, self_scaled};
 pub use correspondence::{Correspondence, OnTemplate, same_connectivity};

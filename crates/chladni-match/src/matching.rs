@@ -7,12 +7,15 @@ use rayon::prelude::*;
 
 use crate::bend::{bend, vertex_normals};
 use crate::crossmap::{CrossMap, crossmap};
-use crate::landmarks::{self, Landmark};
+use crate::bvh::SurfacePoint;
+use crate::landmarks::{self, Landmark, Pinned};
+use crate::partners::Partners;
 use crate::prealign::{Pose, prealign};
-use crate::project::{self, confidence, nearest_facing};
+use crate::project::{self, confidence};
 use crate::settle::settle;
 use crate::surface::Surface;
-use crate::{Correspondence, MatchError, Report, Side, same_connectivity};
+use crate::unfold::unfold;
+use crate::{Correspondence, MatchError, Report, Side, Similarity, same_connectivity};
 
 /// How template points are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -69,13 +72,16 @@ pub fn match_shapes(
         Method::Same => (same_connectivity(shape, template)?, None, Vec::new()),
         Method::Icp => {
             let pose = align()?;
-            (closest_points(shape, &s, template, &t, &pose, &s.points)?, Some(pose), Vec::new())
+            (closest_points(shape, &s, template, &Partners::none(&t), &pose, &s.points, None)?, Some(pose), Vec::new())
         }
         Method::Fit => {
             let pose = align()?;
             let bent = bend(&s, &t, &pose.similarity, &pinned, settings.seed, task)?;
-            let settled = settle(&s, &t, &pose.similarity, bent, task)?;
-            (closest_points(shape, &s, template, &t, &pose, &settled)?, Some(pose), Vec::new())
+            let (laid, looking) = in_template(&s, &pose.similarity, &bent);
+            let partners = Partners::by_vote(&s, &t, &laid, &looking);
+            let settled = settle(&s, &partners, &pose.similarity, bent, task)?;
+            let found = closest_points(shape, &s, template, &partners, &pose, &settled, Some((&pinned, task)))?;
+            (found, Some(pose), Vec::new())
         }
         Method::Map => {
             let CrossMap { at, confidence, pose, warnings } = crossmap(&s, &t, &pinned, task)?;
@@ -88,28 +94,47 @@ pub fn match_shapes(
     Ok(Match { correspondence, report })
 }
 
-/// The closest point of the aligned template for each vertex, seen from where it was laid.
+/// The closest point of the aligned template for each vertex, seen from where it was laid;
+/// without folds, as far as possible, where `unfolded` says so.
 fn closest_points(
     shape_mesh: &TriMesh,
     shape: &Surface,
     template_mesh: &TriMesh,
-    template: &Surface,
+    partners: &Partners,
     pose: &Pose,
     laid: &[DVec3],
+    unfolding: Option<(&[Pinned], &Task)>,
 ) -> Result<Correspondence, MatchError> {
-    let back = pose.similarity.inverse();
-    let turn = back.rotation_matrix();
-    let (at, trust): (Vec<_>, Vec<_>) = laid
+    let template = partners.template;
+    let (laid, looking) = in_template(shape, &pose.similarity, laid);
+    let nearest = |((p, normal), of): ((&DVec3, &DVec3), &u32)| {
+        partners.nearest(*of, *p, *normal).ok_or(MatchError::NoSurface(Side::Template))
+    };
+    let mut at = laid
         .par_iter()
-        .zip(vertex_normals(laid, &shape.triangles))
-        .map(|(p, n)| {
-            let normal = turn * n;
-            let at =
-                nearest_facing(template, back.at(*p), normal).ok_or(MatchError::NoSurface(Side::Template))?;
-            Ok((at, confidence(template, &at, normal, pose.similarity.scale)))
+        .zip(&looking)
+        .zip(&shape.component)
+        .map(nearest)
+        .collect::<Result<Vec<_>, MatchError>>()?;
+    if let Some((pinned, task)) = unfolding {
+        let fixed: Vec<u32> = pinned.iter().map(|l| l.shape).collect();
+        unfold(shape, partners, &mut at, &looking, &fixed, task)?;
+    }
+    let trust: Vec<f64> = at
+        .par_iter()
+        .zip(laid.par_iter().zip(&looking))
+        .map(|(at, (p, normal))| {
+            let distance_squared = at.point.distance_squared(*p);
+            confidence(template, &SurfacePoint { distance_squared, ..*at }, *normal, pose.similarity.scale)
         })
-        .collect::<Result<Vec<_>, MatchError>>()?
-        .into_iter()
-        .unzip();
+        .collect();
     project::correspondence(shape_mesh, shape, template_mesh, template, &at, &trust, &pose.similarity)
+}
+
+/// Vertices of the shape and the ways they look, in the template's coordinates.
+fn in_template(shape: &Surface, pose: &Similarity, laid: &[DVec3]) -> (Vec<DVec3>, Vec<DVec3>) {
+    let back = pose.inverse();
+    let turn = back.rotation_matrix();
+    let normals = vertex_normals(laid, &shape.triangles);
+    (laid.iter().map(|p| back.at(*p)).collect(), normals.into_iter().map(|n| turn * n).collect())
 }

@@ -3,6 +3,7 @@
 
 use crate::bend::{pulls, vertex_normals};
 use crate::laplacian::Laplacian;
+use crate::partners::Partners;
 use crate::surface::Surface;
 use crate::{MatchError, Similarity};
 use chladni_task::Task;
@@ -12,7 +13,7 @@ use glam::DVec3;
 /// (shares of the diagonal). What the template does not have stays where the bending put it.
 pub(crate) fn settle(
     shape: &Surface,
-    template: &Surface,
+    partners: &Partners,
     pose: &Similarity,
     mut bent: Vec<DVec3>,
     task: &Task,
@@ -26,7 +27,7 @@ pub(crate) fn settle(
         let normals = vertex_normals(&bent, &shape.triangles);
         let mut w = vec![0.0; bent.len()];
         let mut b = vec![DVec3::ZERO; bent.len()];
-        for pull in pulls(template, pose, &all, &bent, &normals, 0.03) {
+        for pull in pulls(shape, partners, pose, &all, &bent, &normals, 0.03) {
             let v = pull.vertex as usize;
             w[v] = shape.areas[v] * pull.weight;
             b[v] = (pull.to - bent[v]) * w[v];
