@@ -74,7 +74,7 @@ impl Closed {
 }
 
 fn largest_component(surface: &Surface) -> u32 {
-    let mut area = vec![0.0; surface.component.iter().max().map_or(0, |c| *c as usize + 1)];
+    let mut area = vec![0.0; surface.components()];
     for (v, a) in surface.areas.iter().enumerate() {
         area[surface.component[v] as usize] += a;
     }

@@ -145,7 +145,7 @@ fn edges(surface: &Surface, nodes: &[u32], blend: &[Vec<(u32, f64)>]) -> Vec<(u3
     pairs.sort_unstable();
     pairs.dedup();
     let mut edges: Vec<(u32, u32, f64)> = pairs.into_iter().map(|(i, j)| (i, j, 1.0)).collect();
-    let components = surface.component.iter().max().map_or(0, |c| *c as usize + 1);
+    let components = surface.components();
     if components > 1 {
         let mut size = vec![0_usize; components];
         nodes.iter().for_each(|v| size[surface.component[*v as usize] as usize] += 1);

@@ -118,7 +118,7 @@ fn closest_points(
         .collect::<Result<Vec<_>, MatchError>>()?;
     if let Some((pinned, task)) = unfolding {
         let fixed: Vec<u32> = pinned.iter().map(|l| l.shape).collect();
-        unfold(shape, partners, &mut at, &looking, &fixed, task)?;
+        unfold(shape, partners, &mut at, &fixed, task)?;
     }
     let trust: Vec<f64> = at
         .par_iter()

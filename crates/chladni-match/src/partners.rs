@@ -34,17 +34,17 @@ impl<'a> Partners<'a> {
     /// The component that most of a component's area has nearest to it, where that is at least
     /// half. `laid` and `looking` are the shape's vertices and normals in the template's coordinates.
     pub fn by_vote(shape: &Surface, template: &'a Surface, laid: &[DVec3], looking: &[DVec3]) -> Self {
-        let pieces = count(template);
+        let pieces = template.components();
         if pieces == 1 {
             return Self::none(template);
         }
         let landed: Vec<Option<u32>> = laid
             .par_iter()
             .zip(looking)
-            .map(|(p, n)| Some(component(template, nearest_facing(template, *p, *n)?.triangle)))
+            .map(|(p, n)| Some(template.component_of(nearest_facing(template, *p, *n)?.triangle)))
             .collect();
         let mut votes = std::collections::HashMap::<(u32, u32), f64>::new();
-        let mut total = vec![0.0; count(shape)];
+        let mut total = vec![0.0; shape.components()];
         for (v, piece) in landed.iter().enumerate() {
             if let Some(piece) = piece {
                 *votes.entry((shape.component[v], *piece)).or_default() += shape.areas[v];
@@ -59,7 +59,7 @@ impl<'a> Partners<'a> {
         }
         let mut of_piece = vec![Vec::new(); pieces];
         for t in 0..template.triangles.len() as u32 {
-            of_piece[component(template, t) as usize].push(t);
+            of_piece[template.component_of(t) as usize].push(t);
         }
         let tree = |component: u32| {
             let triangle = of_piece[component as usize].clone();
@@ -74,7 +74,7 @@ impl<'a> Partners<'a> {
     pub fn nearest(&self, of: u32, position: DVec3, normal: DVec3) -> Option<SurfacePoint> {
         let any = nearest_facing(self.template, position, normal)?;
         let Some(Some(tree)) = self.trees.get(of as usize) else { return Some(any) };
-        if component(self.template, any.triangle) == tree.component {
+        if self.template.component_of(any.triangle) == tree.component {
             return Some(any);
         }
         let own = tree.bvh.closest(position, any.distance_squared.sqrt() / NEARER).map(|at| SurfacePoint {
@@ -83,12 +83,4 @@ impl<'a> Partners<'a> {
         });
         Some(own.filter(|at| self.template.smooth_normal(at).dot(normal) > 0.0).unwrap_or(any))
     }
-}
-
-fn component(surface: &Surface, triangle: u32) -> u32 {
-    surface.component[surface.triangles[triangle as usize][0] as usize]
-}
-
-fn count(surface: &Surface) -> usize {
-    surface.component.iter().max().map_or(0, |c| *c as usize + 1)
 }

@@ -109,6 +109,16 @@ impl Surface {
         self.bvh.closest(query, reach)
     }
 
+    /// How many components there are.
+    pub fn components(&self) -> usize {
+        self.component.iter().max().map_or(0, |c| *c as usize + 1)
+    }
+
+    /// The component of a triangle.
+    pub fn component_of(&self, triangle: u32) -> u32 {
+        self.component[self.triangles[triangle as usize][0] as usize]
+    }
+
     /// The vertices that share an edge with `v`.
     pub fn neighbours(&self, v: usize) -> &[u32] {
         &self.neighbours[self.neighbour_start[v] as usize..self.neighbour_start[v + 1] as usize]

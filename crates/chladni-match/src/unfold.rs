@@ -11,62 +11,76 @@ use crate::partners::Partners;
 use crate::surface::Surface;
 
 /// Rounds at most.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 40;
 /// Sweeps over the vertices of a round.
 const SWEEPS: usize = 4;
-/// Rings of vertices around a fold that move with it, at first and at last.
-const RINGS: (usize, usize) = (1, 5);
+/// Rings of vertices around a fold that move with it: one more every so many rounds.
+const ROUNDS_PER_RING: usize = 6;
 
-/// Whether the image `points` of a triangle, all on a template with these normals, is turned over.
+/// Whether the image of a triangle, `points` of a template with these `normals`, is turned over.
 pub(crate) fn turned_over([x, y, z]: [DVec3; 3], normals: [DVec3; 3]) -> bool {
     (y - x).cross(z - x).dot(normals.into_iter().sum()) < 0.0
 }
 
-/// Moves the points of vertices at folds, and ever more around those that stay, to the closest
-/// point of the mean of their neighbours' points. `normals` are the ways that vertices look in
-/// the template's coordinates; vertices in `fixed` stay. What does not lessen the folds is
-/// undone.
+/// Moves the points of vertices at folds, and ever more around those that stay, to the mean of
+/// their neighbours' points, on the template and facing as the neighbours' do. Vertices in
+/// `fixed` stay. Each component of the shape keeps the state in which it had the fewest folds.
 pub(crate) fn unfold(
     shape: &Surface,
     partners: &Partners,
-    at: &mut Vec<SurfacePoint>,
-    normals: &[DVec3],
+    at: &mut [SurfacePoint],
     fixed: &[u32],
     task: &Task,
 ) -> Result<(), MatchError> {
     let template = partners.template;
-    let stage = task.stage("unfolding", ROUNDS as u64);
-    let mut trial = at.clone();
+    let mut trial = at.to_vec();
     let mut folds = folded(shape, template, at);
-    let mut least = folds.len();
+    let mut least = per_component(shape, &folds);
+    let stage = task.stage("unfolding", ROUNDS as u64);
     for round in 0..ROUNDS {
         task.check()?;
         if folds.is_empty() {
             break;
         }
-        let rings = RINGS.0 + round * (RINGS.1 - RINGS.0) / (ROUNDS - 1);
-        let mut active = around(shape, &folds, rings);
+        let mut active = around(shape, &folds, 1 + round / ROUNDS_PER_RING);
         active.retain(|v| !fixed.contains(v));
         for _ in 0..SWEEPS {
             let moved: Vec<(u32, SurfacePoint)> = active
                 .par_iter()
-                .filter_map(|&v| {
-                    let near = shape.neighbours(v as usize);
-                    let mean = near.iter().map(|w| trial[*w as usize].point).sum::<DVec3>() / near.len() as f64;
-                    let found = partners.nearest(shape.component[v as usize], mean, normals[v as usize])?;
-                    found.point.is_finite().then_some((v, found))
-                })
+                .filter_map(|&v| Some((v, between_neighbours(shape, partners, &trial, v)?)))
                 .collect();
             moved.into_iter().for_each(|(v, point)| trial[v as usize] = point);
         }
         folds = folded(shape, template, &trial);
-        if folds.len() < least {
-            least = folds.len();
-            at.clone_from(&trial);
+        let count = per_component(shape, &folds);
+        for (v, c) in shape.component.iter().enumerate() {
+            if count[*c as usize] < least[*c as usize] {
+                at[v] = trial[v];
+            }
         }
+        least.iter_mut().zip(count).for_each(|(least, count)| *least = count.min(*least));
         stage.advance(1);
     }
     Ok(())
+}
+
+/// The template's point closest to the mean of those of a vertex's neighbours.
+fn between_neighbours(
+    shape: &Surface,
+    partners: &Partners,
+    at: &[SurfacePoint],
+    v: u32,
+) -> Option<SurfacePoint> {
+    let (mut sum, mut looking) = (DVec3::ZERO, DVec3::ZERO);
+    let neighbours = shape.neighbours(v as usize);
+    for w in neighbours {
+        let point = &at[*w as usize];
+        sum += point.point;
+        looking += partners.template.smooth_normal(point);
+    }
+    let mean = sum / neighbours.len() as f64;
+    let found = partners.nearest(shape.component[v as usize], mean, looking.normalize_or_zero())?;
+    found.point.is_finite().then_some(found)
 }
 
 /// The triangles that are turned over.
@@ -78,27 +92,36 @@ fn folded(shape: &Surface, template: &Surface, at: &[SurfacePoint]) -> Vec<u32> 
     (0..shape.triangles.len() as u32).into_par_iter().filter(turned).collect()
 }
 
+/// How many of `triangles` each component has.
+fn per_component(shape: &Surface, triangles: &[u32]) -> Vec<usize> {
+    let mut count = vec![0; shape.components()];
+    for t in triangles {
+        count[shape.component_of(*t) as usize] += 1;
+    }
+    count
+}
+
 /// The vertices of `triangles` and those within `rings` edges of them, in order.
 fn around(shape: &Surface, triangles: &[u32], rings: usize) -> Vec<u32> {
     let mut inside = vec![false; shape.points.len()];
-    let mut front: Vec<u32> = Vec::new();
-    let mut enter = |v: u32, front: &mut Vec<u32>| {
+    let mut reached: Vec<u32> = Vec::new();
+    let mut reach = |v: u32, reached: &mut Vec<u32>| {
         if !std::mem::replace(&mut inside[v as usize], true) {
-            front.push(v);
+            reached.push(v);
         }
     };
     for t in triangles {
-        shape.triangles[*t as usize].into_iter().for_each(|v| enter(v, &mut front));
+        shape.triangles[*t as usize].into_iter().for_each(|v| reach(v, &mut reached));
     }
     let mut begin = 0;
     for _ in 0..rings {
-        let end = front.len();
+        let end = reached.len();
         for i in begin..end {
-            let v = front[i];
-            shape.neighbours(v as usize).iter().for_each(|w| enter(*w, &mut front));
+            let v = reached[i];
+            shape.neighbours(v as usize).iter().for_each(|w| reach(*w, &mut reached));
         }
         begin = end;
     }
-    front.sort_unstable();
-    front
+    reached.sort_unstable();
+    reached
 }
