@@ -57,13 +57,13 @@ pub(crate) fn bend(
     let stage = task.stage("bending", LEVELS.iter().map(|l| l.iterations as u64).sum());
     for level in &LEVELS {
         let graph = Graph::new(shape, level.nodes.min(shape.points.len()), seed);
+        let partners = Partners::by_vote(shape, template, pose, &bent);
         for step in 0..level.iterations {
             task.check()?;
             let along = step as f64 / (level.iterations - 1) as f64;
             let between = |(a, b): (f64, f64)| a * (b / a).powf(along);
             let normals = vertex_normals(&bent, &shape.triangles);
-            let mut pulls =
-                pulls(shape, &Partners::none(template), pose, &vertices, &bent, &normals, between(level.reach));
+            let mut pulls = pulls(shape, &partners, pose, &vertices, &bent, &normals, between(level.reach));
             let weight = 0.02 * vertices.len() as f64;
             pulls.extend(landmarks.iter().map(|l| Pull {
                 vertex: l.shape,
@@ -105,7 +105,8 @@ pub(crate) fn pulls(
         .par_iter()
         .filter_map(|&vertex| {
             let normal = turn * normals[vertex as usize];
-            let at = partners.nearest(shape.component[vertex as usize], back.at(bent[vertex as usize]), normal)?;
+            let at =
+                partners.nearest(shape.component[vertex as usize], back.at(bent[vertex as usize]), normal)?;
             let facing = template.smooth_normal(&at).dot(normal);
             if facing < NORMAL_LIMIT || template.on_boundary(&at) {
                 return None;

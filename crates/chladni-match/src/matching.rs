@@ -5,17 +5,17 @@ use chladni_task::Task;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::bend::{bend, vertex_normals};
-use crate::crossmap::{CrossMap, crossmap};
+use crate::bend::bend;
 use crate::bvh::SurfacePoint;
+use crate::crossmap::{CrossMap, crossmap};
 use crate::landmarks::{self, Landmark, Pinned};
-use crate::partners::Partners;
+use crate::partners::{Partners, in_template};
 use crate::prealign::{Pose, prealign};
 use crate::project::{self, confidence};
 use crate::settle::settle;
 use crate::surface::Surface;
 use crate::unfold::unfold;
-use crate::{Correspondence, MatchError, Report, Side, Similarity, same_connectivity};
+use crate::{Correspondence, MatchError, Report, Side, same_connectivity};
 
 /// How template points are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -72,15 +72,19 @@ pub fn match_shapes(
         Method::Same => (same_connectivity(shape, template)?, None, Vec::new()),
         Method::Icp => {
             let pose = align()?;
-            (closest_points(shape, &s, template, &Partners::none(&t), &pose, &s.points, None)?, Some(pose), Vec::new())
+            (
+                closest_points(shape, &s, template, &Partners::none(&t), &pose, &s.points, None)?,
+                Some(pose),
+                Vec::new(),
+            )
         }
         Method::Fit => {
             let pose = align()?;
             let bent = bend(&s, &t, &pose.similarity, &pinned, settings.seed, task)?;
-            let (laid, looking) = in_template(&s, &pose.similarity, &bent);
-            let partners = Partners::by_vote(&s, &t, &laid, &looking);
+            let partners = Partners::by_vote(&s, &t, &pose.similarity, &bent);
             let settled = settle(&s, &partners, &pose.similarity, bent, task)?;
-            let found = closest_points(shape, &s, template, &partners, &pose, &settled, Some((&pinned, task)))?;
+            let found =
+                closest_points(shape, &s, template, &partners, &pose, &settled, Some((&pinned, task)))?;
             (found, Some(pose), Vec::new())
         }
         Method::Map => {
@@ -129,12 +133,4 @@ fn closest_points(
         })
         .collect();
     project::correspondence(shape_mesh, shape, template_mesh, template, &at, &trust, &pose.similarity)
-}
-
-/// Vertices of the shape and the ways they look, in the template's coordinates.
-fn in_template(shape: &Surface, pose: &Similarity, laid: &[DVec3]) -> (Vec<DVec3>, Vec<DVec3>) {
-    let back = pose.inverse();
-    let turn = back.rotation_matrix();
-    let normals = vertex_normals(laid, &shape.triangles);
-    (laid.iter().map(|p| back.at(*p)).collect(), normals.into_iter().map(|n| turn * n).collect())
 }

@@ -4,6 +4,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::Similarity;
+use crate::bend::vertex_normals;
 use crate::bvh::{Bvh, SurfacePoint};
 use crate::project::nearest_facing;
 use crate::surface::Surface;
@@ -32,15 +34,16 @@ impl<'a> Partners<'a> {
     }
 
     /// The component that most of a component's area has nearest to it, where that is at least
-    /// half. `laid` and `looking` are the shape's vertices and normals in the template's coordinates.
-    pub fn by_vote(shape: &Surface, template: &'a Surface, laid: &[DVec3], looking: &[DVec3]) -> Self {
+    /// half, with the shape's vertices where they are `laid` in its own coordinates.
+    pub fn by_vote(shape: &Surface, template: &'a Surface, pose: &Similarity, laid: &[DVec3]) -> Self {
         let pieces = template.components();
         if pieces == 1 {
             return Self::none(template);
         }
+        let (laid, looking) = in_template(shape, pose, laid);
         let landed: Vec<Option<u32>> = laid
             .par_iter()
-            .zip(looking)
+            .zip(&looking)
             .map(|(p, n)| Some(template.component_of(nearest_facing(template, *p, *n)?.triangle)))
             .collect();
         let mut votes = std::collections::HashMap::<(u32, u32), f64>::new();
@@ -77,10 +80,18 @@ impl<'a> Partners<'a> {
         if self.template.component_of(any.triangle) == tree.component {
             return Some(any);
         }
-        let own = tree.bvh.closest(position, any.distance_squared.sqrt() / NEARER).map(|at| SurfacePoint {
-            triangle: tree.triangle[at.triangle as usize],
-            ..at
-        });
+        let own = tree
+            .bvh
+            .closest(position, any.distance_squared.sqrt() / NEARER)
+            .map(|at| SurfacePoint { triangle: tree.triangle[at.triangle as usize], ..at });
         Some(own.filter(|at| self.template.smooth_normal(at).dot(normal) > 0.0).unwrap_or(any))
     }
+}
+
+/// The shape's vertices, as they are `laid`, and the ways they look, in the template's coordinates.
+pub(crate) fn in_template(shape: &Surface, pose: &Similarity, laid: &[DVec3]) -> (Vec<DVec3>, Vec<DVec3>) {
+    let back = pose.inverse();
+    let turn = back.rotation_matrix();
+    let normals = vertex_normals(laid, &shape.triangles);
+    (laid.iter().map(|p| back.at(*p)).collect(), normals.into_iter().map(|n| turn * n).collect())
 }
