@@ -1,6 +1,8 @@
 //! Which component of the template each component of the shape belongs to, so that lips do not
 //! land on teeth.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -16,12 +18,13 @@ const NEARER: f64 = 0.3;
 /// A template whose components know the shape's.
 pub(crate) struct Partners<'a> {
     pub template: &'a Surface,
-    /// For each component of the shape the tree of its partner; empty where the template is one piece.
-    trees: Vec<Option<Tree>>,
+    /// For each component of the shape its partner; empty where the template is one piece.
+    partner: Vec<Option<u32>>,
+    /// The template's components that are somebody's partner.
+    trees: HashMap<u32, Tree>,
 }
 
 struct Tree {
-    component: u32,
     /// The template's triangle of each of the tree's.
     triangle: Vec<u32>,
     bvh: Bvh,
@@ -30,7 +33,7 @@ struct Tree {
 impl<'a> Partners<'a> {
     /// Every point of the template is anybody's.
     pub fn none(template: &'a Surface) -> Self {
-        Self { template, trees: Vec::new() }
+        Self { template, partner: Vec::new(), trees: HashMap::new() }
     }
 
     /// The component that most of a component's area has nearest to it, where that is at least
@@ -46,7 +49,7 @@ impl<'a> Partners<'a> {
             .zip(&looking)
             .map(|(p, n)| Some(template.component_of(nearest_facing(template, *p, *n)?.triangle)))
             .collect();
-        let mut votes = std::collections::HashMap::<(u32, u32), f64>::new();
+        let mut votes = HashMap::<(u32, u32), f64>::new();
         let mut total = vec![0.0; shape.components()];
         for (v, piece) in landed.iter().enumerate() {
             if let Some(piece) = piece {
@@ -60,24 +63,27 @@ impl<'a> Partners<'a> {
                 partner[from as usize] = Some(to);
             }
         }
-        let mut of_piece = vec![Vec::new(); pieces];
+        let mut triangles: HashMap<u32, Vec<u32>> =
+            partner.iter().flatten().map(|c| (*c, Vec::new())).collect();
         for t in 0..template.triangles.len() as u32 {
-            of_piece[template.component_of(t) as usize].push(t);
+            if let Some(list) = triangles.get_mut(&template.component_of(t)) {
+                list.push(t);
+            }
         }
-        let tree = |component: u32| {
-            let triangle = of_piece[component as usize].clone();
-            let triangles: Vec<_> = triangle.iter().map(|t| template.triangles[*t as usize]).collect();
-            Tree { component, triangle, bvh: Bvh::new(&template.points, &triangles) }
+        let tree = |(component, triangle): (u32, Vec<u32>)| {
+            let corners: Vec<_> = triangle.iter().map(|t| template.triangles[*t as usize]).collect();
+            (component, Tree { bvh: Bvh::new(&template.points, &corners), triangle })
         };
-        Self { template, trees: partner.into_iter().map(|p| p.map(tree)).collect() }
+        Self { template, partner, trees: triangles.into_iter().map(tree).collect() }
     }
 
     /// The nearest facing point of the template for a vertex of the shape's component `of`: its
     /// partner's, unless something else is much nearer.
     pub fn nearest(&self, of: u32, position: DVec3, normal: DVec3) -> Option<SurfacePoint> {
         let any = nearest_facing(self.template, position, normal)?;
-        let Some(Some(tree)) = self.trees.get(of as usize) else { return Some(any) };
-        if self.template.component_of(any.triangle) == tree.component {
+        let Some(Some(partner)) = self.partner.get(of as usize) else { return Some(any) };
+        let Some(tree) = self.trees.get(partner) else { return Some(any) };
+        if self.template.component_of(any.triangle) == *partner {
             return Some(any);
         }
         let own = tree
@@ -94,4 +100,54 @@ pub(crate) fn in_template(shape: &Surface, pose: &Similarity, laid: &[DVec3]) ->
     let turn = back.rotation_matrix();
     let normals = vertex_normals(laid, &shape.triangles);
     (laid.iter().map(|p| back.at(*p)).collect(), normals.into_iter().map(|n| turn * n).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::{TriMesh, samples};
+
+    use super::*;
+    use crate::Side;
+
+    /// Two spheres, one inside the other.
+    fn nested(outer: f64, inner: f64) -> Surface {
+        let ball = samples::icosphere(3);
+        let n = ball.positions.len() as u32;
+        let mesh = TriMesh {
+            positions: [outer, inner]
+                .iter()
+                .flat_map(|r| ball.positions.iter().map(move |p| p.map(|x| r * x)))
+                .collect(),
+            triangles: [0, n]
+                .iter()
+                .flat_map(|k| ball.triangles.iter().map(move |t| t.map(|v| v + k)))
+                .collect(),
+            ..TriMesh::default()
+        };
+        Surface::new(&mesh, Side::Template).unwrap()
+    }
+
+    #[test]
+    fn a_dent_stays_on_the_skin_it_belongs_to() {
+        let template = nested(1.0, 0.9);
+        // The shape's outer skin, dented on one side until the inner one is nearer.
+        let shape = nested(1.0, 0.9);
+        let dent = |p: &DVec3| if p.x > 0.1 { *p * 0.93 } else { *p };
+        let laid: Vec<DVec3> = shape.points.iter().map(dent).collect();
+        let outer = shape.component[0];
+        let dented = |v: &usize| shape.component[*v] == outer && shape.points[*v].x > 0.1;
+        let landed = |partners: &Partners, v: usize| {
+            let at = partners.nearest(outer, laid[v], shape.normals[v]).unwrap();
+            template.component_of(at.triangle)
+        };
+        let (none, voted) =
+            (Partners::none(&template), Partners::by_vote(&shape, &template, &Similarity::IDENTITY, &laid));
+        let mut tested = 0;
+        for v in (0..laid.len()).filter(dented) {
+            assert_ne!(landed(&none, v), outer);
+            assert_eq!(landed(&voted, v), outer);
+            tested += 1;
+        }
+        assert!(tested > 100);
+    }
 }

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use crate::prealign::Pose;
 use crate::surface::Surface;
+use crate::unfold::turned_over;
 use crate::{Correspondence, MatchError, Side};
 
 /// Numbers that say how far a correspondence can be trusted. Distances are shares of the
@@ -146,10 +147,9 @@ impl Distortion {
         for (t, corners) in shape.triangles.iter().enumerate() {
             let [a, b, c] = corners.map(|v| shape.points[v as usize]);
             let [x, y, z] = corners.map(|v| target[v as usize]);
-            let image = (y - x).cross(z - x);
             let up: DVec3 = corners.iter().filter_map(|v| facing[*v as usize]).sum();
             let reference = if up == DVec3::ZERO { shape.triangle_normals[t] } else { up };
-            flipped += usize::from(image.dot(reference) < 0.0);
+            flipped += usize::from(turned_over([x, y, z], reference));
             ratios.push(stretch([a, b, c], [x, y, z]));
         }
         ratios.sort_by(f64::total_cmp);

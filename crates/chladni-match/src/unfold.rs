@@ -17,9 +17,9 @@ const SWEEPS: usize = 4;
 /// Rings of vertices around a fold that move with it: one more every so many rounds.
 const ROUNDS_PER_RING: usize = 6;
 
-/// Whether the image of a triangle, `points` of a template with these `normals`, is turned over.
-pub(crate) fn turned_over([x, y, z]: [DVec3; 3], normals: [DVec3; 3]) -> bool {
-    (y - x).cross(z - x).dot(normals.into_iter().sum()) < 0.0
+/// Whether a triangle looks away from `up`, the sum of the template's normals at its corners.
+pub(crate) fn turned_over([x, y, z]: [DVec3; 3], up: DVec3) -> bool {
+    (y - x).cross(z - x).dot(up) < 0.0
 }
 
 /// Moves the points of vertices at folds, and ever more around those that stay, to the mean of
@@ -87,7 +87,8 @@ fn between_neighbours(
 fn folded(shape: &Surface, template: &Surface, at: &[SurfacePoint]) -> Vec<u32> {
     let turned = |t: &u32| {
         let points = shape.triangles[*t as usize].map(|v| at[v as usize]);
-        turned_over(points.map(|p| p.point), points.map(|p| template.triangle_normals[p.triangle as usize]))
+        let up = points.iter().map(|p| template.triangle_normals[p.triangle as usize]).sum();
+        turned_over(points.map(|p| p.point), up)
     };
     (0..shape.triangles.len() as u32).into_par_iter().filter(turned).collect()
 }
@@ -124,4 +125,30 @@ fn around(shape: &Surface, triangles: &[u32], rings: usize) -> Vec<u32> {
     }
     reached.sort_unstable();
     reached
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::samples;
+
+    use super::*;
+    use crate::Side;
+
+    #[test]
+    fn a_crumpled_patch_is_smoothed_out_and_the_rest_left_alone() {
+        let sphere = Surface::new(&samples::icosphere(4), Side::Shape).unwrap();
+        let closest = |p: &DVec3| sphere.closest(*p, f64::INFINITY).unwrap();
+        let straight: Vec<SurfacePoint> = sphere.points.iter().map(closest).collect();
+        let crumple = |p: &DVec3| {
+            let wave = DVec3::new((97.0 * p.y).sin(), (83.0 * p.z).sin(), (71.0 * p.x).sin());
+            closest(&(*p + if p.x > 0.2 { wave * 0.05 } else { DVec3::ZERO }))
+        };
+        let mut at: Vec<SurfacePoint> = sphere.points.iter().map(crumple).collect();
+        assert!(folded(&sphere, &sphere, &at).len() > 200);
+        unfold(&sphere, &Partners::none(&sphere), &mut at, &[], &Task::new()).unwrap();
+        assert_eq!(folded(&sphere, &sphere, &at).len(), 0);
+        for (now, before) in at.iter().zip(&straight).filter(|(_, p)| p.point.x < 0.0) {
+            assert_eq!(now.point, before.point);
+        }
+    }
 }
