@@ -167,10 +167,15 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut
         if ui.button("Invert").clicked() {
             paint(PaintEdit::Invert);
         }
-        if ui.button("Grow").on_hover_text("One ring of vertices more").clicked() {
+        let tool = |ui: &mut Ui, mark, name, tip| {
+            let button = ui.button(icon::text(mark)).on_hover_text(tip);
+            theme::name(&button, name);
+            button.clicked()
+        };
+        if tool(ui, Icon::CirclePlus, "Grow", "Grow: one ring of vertices more") {
             paint(PaintEdit::Grow);
         }
-        if ui.button("Shrink").on_hover_text("One ring of vertices less").clicked() {
+        if tool(ui, Icon::CircleMinus, "Shrink", "Shrink: one ring of vertices less") {
             paint(PaintEdit::Shrink);
         }
     });

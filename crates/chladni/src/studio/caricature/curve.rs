@@ -109,6 +109,11 @@ fn paint(ui: &Ui, rect: Rect, plot: Rect, curve: &ScaleCurve, spectrum: &[Bar], 
         let y = to_screen(plot, [0.0, gain]).y;
         painter.hline(plot.x_range(), y, Stroke::new(1.0, palette.line.gamma_multiply(0.7)));
     }
+    if spectrum.is_empty() {
+        let font = egui::FontId::proportional(11.5);
+        let text = "the difference appears here";
+        painter.text(plot.center_top() + vec2(0.0, 10.0), egui::Align2::CENTER_TOP, text, font, palette.weak);
+    }
     paint_spectrum(&painter, plot, spectrum, palette.weak.gamma_multiply(0.45));
     let steps = (plot.width() / 2.0).ceil().max(2.0) as usize;
     let line: Vec<Pos2> = (0..=steps)

@@ -8,6 +8,7 @@ mod curve;
 mod edits;
 mod export;
 mod files;
+mod footer;
 mod heat;
 mod landmarks;
 mod layers;
@@ -221,6 +222,10 @@ impl CaricatureRoom {
             }
         }
         if let Some(session) = &mut self.session {
+            match session.pump_harmonics(&shared.ctx) {
+                Ok(changed) => self.stale |= changed,
+                Err(why) => shared.notices.error(why),
+            }
             let (message, changed) = session.pump_matches(&shared.ctx);
             if let Some(message) = message {
                 shared.notices.warn(message);
@@ -332,6 +337,7 @@ impl CaricatureRoom {
     fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, edits: &mut Edits) {
         let Some(session) = &mut self.session else { return };
         egui::Panel::left("layers").exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {
+            egui::Panel::bottom("shape").show(ui, |ui| footer::show(ui, session, shared.settings, edits));
             egui::ScrollArea::vertical().show(ui, |ui| {
                 let mut selected = session.selected;
                 self.layers.show(ui, session.project(), &self.thumbnails, &mut selected, edits);

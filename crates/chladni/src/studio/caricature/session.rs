@@ -40,13 +40,18 @@ pub fn load(candidate: Candidate, task: &Task) -> Result<Loaded, String> {
     let Candidate { project, path, recovered } = candidate;
     let folder = path.as_deref().and_then(Path::parent);
     let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
-    let harmonics = project.harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
-    let cache = crate::cli::basis_cache();
-    let (body, report) = Body::load_or_build(&mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
-        .map_err(|error| error.to_string())?;
+    let (body, report) = solve(&mesh, project.harmonics, task)?;
     let look = OwnLook::of(&mesh, &body, &mut warnings);
     let (mesh, body) = (Arc::new(mesh), Arc::new(body));
     Ok(Loaded { project, path, recovered, mesh, body, look, report, warnings })
+}
+
+/// The first `harmonics` harmonics of `mesh`, or all it has where those are fewer.
+fn solve(mesh: &TriMesh, harmonics: usize, task: &Task) -> Result<(Body, BuildReport), String> {
+    let harmonics = harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
+    let cache = crate::cli::basis_cache();
+    Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
+        .map_err(|error| error.to_string())
 }
 
 /// A project with everything it needs to be drawn and changed.
@@ -66,6 +71,9 @@ pub struct Session {
     /// Triangles that each layer folds, in the order of the evaluation.
     pub folds: Vec<Vec<u32>>,
     matching: Option<(MatchRequest, Job<Result<Matched, Error>>)>,
+    /// K that was last asked for, whether or not the shape has as many.
+    harmonics: usize,
+    solving: Option<Job<Result<(Body, BuildReport), String>>>,
 }
 
 impl Session {
@@ -74,6 +82,7 @@ impl Session {
         let mut stack = Stack::new(loaded.body).map_err(|error| error.to_string())?;
         let evaluation = stack.evaluate(&loaded.project);
         let selected = loaded.project.layers().last().map(|(id, _)| *id);
+        let harmonics = loaded.project.harmonics;
         Ok(Self {
             history: if recovered {
                 History::recovered(loaded.project)
@@ -87,6 +96,8 @@ impl Session {
             selected,
             folds: Vec::new(),
             matching: None,
+            harmonics,
+            solving: None,
         })
     }
 
@@ -204,6 +215,35 @@ impl Session {
             self.matching = Some((request.clone(), self.start_match(request, ctx)));
         }
         (message, changed)
+    }
+
+    /// Solves for another number of harmonics where the project asks for one, and takes them in.
+    /// True where they have come; an error says why they did not.
+    pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<bool, String> {
+        let wanted = self.project().harmonics;
+        if wanted != self.harmonics {
+            self.harmonics = wanted;
+            let mesh = Arc::clone(&self.mesh);
+            let work = move |task: &Task| solve(&mesh, wanted, task);
+            self.solving = Some(Job::start(format!("Solving for {wanted} harmonics"), ctx, work));
+        }
+        let outcome = match self.solving.as_ref().map(Job::poll) {
+            None | Some(Outcome::Running) => return Ok(false),
+            Some(Outcome::Done(outcome)) => outcome,
+            Some(Outcome::Lost) => Err("Solving broke off; this is a bug.".into()),
+        };
+        self.solving = None;
+        let (body, _) = outcome?;
+        // Targets belong to a basis: they are matched again.
+        self.matching = None;
+        self.stack = Stack::new(Arc::new(body)).map_err(|error| error.to_string())?;
+        self.refresh();
+        Ok(true)
+    }
+
+    /// The harmonics that are being solved for.
+    pub fn solving(&self) -> Option<&Job<Result<(Body, BuildReport), String>>> {
+        self.solving.as_ref()
     }
 
     fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Result<Matched, Error>> {

@@ -1,0 +1,118 @@
+//! The foot of the layer panel: how large the shape is, and what its harmonics are worth.
+
+use chladni_caricature::Action;
+use chladni_harmonics::{Basis, Certificate};
+use egui::{RichText, Ui};
+
+use super::edits::Edits;
+use super::session::Session;
+use crate::studio::icon::{self, Icon};
+use crate::studio::job;
+use crate::studio::settings::Settings;
+use crate::studio::theme;
+
+/// Numbers of harmonics on offer.
+const CHOICES: [usize; 5] = [64, 128, 256, 512, 1024];
+/// Where the arithmetic ends and something is wrong: a relative residual of a good solve stays
+/// far below.
+const GOOD_RESIDUAL: f64 = 1e-6;
+/// The same for ⟨H_j, H_k⟩.
+const GOOD_ORTHOGONALITY: f64 = 1e-8;
+
+/// Draws it.
+pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut Edits) {
+    let palette = theme::palette(ui);
+    let body = session.stack.body();
+    ui.add_space(theme::GAP_SMALL);
+    if let Some(solving) = session.solving() {
+        job::show_progress(ui, solving);
+        return;
+    }
+    ui.horizontal(|ui| {
+        let vertices = format!("{} vertices", grouped(session.mesh.positions.len()));
+        ui.label(RichText::new(vertices).small().color(palette.weak));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let good = is_good(&body.basis.certificate);
+            let (mark, color) =
+                if good { (Icon::BadgeCheck, palette.good) } else { (Icon::TriangleAlert, palette.warning) };
+            let label = icon::label(mark, &format!("{} harmonics", grouped(body.basis.harmonics())));
+            let menu = ui.menu_button(RichText::new(label).small().color(color), |ui| {
+                ui.label(RichText::new("How much detail to take apart").color(palette.weak));
+                for choice in CHOICES {
+                    let chosen = session.project().harmonics == choice;
+                    if ui.selectable_label(chosen, format!("{} harmonics", grouped(choice))).clicked() {
+                        settings.harmonics = choice;
+                        edits.once(Action::SetHarmonics(choice));
+                        ui.close();
+                    }
+                }
+            });
+            menu.response.on_hover_ui(|ui| certificate(ui, &body.basis));
+        });
+    });
+    ui.add_space(theme::GAP_SMALL);
+}
+
+/// Whether nothing about the harmonics is in doubt.
+fn is_good(certificate: &Certificate) -> bool {
+    certificate.inertia_counts_match
+        && certificate.max_relative_residual < GOOD_RESIDUAL
+        && certificate.max_orthogonality_error < GOOD_ORTHOGONALITY
+}
+
+/// The certificate in plain words.
+fn certificate(ui: &mut Ui, basis: &Basis) {
+    let palette = theme::palette(ui);
+    let Certificate { inertia_counts_match, max_relative_residual, max_orthogonality_error } =
+        basis.certificate;
+    ui.set_max_width(360.0);
+    ui.label(
+        RichText::new("The harmonics are the natural vibrations of this shape, from the broadest.").strong(),
+    );
+    let line = |ui: &mut Ui, good: bool, text: String| {
+        let (mark, color) = if good { (Icon::Check, palette.good) } else { (Icon::X, palette.warning) };
+        ui.horizontal_top(|ui| {
+            ui.label(RichText::new(icon::text(mark)).color(color));
+            ui.add(egui::Label::new(text).wrap());
+        });
+    };
+    let complete = if inertia_counts_match {
+        "Complete: an independent count finds as many below the last one, so none is missing and none is double."
+    } else {
+        "Not certified complete: an independent count does not agree, some may be missing."
+    };
+    line(ui, inertia_counts_match, complete.into());
+    line(
+        ui,
+        max_relative_residual < GOOD_RESIDUAL,
+        format!("Exact: the worst solves its equation to {max_relative_residual:.0e} of its size."),
+    );
+    line(
+        ui,
+        max_orthogonality_error < GOOD_ORTHOGONALITY,
+        format!("Independent: any two overlap by at most {max_orthogonality_error:.0e}."),
+    );
+    ui.label(RichText::new("Click to take another number of them.").color(palette.weak));
+}
+
+/// A whole number with a thin space between thousands.
+pub fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut out = String::with_capacity(digits.len() + 4);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index) % 3 == 0 {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn thousands_stand_apart() {
+        let grouped = |n| super::grouped(n).replace('\u{202f}', "_");
+        assert_eq!([0, 12, 999, 1000, 1234567].map(grouped), ["0", "12", "999", "1_000", "1_234_567"]);
+    }
+}
