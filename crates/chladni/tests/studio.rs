@@ -156,6 +156,8 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
 
     let mut person = desk.sit_down(&[]);
     assert!(person.sees("did not end well"));
+    person.wait("the picture of the recent shape", |_| desk.path("pictures").exists());
+    person.0.run_steps(20);
     person.screenshot("studio-recover.png");
     person.click("Recover");
     person.wait_to_see("Own size 1");

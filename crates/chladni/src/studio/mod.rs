@@ -10,6 +10,7 @@ mod icon;
 mod job;
 mod music;
 mod notices;
+mod pictures;
 mod room;
 mod settings;
 mod shortcut;
@@ -28,6 +29,7 @@ pub use folders::Folders;
 use closing::Closing;
 use icon::Icon;
 use notices::Notices;
+use pictures::Pictures;
 use room::{Room, Shared};
 use settings::Settings;
 use shortcut::Shortcut;
@@ -91,6 +93,7 @@ pub struct Studio {
     settings: Settings,
     saved_settings: Settings,
     notices: Notices,
+    pictures: Pictures,
     rooms: Vec<Box<dyn Room>>,
     /// The room on screen; `None` is the start screen.
     current: Option<usize>,
@@ -124,7 +127,9 @@ impl Studio {
         };
         theme::install(&creation.egui_ctx);
         creation.egui_ctx.set_zoom_factor(settings.zoom);
+        let device = chladni_view::Gpu::shared(gpu.device.clone(), gpu.queue.clone());
         let mut studio = Self {
+            pictures: Pictures::new(device, folders.pictures.clone()),
             gpu,
             saved_settings: settings.clone(),
             settings,
@@ -164,6 +169,7 @@ impl Studio {
             ctx: ctx.clone(),
             gpu: &self.gpu,
             notices: &mut self.notices,
+            pictures: &mut self.pictures,
             settings: &mut self.settings,
             folders: &self.folders,
             chooser: self.chooser.as_mut(),

@@ -6,6 +6,7 @@ use super::choose::Chooser;
 use super::folders::Folders;
 use super::icon::Icon;
 use super::notices::Notices;
+use super::pictures::Pictures;
 use super::settings::Settings;
 use super::shortcut::Shortcut;
 
@@ -68,6 +69,8 @@ pub struct Shared<'a> {
     pub gpu: &'a eframe::egui_wgpu::RenderState,
     /// Messages to the user.
     pub notices: &'a mut Notices,
+    /// Small pictures of recent files.
+    pub pictures: &'a mut Pictures,
     /// Preferences and recent files.
     pub settings: &'a mut Settings,
     /// Where things are kept.

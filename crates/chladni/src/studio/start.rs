@@ -1,39 +1,42 @@
-//! The start screen: the samples, the recent files, and what to do next.
+//! The start screen: the rooms, the samples, the recent files, and what to do next.
 
 use std::path::PathBuf;
+
+use chladni_mesh::samples::SAMPLES;
+use egui::{Align, Align2, Layout, RichText, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2, vec2};
 
 use super::icon::{self, Icon};
 use super::{Studio, theme};
 
+/// Width of the column that everything stands in.
+const COLUMN: f32 = 704.0;
+/// A small card: a picture over a name.
+const CARD: Vec2 = vec2(164.0, 138.0);
+/// Height of its picture.
+const PICTURE: f32 = 108.0;
+
+/// What was clicked: a room, and what to open in it.
+type Choice = (usize, Vec<PathBuf>);
+
 impl Studio {
     /// Draws the start screen below the top bar.
-    pub(super) fn start_screen(&mut self, ui: &mut egui::Ui) {
+    pub(super) fn start_screen(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        let mut chosen: Option<(usize, Vec<PathBuf>)> = None;
+        let mut chosen: Option<Choice> = None;
         egui::CentralPanel::default().show(ui, |ui| {
-            ui.vertical_centered(|ui| {
-                ui.add_space((ui.available_height() * 0.16).max(24.0));
-                ui.label(egui::RichText::new("What would you like to play?").text_style(theme::title()));
-                ui.label(
-                    egui::RichText::new("Drop meshes, a song or a project anywhere on this window.")
-                        .color(theme::palette(ui).weak),
-                );
-                ui.add_space(theme::GAP_LARGE * 2.0);
-                let width = 300.0 * self.rooms.len() as f32 + theme::GAP_LARGE;
-                ui.allocate_ui(egui::vec2(width, 150.0), |ui| {
-                    ui.horizontal(|ui| {
-                        for (index, room) in self.rooms.iter().enumerate() {
-                            if room_card(ui, room.icon(), room.name(), room.invitation()) {
-                                chosen = Some((index, Vec::new()));
-                            }
-                        }
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                let space = (ui.available_height() * 0.07).max(20.0);
+                let column = COLUMN.min(ui.available_width());
+                let left = (ui.available_width() - column) / 2.0;
+                ui.add_space(space);
+                ui.horizontal_top(|ui| {
+                    ui.add_space(left);
+                    ui.allocate_ui_with_layout(vec2(column, 0.0), Layout::top_down(Align::LEFT), |ui| {
+                        ui.set_width(column);
+                        chosen = self.start_column(ui);
                     });
                 });
-                ui.add_space(theme::GAP_LARGE * 2.0);
-                if let Some(path) = recent_files(ui, &self.settings.recent) {
-                    let room = self.rooms.iter().position(|room| room.claims(&path)).unwrap_or(0);
-                    chosen = Some((room, vec![path]));
-                }
+                ui.add_space(space);
             });
         });
         if let Some((index, files)) = chosen {
@@ -43,39 +46,113 @@ impl Studio {
             }
         }
     }
+
+    fn start_column(&mut self, ui: &mut Ui) -> Option<Choice> {
+        let weak = theme::palette(ui).weak;
+        let mut chosen = None;
+        ui.label(RichText::new("What would you like to play?").text_style(theme::title()));
+        let invitation =
+            "Drop meshes, a song or a project anywhere on this window, or begin with one of these.";
+        ui.label(RichText::new(invitation).color(weak));
+        ui.add_space(theme::GAP_LARGE);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = theme::GAP_LARGE;
+            let width = (COLUMN - theme::GAP_LARGE) / 2.0;
+            for (index, room) in self.rooms.iter().enumerate() {
+                if room_card(ui, width, room.icon(), room.name(), room.invitation()) {
+                    chosen = Some((index, Vec::new()));
+                }
+            }
+        });
+        heading(ui, "Samples");
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = Vec2::splat(theme::GAP_LARGE);
+            for name in SAMPLES {
+                let picture = self.pictures.of_sample(ui.ctx(), name);
+                if card(ui, picture.as_ref(), Icon::Box, &theme::capitalised(name)).clicked() {
+                    chosen = Some((0, vec![PathBuf::from(format!("sample:{name}"))]));
+                }
+            }
+        });
+        if !self.settings.recent.is_empty() {
+            heading(ui, "Recent");
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing = Vec2::splat(theme::GAP_LARGE);
+                chosen = self.recent_cards(ui).or(chosen.take());
+            });
+        }
+        chosen
+    }
+
+    fn recent_cards(&mut self, ui: &mut Ui) -> Option<Choice> {
+        let mut chosen = None;
+        for path in self.settings.recent.clone() {
+            let name = path
+                .file_name()
+                .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+            let picture = self.pictures.of_file(ui.ctx(), &path);
+            let room = self.rooms.iter().position(|room| room.claims(&path)).unwrap_or(0);
+            let mark = self.rooms.get(room).map_or(Icon::File, |room| room.icon());
+            let clicked = card(ui, picture.as_ref(), mark, &name).on_hover_text(path.display().to_string());
+            if clicked.clicked() {
+                if path.exists() {
+                    chosen = Some((room, vec![path]));
+                } else {
+                    self.notices.error(format!("{} is not there any more.", path.display()));
+                    self.settings.recent.retain(|known| *known != path);
+                }
+            }
+        }
+        chosen
+    }
+}
+
+fn heading(ui: &mut Ui, name: &str) {
+    ui.add_space(theme::GAP_LARGE);
+    ui.label(RichText::new(name).text_style(egui::TextStyle::Heading));
+    ui.add_space(theme::GAP_SMALL);
 }
 
 /// A large card that opens a room; true when clicked.
-fn room_card(ui: &mut egui::Ui, mark: Icon, name: &str, invitation: &str) -> bool {
+fn room_card(ui: &mut Ui, width: f32, mark: Icon, name: &str, invitation: &str) -> bool {
     let palette = theme::palette(ui);
-    let (rect, response) = ui.allocate_exact_size(egui::vec2(300.0, 150.0), egui::Sense::click());
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 124.0), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Open {name}")));
     let line = if response.hovered() { palette.accent } else { palette.line };
-    ui.painter().rect(rect, 10.0, palette.card, egui::Stroke::new(1.0, line), egui::StrokeKind::Inside);
-    let mut inside = ui.new_child(
-        egui::UiBuilder::new().max_rect(rect.shrink(18.0)).layout(egui::Layout::top_down(egui::Align::LEFT)),
-    );
-    inside.label(egui::RichText::new(icon::text(mark)).size(34.0).color(palette.accent));
-    inside.label(egui::RichText::new(name).text_style(egui::TextStyle::Heading).strong());
-    inside
-        .add(egui::Label::new(egui::RichText::new(invitation).color(palette.weak)).wrap().selectable(false));
+    ui.painter().rect(rect, 10.0, palette.card, Stroke::new(1.0, line), StrokeKind::Inside);
+    let mut inside =
+        ui.new_child(UiBuilder::new().max_rect(rect.shrink(16.0)).layout(Layout::top_down(Align::LEFT)));
+    inside.horizontal(|ui| {
+        ui.label(RichText::new(icon::text(mark)).size(28.0).color(palette.accent));
+        ui.label(RichText::new(name).size(19.0).strong());
+    });
+    inside.add(egui::Label::new(RichText::new(invitation).color(palette.weak)).wrap().selectable(false));
     response.clicked()
 }
 
-fn recent_files(ui: &mut egui::Ui, recent: &[PathBuf]) -> Option<PathBuf> {
-    if recent.is_empty() {
-        return None;
-    }
-    let mut chosen = None;
-    ui.label(egui::RichText::new("Recent").strong());
-    for path in recent {
-        let name = path
-            .file_name()
-            .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
-        let row = ui.add(egui::Button::new(icon::label(Icon::History, &name)).frame(false));
-        if row.on_hover_text(path.display().to_string()).clicked() {
-            chosen = Some(path.clone());
+/// A picture over a name.
+fn card(ui: &mut Ui, picture: Option<&egui::TextureHandle>, mark: Icon, name: &str) -> egui::Response {
+    let palette = theme::palette(ui);
+    let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Open {name}")));
+    let line = if response.hovered() { palette.accent } else { palette.line };
+    let painter = ui.painter();
+    painter.rect(rect, 8.0, palette.card, Stroke::new(1.0, line), StrokeKind::Inside);
+    let frame = egui::Rect::from_min_size(rect.min, vec2(rect.width(), PICTURE)).shrink(1.0);
+    painter.rect_filled(frame, egui::CornerRadius { nw: 7, ne: 7, sw: 0, se: 0 }, palette.stage);
+    match picture {
+        Some(picture) => {
+            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            painter.image(picture.id(), frame, whole, egui::Color32::WHITE);
+        }
+        None => {
+            let font = egui::FontId::proportional(30.0);
+            painter.text(frame.center(), Align2::CENTER_CENTER, icon::text(mark), font, palette.line);
         }
     }
-    chosen
+    let below = egui::Rect::from_min_max(frame.left_bottom(), rect.max).shrink2(vec2(10.0, 3.0));
+    let mut line =
+        ui.new_child(UiBuilder::new().max_rect(below).layout(Layout::left_to_right(Align::Center)));
+    line.add(egui::Label::new(name).truncate().selectable(false));
+    response
 }

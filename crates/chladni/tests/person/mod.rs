@@ -69,6 +69,7 @@ impl Desk {
                 settings: Some(self.path("settings.toml")),
                 recovery: Some(self.path("recovery")),
                 pictures: Some(self.path("pictures")),
+                ..Folders::default()
             },
             chooser: Box::new(self.answers.clone()),
             files: files.iter().map(|name| self.path(name)).collect(),

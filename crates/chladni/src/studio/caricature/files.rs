@@ -4,13 +4,17 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use chladni_caricature::{Action, Layer, Project, Recovered, ShapeSource, Template};
+use chladni_view::{Background, Camera, View};
 use egui::Context;
 
 use super::CaricatureRoom;
 use super::autosave::Autosave;
 use super::edits::Edit;
 use super::session::{self, Session};
+use super::shot::Shot;
+use super::single;
 use crate::studio::job::Job;
+use crate::studio::pictures;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
@@ -52,6 +56,9 @@ impl CaricatureRoom {
                 Err(error) => return shared.notices.error(error.to_string()),
             }
         } else {
+            if let Some(name) = path.to_str().and_then(|text| text.strip_prefix("sample:")) {
+                return self.open_sample(name, shared);
+            }
             let shape = ShapeSource::File(path.to_owned());
             let project = Project::new(shape, shared.settings.harmonics);
             Candidate { project, path: None, recovered: None }
@@ -113,6 +120,7 @@ impl CaricatureRoom {
             Ok(()) => {
                 shared.settings.remember(&path);
                 shared.notices.done(format!("Saved {}", path.display()));
+                self.keep_picture(&path, shared);
                 true
             }
             Err(why) => {
@@ -120,6 +128,26 @@ impl CaricatureRoom {
                 false
             }
         }
+    }
+
+    /// Keeps a picture of a shape that is no project yet; a project's is made when it is saved.
+    pub(super) fn picture_new_shape(&self, shared: &mut Shared<'_>) {
+        let Some(session) = self.session.as_ref().filter(|session| session.path.is_none()) else { return };
+        if let ShapeSource::File(path) = &session.project().shape {
+            self.keep_picture(path, shared);
+        }
+    }
+
+    /// Keeps a picture of the result for the start screen.
+    pub(super) fn keep_picture(&self, path: &Path, shared: &mut Shared<'_>) {
+        let (Some(session), Some(stage)) = (&self.session, &self.stage) else { return };
+        let result = &session.evaluation.result;
+        let pose = (single(&result.positions), single(result.normals()));
+        let [width, height] = pictures::SIZE;
+        let mut camera = Camera::looking(View::ThreeQuarter);
+        camera.fit(pose.0.iter().copied(), width as f32 / height as f32, 0.9);
+        let shot = Shot { camera, ..stage.shot_of(pose, stage.own_coat(), Background::TRANSPARENT) };
+        shared.pictures.keep(&shared.ctx, path, move || shot.picture(width, height).ok());
     }
 
     pub(super) fn has_unsaved_work(&self) -> bool {

@@ -259,6 +259,7 @@ impl CaricatureRoom {
                     autosave.forget();
                 }
                 self.adopting = recovered;
+                self.picture_new_shape(shared);
             }
             Err(error) => shared.notices.error(error.to_string()),
         }

@@ -179,6 +179,11 @@ impl Stage {
         self.own.is_some()
     }
 
+    /// The colours that the shape brought along, or its material.
+    pub fn own_coat(&self) -> Coat {
+        self.own.clone().unwrap_or(Coat::Material)
+    }
+
     /// Paints every figure.
     pub fn set_coating(&mut self, coating: Coating, look: Look) -> Result<(), ViewError> {
         self.coat = match coating {
@@ -188,7 +193,7 @@ impl Stage {
                 self.tints.write_colors(self.viewport.gpu(), &tints)?;
                 Coat::Colors(self.tints.clone())
             }
-            Coating::Own => self.own.clone().unwrap_or(Coat::Material),
+            Coating::Own => self.own_coat(),
             Coating::Values(values, scale) => {
                 self.values.write_values(self.viewport.gpu(), &values)?;
                 self.heat = values;

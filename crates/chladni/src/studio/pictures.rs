@@ -1,0 +1,116 @@
+//! Small pictures of samples and recent files, for the start screen.
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+
+use chladni_mesh::{Frame, samples};
+use chladni_view::{
+    Background, Camera, Gpu, Picture, PictureRequest, PictureShape, Style, View, render_picture,
+};
+
+use super::job::{Job, Outcome};
+
+/// Pixels of a picture, twice its size on an ordinary screen.
+pub const SIZE: [u32; 2] = [328, 216];
+
+/// Pictures that are shown, and those that are on their way.
+pub struct Pictures {
+    gpu: Gpu,
+    folder: Option<PathBuf>,
+    /// `None` where there is no picture.
+    held: HashMap<String, Option<egui::TextureHandle>>,
+    /// One at a time: the start screen is no race.
+    coming: Option<(String, Job<Option<Picture>>)>,
+    keeping: Vec<Job<()>>,
+}
+
+impl Pictures {
+    /// Pictures of files are kept in `folder`.
+    pub fn new(gpu: Gpu, folder: Option<PathBuf>) -> Self {
+        Self { gpu, folder, held: HashMap::new(), coming: None, keeping: Vec::new() }
+    }
+
+    /// The picture of a sample shape; drawn beside the window the first time.
+    pub fn of_sample(&mut self, ctx: &egui::Context, name: &'static str) -> Option<egui::TextureHandle> {
+        let gpu = self.gpu.clone();
+        self.of(ctx, format!("sample:{name}"), move || portrait(&gpu, name))
+    }
+
+    /// The picture that was kept of the file at `path`.
+    pub fn of_file(&mut self, ctx: &egui::Context, path: &Path) -> Option<egui::TextureHandle> {
+        let file = self.file(path)?;
+        let read = move || Picture::decode(&std::fs::read(file).ok()?).ok();
+        self.of(ctx, path.to_string_lossy().into_owned(), read)
+    }
+
+    /// Keeps what `draw` draws, on a thread of its own, as the picture of the file at `path`. A
+    /// picture that cannot be kept is not missed.
+    pub fn keep(
+        &mut self,
+        ctx: &egui::Context,
+        path: &Path,
+        draw: impl FnOnce() -> Option<Picture> + Send + 'static,
+    ) {
+        let Some(file) = self.file(path) else { return };
+        self.held.remove(&*path.to_string_lossy());
+        self.keeping.retain(|job| matches!(job.poll(), Outcome::Running));
+        self.keeping.push(Job::start("Keeping a picture", ctx, move |_| {
+            let kept = || {
+                std::fs::create_dir_all(file.parent()?).ok()?;
+                chladni_task::write_atomic(&file, &draw()?.to_png().ok()?).ok()
+            };
+            kept();
+        }));
+    }
+
+    fn of(
+        &mut self,
+        ctx: &egui::Context,
+        key: String,
+        make: impl FnOnce() -> Option<Picture> + Send + 'static,
+    ) -> Option<egui::TextureHandle> {
+        if let Some(held) = self.held.get(&key) {
+            return held.clone();
+        }
+        match self.coming.as_ref().map(|(_, job)| job.poll()) {
+            None => self.coming = Some((key, Job::start("Drawing", ctx, move |_| make()))),
+            Some(Outcome::Running) => {}
+            Some(outcome) => {
+                let picture = if let Outcome::Done(picture) = outcome { picture } else { None };
+                let (done, _) = self.coming.take()?;
+                let texture = picture.map(|picture| upload(ctx, &done, &picture));
+                self.held.insert(done, texture);
+                ctx.request_repaint();
+            }
+        }
+        None
+    }
+
+    fn file(&self, path: &Path) -> Option<PathBuf> {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let mut hasher = DefaultHasher::new();
+        path.hash(&mut hasher);
+        Some(self.folder.as_ref()?.join(format!("{:016x}.png", hasher.finish())))
+    }
+}
+
+fn upload(ctx: &egui::Context, name: &str, picture: &Picture) -> egui::TextureHandle {
+    let size = [picture.width as usize, picture.height as usize];
+    let image = egui::ColorImage::from_rgba_unmultiplied(size, &picture.rgba);
+    ctx.load_texture(name, image, egui::TextureOptions::LINEAR)
+}
+
+fn portrait(gpu: &Gpu, name: &str) -> Option<Picture> {
+    let mesh = samples::sample(name)?;
+    let frame = Frame::of(&mesh);
+    let positions: Vec<[f32; 3]> =
+        mesh.positions.iter().map(|p| frame.to_working(*p).map(|c| c as f32)).collect();
+    let [width, height] = SIZE;
+    let mut camera = Camera::looking(View::ThreeQuarter);
+    camera.fit(positions.iter().copied(), width as f32 / height as f32, 0.9);
+    let shape = PictureShape { positions: &positions, triangles: &mesh.triangles, ..PictureShape::default() };
+    let style = Style { background: Background::TRANSPARENT, ..Style::default() };
+    let request = PictureRequest { shapes: &[shape], width, height, camera: Some(camera), style };
+    render_picture(gpu, &request).ok()
+}
