@@ -9,6 +9,7 @@ use std::path::Path;
 
 use chladni::studio::{Folders, Opening};
 use chladni_music::Preset;
+use chladni_sound::{Song, WavSample, write_wav};
 use driving::{Answers, Window, open, screenshot, wait};
 use egui::accesskit::{Role, Toggled};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
@@ -203,4 +204,53 @@ fn a_fader_is_learned_over_osc_and_remembered() {
     assert!(window.query_all_by_value("5.00").next().is_some());
     let kept = std::fs::read_to_string(settings).unwrap();
     assert!(kept.contains("/1/f") && kept.contains("gain"), "{kept}");
+}
+
+#[test]
+fn songs_looks_harmonics_and_a_caricature_whose_layers_are_voices() {
+    let folder = tempfile::tempdir().unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
+    click(&mut window, "Songs");
+    assert!(shows(&window, "sample tune"));
+    let songs = ["first.wav", "second.wav"].map(|name| folder.path().join(name));
+    for song in &songs {
+        let second = vec![0.0; 44_100];
+        let silence = Song { rate_hz: 44_100, left: second.clone(), right: second };
+        write_wav(song, &silence, WavSample::Int16).unwrap();
+        answers.add(song.clone());
+    }
+    click_containing(&mut window, "Add songs …");
+    assert!(shows(&window, "first") && shows(&window, "second") && !shows(&window, "Remove sample tune"));
+    screenshot(&mut window, "window-music-songs.png");
+    click(&mut window, "Remove first");
+    assert!(!shows(&window, "Remove first") && shows(&window, "Remove second"));
+
+    click(&mut window, "Look");
+    click(&mut window, "Bronze");
+    click(&mut window, "Slate");
+    window.run_steps(2);
+    screenshot(&mut window, "window-music-look.png");
+
+    let project = folder.path().join("wild.chladni");
+    let run = |arguments: &[&str]| chladni::cli::run(["chladni", "--quiet"].iter().chain(arguments));
+    let path = project.to_str().unwrap();
+    assert_eq!(run(&["project", "new", "sample:head", "-o", path, "--harmonics", "48"]), 0);
+    for mu in ["-2", "1.5"] {
+        assert_eq!(run(&["project", "add-layer", path, "--template", "ellipsoid", "--mu", mu]), 0);
+    }
+    answers.add(project);
+    click_containing(&mut window, "File");
+    click_containing(&mut window, "Open …");
+    click(&mut window, "Body");
+    wait(&mut window, "the voices", |w| w.query_all_by_label("Beat").count() == 2);
+    screenshot(&mut window, "window-music-voices.png");
+    click_containing(&mut window, "Show harmonics");
+    window.run_steps(2);
+    assert!(shows(&window, "Extrema and their") && shows(&window, "antisymmetric"));
+    screenshot(&mut window, "window-music-harmonics.png");
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    assert!(window.query_by_label("Dance 1").is_some());
 }

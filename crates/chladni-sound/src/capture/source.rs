@@ -54,9 +54,31 @@ pub fn capture_sources() -> Result<Vec<CaptureSource>, SoundError> {
         }));
     }
     let inputs = host.input_devices().map_err(failed)?;
+    let inputs = inputs.filter(|device| !is_converter(device));
     let inputs = inputs.filter_map(|device| source(device, CaptureKind::Input));
     sources.extend(inputs.filter(|input| Some(input) != default.as_ref()));
     Ok(sources)
+}
+
+/// ALSA lists its plugins that convert or discard samples among the inputs; nothing can be heard
+/// through them that their slave does not offer.
+fn is_converter(device: &cpal::Device) -> bool {
+    const CONVERTERS: [&str; 11] = [
+        "null",
+        "lavrate",
+        "samplerate",
+        "speexrate",
+        "jack",
+        "oss",
+        "speex",
+        "upmix",
+        "vdownmix",
+        "usbstream",
+        "default",
+    ];
+    let id = device.id().map_or_else(|_| String::new(), |id| id.to_string());
+    let name = id.strip_prefix("alsa:").map(|id| id.split(':').next().unwrap_or(id));
+    name.is_some_and(|name| CONVERTERS.contains(&name))
 }
 
 /// Opens a device; a loopback is an output device that is asked for input.

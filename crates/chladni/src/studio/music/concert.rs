@@ -24,6 +24,8 @@ use crate::studio::viewport::{self, Viewport};
 const FIRST_SEED: u64 = 2012;
 /// How much of its cell the shape at rest fills: dancing takes room.
 const FILL: f32 = 0.56;
+/// The same on stage, where it has the whole window.
+const STAGE_FILL: f32 = 0.68;
 
 /// What the middle of the room shows while nothing is on stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -278,7 +280,7 @@ impl Concert {
         let aspect = cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
         let mut camera = self.camera;
         let zoom = camera.distance / Camera::default().distance;
-        camera.fit_turntable(&self.rest, aspect, FILL);
+        camera.fit_turntable(&self.rest, aspect, if self.on_stage() { STAGE_FILL } else { FILL });
         camera.distance *= zoom;
         camera.yaw_rad = self.camera.yaw_rad - reaction.turn_rad;
         let mut lights = look.lights.turned(reaction.light_turn_rad);

@@ -65,9 +65,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
                 (false, _) => Icon::Music,
             };
             let name = icon::label(mark, &listening.name_of(song));
-            let width = ui.available_width() - 34.0;
-            let row = egui::Button::selectable(heard, name).truncate().min_size(vec2(width, 0.0));
-            if ui.add_sized(vec2(width, 26.0), row).clicked() {
+            if row(ui, ui.available_width() - 38.0, heard, name).clicked() {
                 play = Some(song);
             }
             let out = ui.small_button(icon::text(Icon::X));
@@ -121,8 +119,7 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Inputs, notices: &m
     for source in &inputs.found {
         let mark = if source.kind == CaptureKind::Loopback { Icon::Headphones } else { Icon::Mic };
         let on = listening.live().is_some_and(|(name, _)| name == source.name);
-        let row = egui::Button::selectable(on, icon::label(mark, &source.name)).truncate();
-        let row = ui.add_sized(vec2(ui.available_width(), 26.0), row);
+        let row = row(ui, ui.available_width(), on, icon::label(mark, &source.name));
         if row.on_hover_text(&source.name).clicked() {
             chosen = Some((!on, source.clone()));
         }
@@ -139,6 +136,13 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Inputs, notices: &m
     if let Some((_, level)) = listening.live() {
         meter(ui, level.peak, level.rms);
     }
+}
+
+/// A line of a list, cut to `width`.
+fn row(ui: &mut Ui, width: f32, on: bool, text: String) -> egui::Response {
+    let layout = egui::Layout::top_down_justified(egui::Align::LEFT);
+    let button = egui::Button::selectable(on, text).truncate();
+    ui.allocate_ui_with_layout(vec2(width, 26.0), layout, |ui| ui.add(button)).inner
 }
 
 /// A bar of the root mean square with a line at the peak, from −60 dB to full scale.
