@@ -337,6 +337,67 @@ fn a_song_beyond_the_memory_allowed_is_refused() {
     assert_eq!((resampled.rate_hz, resampled.frames()), (48_000, 96_000));
 }
 
+/// A hundred hours of silence at 8 kHz, mono, in half a megabyte of FLAC: each frame says "65535 times 0".
+fn hundred_hours_of_flac() -> Vec<u8> {
+    const BLOCK: u64 = 65_535;
+    let total = 100 * 3600 * 8000_u64;
+    let crc = |bytes: &[u8], width: u32, polynomial: u32| {
+        bytes.iter().fold(0_u32, |crc, &byte| {
+            (0..8).fold(crc ^ u32::from(byte) << (width - 8), |crc, _| {
+                let carry = crc >> (width - 1) & 1;
+                (crc << 1 ^ carry * polynomial) & ((1 << width) - 1)
+            })
+        })
+    };
+    let mut bytes = b"fLaC\x80\0\0\x22\xff\xff\xff\xff\0\0\0\0\0\0".to_vec();
+    // Rate, channels − 1, bits − 1 and the number of samples, in 20, 3, 5 and 36 bits.
+    bytes.extend((8000_u64 << 44 | 7 << 36 | total).to_be_bytes());
+    bytes.extend([0; 16]);
+    for n in 0..(total / BLOCK) as u32 {
+        let mut frame = vec![0xff, 0xf8, 0x74, 0x02];
+        frame.extend(char::from_u32(n).unwrap_or('\0').to_string().bytes());
+        frame.extend((BLOCK as u16 - 1).to_be_bytes());
+        frame.push(crc(&frame, 8, 0x07) as u8);
+        frame.extend([0, 0]);
+        let check = crc(&frame, 16, 0x8005) as u16;
+        frame.extend(check.to_be_bytes());
+        bytes.extend(frame);
+    }
+    bytes
+}
+
+#[test]
+fn a_hundred_hours_of_silence_stream_and_are_not_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let wav = folder.path().join("long.wav");
+    let mut header = wav_header(8000, 1, 2_880_000_000);
+    header.truncate(44);
+    std::fs::write(&wav, header).unwrap();
+    // Nothing but its length is on the disk.
+    std::fs::File::options().write(true).open(&wav).unwrap().set_len(44 + 2_880_000_000).unwrap();
+    let flac = hundred_hours_of_flac();
+    assert!(flac.len() < 1 << 20);
+    let open: [&dyn Fn() -> SongReader; 2] =
+        [&|| SongReader::open(&wav).unwrap(), &|| SongReader::from_bytes("long.flac", flac.clone()).unwrap()];
+    for open in open {
+        let mut reader = open();
+        let hours = reader.total_frames().unwrap() as f64 / 8000.0 / 3600.0;
+        assert!((49.9..100.1).contains(&hours), "{hours}");
+        // Far into it, no more than a packet is in memory.
+        let far = reader.total_frames().unwrap() - 100_000;
+        reader.seek(far).unwrap();
+        let mut frames = 0;
+        while let Some(block) = reader.next_block().unwrap() {
+            assert!(block.len() <= 2 * 65_535 && block.iter().all(|x| x.abs() < 0.01));
+            frames += block.len() as u64 / 2;
+        }
+        assert!(frames.abs_diff(100_000) <= 65_535, "{frames}");
+        let options = SongOptions { max_bytes: 1 << 24, ..SongOptions::default() };
+        let error = Song::read(open(), &options, &Task::new()).unwrap_err();
+        assert!(matches!(error, SoundError::TooLong { .. }), "{error}");
+    }
+}
+
 mod any_bytes {
     use super::*;
     use proptest::prelude::*;

@@ -29,13 +29,10 @@ fn split_off_many<'a>(data: &'a [u8], packet: &mut Vec<u8>) -> Option<&'a [u8]> 
     let (&kind, mut rest) = data.split_first()?;
     packet.push(kind & !PADDED);
     let mut padding = 0;
-    while kind & PADDED != 0 {
-        let (&more, after) = rest.split_first()?;
-        rest = after;
+    let mut more = if kind & PADDED == 0 { 0 } else { 255 };
+    while more == 255 {
+        (more, rest) = rest.split_first().map(|(&more, after)| (more, after))?;
         padding += usize::from(more.min(254));
-        if more < 255 {
-            break;
-        }
     }
     let frames = usize::from(kind & 0x3f);
     let mut payload = 0;
