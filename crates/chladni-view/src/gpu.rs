@@ -1,6 +1,8 @@
 //! The device that draws, with or without a window.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, OnceLock};
+
+use chladni_synth::DeviceLoss;
 
 use crate::ViewError;
 
@@ -14,7 +16,9 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Takes commands.
     pub queue: wgpu::Queue,
-    failure: Arc<Mutex<Option<String>>>,
+    loss: DeviceLoss,
+    /// The first command that the device refused.
+    refusal: Arc<OnceLock<String>>,
 }
 
 impl Gpu {
@@ -39,11 +43,9 @@ impl Gpu {
         }))
         .map_err(|error| ViewError::NoDevice { adapter: adapter_name, reason: error.to_string() })?;
         let gpu = Self::shared(device, queue);
-        let lost = gpu.failure.clone();
-        gpu.device.set_device_lost_callback(move |_, message| remember(&lost, message));
-        let refused = gpu.failure.clone();
+        let refusal = Arc::clone(&gpu.refusal);
         gpu.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            remember(&refused, error.to_string());
+            let _ = refusal.set(error.to_string());
         }));
         Ok(gpu)
     }
@@ -68,10 +70,16 @@ impl Gpu {
         instance.request_adapter(&options).await.map_err(|error| ViewError::NoAdapter(error.to_string()))
     }
 
-    /// A device that belongs to somebody else, such as a window. Its error handlers are left
-    /// alone, so that [`check`](Self::check) reports nothing here.
+    /// A device that somebody else opened, such as a window; call it once per device. It takes the
+    /// lost-callback and leaves what handles other errors alone, so that [`check`](Self::check)
+    /// reports the device's loss only.
     pub fn shared(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, failure: Arc::default() }
+        Self { loss: DeviceLoss::watch(&device), device, queue, refusal: Arc::default() }
+    }
+
+    /// Word of the device's loss, for others who use the device.
+    pub fn loss(&self) -> &DeviceLoss {
+        &self.loss
     }
 
     /// Name and kind of the adapter, for reports: `llvmpipe (…), Cpu, Vulkan`.
@@ -90,8 +98,8 @@ impl Gpu {
     /// # Errors
     /// [`ViewError::Device`] once the device was lost or refused a command.
     pub fn check(&self) -> Result<(), ViewError> {
-        match &*self.failure.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(message) => Err(ViewError::Device(message.clone())),
+        match self.loss.reason().or(self.refusal.get().map(String::as_str)) {
+            Some(message) => Err(ViewError::Device(message.to_owned())),
             None => Ok(()),
         }
     }
@@ -103,8 +111,4 @@ impl Gpu {
             .map_err(|error| ViewError::Device(error.to_string()))?;
         self.check()
     }
-}
-
-fn remember(failure: &Mutex<Option<String>>, message: String) {
-    failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
 }

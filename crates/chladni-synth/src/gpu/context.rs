@@ -1,7 +1,8 @@
 //! What all synthesizers of one device share: the pipelines, and word of the device's loss.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
+use super::DeviceLoss;
 use crate::SynthError;
 
 /// Columns that one thread sums, multiples of 4: narrow for few columns, wide to read the basis seldom.
@@ -16,7 +17,7 @@ pub struct GpuContext {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(super) pipelines: Arc<Pipelines>,
-    lost: Arc<OnceLock<String>>,
+    loss: DeviceLoss,
 }
 
 /// A compute pipeline with the layouts of its two groups.
@@ -35,10 +36,10 @@ pub(super) struct Pipelines {
 }
 
 impl GpuContext {
-    /// Compiles the pipelines and takes the device's lost-callback, of which it has only one.
+    /// Compiles the pipelines. `loss` is the device's own, from whoever opened it.
     ///
     /// Fails if the device has no compute shaders or refuses ours.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self, SynthError> {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, loss: &DeviceLoss) -> Result<Self, SynthError> {
         let limits = device.limits();
         if limits.max_compute_invocations_per_workgroup < WORKGROUP
             || limits.max_storage_buffers_per_shader_stage < 7
@@ -46,18 +47,13 @@ impl GpuContext {
             return Err(SynthError::Device("it has no compute shaders of the size needed".into()));
         }
         let pipelines = checked(device, || Pipelines::new(device))?;
-        let lost = Arc::new(OnceLock::new());
-        let word = Arc::clone(&lost);
-        device.set_device_lost_callback(move |reason, message| {
-            // Only the first word of it counts.
-            let _ = word.set(format!("{reason:?}: {message}"));
-        });
-        Ok(Self { device: device.clone(), queue: queue.clone(), pipelines: Arc::new(pipelines), lost })
+        let pipelines = Arc::new(pipelines);
+        Ok(Self { device: device.clone(), queue: queue.clone(), pipelines, loss: loss.clone() })
     }
 
     /// Why the device was lost; `None` while it is there.
     pub fn lost(&self) -> Option<&str> {
-        self.lost.get().map(String::as_str)
+        self.loss.reason()
     }
 
     /// "NVIDIA GeForce RTX 4070 (Vulkan)", say.

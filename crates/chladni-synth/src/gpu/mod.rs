@@ -3,10 +3,12 @@
 mod buffer;
 mod context;
 mod frame;
+mod loss;
 mod shape;
 mod signals;
 mod synthesizer;
 
 pub use context::GpuContext;
 pub use frame::{DeviceFrame, DeviceFrameBuffers};
+pub use loss::DeviceLoss;
 pub use synthesizer::GpuSynthesizer;

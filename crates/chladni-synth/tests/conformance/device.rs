@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use chladni_synth::{DeviceFrame, GpuContext};
+use chladni_synth::{DeviceFrame, DeviceLoss, GpuContext};
 
 struct Device {
     device: wgpu::Device,
@@ -16,7 +16,7 @@ fn shared() -> Option<&'static Device> {
     DEVICE
         .get_or_init(|| {
             let (device, queue) = open(|_| ())?;
-            let context = GpuContext::new(&device, &queue).unwrap();
+            let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device)).unwrap();
             Some(Device { device, queue, context })
         })
         .as_ref()

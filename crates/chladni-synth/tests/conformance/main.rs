@@ -13,8 +13,9 @@ mod reference;
 use chladni_harmonics::{Basis, Body, Certificate};
 use chladni_mesh::Frame;
 use chladni_synth::{
-    AutoSynthesizer, Backend, Coefficients, CpuPath, CpuSynthesizer, DeviceFrameBuffers, FrameSettings,
-    GpuContext, GpuSynthesizer, Item, Residual, SynthError, SynthModel, Synthesizer, Term, displacements_f64,
+    AutoSynthesizer, Backend, Coefficients, CpuPath, CpuSynthesizer, DeviceFrameBuffers, DeviceLoss,
+    FrameSettings, GpuContext, GpuSynthesizer, Item, Residual, SynthError, SynthModel, Synthesizer, Term,
+    displacements_f64,
 };
 use proptest::prelude::*;
 use reference::{Shape, norm, sub};
@@ -254,7 +255,7 @@ fn what_the_device_cannot_hold_is_synthesized_on_the_cpu() {
     else {
         return;
     };
-    let context = GpuContext::new(&device, &queue).unwrap();
+    let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device)).unwrap();
     let settings = FrameSettings::default();
     for (rings, harmonics, fits) in [(20, 100, true), (4, 2000, false)] {
         let shape = cases::shape(11, rings, 16, harmonics);
@@ -272,7 +273,7 @@ fn what_the_device_cannot_hold_is_synthesized_on_the_cpu() {
 #[test]
 fn the_cpu_takes_over_when_the_device_is_lost() {
     let Some((device, queue)) = device::open(|_| ()) else { return };
-    let context = GpuContext::new(&device, &queue).unwrap();
+    let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device)).unwrap();
     let shape = cases::shape(13, 9, 9, 30);
     let items = cases::items(14, &shape, 5);
     let mut auto = AutoSynthesizer::new(&context, model(&shape), Backend::Gpu);

@@ -368,7 +368,7 @@ struct Stage {
 impl Stage {
     fn new() -> Result<Self, Failure> {
         let gpu = Gpu::headless().map_err(Failure::other)?;
-        let context = GpuContext::new(&gpu.device, &gpu.queue).map_err(Failure::other)?;
+        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).map_err(Failure::other)?;
         let renderer = Renderer::new(&gpu);
         let canvas = Canvas::new(&gpu, SIZE_PX.0, SIZE_PX.1).map_err(Failure::other)?;
         Ok(Self { gpu, context, renderer, canvas })

@@ -1,0 +1,26 @@
+//! Word of a device's loss.
+
+use std::sync::{Arc, OnceLock};
+
+/// Whether a device was lost, and why. A device has one callback for it: whoever opens the device
+/// takes that once, with [`watch`](Self::watch), and hands clones of this to all who need to know.
+#[derive(Clone, Debug, Default)]
+pub struct DeviceLoss(Arc<OnceLock<String>>);
+
+impl DeviceLoss {
+    /// Takes the device's lost-callback, in place of any that it had.
+    pub fn watch(device: &wgpu::Device) -> Self {
+        let loss = Self::default();
+        let word = Arc::clone(&loss.0);
+        device.set_device_lost_callback(move |reason, message| {
+            // Only the first word of it counts.
+            let _ = word.set(format!("{reason:?}: {message}"));
+        });
+        loss
+    }
+
+    /// Why the device was lost; `None` while it is there. Known only once the driver says so.
+    pub fn reason(&self) -> Option<&str> {
+        self.0.get().map(String::as_str)
+    }
+}
