@@ -52,6 +52,9 @@ pub enum Error {
     /// The match that a layer needs failed before; the text is that failure's.
     #[error("{0}")]
     Unmatched(String),
+    /// What was painted or picked on one shape has no place on another.
+    #[error("the layers cannot be carried to this shape: {0}")]
+    Carry(String),
     /// A project file is not valid.
     #[error("{}: {why}", path.display())]
     ProjectFile {

@@ -32,7 +32,7 @@ impl History {
         Self { saved: Some(project.clone()), project, past: Vec::new(), future: Vec::new(), gesture: None }
     }
 
-    /// A project that lies in no file as it is: all of it is to be saved.
+    /// A project that lies in no file as it is, such as a recovered one: all of it is to be saved.
     pub fn recovered(project: Project) -> Self {
         Self { saved: None, ..Self::new(project) }
     }

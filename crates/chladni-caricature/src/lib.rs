@@ -36,9 +36,11 @@
 //!
 //! Not guaranteed: that a result has no folds or self-intersections (the fold meter counts
 //! triangles that turned over, [`furthest`] says where they begin); that a strong layer keeps
-//! volume; that a region painted on one mesh means anything on another.
+//! volume; that a region carried to another mesh lies where its painter would have put it
+//! ([`Carried::report`] tells how well the meshes match).
 
 mod brush;
+mod carry;
 mod difference;
 mod error;
 mod exaggeration;
@@ -62,6 +64,7 @@ mod transform;
 mod vector;
 
 pub use brush::{Dab, Mirror, PaintEdit};
+pub use carry::Carried;
 pub use difference::{Base, Difference, Model, Psi, Target};
 pub use error::Error;
 pub use exaggeration::{Field, Signals};

@@ -3,13 +3,9 @@
 use std::sync::Arc;
 
 use chladni_match::Settings as MatchSettings;
-use chladni_mesh::Frame;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    Error, Layer, LayerId, Model, PaintEdit, Painted, Region, ScaleCurve, ShapeSource, Smoothing, Sphere,
-    Surface, Template,
-};
+use crate::{Error, Layer, LayerId, Model, PaintEdit, ScaleCurve, ShapeSource, Smoothing, Surface, Template};
 
 /// What is saved: which shape, how many harmonics, which layers. Cloning shares the layers.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,22 +179,13 @@ impl Project {
         Ok(())
     }
 
-    /// The same recipe for another shape: spheres that were placed in the file of a shape with
-    /// frame `from` go to the same place relative to the shape with frame `to`.
-    pub fn moved_regions(&self, from: &Frame, to: &Frame) -> Self {
-        let mut moved = self.clone();
-        for (_, layer) in &mut moved.layers {
-            if let Painted::Spheres(spheres) = &layer.region.painted {
-                let place = |s: &Sphere| Sphere {
-                    center: to.to_file(from.to_working(s.center)),
-                    radius: s.radius * from.scale / to.scale,
-                };
-                let painted = Painted::Spheres(spheres.iter().map(place).collect());
-                let region = Region { painted, ..layer.region.clone() };
-                *layer = Arc::new(Layer { region, ..Layer::clone(layer) });
-            }
+    /// This project with every layer replaced by what `change` makes of it, ids kept.
+    pub(crate) fn map_layers(&self, change: impl Fn(&Layer) -> Result<Layer, Error>) -> Result<Self, Error> {
+        let mut changed = self.clone();
+        for (_, layer) in &mut changed.layers {
+            *layer = Arc::new(change(layer)?);
         }
-        moved
+        Ok(changed)
     }
 }
 

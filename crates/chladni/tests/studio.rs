@@ -6,7 +6,7 @@ mod person;
 
 use chladni_caricature::{Model, Painted, Project, ScaleCurve, Stack};
 use chladni_harmonics::{BasisSettings, Body};
-use chladni_mesh::load_mesh;
+use chladni_mesh::{load_mesh, save_mesh};
 use chladni_task::Task;
 use egui::{Key, Modifiers, pos2, vec2};
 use person::{Desk, HARMONICS, Person};
@@ -76,6 +76,20 @@ fn from_two_meshes_to_sliders_in_another_program() {
     assert_eq!(&header[16..24], &[0, 0, 2, 128, 0, 0, 1, 224], "640 × 480");
     assert_eq!(header[25], 6, "with transparency");
     sliders_reproduce_the_layers(&desk, &project);
+
+    // The same layers on another shape: the region goes along.
+    save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
+    desk.answers.next(&desk.path("finer.obj"));
+    person.click("Another shape");
+    person.wait_to_see("2\u{202f}562 vertices");
+    desk.answers.next(&desk.path("finer.chladni"));
+    person.press_with(CTRL, Key::S);
+    let finer = Project::load(&desk.path("finer.chladni")).unwrap();
+    assert_eq!(finer.shape, chladni_caricature::ShapeSource::File(desk.path("finer.obj")));
+    let Painted::Vertices(carried) = &finer.layers()[0].1.region.painted else { panic!("no region") };
+    let share = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
+    assert_eq!(carried.len(), 2562);
+    assert!((share(carried) / share(painted) - 1.0).abs() < 0.3, "{} {}", share(carried), share(painted));
 }
 
 /// In the GLB, the sliders of the lowest layers at 1 and the rest at 0 give each layer's result.

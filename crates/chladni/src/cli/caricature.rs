@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::{DEFAULT_HARMONICS, Project, ShapeSource, Template};
-use chladni_mesh::{Format, Frame};
+use chladni_mesh::{Format, TriMesh};
 
 use super::inputs::open_mesh;
 use super::layer_options::LayerOptions;
@@ -56,7 +56,7 @@ impl Caricature {
                 one(
                     shape,
                     &project,
-                    Some(&Frame::of(&from)),
+                    Some(&from),
                     &self.output,
                     self.picture(self.render.as_deref()),
                     terminal,
@@ -91,7 +91,7 @@ impl Caricature {
     /// Every mesh of `folder`, in order of name. One that fails does not stop the others.
     fn batch(&self, project: &Project, folder: &Path, terminal: &Terminal) -> Result<(), Failure> {
         let shapes = meshes_in(folder)?;
-        let from = Frame::of(&open_mesh(&project.shape.to_string(), terminal)?);
+        let from = open_mesh(&project.shape.to_string(), terminal)?;
         for out in [Some(&self.output), self.render.as_ref()].into_iter().flatten() {
             std::fs::create_dir_all(out).map_err(|error| Failure::writing(out, error))?;
         }
@@ -123,19 +123,19 @@ impl Caricature {
     }
 }
 
-/// One shape, from its name to its files. `from` is the frame of the recipe's own shape where
-/// this is another: regions keep their place relative to the shape.
+/// One shape, from its name to its files. `from` is the recipe's own shape where this is another:
+/// regions and landmarks are carried over.
 fn one(
     shape: &str,
     project: &Project,
-    from: Option<&Frame>,
+    from: Option<&TriMesh>,
     output: &Path,
     picture: Option<(&Path, &Portrait)>,
     terminal: &Terminal,
 ) -> Result<(), Failure> {
     let mesh = open_mesh(shape, terminal)?;
-    let moved = from.map(|from| project.moved_regions(from, &Frame::of(&mesh)));
-    let sculpture = Sculpture::make(shape, mesh, moved.as_ref().unwrap_or(project), terminal)?;
+    let carried = from.map(|from| carry(project, from, shape, &mesh, terminal)).transpose()?;
+    let sculpture = Sculpture::make(shape, mesh, carried.as_ref().unwrap_or(project), terminal)?;
     sculpture.describe(terminal)?;
     sculpture.save(output)?;
     terminal.result(format_args!("wrote {}", output.display()))?;
@@ -144,6 +144,25 @@ fn one(
         terminal.result(format_args!("wrote {}", path.display()))?;
     }
     Ok(())
+}
+
+/// The recipe for `mesh`, which is called `name`; warns where the two shapes hardly match.
+fn carry(
+    project: &Project,
+    from: &TriMesh,
+    name: &str,
+    mesh: &TriMesh,
+    terminal: &Terminal,
+) -> Result<Project, Failure> {
+    let carried = terminal.watch("carrying regions over", |task| project.carried(from, mesh, task));
+    let carried = carried.map_err(|error| match error {
+        chladni_caricature::Error::Cancelled(_) => Failure::Cancelled,
+        error => Failure::input(format_args!("{name}: {error}")),
+    })?;
+    for warning in carried.report.iter().flat_map(|report| &report.warnings) {
+        terminal.warn(format_args!("{name}, matched with {}: {warning}", project.shape));
+    }
+    Ok(carried.project)
 }
 
 fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {

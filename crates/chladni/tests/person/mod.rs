@@ -78,9 +78,17 @@ impl Desk {
     }
 }
 
+/// The shape of a [`Desk`] with 2,562 vertices.
+pub fn finer_lump() -> TriMesh {
+    lump_of(samples::icosphere(4), 0.5)
+}
+
 /// An asymmetric lump, smooth enough to be matched.
 pub fn lump(size: f64) -> TriMesh {
-    let mut mesh = samples::icosphere(3);
+    lump_of(samples::icosphere(3), size)
+}
+
+fn lump_of(mut mesh: TriMesh, size: f64) -> TriMesh {
     for p in &mut mesh.positions {
         let [x, y, z] = *p;
         let r = 3.0 + size * ((2.0 * x + 0.5).sin() + 0.7 * y * z + 0.4 * (3.0 * z).cos());

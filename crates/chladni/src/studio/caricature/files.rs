@@ -1,9 +1,11 @@
 //! Opening, saving, and never losing work: the room's traffic with project files.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use chladni_caricature::{Action, Layer, Project, Recovered, ShapeSource, Template};
+use chladni_mesh::TriMesh;
 use chladni_view::{Background, Camera, View};
 use egui::Context;
 
@@ -31,6 +33,9 @@ pub struct Candidate {
     pub path: Option<PathBuf>,
     /// The recovery copy that it comes from.
     pub recovered: Option<Recovered>,
+    /// The shape that its layers were made on, where `project` names another: regions and landmarks
+    /// are carried over.
+    pub made_on: Option<Arc<TriMesh>>,
 }
 
 /// Whether `path` is named like a project.
@@ -52,7 +57,9 @@ impl CaricatureRoom {
     pub(super) fn load(&mut self, path: &Path, shared: &mut Shared<'_>) {
         let candidate = if is_project(path) {
             match Project::load(path) {
-                Ok(project) => Candidate { project, path: Some(path.to_owned()), recovered: None },
+                Ok(project) => {
+                    Candidate { project, path: Some(path.to_owned()), recovered: None, made_on: None }
+                }
                 Err(error) => return shared.notices.error(error.to_string()),
             }
         } else {
@@ -61,10 +68,20 @@ impl CaricatureRoom {
             }
             let shape = ShapeSource::File(path.to_owned());
             let project = Project::new(shape, shared.settings.harmonics);
-            Candidate { project, path: None, recovered: None }
+            Candidate { project, path: None, recovered: None, made_on: None }
         };
         shared.settings.remember(path);
         self.start(candidate, shared);
+    }
+
+    /// Asks for another shape and takes the layers there.
+    pub(super) fn change_shape(&mut self, shared: &mut Shared<'_>) {
+        let Some(session) = &self.session else { return };
+        let Some(path) = shared.chooser.open(&[("Meshes", &MESHES)]) else { return };
+        let mut project = session.project().clone();
+        project.shape = ShapeSource::File(path);
+        let made_on = Some(Arc::clone(&session.mesh));
+        self.start(Candidate { project, path: None, recovered: None, made_on }, shared);
     }
 
     /// Opens a sample; the head comes with a first layer, so that there is something to see.
@@ -77,7 +94,7 @@ impl CaricatureRoom {
                 shared.notices.error(error.to_string());
             }
         }
-        self.start(Candidate { project, path: None, recovered: None }, shared);
+        self.start(Candidate { project, path: None, recovered: None, made_on: None }, shared);
     }
 
     /// Puts `candidate` in the place of the open project, which is asked about where it has
@@ -192,6 +209,7 @@ impl CaricatureRoom {
             project: recovered.project.clone(),
             path: recovered.original.clone(),
             recovered: Some(recovered),
+            made_on: None,
         };
         self.start(candidate, shared);
         true

@@ -243,7 +243,7 @@ impl CaricatureRoom {
         }
         let recovered = loaded.recovered.take();
         let look = loaded.look.take();
-        let session = match Session::new(loaded, recovered.is_some()) {
+        let session = match Session::new(loaded) {
             Ok(session) => session,
             Err(why) => return shared.notices.error(why),
         };

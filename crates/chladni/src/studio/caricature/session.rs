@@ -22,6 +22,8 @@ use crate::studio::job::{Job, Outcome};
 pub struct Loaded {
     project: Project,
     path: Option<PathBuf>,
+    /// Whether no file holds the project as it is.
+    new: bool,
     /// The recovery copy that the project comes from.
     pub recovered: Option<Recovered>,
     mesh: Arc<TriMesh>,
@@ -37,13 +39,19 @@ pub struct Loaded {
 
 /// Loads the shape of a project and its harmonics.
 pub fn load(candidate: Candidate, task: &Task) -> Result<Loaded, String> {
-    let Candidate { project, path, recovered } = candidate;
+    let Candidate { mut project, path, recovered, made_on } = candidate;
     let folder = path.as_deref().and_then(Path::parent);
     let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
+    let new = recovered.is_some() || made_on.is_some();
+    if let Some(from) = made_on {
+        let carried = project.carried(&from, &mesh, task).map_err(|error| error.to_string())?;
+        warnings.extend(carried.report.into_iter().flat_map(|report| report.warnings));
+        project = carried.project;
+    }
     let (body, report) = solve(&mesh, project.harmonics, task)?;
     let look = OwnLook::of(&mesh, &body, &mut warnings);
     let (mesh, body) = (Arc::new(mesh), Arc::new(body));
-    Ok(Loaded { project, path, recovered, mesh, body, look, report, warnings })
+    Ok(Loaded { project, path, new, recovered, mesh, body, look, report, warnings })
 }
 
 /// The first `harmonics` harmonics of `mesh`, or all it has where those are fewer.
@@ -77,14 +85,14 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session on what was loaded; one that was recovered is still to be saved.
-    pub fn new(loaded: Loaded, recovered: bool) -> Result<Self, String> {
+    /// A session on what was loaded.
+    pub fn new(loaded: Loaded) -> Result<Self, String> {
         let mut stack = Stack::new(loaded.body).map_err(|error| error.to_string())?;
         let evaluation = stack.evaluate(&loaded.project);
         let selected = loaded.project.layers().last().map(|(id, _)| *id);
         let harmonics = loaded.project.harmonics;
         Ok(Self {
-            history: if recovered {
+            history: if loaded.new {
                 History::recovered(loaded.project)
             } else {
                 History::new(loaded.project)

@@ -29,6 +29,12 @@ impl CaricatureRoom {
         if ui.button(icon::text(Icon::FolderOpen)).on_hover_text(OPEN.tooltip(&ctx)).clicked() {
             self.choose_file(shared);
         }
+        let change = ui.add_enabled(self.session.is_some(), egui::Button::new(icon::text(Icon::Replace)));
+        theme::name(&change, "Another shape");
+        let tip = "The same layers on another shape: regions and landmarks are carried over";
+        if change.on_hover_text(tip).clicked() {
+            self.change_shape(shared);
+        }
         let modified = self.session.as_ref().is_some_and(|session| session.history.is_modified());
         let save = egui::Button::new(icon::text(Icon::Save));
         if ui.add_enabled(modified, save).on_hover_text(SAVE.tooltip(&ctx)).clicked() {

@@ -1,0 +1,144 @@
+//! The same recipe on another shape: what names vertices or places of the old one is carried over.
+
+use std::sync::Arc;
+
+use chladni_match::{Landmark, MatchError, Method, OnTemplate, Report, Settings, match_shapes};
+use chladni_mesh::{Frame, TriMesh, weld};
+use chladni_task::Task;
+
+use crate::vector::{Vec3, distance};
+use crate::{Error, Layer, Painted, Project, Region, Sphere};
+
+/// A project on another shape.
+#[derive(Clone, Debug)]
+pub struct Carried {
+    /// The project; its `shape` is still the old one's name.
+    pub project: Project,
+    /// How well the two shapes were matched, where they had to be.
+    pub report: Option<Report>,
+}
+
+impl Project {
+    /// The same layers for another shape. `from` is the mesh that the project was made on, `to`
+    /// the other one.
+    ///
+    /// Spheres go to the same place relative to the shape. Painted regions and the shape's ends of
+    /// landmarks follow a match of the two meshes: vertex by vertex where their triangles are the
+    /// same, else by [`Method::Fit`], which may take seconds. A project without any of these is
+    /// carried at once.
+    ///
+    /// # Errors
+    /// A region that does not belong to `from`, a match that fails, a cancelled task.
+    pub fn carried(&self, from: &TriMesh, to: &TriMesh, task: &Task) -> Result<Carried, Error> {
+        let (old_frame, new_frame) = (Frame::of(from), Frame::of(to));
+        let tied = |layer: &Layer| {
+            matches!(layer.region.painted, Painted::Vertices(_)) || !layer.matching.landmarks.is_empty()
+        };
+        let way = match self.layers().iter().any(|(_, layer)| tied(layer)) {
+            true => Some(Way::between(from, to, task)?),
+            false => None,
+        };
+        let project = self.map_layers(|layer| {
+            let painted = match (&layer.region.painted, &way) {
+                (Painted::Vertices(values), Some(way)) => Painted::Vertices(way.carry(values)?),
+                (Painted::Spheres(spheres), _) => {
+                    Painted::Spheres(spheres.iter().map(|s| moved(s, &old_frame, &new_frame)).collect())
+                }
+                (as_it_is, _) => as_it_is.clone(),
+            };
+            let mut matching = layer.matching.clone();
+            if let Some(way) = &way {
+                matching.landmarks = way.landmarks(from, &matching.landmarks);
+            }
+            let region = Region { painted, ..layer.region.clone() };
+            Ok(Layer { region, matching, ..layer.clone() })
+        })?;
+        Ok(Carried { project, report: way.map(|way| way.report) })
+    }
+}
+
+fn moved(sphere: &Sphere, from: &Frame, to: &Frame) -> Sphere {
+    Sphere {
+        center: to.to_file(from.to_working(sphere.center)),
+        radius: sphere.radius * from.scale / to.scale,
+    }
+}
+
+/// Where each vertex of the new mesh lies on the old one.
+struct Way {
+    on_old: OnTemplate,
+    /// The points of `on_old`, in the old file's coordinates.
+    points: Vec<Vec3>,
+    old_triangles: Vec<[u32; 3]>,
+    old_operator_vertex: Vec<Option<u32>>,
+    old_operator_vertices: usize,
+    new_operator_vertex: Vec<Option<u32>>,
+    new_operator_vertices: usize,
+    report: Report,
+}
+
+impl Way {
+    fn between(from: &TriMesh, to: &TriMesh, task: &Task) -> Result<Self, Error> {
+        let same = from.positions.len() == to.positions.len() && from.triangles == to.triangles;
+        let method = if same { Method::Same } else { Method::Fit };
+        let found = match_shapes(to, from, &Settings { method, ..Settings::default() }, task);
+        task.check()?;
+        let failed = |why: MatchError| Error::Carry(why.to_string());
+        let found = found.map_err(failed)?;
+        let on_old = found.correspondence.on_template;
+        let on_old = on_old.ok_or_else(|| Error::Carry("the match has no triangles".into()))?;
+        let (old, new) = (weld(from), weld(to));
+        Ok(Self {
+            on_old,
+            points: found.correspondence.point,
+            old_triangles: from.triangles.clone(),
+            old_operator_vertices: old.positions.len(),
+            old_operator_vertex: old.operator_vertex,
+            new_operator_vertices: new.positions.len(),
+            new_operator_vertex: new.operator_vertex,
+            report: found.report,
+        })
+    }
+
+    /// χ01 on the operator vertices of the new mesh from `values` on those of the old.
+    fn carry(&self, values: &[f32]) -> Result<Arc<[f32]>, Error> {
+        if values.len() != self.old_operator_vertices {
+            let (found, expected) = (values.len(), self.old_operator_vertices);
+            return Err(Error::VertexCount { what: "the painted region", found, expected });
+        }
+        let old = |v: u32| {
+            let vertex = self.old_operator_vertex.get(v as usize).copied().flatten();
+            vertex.and_then(|vertex| values.get(vertex as usize)).copied().unwrap_or(0.0)
+        };
+        let mut carried = vec![0.0_f32; self.new_operator_vertices];
+        let places = self.on_old.triangle.iter().zip(&self.on_old.barycentric);
+        for ((triangle, weights), vertex) in places.zip(&self.new_operator_vertex) {
+            let (Some(corners), Some(vertex)) = (self.old_triangles.get(*triangle as usize), vertex) else {
+                continue;
+            };
+            let mixed: f64 = corners.iter().zip(weights).map(|(v, w)| f64::from(old(*v)) * w).sum();
+            if let Some(place) = carried.get_mut(*vertex as usize) {
+                *place = mixed.clamp(0.0, 1.0) as f32;
+            }
+        }
+        Ok(carried.into())
+    }
+
+    /// Landmarks whose end on the old mesh moves to the new vertex that lies nearest to it. Of two
+    /// that meet in one vertex the first stays.
+    fn landmarks(&self, from: &TriMesh, landmarks: &[Landmark]) -> Vec<Landmark> {
+        let mut carried: Vec<Landmark> = Vec::with_capacity(landmarks.len());
+        for landmark in landmarks {
+            let Some(old) = from.positions.get(landmark.shape as usize) else { continue };
+            let used = self.points.iter().zip(&self.new_operator_vertex).enumerate();
+            let near =
+                used.filter(|(_, (_, vertex))| vertex.is_some()).map(|(v, (p, _))| (v, distance(*p, *old)));
+            let Some((vertex, _)) = near.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+            let shape = vertex as u32;
+            if carried.iter().all(|known| known.shape != shape) {
+                carried.push(Landmark { shape, ..*landmark });
+            }
+        }
+        carried
+    }
+}
