@@ -97,6 +97,11 @@ fn lump_of(mut mesh: TriMesh, size: f64) -> TriMesh {
     mesh
 }
 
+/// Whether somebody wants to see what the window shows.
+pub fn takes_pictures() -> bool {
+    std::env::var_os("CHLADNI_SCREENSHOTS").is_some()
+}
+
 /// The window and whoever sits before it.
 pub struct Person(pub Harness<'static, Studio>);
 

@@ -8,7 +8,7 @@ use super::brush::BrushTool;
 use super::edits::Edits;
 use super::heat::{Heat, Painting};
 use super::session::Session;
-use super::stage::{self, Look, Show, Stage};
+use super::stage::{self, Look, Show, Shown, Stage};
 use super::{CaricatureRoom, single};
 use crate::studio::room::Shared;
 use crate::studio::{job, theme};
@@ -104,14 +104,16 @@ fn show_stage(
     }
     let gpu: &RenderState = shared.gpu;
     let ring = brush.active.then_some(brush.radius);
-    let (response, touch) = stage.show(ui, gpu, rect, look, ring, &[]).map_err(|error| error.to_string())?;
+    let Shown { response, touch, figure } =
+        stage.show(ui, gpu, rect, look, ring, &[]).map_err(|error| error.to_string())?;
     if let Some(layer) = session.selected.filter(|_| brush.active) {
         brush.paint(ui, &response, touch, layer, session, edits);
     } else if response.clicked()
-        && let Some(at) = response.interact_pointer_pos()
-        && let Some((layer, model)) = session.selected.zip(stage::model_at(rect, look.show, at))
+        && look.show == Show::Models
+        && let Some(model) = figure.and_then(|figure| Model::ALL.get(figure.checked_sub(stage::MODELS)?))
+        && let Some(layer) = session.selected
     {
-        edits.set(layer, Property::Model(Model::ALL[model]));
+        edits.set(layer, Property::Model(*model));
     }
     Ok(())
 }

@@ -101,6 +101,7 @@ impl LayerList {
                     }
                     ui.with_layout(egui::Layout::top_down(egui::Align::LEFT), |ui| {
                         ui.spacing_mut().item_spacing.y = 1.0;
+                        ui.add_space(3.0);
                         let text = RichText::new(&layer.name);
                         let text = if acts { text } else { text.color(palette.weak) };
                         self.name(ui, id, text, edits);

@@ -82,6 +82,16 @@ pub struct Touch {
     pub point: [f32; 3],
 }
 
+/// What came of drawing the stage.
+pub struct Shown {
+    /// Clicks and drags on it.
+    pub response: egui::Response,
+    /// What the pointer touches, where it is on a shape.
+    pub touch: Option<Touch>,
+    /// The figure in whose cell the pointer is.
+    pub figure: Option<usize>,
+}
+
 /// Buffers and camera of one body.
 pub struct Stage {
     viewport: Viewport,
@@ -238,8 +248,7 @@ impl Stage {
         self.fitted = false;
     }
 
-    /// Draws the stage into `rect` and steers its camera. Returns the response and, where the
-    /// pointer is on the shape, what it touches.
+    /// Draws the stage into `rect` and steers its camera.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -248,7 +257,7 @@ impl Stage {
         look: Look,
         brush_radius: Option<f32>,
         markers: &[Marker],
-    ) -> Result<(egui::Response, Option<Touch>), ViewError> {
+    ) -> Result<Shown, ViewError> {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         let figures = figures(look.show);
         let canvas = Rect::of_size(
@@ -287,7 +296,8 @@ impl Stage {
             show_legend(ui, rect, *scale);
         }
         show_names(ui, rect, look.show, &cells);
-        Ok((response, touch))
+        let figure = self.figure_at(ui, &response, rect, figures, &cells);
+        Ok(Shown { response, touch, figure })
     }
 
     fn draw(
@@ -317,6 +327,20 @@ impl Stage {
                 .map(|(cell, figures)| Cell { viewport: *cell, camera, lights, background, figures, markers })
                 .collect()
         })
+    }
+
+    /// The figure in whose cell the pointer is.
+    fn figure_at(
+        &self,
+        ui: &Ui,
+        response: &egui::Response,
+        rect: egui::Rect,
+        figures: &[usize],
+        cells: &[Rect],
+    ) -> Option<usize> {
+        let at = response.interact_pointer_pos().or(response.hover_pos())?;
+        let [x, y] = viewport::to_pixels(ui, rect, at);
+        cells.iter().zip(figures).find(|(cell, _)| cell.contains(x, y)).map(|(_, figure)| *figure)
     }
 
     fn touch(
@@ -362,7 +386,7 @@ fn tints(region: &[f32], material: chladni_view::Material) -> Vec<[u8; 4]> {
 fn figures(show: Show) -> &'static [usize] {
     match show {
         Show::Result => &[RESULT],
-        Show::Models => &[MODELS, MODELS + 1, MODELS + 2],
+        Show::Models => &[MODELS, MODELS + 1, MODELS + 2, ORIGINAL],
         Show::BeforeAfter => &[ORIGINAL, RESULT],
         Show::Original => &[ORIGINAL],
     }
@@ -382,16 +406,10 @@ pub fn backdrop(ui: &Ui) -> Background {
     }
 }
 
-/// Which of the three models lies under a point of the window, where they are shown.
-pub fn model_at(rect: egui::Rect, show: Show, at: egui::Pos2) -> Option<usize> {
-    (show == Show::Models && rect.contains(at))
-        .then(|| (((at.x - rect.left()) / rect.width() * 3.0) as usize).min(2))
-}
-
 fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
     let names: &[&str] = match show {
         Show::Result => return,
-        Show::Models => &["Coordinate", "Normal", "Distance"],
+        Show::Models => &["Coordinate", "Normal", "Distance", "Original"],
         Show::BeforeAfter => &["Before", "After"],
         Show::Original => &["Original"],
     };

@@ -13,14 +13,18 @@ use crate::studio::theme;
 impl CaricatureRoom {
     /// Draws the bar.
     pub(super) fn toolbar(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
-        egui::Panel::top("caricature toolbar").exact_size(40.0).show(ui, |ui| {
-            ui.horizontal_centered(|ui| {
+        egui::Panel::top("caricature toolbar").show(ui, |ui| {
+            ui.add_space(2.0);
+            // In a narrow window a second row is better than buttons out of reach.
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing.x = 5.0;
                 self.file_buttons(ui, shared);
                 ui.separator();
                 self.show_buttons(ui);
                 ui.separator();
                 self.look_menus(ui);
             });
+            ui.add_space(2.0);
         });
     }
 
@@ -75,7 +79,7 @@ impl CaricatureRoom {
             (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
         let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);
         let choice =
-            egui::ComboBox::from_id_salt("heat").width(150.0).selected_text(name).show_ui(ui, |ui| {
+            egui::ComboBox::from_id_salt("heat").width(136.0).selected_text(name).show_ui(ui, |ui| {
                 let has_own = self.stage.as_ref().is_some_and(Stage::has_own_look);
                 for (choice, name) in Quantity::ALL.into_iter().filter(|q| q.0 != Quantity::Own || has_own) {
                     ui.selectable_value(&mut quantity, choice, name);
