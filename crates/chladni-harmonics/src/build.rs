@@ -62,9 +62,10 @@ impl Body {
         stage.advance(1);
         report.seconds.operator = start.elapsed().as_secs_f64();
         let solving = Instant::now();
-        let Solved { basis, cuts_cluster, profile } =
+        let Solved { basis, cuts_cluster, fell_back_to_dense, profile } =
             pool.install(|| eigen::solve(&operator, settings.harmonics, settings.whole_clusters, task))?;
         report.cuts_cluster = cuts_cluster;
+        report.fell_back_to_dense = fell_back_to_dense;
         report.profile = profile;
         report.seconds.solve = solving.elapsed().as_secs_f64();
         if let Some(entry) = &entry

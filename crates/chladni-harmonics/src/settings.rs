@@ -28,6 +28,8 @@ pub struct BuildReport {
     /// K cuts a group of equal eigenvalues: λ_{K−1} and λ_K agree to 1e-7. The harmonics of
     /// the part that is there are then one of many equally good choices.
     pub cuts_cluster: bool,
+    /// A solve by slices could not be certified, so the operator was solved as a dense matrix.
+    pub fell_back_to_dense: bool,
     /// Where the time of a solve by slices went; all zero if cached or solved densely.
     pub profile: SolveProfile,
     /// Why the cache could not be used or written; the basis itself is not affected.

@@ -38,7 +38,12 @@ pub(super) fn solve(
     let certificate = certify(operator, &eigenvalues, &vectors, true);
     stage.advance(1);
     let basis = Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate };
-    Ok(Solved { basis, cuts_cluster: keep < cluster_end, profile: SolveProfile::default() })
+    Ok(Solved {
+        basis,
+        cuts_cluster: keep < cluster_end,
+        fell_back_to_dense: false,
+        profile: SolveProfile::default(),
+    })
 }
 
 /// M^-½ S M^-½.

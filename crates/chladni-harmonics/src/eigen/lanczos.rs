@@ -8,7 +8,7 @@ use faer::{Mat, Par};
 use super::dense::symmetric_eigen;
 
 use super::problem::{Problem, Profile};
-use super::tall::{BLOCK, Block, Small, orthonormalize, overlaps, subtract_products};
+use super::tall::{BLOCK, Block, Dependence, Small, orthonormalize, overlaps, subtract_products};
 use crate::ldlt::{Factor, Row, Workspace};
 
 /// How far a run must go on one side of its shift.
@@ -74,28 +74,30 @@ pub(super) fn run(
     let locked: Vec<&[Row]> = locked.iter().flat_map(|p| p.blocks.iter().map(Vec::as_slice)).collect();
     let mut krylov = Krylov { basis: Vec::new(), diagonal: Vec::new(), below: Vec::new() };
     let mut next = random_block(n, seed);
-    problem.remove_constants(window, &mut next);
+    problem.remove_constants(window.from_zero, &mut next);
     for _ in 0..2 {
         subtract_projections(&mut next, &locked);
-        orthonormalize(&mut next).ok_or(Stopped::BadShift)?;
+        let Ok(_) = orthonormalize(&mut next, &[0.0; 8]) else {
+            return Err(Stopped::BadShift);
+        };
     }
     loop {
         task.check()?;
         let start = Instant::now();
-        let mut image = next.clone();
+        let mut image = problem.spare_block();
+        image.copy_from_slice(&next);
         factor.solve(&problem.symbolic, &mut image);
         profile.solve += start.elapsed().as_secs_f64();
         profile.solved_columns += BLOCK as u64;
         let start = Instant::now();
         krylov.basis.push(next);
-        problem.remove_constants(window, &mut image);
+        problem.remove_constants(window.from_zero, &mut image);
         let sizes = krylov.orthogonalize(&mut image, &locked);
-        let before = image.clone();
-        let upper = match orthonormalize(&mut image).filter(|r| has_full_rank(r, &sizes)) {
-            Some(upper) => upper,
-            None => {
+        let upper = match orthonormalize(&mut image, &sizes.map(|size| RANK * size)) {
+            Ok(upper) => upper,
+            Err(Dependence::Spoiled) => return Err(Stopped::BadShift),
+            Err(Dependence::Found) => {
                 // The space has become invariant in some direction: go on with a new one.
-                image = before;
                 let seed = seed.wrapping_add(krylov.basis.len() as u64).rotate_left(17);
                 let all: Vec<&[Row]> =
                     locked.iter().copied().chain(krylov.basis.iter().map(Vec::as_slice)).collect();
@@ -119,8 +121,10 @@ pub(super) fn run(
         profile.project += start.elapsed().as_secs_f64();
         if let Some(chosen) = chosen {
             let start = Instant::now();
-            let pairs = krylov.vectors(&ritz, chosen, &next);
+            let pairs = krylov.vectors(problem, &ritz, chosen, &next);
             profile.vectors += start.elapsed().as_secs_f64();
+            krylov.basis.push(next);
+            problem.give_back(krylov.basis);
             return Ok(pairs);
         }
     }
@@ -148,10 +152,6 @@ fn column_sizes(coefficients: &[Small]) -> Row {
     sizes.map(f64::sqrt)
 }
 
-fn has_full_rank(r: &Small, sizes: &Row) -> bool {
-    (0..BLOCK).all(|j| r[j][j].abs() > RANK * sizes[j])
-}
-
 /// X ← Q of X = Q R one column after the other; a column that depends on others or is nothing
 /// but rounding becomes a random one orthogonal to all, with nothing of it in R. `None` where
 /// no other direction is left.
@@ -165,7 +165,7 @@ fn fill_up(
 ) -> Option<Small> {
     let mut r = [[0.0; 8]; BLOCK];
     let mut fresh = random_block(x.len(), seed);
-    problem.remove_constants(window, &mut fresh);
+    problem.remove_constants(window.from_zero, &mut fresh);
     for _ in 0..2 {
         subtract_projections(&mut fresh, space);
     }
@@ -309,7 +309,7 @@ impl Krylov {
 
     /// The chosen Ritz vectors with one step of inverse iteration that costs no solve: by the
     /// Lanczos relation OP V s / θ = V s + V_next R s_last / θ (Ericsson & Ruhe 1980).
-    fn vectors(&self, ritz: &Ritz, chosen: std::ops::Range<usize>, next: &Block) -> Pairs {
+    fn vectors(&self, problem: &Problem, ritz: &Ritz, chosen: std::ops::Range<usize>, next: &Block) -> Pairs {
         let chosen: Vec<usize> = chosen.collect();
         let groups: Vec<&[usize]> = chosen.chunks(BLOCK).collect();
         let mut basis: Vec<&[Row]> = self.basis.iter().map(Vec::as_slice).collect();
@@ -333,7 +333,8 @@ impl Krylov {
                 }
             }
         }
-        let mut blocks = vec![vec![[0.0; 8]; next.len()]; groups.len()];
+        let mut blocks: Vec<Block> = groups.iter().map(|_| problem.spare_block()).collect();
+        blocks.iter_mut().for_each(|block| block.fill([0.0; 8]));
         let mut views: Vec<&mut [Row]> = blocks.iter_mut().map(Vec::as_mut_slice).collect();
         subtract_products(&mut views, &basis, &coefficients);
         Pairs { values: chosen.iter().map(|&p| ritz.values[p]).collect(), blocks }

@@ -6,6 +6,7 @@ mod dense;
 mod join;
 mod lanczos;
 mod plan;
+mod polish;
 mod problem;
 mod slicing;
 mod tall;
@@ -23,6 +24,8 @@ const DENSE_SHARE: usize = 4000;
 pub(crate) struct Solved {
     pub basis: Basis,
     pub cuts_cluster: bool,
+    /// Slices could not be certified, so everything was solved as a dense matrix.
+    pub fell_back_to_dense: bool,
     pub profile: SolveProfile,
 }
 
@@ -45,7 +48,8 @@ pub(crate) fn solve(
             // Spectra of a few eigenvalues of huge multiplicity leave Krylov spaces without
             // directions; the last mend, where it is affordable, is to solve for everything.
             Err(HarmonicsError::NotCertified { .. }) if n <= DENSE_SHARE => {
-                dense::solve(operator, harmonics, whole_clusters, task)
+                let solved = dense::solve(operator, harmonics, whole_clusters, task)?;
+                Ok(Solved { fell_back_to_dense: true, ..solved })
             }
             solved => solved,
         }

@@ -9,6 +9,10 @@ use crate::ldlt::{Factor, Workspace};
 
 /// Eigenpairs per slice that are aimed at.
 const PER_SLICE: usize = 64;
+/// Up to this many slices the factors of the first counts are kept for them.
+const KEPT: usize = 8;
+/// How far the first counts may be from equal shares, for the slices to start there.
+const UNEVEN: f64 = 0.12;
 /// Counts taken side by side in each round; not the number of threads, on which the plan must
 /// not depend.
 const PROBES: usize = 4;
@@ -26,27 +30,37 @@ pub(super) struct Slice {
     pub top: bool,
 }
 
-/// Slices that cover the `harmonics` smallest eigenvalues.
+/// Slices that cover the `harmonics` smallest eigenvalues, with the factors that the plan
+/// made at their shifts, if it did.
 pub(super) fn plan(
     problem: &Problem,
     harmonics: usize,
     profile: &mut Profile,
     task: &Task,
-) -> Result<Vec<Slice>, Stopped> {
+) -> Result<Vec<(Slice, Option<Factor>)>, Stopped> {
     let zeros = problem.components();
     // Two more than asked for, so that the top slice has pairs on both sides of λ_K.
     let wanted = (harmonics.max(zeros) + 2) as f64;
-    let counting = count(problem, zeros, wanted, profile, task)?;
     let slices = (harmonics.saturating_sub(zeros).div_ceil(PER_SLICE)).max(1);
     let slices = if slices > 2 { slices.next_multiple_of(4) } else { slices };
-    let at = |count: f64| counting.inverse(count);
     let step = (wanted - zeros as f64) / slices as f64;
+    let mut counting = Counting(vec![(0.0, zeros as f64)]);
+    if slices <= KEPT {
+        // Weyl's law is often so close that slices can start where it says.
+        let shifts: Vec<f64> = (0..slices).map(|i| weyl(problem, step * (i as f64 + 0.5))).collect();
+        let factors = sample(problem, &shifts, &mut counting, profile)?;
+        if let Some(slices) = counting.slices_between(wanted, step) {
+            return Ok(slices.into_iter().zip(factors.into_iter().map(Some)).collect());
+        }
+    }
+    count(problem, &mut counting, wanted, profile, task)?;
+    let at = |count: f64| counting.inverse(count);
     let bound = |i: usize| at(zeros as f64 + step * i as f64);
     Ok((0..slices)
         .map(|i| {
             let (low, high) = (if i == 0 { 0.0 } else { bound(i) }, bound(i + 1));
             let shift = at(zeros as f64 + step * (i as f64 + 0.5));
-            Slice { shift, low, high, expected: step.ceil() as usize, top: i + 1 == slices }
+            (Slice { shift, low, high, expected: step.ceil() as usize, top: i + 1 == slices }, None)
         })
         .collect())
 }
@@ -62,20 +76,59 @@ impl Counting {
         let (a, b) = (samples[next - 1], samples[next]);
         if b.1 > a.1 { a.0 + (b.0 - a.0) * (count - a.1) / (b.1 - a.1) } else { b.0 }
     }
+
+    /// N(λ), linear between samples and beyond the last.
+    fn at(&self, lambda: f64) -> f64 {
+        let samples = &self.0;
+        let next = samples.partition_point(|s| s.0 < lambda).clamp(1, samples.len() - 1);
+        let (a, b) = (samples[next - 1], samples[next]);
+        if b.0 > a.0 { a.1 + (b.1 - a.1) * (lambda - a.0) / (b.0 - a.0) } else { b.1 }
+    }
+
+    /// One slice around each sample after the first, if not many more than `step` eigenvalues
+    /// lie between them and half as many below and above them.
+    fn slices_between(&self, wanted: f64, step: f64) -> Option<Vec<Slice>> {
+        let (&(zero, zeros), samples) = self.0.split_first()?;
+        let last = samples.last()?;
+        let few = |count: f64, share: f64| count > 0.1 * step && count - share <= UNEVEN * step;
+        let even = samples.windows(2).all(|w| few(w[1].1 - w[0].1, step));
+        if !even || !few(samples[0].1 - zeros, 0.5 * step) || !few(wanted - last.1, 0.5 * step) {
+            return None;
+        }
+        let bound = |i: usize| match i {
+            0 => zero,
+            _ if i == samples.len() => self.inverse(wanted),
+            _ => 0.5 * (samples[i - 1].0 + samples[i].0),
+        };
+        let slice = |i: usize| {
+            let top = i + 1 == samples.len();
+            let (low, high) = (bound(i), bound(i + 1));
+            let expected = (self.at(high.max(low)) - self.at(low)).ceil() as usize;
+            Slice { shift: samples[i].0, low, high, expected, top }
+        };
+        Some((0..samples.len()).map(slice).collect())
+    }
+}
+
+/// λ below which Weyl's law puts `count` eigenvalues: N(λ) ≈ λ area / 4π.
+fn weyl(problem: &Problem, count: f64) -> f64 {
+    4.0 * std::f64::consts::PI * count / problem.area
 }
 
 /// Samples N(λ) until it is known beyond `wanted` and densely enough to interpolate.
 fn count(
     problem: &Problem,
-    zeros: usize,
+    counting: &mut Counting,
     wanted: f64,
     profile: &mut Profile,
     task: &Task,
-) -> Result<Counting, Stopped> {
+) -> Result<(), Stopped> {
     let n = problem.matrix.size() as f64;
-    let mut counting = Counting(vec![(0.0, zeros as f64)]);
-    // Weyl's law: N(λ) ≈ λ area / 4π.
-    let mut top = 4.0 * std::f64::consts::PI * wanted / problem.area;
+    let mut top = match counting.0[..] {
+        // The line through the last sample, and a little beyond.
+        [.., (lambda, count)] if lambda > 0.0 => lambda * (1.05 * wanted / count.max(1.0)).clamp(1.02, 4.0),
+        _ => weyl(problem, wanted),
+    };
     for _ in 0..60 {
         task.check()?;
         let known = counting.0.last().map_or(0.0, |s| s.1);
@@ -85,7 +138,7 @@ fn count(
         let from = counting.0.last().map_or(0.0, |s| s.0);
         let probes: Vec<f64> =
             (1..=PROBES).map(|i| from + (top - from) * (i as f64 / PROBES as f64).powf(0.8)).collect();
-        sample(problem, &probes, &mut counting, profile)?;
+        sample(problem, &probes, counting, profile)?;
         let (last, reached) = counting.0.last().copied().unwrap_or((top, n));
         // Proportional to what is missing, never timid, never wild.
         let grow = ((wanted + 2.0) / reached.max(1.0)).clamp(1.02, 4.0);
@@ -107,34 +160,38 @@ fn count(
         }
         gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
         let probes: Vec<f64> = gaps.iter().take(PROBES).map(|g| g.1).collect();
-        sample(problem, &probes, &mut counting, profile)?;
+        sample(problem, &probes, counting, profile)?;
     }
-    Ok(counting)
+    Ok(())
 }
 
+/// Counts at each of `probes`, or just beside it; and the factors, ascending in λ.
 fn sample(
     problem: &Problem,
     probes: &[f64],
     counting: &mut Counting,
     profile: &mut Profile,
-) -> Result<(), Stopped> {
-    type Sample = ((f64, f64), Profile);
+) -> Result<Vec<Factor>, Stopped> {
+    type Sample = (f64, Factor, Profile);
     let found: Vec<Result<Sample, Stopped>> = probes
         .par_iter()
         .with_max_len(1)
         .map(|&probe| {
             let mut profile = Profile::default();
-            let count = inertia(problem, probe, &mut profile)?;
-            Ok(((count.0, count.1 as f64), profile))
+            let (lambda, factor) = factor_beside(problem, probe, &mut profile)?;
+            Ok((lambda, factor, profile))
         })
         .collect();
-    for found in found {
-        let (point, part) = found?;
+    let mut found = found.into_iter().collect::<Result<Vec<Sample>, Stopped>>()?;
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut factors = Vec::with_capacity(found.len());
+    for (lambda, factor, part) in found {
         profile.add(&part);
-        counting.0.push(point);
+        counting.0.push((lambda, factor.below_shift as f64));
+        factors.push(factor);
     }
     counting.0.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(())
+    Ok(factors)
 }
 
 /// The number of eigenvalues below `lambda`, or a little beside it where it is an eigenvalue.
@@ -143,11 +200,14 @@ pub(super) fn inertia(
     lambda: f64,
     profile: &mut Profile,
 ) -> Result<(f64, usize), Stopped> {
+    factor_beside(problem, lambda, profile).map(|(at, factor)| (at, factor.below_shift))
+}
+
+fn factor_beside(problem: &Problem, lambda: f64, profile: &mut Profile) -> Result<(f64, Factor), Stopped> {
     let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
     let mut at = lambda;
-    let nudge = lambda * 1e-9;
-    if super::lanczos::factor_near(problem, &mut at, nudge, &mut factor, &mut workspace, profile) {
-        Ok((at, factor.below_shift))
+    if super::lanczos::factor_near(problem, &mut at, lambda * 1e-9, &mut factor, &mut workspace, profile) {
+        Ok((at, factor))
     } else {
         Err(Stopped::BadShift)
     }

@@ -1,6 +1,9 @@
 //! The symmetric problem A x = λ x that slices work on, A = M^-½ S M^-½ in elimination order.
 
+use std::sync::{Mutex, PoisonError};
+
 use super::lanczos::Window;
+use super::tall::Block;
 use crate::ldlt::{Row, Symbolic, nested_dissection};
 use crate::{Operator, SolveProfile, SymmetricSparse};
 
@@ -19,6 +22,8 @@ pub(super) struct Problem {
     component_area: Vec<f64>,
     /// Σ a.
     pub area: f64,
+    /// Blocks that finished slices have no more use for: fresh memory costs a fault per page.
+    spare: Mutex<Vec<Block>>,
 }
 
 /// Seconds of one thread in each part of the work.
@@ -44,7 +49,19 @@ impl Problem {
             mass,
             component,
             component_area,
+            spare: Mutex::default(),
         }
+    }
+
+    /// A block of n rows with anything in it.
+    pub(super) fn spare_block(&self) -> Block {
+        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        spare.unwrap_or_else(|| vec![[0.0; 8]; self.matrix.size()])
+    }
+
+    /// Takes blocks of n rows that are not needed any more.
+    pub(super) fn give_back(&self, blocks: Vec<Block>) {
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner).extend(blocks);
     }
 
     /// How many eigenvalues are exactly 0, each with a vector known in closed form: √a on one
@@ -63,8 +80,8 @@ impl Problem {
 
     /// Where the window reaches down to zero: makes each column orthogonal to the vectors of
     /// λ = 0.
-    pub(super) fn remove_constants(&self, window: &Window, x: &mut [Row]) {
-        if !window.from_zero {
+    pub(super) fn remove_constants(&self, from_zero: bool, x: &mut [Row]) {
+        if !from_zero {
             return;
         }
         let mut sums = vec![[0.0; 8]; self.components()];

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::join::{Join, Known};
 use super::lanczos::{self, Pairs, Reach, Stopped, Window, factor_near};
 use super::plan::{Slice, inertia, plan};
+use super::polish::polish;
 use super::problem::{Problem, Profile};
 use super::tall::{BLOCK, residuals};
 use super::{Solved, assemble};
@@ -19,7 +20,7 @@ const REPAIRS: usize = 100;
 
 /// Shifts that are tried for one slice.
 const ATTEMPTS: u32 = 4;
-/// ‖A x − λ x‖ / λ that a run must reach, or its shift is moved.
+/// ‖S h − λ M h‖ / ‖S h‖ that a run must reach, or its shift is moved.
 const GOOD_RESIDUAL: f64 = 5e-10;
 
 /// One slice's shift, its count, and the pairs found so far (one entry per run).
@@ -48,12 +49,12 @@ pub(super) fn solve(
     let stage = task.stage("harmonics", slices.len() as u64 + 1);
     // The top slice has the most to do, so it goes first.
     let found: Vec<Result<(Found, Profile), Stopped>> = slices
-        .par_iter()
+        .into_par_iter()
         .with_max_len(1)
         .rev()
-        .map(|slice| {
+        .map(|(slice, factor)| {
             let mut profile = Profile::default();
-            let found = Found::new(&problem, *slice, harmonics, &mut profile, task)?;
+            let found = Found::new(&problem, slice, factor, harmonics, &mut profile, task)?;
             stage.advance(1);
             Ok((found, profile))
         })
@@ -71,7 +72,7 @@ pub(super) fn solve(
     let basis = assemble::assemble(&problem, operator, slices, &known, keep, task)?;
     profile.assemble = start.elapsed().as_secs_f64();
     stage.advance(1);
-    Ok(Solved { basis, cuts_cluster, profile })
+    Ok(Solved { basis, cuts_cluster, fell_back_to_dense: false, profile })
 }
 
 fn told(stopped: Stopped) -> HarmonicsError {
@@ -90,20 +91,22 @@ impl Found {
     fn new(
         problem: &Problem,
         slice: Slice,
+        factor: Option<Factor>,
         harmonics: usize,
         profile: &mut Profile,
         task: &Task,
     ) -> Result<Self, Stopped> {
         let mut found = Self { slice, below_shift: 0, runs: Vec::new(), next_seed: slice.shift.to_bits() };
-        found.search(problem, harmonics + 1, profile, task)?;
+        found.search(problem, factor, harmonics + 1, profile, task)?;
         Ok(found)
     }
 
     /// Looks for pairs that no run has found yet. The top slice looks until it knows `count`
-    /// eigenvalues of the whole problem.
+    /// eigenvalues of the whole problem. `made` is the factor at the slice's shift, if there is one.
     fn search(
         &mut self,
         problem: &Problem,
+        mut made: Option<Factor>,
         count: usize,
         profile: &mut Profile,
         task: &Task,
@@ -112,7 +115,9 @@ impl Found {
         let width = self.slice.high - self.slice.low;
         for attempt in 1..=ATTEMPTS {
             let mut shift = self.slice.shift;
-            if !factor_near(problem, &mut shift, width * 1e-5, &mut factor, &mut workspace, profile) {
+            if let Some(made) = made.take() {
+                factor = made;
+            } else if !factor_near(problem, &mut shift, width * 1e-5, &mut factor, &mut workspace, profile) {
                 return Err(Stopped::BadShift);
             }
             if shift != self.slice.shift {
@@ -124,7 +129,13 @@ impl Found {
             let window = self.window(problem, count);
             let locked: Vec<&Pairs> = self.runs.iter().collect();
             self.next_seed = self.next_seed.wrapping_add(1);
-            match lanczos::run(problem, &factor, shift, &window, &locked, self.next_seed, profile, task) {
+            let found =
+                lanczos::run(problem, &factor, shift, &window, &locked, self.next_seed, profile, task);
+            let found = found.map(|pairs| {
+                let rough = window.from_zero && largest_residual(problem, &pairs) > GOOD_RESIDUAL;
+                if rough { polish(problem, pairs, &mut factor, &mut workspace, profile) } else { pairs }
+            });
+            match found {
                 // A small pivot far from any eigenvalue costs digits: another shift has others.
                 Ok(pairs) if attempt < ATTEMPTS && largest_residual(problem, &pairs) > GOOD_RESIDUAL => {
                     self.runs.clear();
@@ -170,7 +181,7 @@ impl Found {
     }
 }
 
-/// Largest ‖A x − λ x‖ / λ, as measured rather than estimated.
+/// Largest ‖S h − λ M h‖ / ‖S h‖, as measured rather than estimated.
 fn largest_residual(problem: &Problem, pairs: &Pairs) -> f64 {
     let mut largest = 0.0_f64;
     for (block, values) in pairs.blocks.iter().zip(pairs.values.chunks(BLOCK)) {
@@ -203,12 +214,14 @@ fn mend(
             }
             Join::NeedsMore => {
                 let last = slices.len() - 1;
-                slices[last].search(problem, harmonics + 8 * (repair + 1), profile, task).map_err(told)?;
+                slices[last]
+                    .search(problem, None, harmonics + 8 * (repair + 1), profile, task)
+                    .map_err(told)?;
             }
             Join::Missing(below, above) => {
                 // The two slices beside the place, in turn.
                 let which = if repair % 2 == 0 { below } else { above };
-                slices[which].search(problem, harmonics + 1, profile, task).map_err(told)?;
+                slices[which].search(problem, None, harmonics + 1, profile, task).map_err(told)?;
                 top_count = None;
             }
         }

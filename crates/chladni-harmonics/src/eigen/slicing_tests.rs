@@ -33,7 +33,7 @@ fn solved(operator: &Operator, harmonics: usize) -> (Problem, Vec<Found>) {
     let slices = plan(&problem, harmonics, &mut profile, &task).unwrap();
     let found = slices
         .into_iter()
-        .map(|s| Found::new(&problem, s, harmonics, &mut profile, &task).unwrap())
+        .map(|(s, factor)| Found::new(&problem, s, factor, harmonics, &mut profile, &task).unwrap())
         .collect();
     (problem, found)
 }
@@ -92,4 +92,27 @@ fn a_doubled_pair_is_never_certified() {
     assert!(matches!(Join::of(&problem, &found, 100, None), Join::Missing(..)));
     let mended = mend(&problem, &mut found, 100, &mut Profile::default(), &Task::new());
     assert!(mended.is_err());
+}
+
+#[test]
+fn polishing_takes_rough_errors_out_of_the_lowest_pairs() {
+    let operator = Operator::of(&torus(60, 24)).unwrap();
+    let (problem, mut found) = solved(&operator, 12);
+    let mut pairs = found.remove(0).runs.remove(0);
+    let exact = pairs.values.clone();
+    let relative = |pairs: &Pairs| largest_residual(&problem, pairs);
+    for (block, rows) in pairs.blocks.iter_mut().enumerate() {
+        for (i, row) in rows.iter_mut().enumerate() {
+            for (j, x) in row.iter_mut().enumerate() {
+                *x += 1e-8 * (((i * 37 + j * 11 + block * 5) % 17) as f64 - 8.0) / 8.0;
+            }
+        }
+    }
+    let rough = relative(&pairs);
+    let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
+    let polished = polish(&problem, pairs, &mut factor, &mut workspace, &mut Profile::default());
+    assert!(relative(&polished) < rough / 50.0, "{rough} to {}", relative(&polished));
+    for (polished, exact) in polished.values.iter().zip(&exact) {
+        assert!((polished / exact - 1.0).abs() < 1e-12, "{polished} {exact}");
+    }
 }

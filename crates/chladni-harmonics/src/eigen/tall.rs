@@ -14,7 +14,7 @@ pub(super) type Block = Vec<Row>;
 pub(super) type Small = [Row; BLOCK];
 
 /// Rows that are worked on while they lie in the first cache.
-const PANEL: usize = 128;
+const PANEL: usize = 64;
 
 /// VᵀX for each block V of `basis` and each X of `xs`, those of one V side by side; the basis
 /// is read once for all of `xs`.
@@ -236,16 +236,25 @@ impl Kernel for Residuals<'_> {
     }
 }
 
-/// X ← Q of X = Q R by Cholesky on XᵀX, twice (Yamamoto et al. 2015), and R. `None`, with X
-/// spoiled, where the columns are dependent to working precision.
-pub(super) fn orthonormalize(x: &mut [Row]) -> Option<Small> {
-    let mut r: Option<Small> = None;
-    for _ in 0..2 {
-        let (upper, inverse) = cholesky(&overlap(x, x))?;
-        multiply_right(x, &inverse);
-        r = Some(r.map_or(upper, |first| product(&upper, &first)));
+/// Why a block was not made orthonormal.
+pub(super) enum Dependence {
+    /// The columns are dependent; X is as it was.
+    Found,
+    /// They are so nearly dependent that rounding spoiled X.
+    Spoiled,
+}
+
+/// X ← Q of X = Q R by Cholesky on XᵀX, twice (Yamamoto et al. 2015). Columns count as dependent
+/// where the diagonal of R is not above `limits`. Returns R.
+pub(super) fn orthonormalize(x: &mut [Row], limits: &Row) -> Result<Small, Dependence> {
+    let (first, inverse) = cholesky(&overlap(x, x)).ok_or(Dependence::Found)?;
+    if (0..BLOCK).any(|j| first[j][j] <= limits[j]) {
+        return Err(Dependence::Found);
     }
-    r
+    multiply_right(x, &inverse);
+    let (second, inverse) = cholesky(&overlap(x, x)).ok_or(Dependence::Spoiled)?;
+    multiply_right(x, &inverse);
+    Ok(product(&second, &first))
 }
 
 /// Upper triangular R with RᵀR = G, and its inverse.

@@ -262,7 +262,7 @@ fn update_tile<L: Lanes, const R: usize>(
 ) {
     let mut sum = [[lanes.splat(0.0); 2]; R];
     {
-        let l: [&[f64]; R] = std::array::from_fn(|r| &f[(i + r) * ld + k0..(i + r) * ld + k0 + p.len()]);
+        let l: [&[f64]; R] = std::array::from_fn(|r| &f[(i + r) * ld + k0..][..p.len()]);
         for (k, p) in p.iter().enumerate() {
             let p = [lanes.load(&p[0]), lanes.load(&p[1])];
             for r in 0..R {

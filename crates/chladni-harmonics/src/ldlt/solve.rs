@@ -85,23 +85,31 @@ fn parts<'a>(
     (diagonal, below, &symbolic.rows[node.rows_start..node.rows_start + node.below])
 }
 
-#[inline(always)]
-fn subtract<L: Lanes>(lanes: L, x: &mut Row, sum: L::V) {
-    lanes.store(lanes.sub(lanes.load(x), sum), x);
+/// Calls a function for groups of 1 to 7 with the size of the group known to the compiler, so that the
+/// group stays in registers; most supernodes are that narrow.
+macro_rules! sized {
+    ($size:expr, $function:ident($($argument:expr),*)) => {
+        match $size {
+            1 => $function::<L, 1>($($argument),*),
+            2 => $function::<L, 2>($($argument),*),
+            3 => $function::<L, 3>($($argument),*),
+            4 => $function::<L, 4>($($argument),*),
+            5 => $function::<L, 5>($($argument),*),
+            6 => $function::<L, 6>($($argument),*),
+            7 => $function::<L, 7>($($argument),*),
+            _ => {}
+        }
+    };
 }
 
 /// own ← L₁₁⁻¹ own.
 #[inline(always)]
 fn forward_diagonal<L: Lanes>(lanes: L, diagonal: &[f64], w: usize, own: &mut [Row]) {
-    let mut i = 0;
-    while i + 8 <= w {
+    let whole = w - w % 8;
+    for i in (0..whole).step_by(8) {
         forward_group::<L, 8>(lanes, diagonal, w, i, own);
-        i += 8;
     }
-    while i < w {
-        forward_group::<L, 1>(lanes, diagonal, w, i, own);
-        i += 1;
-    }
+    sized!(w - whole, forward_group(lanes, diagonal, w, whole, own));
 }
 
 /// Rows `i .. i + R` of L₁₁⁻¹, given all rows before them.
@@ -122,7 +130,7 @@ fn forward_group<L: Lanes, const R: usize>(lanes: L, diagonal: &[f64], w: usize,
 /// Rows `first .. first + R` of L (rows `w` apart) times `x`.
 #[inline(always)]
 fn products<L: Lanes, const R: usize>(lanes: L, l: &[f64], w: usize, first: usize, x: &[Row]) -> [L::V; R] {
-    let rows: [&[f64]; R] = std::array::from_fn(|r| &l[(first + r) * w..(first + r) * w + x.len()]);
+    let rows: [&[f64]; R] = std::array::from_fn(|r| &l[(first + r) * w..][..x.len()]);
     let mut sum = [lanes.splat(0.0); R];
     for (k, x) in x.iter().enumerate() {
         let x = lanes.load(x);
@@ -145,24 +153,28 @@ fn forward_below<L: Lanes>(
     tail: &mut [Row],
     offset: usize,
 ) {
-    let mut i = 0;
-    while i + 8 <= rows.len() {
-        let sum = products::<L, 8>(lanes, below, w, i, own);
-        for r in 0..8 {
-            subtract(lanes, &mut tail[rows[i + r] as usize - offset], sum[r]);
-        }
-        i += 8;
+    let whole = rows.len() - rows.len() % 8;
+    for i in (0..whole).step_by(8) {
+        forward_rows::<L, 8>(lanes, below, w, i, rows, own, tail, offset);
     }
-    while i + 2 <= rows.len() {
-        let sum = products::<L, 2>(lanes, below, w, i, own);
-        for r in 0..2 {
-            subtract(lanes, &mut tail[rows[i + r] as usize - offset], sum[r]);
-        }
-        i += 2;
-    }
-    if i < rows.len() {
-        let sum = products::<L, 1>(lanes, below, w, i, own);
-        subtract(lanes, &mut tail[rows[i] as usize - offset], sum[0]);
+    sized!(rows.len() - whole, forward_rows(lanes, below, w, whole, rows, own, tail, offset));
+}
+
+#[inline(always)]
+fn forward_rows<L: Lanes, const R: usize>(
+    lanes: L,
+    below: &[f64],
+    w: usize,
+    first: usize,
+    rows: &[u32],
+    own: &[Row],
+    tail: &mut [Row],
+    offset: usize,
+) {
+    let sum = products::<L, R>(lanes, below, w, first, own);
+    for (sum, &row) in sum.into_iter().zip(&rows[first..first + R]) {
+        let x = &mut tail[row as usize - offset];
+        lanes.store(lanes.sub(lanes.load(x), sum), x);
     }
 }
 
@@ -177,18 +189,11 @@ fn backward_below<L: Lanes>(
     tail: &[Row],
     offset: usize,
 ) {
-    let mut k = 0;
-    while k + 8 <= w {
+    let whole = w - w % 8;
+    for k in (0..whole).step_by(8) {
         backward_columns::<L, 8>(lanes, below, w, rows, k, own, tail, offset);
-        k += 8;
     }
-    while k + 2 <= w {
-        backward_columns::<L, 2>(lanes, below, w, rows, k, own, tail, offset);
-        k += 2;
-    }
-    if k < w {
-        backward_columns::<L, 1>(lanes, below, w, rows, k, own, tail, offset);
-    }
+    sized!(w - whole, backward_columns(lanes, below, w, rows, whole, own, tail, offset));
 }
 
 #[inline(always)]
@@ -202,32 +207,40 @@ fn backward_columns<L: Lanes, const R: usize>(
     tail: &[Row],
     offset: usize,
 ) {
-    let mut sum = [lanes.splat(0.0); R];
-    for (l, &row) in below.chunks_exact(w).zip(rows) {
-        let x = &tail[row as usize - offset];
-        let x = lanes.load(x);
-        let l = &l[k..k + R];
-        for r in 0..R {
-            let l = lanes.splat(l[r]);
-            sum[r] = lanes.mul_add(l, x, sum[r]);
-        }
+    // Two sums per column, as one would wait for itself.
+    let mut even = [lanes.splat(0.0); R];
+    let mut odd = [lanes.splat(0.0); R];
+    let (pairs, last) = rows.as_chunks::<2>();
+    for (l, pair) in below.chunks_exact(2 * w).zip(pairs) {
+        add_row(lanes, &l[k..k + R], &tail[pair[0] as usize - offset], &mut even);
+        add_row(lanes, &l[w + k..w + k + R], &tail[pair[1] as usize - offset], &mut odd);
+    }
+    if let [row] = last {
+        let first = (rows.len() - 1) * w + k;
+        add_row(lanes, &below[first..first + R], &tail[*row as usize - offset], &mut even);
     }
     for r in 0..R {
-        subtract(lanes, &mut own[k + r], sum[r]);
+        let x = &mut own[k + r];
+        lanes.store(lanes.sub(lanes.load(x), lanes.add(even[r], odd[r])), x);
+    }
+}
+
+/// sum ← sum + lᵀ x.
+#[inline(always)]
+fn add_row<L: Lanes, const R: usize>(lanes: L, l: &[f64], x: &Row, sum: &mut [L::V; R]) {
+    let x = lanes.load(x);
+    for r in 0..R {
+        sum[r] = lanes.mul_add(lanes.splat(l[r]), x, sum[r]);
     }
 }
 
 /// own ← L₁₁⁻ᵀ own.
 #[inline(always)]
 fn backward_diagonal<L: Lanes>(lanes: L, diagonal: &[f64], w: usize, own: &mut [Row]) {
-    let mut end = w;
-    while end >= 8 {
-        end -= 8;
-        backward_group::<L, 8>(lanes, diagonal, w, end, own);
-    }
-    while end > 0 {
-        end -= 1;
-        backward_group::<L, 1>(lanes, diagonal, w, end, own);
+    let part = w % 8;
+    sized!(part, backward_group(lanes, diagonal, w, w - part, own));
+    for start in (0..w - part).step_by(8).rev() {
+        backward_group::<L, 8>(lanes, diagonal, w, start, own);
     }
 }
 

@@ -1,15 +1,13 @@
 //! `chladni basis`: the harmonics of a mesh as numbers.
 
-use std::io::{self, Seek, Write};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::PathBuf;
 
 use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError, Operator};
-use chladni_task::write_atomic_with;
-use npyz::WriterBuilder;
-use npyz::npz::NpzWriter;
 use serde::Serialize;
 
 use super::cache::basis_cache;
+use super::npz::{Npz, write_npz};
 use super::{Failure, Terminal};
 use crate::source;
 
@@ -79,6 +77,9 @@ impl Args {
         if let Some(warning) = &report.cache_warning {
             terminal.warn(warning);
         }
+        if report.fell_back_to_dense {
+            terminal.warn("the eigenvalues could not be counted in slices; solved as a dense matrix instead");
+        }
         if report.cuts_cluster {
             terminal.warn(format_args!(
                 "harmonic {} belongs to a group of equal eigenvalues that goes on; --whole-clusters takes all of it",
@@ -87,10 +88,10 @@ impl Args {
         }
         if let Some(path) = &self.operator {
             let operator = Operator::of(&loaded.mesh).map_err(named)?;
-            write(path, |file| write_operator(file, &operator))?;
+            write_npz(path, |npz| write_operator(npz, &operator)).map_err(|e| Failure::writing(path, e))?;
         }
         if let Some(path) = &self.output {
-            write(path, |file| write_basis(file, &body))?;
+            write_npz(path, |npz| write_basis(npz, &body)).map_err(|e| Failure::writing(path, e))?;
         }
         self.report(terminal, &body, &report)
     }
@@ -123,51 +124,25 @@ impl Args {
     }
 }
 
-fn write(
-    path: &Path,
-    fill: impl FnOnce(&mut io::BufWriter<&mut std::fs::File>) -> io::Result<()>,
-) -> Result<(), Failure> {
-    write_atomic_with(path, fill).map_err(|error| Failure::writing(path, error))
-}
-
 /// Working units back to the file's: lengths by 1/s, so areas by 1/s², eigenvalues by s² and
 /// harmonics, which are orthonormal under the areas, by s.
-fn write_basis(file: impl Write + Seek, body: &Body) -> io::Result<()> {
+fn write_basis(npz: &mut Npz<'_, '_>, body: &Body) -> io::Result<()> {
     let basis = &body.basis;
     let (n, k) = (basis.vertices() as u64, basis.harmonics() as u64);
     let s = body.frame.scale;
-    let mut npz = NpzWriter::new(file);
-    array(&mut npz, "eigenvalues", &[k], basis.eigenvalues.iter().map(|l| l * s * s))?;
-    array(&mut npz, "mass", &[n], basis.mass.iter().map(|a| a / (s * s)))?;
+    npz.array("eigenvalues", &[k], basis.eigenvalues.iter().map(|l| l * s * s))?;
+    npz.array("mass", &[n], basis.mass.iter().map(|a| a / (s * s)))?;
     let rows = body.operator_vertex.iter().map(|v| v.map_or(-1, i64::from));
-    array(&mut npz, "operator_vertex", &[body.operator_vertex.len() as u64], rows)?;
-    array(&mut npz, "eigenvectors", &[n, k], basis.vectors.iter().map(|h| h * s))
+    npz.array("operator_vertex", &[body.operator_vertex.len() as u64], rows)?;
+    npz.columns("eigenvectors", [n, k], basis.vectors.iter().map(|h| h * s))
 }
 
-fn write_operator(file: impl Write + Seek, operator: &Operator) -> io::Result<()> {
+fn write_operator(npz: &mut Npz<'_, '_>, operator: &Operator) -> io::Result<()> {
     let stiffness = &operator.stiffness;
     let (n, entries) = (stiffness.size() as u64, stiffness.values.len() as u64);
-    let mut npz = NpzWriter::new(file);
-    array(&mut npz, "indices", &[entries], stiffness.rows.iter().map(|&r| i64::from(r)))?;
-    array(&mut npz, "indptr", &[n + 1], stiffness.column_starts.iter().map(|&c| c as i64))?;
-    let name = npyz::DType::Plain("|S3".parse().map_err(io::Error::other)?);
-    let mut format = npz.array::<[u8]>("format", Default::default())?.dtype(name).shape(&[]).begin_nd()?;
-    format.push(b"csc".as_slice())?;
-    format.finish()?;
-    array(&mut npz, "shape", &[2], [n as i64, n as i64].into_iter())?;
-    array(&mut npz, "data", &[entries], stiffness.values.iter().copied())
-}
-
-/// One array, the first index running fastest.
-fn array<T: npyz::AutoSerialize, W: Write + Seek>(
-    npz: &mut NpzWriter<W>,
-    name: &str,
-    shape: &[u64],
-    values: impl Iterator<Item = T>,
-) -> io::Result<()> {
-    let order = if shape.len() > 1 { npyz::Order::Fortran } else { npyz::Order::C };
-    let mut writer =
-        npz.array(name, Default::default())?.default_dtype().shape(shape).order(order).begin_nd()?;
-    writer.extend(values)?;
-    writer.finish()
+    npz.array("indices", &[entries], stiffness.rows.iter().map(|&r| i64::from(r)))?;
+    npz.array("indptr", &[n + 1], stiffness.column_starts.iter().map(|&c| c as i64))?;
+    npz.word("format", "csc")?;
+    npz.array("shape", &[2], [n as i64, n as i64])?;
+    npz.array("data", &[entries], stiffness.values.iter().copied())
 }

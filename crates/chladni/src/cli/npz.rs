@@ -6,7 +6,7 @@ use std::path::Path;
 
 use npyz::npz::NpzWriter;
 use npyz::zip::write::FileOptions;
-use npyz::{AutoSerialize, WriterBuilder};
+use npyz::{AutoSerialize, DType, Order, WriterBuilder};
 
 /// An archive that is being written.
 pub struct Npz<'a, 'b> {
@@ -21,9 +21,37 @@ impl Npz<'_, '_> {
         shape: &[u64],
         values: impl IntoIterator<Item = T>,
     ) -> Result<()> {
-        let options = FileOptions::default().compression_method(npyz::zip::CompressionMethod::Stored);
-        let mut array =
-            self.writer.array(name, options.large_file(true))?.default_dtype().shape(shape).begin_nd()?;
+        self.add(name, T::default_dtype(), shape, Order::C, values)
+    }
+
+    /// Adds a matrix whose `values` come column by column, and are stored so.
+    pub fn columns<T: AutoSerialize>(
+        &mut self,
+        name: &str,
+        shape: [u64; 2],
+        values: impl IntoIterator<Item = T>,
+    ) -> Result<()> {
+        self.add(name, T::default_dtype(), &shape, Order::Fortran, values)
+    }
+
+    /// Adds a single word of ASCII.
+    pub fn word(&mut self, name: &str, word: &str) -> Result<()> {
+        let kind = format!("|S{}", word.len()).parse().map_err(Error::other)?;
+        self.add(name, DType::Plain(kind), &[], Order::C, [word.as_bytes().to_vec()])
+    }
+
+    fn add<T: npyz::Serialize>(
+        &mut self,
+        name: &str,
+        kind: DType,
+        shape: &[u64],
+        order: Order,
+        values: impl IntoIterator<Item = T>,
+    ) -> Result<()> {
+        // Archives of more than 4 GB need wider numbers, which all of today's readers know.
+        let options =
+            FileOptions::default().compression_method(npyz::zip::CompressionMethod::Stored).large_file(true);
+        let mut array = self.writer.array(name, options)?.dtype(kind).shape(shape).order(order).begin_nd()?;
         array.extend(values)?;
         array.finish()
     }
