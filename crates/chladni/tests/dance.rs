@@ -178,3 +178,28 @@ fn the_same_seed_song_and_actions_give_the_same_frames() {
     assert!(first.len() > 30 && first[3] != first[9]);
     assert!(first == frames("second"), "frames differ between two runs on one device");
 }
+
+#[test]
+fn the_layers_of_a_caricature_dance_along() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mesh, project, wav] =
+        ["ball.obj", "wild.chladni", "strobe.wav"].map(|name| folder.path().join(name));
+    ball(&mesh);
+    strobe(&wav);
+    let [mesh, path, wav] = [&mesh, &project, &wav].map(|path| path.to_str().unwrap());
+    assert_eq!(run(&["project", "new", mesh, "-o", path, "--harmonics", "24"]), 0);
+    assert_eq!(run(&["project", "add-layer", path, "--template", "self:scale=0.5", "--mu", "-2"]), 0);
+    // Without gain only the voice is left: the ball grows with the bass.
+    let film = |name: &str, mesh: &str| {
+        let out = folder.path().join(name);
+        let fixed =
+            ["--gain", "0", "-k", "24", "--size", "64x64", "--duration", "1", "--background", "white"];
+        let frames = ["dance", mesh, wav, "--frames", out.to_str().unwrap(), "--lights", "studio"];
+        assert_eq!(run(&[&frames[..], &fixed].concat()), 0);
+        luminances(&out)
+    };
+    let (still, moved) = (film("still", mesh), film("moved", path));
+    let differences = still.iter().zip(&moved).map(|(a, b)| (a - b).abs());
+    let largest = differences.fold(0.0, f32::max);
+    assert!(largest > 0.03, "the layer changes the picture by {largest}");
+}

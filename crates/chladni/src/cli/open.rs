@@ -1,20 +1,35 @@
 //! `chladni open FILE…`: the window.
 
+use std::cell::RefCell;
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use super::{Failure, Terminal};
-use crate::studio;
+use crate::studio::{self, Measure};
 
 /// Open the window, on files where some are given.
 #[derive(clap::Args, Default)]
 pub struct Open {
-    /// Meshes or a project; the first mesh is the shape, the next ones are templates for it.
+    /// Meshes or a project, songs, a preset or a session; the first mesh is the shape, the next
+    /// ones are templates for it.
     files: Vec<PathBuf>,
+    /// Close by itself after so many seconds of a song, and print as JSON how the frames came and
+    /// whether the sound kept in step.
+    #[arg(long, value_name = "SECS", requires = "files")]
+    measure: Option<f64>,
 }
 
 impl Open {
     /// Returns when the window is closed.
-    pub fn run(self, _terminal: &Terminal) -> Result<(), Failure> {
-        studio::open(self.files).map_err(Failure::other)
+    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        let measure = self.measure.map(|secs| Rc::new(RefCell::new(Measure::new(secs))));
+        studio::open(self.files, measure.clone()).map_err(Failure::other)?;
+        match measure {
+            Some(measure) => match measure.borrow().report() {
+                Some(report) => terminal.json(&report),
+                None => Err(Failure::other("the window was closed before a song was heard")),
+            },
+            None => Ok(()),
+        }
     }
 }

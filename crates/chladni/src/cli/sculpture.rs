@@ -6,6 +6,7 @@ use std::sync::Arc;
 use chladni_caricature::{Evaluation, LayerState, MatchRequest, Project, Stack, Template};
 use chladni_harmonics::Body;
 use chladni_mesh::{Format, MorphTarget, TriMesh, save_mesh, write_glb};
+use chladni_synth::Term;
 use chladni_task::write_atomic;
 use chladni_view::{Camera, Gpu, PictureRequest, PictureShape, Style, render_picture};
 
@@ -40,6 +41,11 @@ impl Sculpture {
             }
         }
         Ok(Self { mesh, stack, evaluation })
+    }
+
+    /// The acting layers as voices of an instrument, by name.
+    pub fn voices(&self) -> Vec<(String, Term)> {
+        self.evaluation.voices()
     }
 
     /// Tells of every acting layer how far it moves the shape and what it folds.

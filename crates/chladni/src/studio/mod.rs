@@ -8,6 +8,7 @@ mod closing;
 mod folders;
 mod icon;
 mod job;
+mod measure;
 mod music;
 mod notices;
 mod pictures;
@@ -18,13 +19,16 @@ mod start;
 mod theme;
 mod viewport;
 
+use std::cell::RefCell;
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use eframe::egui_wgpu::RenderState;
 use egui::Key;
 
 pub use choose::{Chooser, Kind, SystemDialogs};
 pub use folders::Folders;
+pub use measure::{Measure, Report};
 
 use closing::Closing;
 use icon::Icon;
@@ -50,8 +54,8 @@ const FULL_SCREEN: Shortcut = Shortcut::key(Key::F11, "Full screen");
 const WINDOW_KEYS: [Shortcut; 5] = [HELP, SWITCH_ROOM, ZOOM_IN, ZOOM_OUT, FULL_SCREEN];
 
 /// Opens the window on the start screen, or on `files` where some are given, and returns when
-/// it is closed.
-pub fn open(files: Vec<PathBuf>) -> Result<(), StudioError> {
+/// it is closed. With a measure it closes by itself when all is counted.
+pub fn open(files: Vec<PathBuf>, measure: Option<Rc<RefCell<Measure>>>) -> Result<(), StudioError> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Chladni")
         .with_app_id("chladni")
@@ -63,7 +67,7 @@ pub fn open(files: Vec<PathBuf>) -> Result<(), StudioError> {
         options,
         Box::new(move |creation| {
             let folders = Folders::of_user();
-            Ok(Box::new(Studio::new(creation, Opening { folders, files, ..Opening::default() })?))
+            Ok(Box::new(Studio::new(creation, Opening { folders, files, measure, ..Opening::default() })?))
         }),
     )?;
     Ok(())
@@ -77,11 +81,18 @@ pub struct Opening {
     pub chooser: Box<dyn Chooser>,
     /// Files to open at once.
     pub files: Vec<PathBuf>,
+    /// Counts frames, and closes the window when it has seen enough.
+    pub measure: Option<Rc<RefCell<Measure>>>,
 }
 
 impl Default for Opening {
     fn default() -> Self {
-        Self { folders: Folders::default(), chooser: Box::new(SystemDialogs), files: Vec::new() }
+        Self {
+            folders: Folders::default(),
+            chooser: Box::new(SystemDialogs),
+            files: Vec::new(),
+            measure: None,
+        }
     }
 }
 
@@ -90,6 +101,7 @@ pub struct Studio {
     gpu: RenderState,
     folders: Folders,
     chooser: Box<dyn Chooser>,
+    measure: Option<Rc<RefCell<Measure>>>,
     settings: Settings,
     saved_settings: Settings,
     notices: Notices,
@@ -116,7 +128,7 @@ impl Studio {
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
         let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
         let mut notices = Notices::default();
-        let Opening { folders, chooser, files } = opening;
+        let Opening { folders, chooser, files, measure } = opening;
         let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
             Some(Err(error)) => {
@@ -135,6 +147,7 @@ impl Studio {
             settings,
             folders,
             chooser,
+            measure,
             notices,
             rooms: vec![
                 Box::new(caricature::CaricatureRoom::default()),
@@ -236,6 +249,16 @@ impl Studio {
         }
     }
 
+    fn count_frame(&mut self, ctx: &egui::Context) {
+        let sound = self.current.and_then(|index| self.rooms.get(index)).and_then(|room| room.sound());
+        if let Some(measure) = &self.measure
+            && measure.borrow_mut().frame(std::time::Instant::now(), sound)
+        {
+            self.rooms.clear();
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+    }
+
     fn save_settings(&mut self) {
         if self.settings == self.saved_settings {
             return;
@@ -287,6 +310,7 @@ impl eframe::App for Studio {
             self.notices.show(&ctx);
         }
         self.save_settings();
+        self.count_frame(&ctx);
         self.handle_close(&ctx);
     }
 

@@ -46,6 +46,11 @@ pub trait Room {
         false
     }
 
+    /// Position in the song that is heard, in seconds, and underruns so far; `None` where none is.
+    fn sound(&self) -> Option<(f64, u64)> {
+        None
+    }
+
     /// Something unsaved that closing the window would lose; `None` when all is safe.
     fn unsaved(&self) -> Option<String> {
         None

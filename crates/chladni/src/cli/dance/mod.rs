@@ -1,5 +1,6 @@
 //! `chladni dance MESH SONG`: a film of a shape that dances, frame-exact, with its sound.
 
+mod cast;
 mod guard;
 mod hearing;
 mod record;
@@ -11,8 +12,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_music::{
-    Action, Dancer, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter, Preset,
-    Session, Symmetry,
+    Action, Dancer, Ensemble, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter,
+    Preset, Session, Symmetry,
 };
 use chladni_sound::{Song, WavSample, track_beats, write_wav};
 use chladni_view::{
@@ -20,15 +21,18 @@ use chladni_view::{
 };
 use serde::Serialize;
 
-use super::inputs::{build_body, open_mesh, open_song};
+use super::inputs::open_song;
 use super::{Failure, Terminal};
+use cast::Cast;
 use hearing::Hearing;
 use show::{Look, Show};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
 pub struct Dance {
-    /// A mesh file, or sample:octopus, sample:head.
+    /// A mesh file, or sample:octopus, sample:head; or a caricature (.chladni), whose layers become
+    /// voices that the song drives: the bass, the beat, the side and the treble in turn, unless a
+    /// session says otherwise.
     mesh: String,
     /// A song (wav, flac, mp3, ogg, m4a, aiff …), or sample:tune.
     song: String,
@@ -145,11 +149,11 @@ impl Dance {
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         let begin = Instant::now();
         self.check_output()?;
-        let mesh = open_mesh(&self.mesh, terminal)?;
+        let cast = Cast::open(&self.mesh, terminal)?;
         let song = open_song(&self.song, self.start, self.duration, terminal)?;
         let mut seconds = Seconds { reading: begin.elapsed().as_secs_f64(), ..Seconds::default() };
         let preparing = Instant::now();
-        let (body, _) = build_body(&self.mesh, &mesh, self.harmonics, terminal)?;
+        let (body, voices) = cast.prepare(self.harmonics, terminal)?;
         let symmetry =
             terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(failure)?;
         let body = symmetry.rotated(&body);
@@ -171,7 +175,8 @@ impl Dance {
             background: self.background,
             yaw_rad: self.yaw.to_radians(),
         };
-        let mut show = Show::new(&body, dancer, hearing, instrument, script, self.start, self.fps.0)?;
+        let ensemble = Ensemble::new(dancer).with_voices(voices).map_err(failure)?;
+        let mut show = Show::new(&body, ensemble, hearing, instrument, script, self.start, self.fps.0)?;
         if self.allow_flashes {
             show.allow_flashes();
         }

@@ -1,10 +1,9 @@
 //! Frame after frame: actions, sound, shape, picture.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_harmonics::Body;
-use chladni_music::{Beat, Dancer, Ensemble, Instrument, LoggedAction, Moment, Parameter, Switch, react};
+use chladni_music::{Beat, Ensemble, Instrument, LoggedAction, Moment, Parameter, Switch, react};
 use chladni_sound::Song;
 use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
 use chladni_task::Task;
@@ -52,7 +51,7 @@ pub struct Show {
 impl Show {
     pub fn new(
         body: &Body,
-        dancer: Arc<Dancer>,
+        ensemble: Ensemble,
         hearing: Hearing,
         instrument: Instrument,
         script: Vec<LoggedAction>,
@@ -63,7 +62,7 @@ impl Show {
             hearing,
             instrument,
             script: script.into_iter().peekable(),
-            ensemble: Ensemble::new(dancer),
+            ensemble,
             synthesizer: CpuSynthesizer::new(SynthModel::new(body).map_err(Failure::other)?),
             triangles: body.triangles.clone(),
             start_secs,

@@ -128,6 +128,13 @@ impl Room for MusicRoom {
         shared.ctx.request_repaint();
     }
 
+    fn sound(&self) -> Option<(f64, u64)> {
+        // Until the shapes dance, the window waits for them.
+        self.concert.as_ref()?;
+        let status = self.listening.as_ref()?.player().status();
+        Some((status.position_secs, status.underruns))
+    }
+
     fn hides_the_window(&self) -> bool {
         self.concert.as_ref().is_some_and(Concert::on_stage)
     }

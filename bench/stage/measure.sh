@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# usage: bench/stage/measure.sh [SECONDS]     (CHLADNI=PATH takes another program than the built one)
+# Opens the built program's music room on a virtual screen, with its sound going to a PulseAudio null
+# sink, and prints one JSON line: how the frames came, how the song's clock ran against the wall's,
+# and the longest silence in what the sink's monitor recorded.
+set -eu
+cd "$(dirname "$0")/../.."
+seconds=${1:-60}
+for program in Xvfb pulseaudio pactl parec sox; do
+  command -v "$program" > /dev/null || { echo "$program is missing" >&2; exit 1; }
+done
+[ -n "${CHLADNI:-}" ] || cargo build --release --quiet -p chladni
+chladni=${CHLADNI:-${CARGO_TARGET_DIR:-target}/release/chladni}
+folder=$(mktemp -d)
+pids=()
+trap 'kill "${pids[@]}" 2>/dev/null; wait 2>/dev/null; rm -rf "$folder"' EXIT
+
+# A song without a pause: noise that swells, longer than it is listened to.
+sox -n -r 44100 -c 2 "$folder/song.wav" synth $((seconds + 30)) pinknoise tremolo 2 40 gain -6
+
+printf '</usr/share/alsa/alsa.conf>\npcm.!default { type pulse }\nctl.!default { type pulse }\n' > "$folder/alsa.conf"
+export ALSA_CONFIG_PATH=$folder/alsa.conf PULSE_RUNTIME_PATH=$folder XDG_CONFIG_HOME=$folder XDG_RUNTIME_DIR=$folder
+unset WAYLAND_DISPLAY
+pulseaudio -n --daemonize=no --exit-idle-time=-1 --use-pid-file=no --log-target=null \
+  -L "module-null-sink sink_name=null norewinds=1 rate=48000" \
+  -L "module-native-protocol-unix auth-anonymous=1 socket=$folder/socket" &
+pids+=($!)
+export PULSE_SERVER=unix:$folder/socket
+until pactl info > /dev/null 2>&1; do sleep 0.1; done
+Xvfb -displayfd 3 -screen 0 1320x820x24 3> "$folder/display" 2> /dev/null &
+pids+=($!)
+until [ -s "$folder/display" ]; do sleep 0.1; done
+DISPLAY=:$(cat "$folder/display")
+export DISPLAY
+
+parec --device=null.monitor --raw --format=s16le --rate=48000 --channels=2 > "$folder/heard.raw" &
+pids+=($!)
+"$chladni" open "$folder/song.wav" --measure "$seconds" > "$folder/report.json" 2> "$folder/errors" || { cat "$folder/errors" >&2; exit 1; }
+kill "${pids[2]}"
+wait "${pids[2]}" 2> /dev/null || true
+
+# The longest run of silence between the first and the last sample that were heard.
+python3 - "$folder" <<'PYTHON'
+import array, json, sys
+folder = sys.argv[1]
+with open(f"{folder}/heard.raw", "rb") as file:
+    heard = array.array("h", file.read()[: -4 or None])
+loud = [i // 2 for i in range(0, len(heard) - 1, 2) if heard[i] or heard[i + 1]]
+report = json.load(open(f"{folder}/report.json"))
+report["heard_secs"] = (loud[-1] - loud[0]) / 48000 if loud else 0
+report["longest_silence_secs"] = max((b - a for a, b in zip(loud, loud[1:])), default=0) / 48000
+print(json.dumps(report))
+PYTHON

@@ -1,0 +1,103 @@
+//! How the frames of the window came, and whether the sound went on beside them.
+
+use std::time::Instant;
+
+use serde::Serialize;
+
+/// Frames that are counted for a while.
+#[derive(Clone, Debug)]
+pub struct Measure {
+    secs: f64,
+    began: Option<Instant>,
+    /// When each frame came, and where in the song it was.
+    frames: Vec<(f64, Option<f64>)>,
+    underruns: u64,
+}
+
+/// What came of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// From the first counted frame to the last.
+    pub secs: f64,
+    /// Frames drawn.
+    pub frames: usize,
+    /// The middle one of all pauses between frames.
+    pub median_frame_secs: f64,
+    /// The longest pause between frames.
+    pub longest_frame_secs: f64,
+    /// How far the song moved on from the first frame to the last.
+    pub song_secs: Option<f64>,
+    /// The largest difference between the song's clock and the wall's, after the mean is taken off.
+    pub largest_drift_secs: Option<f64>,
+    /// How often the sound device was given silence.
+    pub underruns: u64,
+}
+
+impl Measure {
+    /// Counts for so many seconds, from the first frame on that has a song.
+    pub fn new(secs: f64) -> Self {
+        Self { secs, began: None, frames: Vec::new(), underruns: 0 }
+    }
+
+    /// Counts a frame; `sound` is the position in the song and the underruns so far, where one
+    /// plays. True when all is counted.
+    pub fn frame(&mut self, now: Instant, sound: Option<(f64, u64)>) -> bool {
+        if self.began.is_none() && sound.is_none_or(|(position_secs, _)| position_secs <= 0.0) {
+            return false;
+        }
+        if self.frames.last().is_some_and(|(at, _)| *at >= self.secs) {
+            return true;
+        }
+        let began = *self.began.get_or_insert(now);
+        let at = (now - began).as_secs_f64();
+        self.frames.push((at, sound.map(|sound| sound.0)));
+        self.underruns = sound.map_or(self.underruns, |sound| sound.1);
+        at >= self.secs
+    }
+
+    /// The report; `None` where there were too few frames.
+    pub fn report(&self) -> Option<Report> {
+        let [first, .., last] = self.frames[..] else { return None };
+        let mut pauses: Vec<f64> = self.frames.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+        pauses.sort_by(f64::total_cmp);
+        let offsets: Vec<f64> =
+            self.frames.iter().filter_map(|(at, position)| Some((*position)? - at)).collect();
+        let mean = offsets.iter().sum::<f64>() / offsets.len().max(1) as f64;
+        let drift = offsets.iter().map(|offset| (offset - mean).abs()).fold(0.0, f64::max);
+        Some(Report {
+            secs: last.0 - first.0,
+            frames: self.frames.len(),
+            median_frame_secs: pauses[pauses.len() / 2],
+            longest_frame_secs: pauses.last().copied().unwrap_or(0.0),
+            song_secs: last.1.zip(first.1).map(|(last, first)| last - first),
+            largest_drift_secs: (!offsets.is_empty()).then_some(drift),
+            underruns: self.underruns,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn pauses_and_drift_are_measured() {
+        let (mut measure, start) = (Measure::new(1.0), Instant::now());
+        assert_eq!(measure.report(), None);
+        assert!(!measure.frame(start, None));
+        let at = |ms: u64| start + Duration::from_millis(ms);
+        for (ms, position_secs) in [(100, 5.0), (200, 5.1), (500, 5.42), (600, 5.5)] {
+            assert!(!measure.frame(at(ms), Some((position_secs, 1))));
+        }
+        assert!(measure.frame(at(1100), Some((6.0, 2))));
+        // The window closes; what it draws until then does not count.
+        assert!(measure.frame(at(1200), None));
+        let report = measure.report().unwrap();
+        assert_eq!((report.frames, report.underruns), (5, 2));
+        assert!((report.secs - 1.0).abs() < 1e-9 && (report.longest_frame_secs - 0.5).abs() < 1e-9);
+        assert!((report.median_frame_secs - 0.3).abs() < 1e-9);
+        assert!((report.largest_drift_secs.unwrap() - 0.016).abs() < 1e-9);
+        assert!((report.song_secs.unwrap() - 1.0).abs() < 1e-9);
+    }
+}
