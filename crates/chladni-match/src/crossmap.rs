@@ -217,13 +217,6 @@ fn assemble(
     let landed: Vec<Place> = places.iter().map(|p| domain.land(p)).collect();
     let image: Vec<DVec3> = landed.iter().map(|p| domain.point(p)).collect();
     let on_surface = s.surface_vertex.len();
-    let pose = fit_pairs(
-        (0..on_surface).map(|v| {
-            let vertex = s.surface_vertex[v] as usize;
-            (image[v], shape.points[vertex], shape.areas[vertex])
-        }),
-        Scaling::Free,
-    )?;
     // Undistorted is 1; twice as long as wide 0.8, ten times 0.2.
     let mut trust = vec![(0.0, 0.0); s.points.len()];
     for corners in &s.triangles[..s.surface_triangle.len()] {
@@ -233,6 +226,19 @@ fn assemble(
             trust[*v as usize].1 += 1.0;
         }
     }
+    // In a filled hole the template has no surface, only its rim.
+    let filled = |v: usize| landed[v].triangle != places[v].triangle;
+    let trust: Vec<f64> = (0..on_surface)
+        .map(|v| if filled(v) { 0.1 } else { 1.0 } * (trust[v].0 / f64::max(trust[v].1, 1.0)).min(1.0))
+        .collect();
+    // What is hardly alike, such as a neck that fills a hole, should not tilt the head.
+    let pose = fit_pairs(
+        (0..on_surface).map(|v| {
+            let vertex = s.surface_vertex[v] as usize;
+            (image[v], shape.points[vertex], shape.areas[vertex] * trust[v])
+        }),
+        Scaling::Free,
+    )?;
     let back = pose.inverse();
     let turn = back.rotation_matrix();
     let mut outside = 0;
@@ -248,13 +254,11 @@ fn assemble(
             confidence.push(0.1);
             continue;
         };
-        let (place, (sum, count)) = (&landed[p as usize], trust[p as usize]);
+        let place = &landed[p as usize];
         let triangle = *t.surface_triangle.get(place.triangle as usize).ok_or(nothing)?;
         let point = image[p as usize];
         at.push(SurfacePoint { triangle, barycentric: place.weights, point, distance_squared: 0.0 });
-        // In a filled hole the template has no surface, only its rim.
-        let filled = place.triangle != places[p as usize].triangle;
-        confidence.push(if filled { 0.1 } else { 1.0 } * sum / f64::max(count, 1.0));
+        confidence.push(trust[p as usize]);
     }
     let mut warnings = Vec::new();
     if outside > 0 {

@@ -37,7 +37,8 @@ pub(crate) fn confidence(template: &Surface, at: &SurfacePoint, normal: DVec3, s
     let near = (-(distance / CONFIDENCE_REACH).powi(2)).exp();
     let facing = template.smooth_normal(at).dot(normal).max(0.0);
     let edge = if template.on_boundary(at) { 0.25 } else { 1.0 };
-    near * facing * edge
+    // The product of two unit normals may be a rounding above 1.
+    (near * facing * edge).min(1.0)
 }
 
 /// A correspondence from one template point per welded vertex.

@@ -87,12 +87,9 @@ proptest! {
     }
 }
 
-#[test]
-fn hopeless_templates_are_errors_or_say_that_they_are_not_trusted() {
-    let shape = samples::icosphere(3);
-    let triangle = mesh(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
-    let flat = samples::grid_square(6);
-    let confetti = mesh(
+/// Three thousand triangles, none of which touches another.
+fn confetti() -> TriMesh {
+    mesh(
         (0..3000)
             .flat_map(|i| {
                 let [x, y, z] = [(i % 20) as f64, (i / 20 % 20) as f64, (i / 400) as f64];
@@ -100,8 +97,82 @@ fn hopeless_templates_are_errors_or_say_that_they_are_not_trusted() {
             })
             .collect(),
         (0..3000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    )
+}
+
+/// A ball stretched along x, y and z, with a nose on the positive side of x.
+fn potato() -> TriMesh {
+    let mut ball = samples::icosphere(3);
+    for p in &mut ball.positions {
+        let nose = 1.0 + 0.3 * (-8.0 * (1.0 - p[0])).exp();
+        *p = [nose * p[0], 0.8 * p[1], 1.2 * p[2]];
+    }
+    ball
+}
+
+#[test]
+fn confetti_and_a_template_in_two_places_give_finite_numbers() {
+    let ball = potato();
+    let n = ball.positions.len() as u32;
+    let far = ball.positions.iter().map(|p| [p[0] + 50.0, p[1], p[2]]);
+    let two_places = mesh(
+        ball.positions.iter().copied().chain(far).collect(),
+        ball.triangles.iter().copied().chain(ball.triangles.iter().map(|t| t.map(|v| v + n))).collect(),
     );
-    for template in [&triangle, &flat, &confetti] {
+    for (shape, template) in [(&confetti(), &ball), (&ball, &two_places)] {
+        let found = match_shapes(shape, template, &settings(Method::Fit), &Task::new()).unwrap();
+        check(&found.correspondence, Some(template));
+        check_report(&found.report);
+    }
+}
+
+/// The vertex that reaches farthest along a direction.
+fn extreme(mesh: &TriMesh, along: [f64; 3]) -> u32 {
+    let reach = |p: &[f64; 3]| (0..3).map(|i| p[i] * along[i]).sum::<f64>();
+    let farthest = mesh.positions.iter().enumerate().max_by(|a, b| reach(a.1).total_cmp(&reach(b.1)));
+    farthest.map_or(0, |(v, _)| v as u32)
+}
+
+#[test]
+fn swapped_and_senseless_landmarks_are_said_to_be_so() {
+    let ball = potato();
+    let at = |x: f64, y: f64, z: f64| extreme(&ball, [x, y, z]);
+    let [nose, nape, left, right, top, bottom] = [
+        at(1.0, 0.0, 0.0),
+        at(-1.0, 0.0, 0.0),
+        at(0.3, 1.0, 0.3),
+        at(0.3, -1.0, 0.3),
+        at(0.0, 0.0, 1.0),
+        at(0.0, 0.0, -1.0),
+    ];
+    let pairs = |list: &[(u32, u32)]| -> Vec<Landmark> {
+        list.iter().map(|&(shape, template)| Landmark { shape, template }).collect()
+    };
+    let good = [(nose, nose), (nape, nape), (left, left), (right, right), (top, top), (bottom, bottom)];
+    let swapped = [(nose, nose), (nape, nape), (left, right), (right, left), (top, top), (bottom, bottom)];
+    let senseless = [(nose, top), (nape, left), (left, nose), (right, bottom), (top, right), (bottom, nape)];
+    for (list, doubted) in [(good, false), (swapped, true), (senseless, true)] {
+        for method in [Method::Fit, Method::Map] {
+            let s = Settings { landmarks: pairs(&list), ..settings(method) };
+            let found = match_shapes(&ball, &ball, &s, &Task::new()).unwrap();
+            check(&found.correspondence, Some(&ball));
+            check_report(&found.report);
+            let doubts = found.report.warnings.iter().any(|w| w.contains("landmarks"));
+            assert_eq!(doubts, doubted, "{method:?}: {:?}", found.report.warnings);
+        }
+    }
+    // Three on one spot of the template do not say how it is turned.
+    let s = Settings { landmarks: pairs(&[(nose, top), (nape, top), (left, top)]), ..settings(Method::Fit) };
+    let failed = match_shapes(&ball, &ball, &s, &Task::new());
+    assert_eq!(failed, Err(MatchError::Degenerate));
+}
+
+#[test]
+fn hopeless_templates_are_errors_or_say_that_they_are_not_trusted() {
+    let shape = samples::icosphere(3);
+    let triangle = mesh(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
+    let flat = samples::grid_square(6);
+    for template in [&triangle, &flat, &confetti()] {
         let found = match_shapes(&shape, template, &settings(Method::Fit), &Task::new()).unwrap();
         check(&found.correspondence, Some(template));
         assert!(!found.report.warnings.is_empty(), "{:?}", found.report);
