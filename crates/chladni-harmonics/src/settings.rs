@@ -63,6 +63,8 @@ pub struct SolveProfile {
     pub solve: f64,
     /// Orthogonalisation of the Krylov blocks.
     pub orthogonalize: f64,
+    /// Multiplications and additions in it, 2·n per pair of columns and product.
+    pub orthogonalize_flops: u64,
     /// Small dense eigenproblems.
     pub project: f64,
     /// Eigenvectors from the Krylov blocks.
@@ -78,6 +80,7 @@ impl SolveProfile {
         self.factor += other.factor;
         self.solve += other.solve;
         self.orthogonalize += other.orthogonalize;
+        self.orthogonalize_flops += other.orthogonalize_flops;
         self.project += other.project;
         self.vectors += other.vectors;
         self.factored += other.factored;

@@ -92,7 +92,7 @@ pub(super) fn run(
         let start = Instant::now();
         krylov.basis.push(next);
         problem.remove_constants(window.from_zero, &mut image);
-        let sizes = krylov.orthogonalize(&mut image, &locked);
+        let sizes = krylov.orthogonalize(&mut image, &locked, profile);
         let upper = match orthonormalize(&mut image, &sizes.map(|size| RANK * size)) {
             Ok(upper) => upper,
             Err(Dependence::Spoiled) => return Err(Stopped::BadShift),
@@ -248,15 +248,19 @@ impl Krylov {
     /// In exact arithmetic the last two blocks are all there is to take out. Rounding brings
     /// the older ones back, by little in one step, so that every second step takes them out of
     /// this block and the one before it together, for one reading of the space.
-    fn orthogonalize(&mut self, image: &mut [Row], locked: &[&[Row]]) -> Row {
+    fn orthogonalize(&mut self, image: &mut [Row], locked: &[&[Row]], profile: &mut Profile) -> Row {
         let recent: Vec<&[Row]> = self.basis.iter().rev().take(2).rev().map(Vec::as_slice).collect();
         let coefficients = overlaps(&recent, &[image]);
         subtract_products(&mut [image], &recent, &coefficients);
         self.diagonal.extend(coefficients.last());
+        // Overlaps and what is subtracted, block by block.
+        let products = |pairs: usize| (4 * image.len() * BLOCK * BLOCK * pairs) as u64;
+        profile.orthogonalize_flops += products(recent.len());
         if self.basis.len().is_multiple_of(2)
             && let Some((last, older)) = self.basis.split_last_mut()
         {
             let space: Vec<&[Row]> = locked.iter().copied().chain(older.iter().map(Vec::as_slice)).collect();
+            profile.orthogonalize_flops += products(2 * space.len());
             let rest = overlaps(&space, &[last, image]);
             subtract_products(&mut [last, image], &space, &rest);
         }
