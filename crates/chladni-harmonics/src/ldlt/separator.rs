@@ -191,7 +191,7 @@ impl Level {
         let mut moves = Moves {
             level: self,
             sums: self.weights(part),
-            largest_side: self.total * 29 / 50,
+            largest_side: self.total * 30 / 50,
             moved: vec![0; part.len()],
             heap: BinaryHeap::new(),
             log: Vec::new(),
@@ -244,7 +244,7 @@ impl Moves<'_> {
                 self.offer(part, v);
             }
         }
-        let patience = 40 + self.heap.len() / 8;
+        let patience = 100 + self.heap.len() / 2;
         let score = |sums: [u64; 3]| (sums[2], sums[0].abs_diff(sums[1]));
         let (mut best, mut best_length) = (score(self.sums), 0);
         while let Some((claimed, v, side)) = self.heap.pop() {
