@@ -2,7 +2,7 @@
 
 use chladni_caricature::{Model, Property};
 use eframe::egui_wgpu::RenderState;
-use egui::{Key, Ui};
+use egui::{Key, RichText, Ui};
 
 use super::brush::BrushTool;
 use super::edits::Edits;
@@ -16,7 +16,8 @@ use crate::studio::{job, theme};
 impl CaricatureRoom {
     /// Draws it.
     pub(super) fn center(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, edits: &mut Edits) {
-        egui::CentralPanel::default().frame(egui::Frame::new()).show(ui, |ui| {
+        let stage_fill = egui::Frame::new().fill(theme::palette(ui).stage);
+        egui::CentralPanel::default().frame(stage_fill).show(ui, |ui| {
             if let Some(loading) = &self.loading {
                 egui::Panel::bottom("loading").show(ui, |ui| {
                     ui.add_space(theme::GAP_SMALL);
@@ -26,9 +27,14 @@ impl CaricatureRoom {
             }
             self.export.progress(ui);
             self.toolbar(ui, shared);
-            let (Some(session), Some(stage)) = (&mut self.session, &mut self.stage) else {
-                ui.centered_and_justified(|ui| ui.label("The shape appears here as soon as it is read."));
+            if let Some(preview) = &mut self.preview {
+                if let Err(why) = preview.show(ui, self.look, shared) {
+                    shared.notices.error(why);
+                }
                 return;
+            }
+            let (Some(session), Some(stage)) = (&mut self.session, &mut self.stage) else {
+                return nothing_open(ui);
             };
             // Pictures of layers wait until the hand rests.
             if !ui.input(|input| input.pointer.any_down()) {
@@ -55,6 +61,14 @@ impl CaricatureRoom {
             }
         });
     }
+}
+
+/// What to do where no shape is open.
+fn nothing_open(ui: &mut Ui) {
+    ui.centered_and_justified(|ui| {
+        let hint = "Open a mesh or a project, or drop one here.";
+        ui.label(RichText::new(hint).color(theme::palette(ui).weak));
+    });
 }
 
 /// Brings the figures on the stage up to date with the evaluation.

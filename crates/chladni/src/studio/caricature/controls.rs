@@ -58,8 +58,11 @@ impl Controls {
 
     fn scale(&mut self, ui: &mut Ui, id: LayerId, layer: &Layer, spectrum: &[Bar], edits: &mut Edits) {
         ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            ui.spacing_mut().button_padding.x = 7.0;
             let presets = [
                 ("All", "Every scale alike", ScaleCurve::flat(1.0)),
+                ("Smooth", "All but the finest, where a match of two meshes is rough", ScaleCurve::smooth()),
                 ("Broad", "Large forms only", ScaleCurve::broad()),
                 ("Mid", "Features of the size of a nose", ScaleCurve::mid()),
                 ("Fine", "Wrinkles and edges", ScaleCurve::fine()),

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use chladni_caricature::{Action, Layer, Project, Recovered, ShapeSource, Template};
+use chladni_caricature::{Action, Layer, Project, Recovered, ScaleCurve, ShapeSource, Template};
 use chladni_mesh::TriMesh;
 use chladni_view::{Background, Camera, View};
 use egui::Context;
@@ -12,6 +13,7 @@ use egui::Context;
 use super::CaricatureRoom;
 use super::autosave::Autosave;
 use super::edits::Edit;
+use super::preview::Preview;
 use super::session::{self, Session};
 use super::shot::Shot;
 use super::single;
@@ -89,7 +91,7 @@ impl CaricatureRoom {
         let mut project = Project::new(ShapeSource::Sample(name.into()), shared.settings.harmonics);
         if name == "head" {
             let template = Template::Sample("template".into());
-            let first = Layer { mu: -0.8, ..Layer::new("Character", template) };
+            let first = Layer { mu: -0.8, ..against_mesh("Character", template) };
             if let Err(error) = project.push(first) {
                 shared.notices.error(error.to_string());
             }
@@ -108,8 +110,14 @@ impl CaricatureRoom {
     }
 
     fn begin(&mut self, candidate: Candidate, ctx: &Context) {
-        let label = format!("Opening {}", candidate.project.shape);
-        self.loading = Some(Job::start(label, ctx, move |task| session::load(candidate, task)));
+        let label = match &candidate.project.shape {
+            ShapeSource::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            sample @ ShapeSource::Sample(_) => sample.to_string(),
+        };
+        let label = format!("Opening {label}");
+        let (read, meshes) = channel();
+        self.preview = Some(Preview::of(meshes));
+        self.loading = Some(Job::start(label, ctx, move |task| session::load(candidate, &read, task)));
     }
 
     /// Lays a mesh beside the shape: a new layer against it.
@@ -118,7 +126,7 @@ impl CaricatureRoom {
         let name =
             path.file_stem().map_or_else(|| "Template".into(), |stem| stem.to_string_lossy().into_owned());
         let index = session.project().layers().len();
-        let layer = Box::new(Layer::new(name, Template::File(path)));
+        let layer = Box::new(against_mesh(name, Template::File(path)));
         match session.apply(vec![Edit::Once(Action::Add { index, layer })]) {
             Ok(changed) => self.stale |= changed,
             Err(why) => shared.notices.error(why),
@@ -240,6 +248,11 @@ impl CaricatureRoom {
             shared.ctx.request_repaint_after(Duration::from_secs_f64(secs + 0.05));
         }
     }
+}
+
+/// A new layer against a mesh: without the finest harmonics, where a match is rough.
+pub fn against_mesh(name: impl Into<String>, template: Template) -> Layer {
+    Layer { curve: ScaleCurve::smooth(), ..Layer::new(name, template) }
 }
 
 /// Writes the project to `path`, whole or not at all.

@@ -14,6 +14,7 @@ mod landmarks;
 mod layers;
 mod matches;
 mod own_look;
+mod preview;
 mod recover;
 mod session;
 mod shot;
@@ -37,6 +38,7 @@ use self::files::Candidate;
 use self::heat::Heat;
 use self::landmarks::Picking;
 use self::layers::LayerList;
+use self::preview::Preview;
 use self::recover::Offer;
 use self::session::{Loaded, Session};
 use self::stage::{Look, Show, Stage};
@@ -95,6 +97,8 @@ const KEYS: [Shortcut; 23] = [
 #[derive(Default)]
 pub struct CaricatureRoom {
     loading: Option<Job<Result<Loaded, String>>>,
+    /// The shape that is being loaded, to be seen before its harmonics are there.
+    preview: Option<Preview>,
     session: Option<Session>,
     /// Waits until it is known what becomes of unsaved work.
     candidate: Option<Candidate>,
@@ -164,7 +168,6 @@ impl Room for CaricatureRoom {
                 self.templates.clear();
                 self.load(path, shared);
             } else {
-                shared.settings.remember(path);
                 self.templates.push(path.clone());
             }
         }
@@ -203,10 +206,12 @@ impl CaricatureRoom {
         match outcome {
             Some(Outcome::Done(Ok(loaded))) => {
                 self.loading = None;
+                self.preview = None;
                 self.take_in(loaded, shared);
             }
             Some(Outcome::Done(Err(why))) => {
                 self.loading = None;
+                self.preview = None;
                 self.refused = true;
                 shared.notices.error(why);
             }
@@ -279,7 +284,7 @@ impl CaricatureRoom {
         if EXPORT.pressed(&ctx) {
             self.export();
         }
-        let Some(session) = &mut self.session else { return };
+        let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         if REDO.pressed(&ctx) {
             self.stale |= session.travel(false).is_some();
         } else if UNDO.pressed(&ctx) {
@@ -336,7 +341,8 @@ impl CaricatureRoom {
     }
 
     fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, edits: &mut Edits) {
-        let Some(session) = &mut self.session else { return };
+        // What is on its way takes the place of what is open: no edit may be lost in between.
+        let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         egui::Panel::left("layers").exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {
             egui::Panel::bottom("shape").show(ui, |ui| footer::show(ui, session, shared.settings, edits));
             egui::ScrollArea::vertical().show(ui, |ui| {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::mpsc::Sender;
 
 use chladni_caricature::{
     Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project,
@@ -37,11 +38,15 @@ pub struct Loaded {
     pub warnings: Vec<String>,
 }
 
-/// Loads the shape of a project and its harmonics.
-pub fn load(candidate: Candidate, task: &Task) -> Result<Loaded, String> {
+/// Loads the shape of a project and its harmonics. The mesh is sent to `read` as soon as it is
+/// there: solving may take much longer.
+pub fn load(candidate: Candidate, read: &Sender<Arc<TriMesh>>, task: &Task) -> Result<Loaded, String> {
     let Candidate { mut project, path, recovered, made_on } = candidate;
     let folder = path.as_deref().and_then(Path::parent);
     let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
+    let mesh = Arc::new(mesh);
+    // Whoever does not look any more misses nothing.
+    let _ = read.send(Arc::clone(&mesh));
     let new = recovered.is_some() || made_on.is_some();
     if let Some(from) = made_on {
         let carried = project.carried(&from, &mesh, task).map_err(|error| error.to_string())?;
@@ -50,7 +55,7 @@ pub fn load(candidate: Candidate, task: &Task) -> Result<Loaded, String> {
     }
     let (body, report) = solve(&mesh, project.harmonics, task)?;
     let look = OwnLook::of(&mesh, &body, &mut warnings);
-    let (mesh, body) = (Arc::new(mesh), Arc::new(body));
+    let body = Arc::new(body);
     Ok(Loaded { project, path, new, recovered, mesh, body, look, report, warnings })
 }
 

@@ -10,8 +10,8 @@ use chladni_view::{Cell, Marker, Rect};
 use egui::{Color32, PointerButton, Pos2, RichText, Ui};
 
 pub use list::show_list;
+pub use side::Side;
 
-use self::side::Side;
 use super::edits::Edits;
 use super::session::Session;
 use super::stage::{Look, backdrop};
