@@ -246,6 +246,22 @@ fn empty_songs_are_refused() {
     }
 }
 
+#[test]
+fn wrong_arguments_are_told_in_one_line() {
+    for (arguments, part) in [
+        (&["basis"][..], "<MESH>"),
+        (&["basis", "a.obj", "--harmonic", "3"], "--harmonics"),
+        (&["basis", "a.obj", "-k", "many"], "many"),
+        (&["sing"], "sing"),
+    ] {
+        let run = Run::of(arguments);
+        run.refused(part);
+        assert_eq!(run.stderr().lines().count(), 1, "{}", run.stderr());
+    }
+    Run::of(&["--help"]).succeeded();
+    Run::of(&["--version"]).succeeded();
+}
+
 fn vertex_lines(path: &Path) -> Vec<String> {
     std::fs::read_to_string(path)
         .unwrap()

@@ -70,10 +70,14 @@ where
 {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
-        Err(error) => {
-            // Help and version are not errors; clap knows which stream each belongs to.
-            let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(1);
+        Err(error) if error.use_stderr() => {
+            let failure = Failure::input(in_one_line(&error));
+            Terminal::new(false).error(&failure);
+            return failure.exit_code();
+        }
+        Err(help_or_version) => {
+            let _ = help_or_version.print();
+            return 0;
         }
     };
     let terminal = Terminal::new(cli.quiet);
@@ -90,10 +94,24 @@ where
     }
 }
 
+/// What is wrong with the arguments and what was perhaps meant, without the usage that follows.
+fn in_one_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let said: Vec<&str> = text
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .filter(|line| !line.is_empty())
+        .collect();
+    let said = said.join(" ");
+    format!("{} (--help lists what there is)", said.strip_prefix("error: ").unwrap_or(&said))
+}
+
 /// Runs the words of another command as if they were typed: for commands made of others.
 fn follow(words: &[std::ffi::OsString], terminal: &Terminal) -> Result<(), Failure> {
     let name = std::ffi::OsString::from("chladni");
-    let cli = Cli::try_parse_from(std::iter::once(&name).chain(words)).map_err(Failure::other)?;
+    let cli = Cli::try_parse_from(std::iter::once(&name).chain(words))
+        .map_err(|error| Failure::other(in_one_line(&error)))?;
     cli.command.map_or(Ok(()), |command| command.run(terminal))
 }
 

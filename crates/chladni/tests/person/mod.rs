@@ -73,6 +73,7 @@ impl Desk {
             },
             chooser: Box::new(self.answers.clone()),
             files: files.iter().map(|name| self.path(name)).collect(),
+            ..Opening::default()
         };
         Person::new(opening)
     }
