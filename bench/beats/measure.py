@@ -5,7 +5,7 @@ usage: bench/beats/measure.py [--data FOLDER] [--write]
 The songs are those of the data folder (default ../shared/data/audio or $CHLADNI_DATA/audio) that have
 known beats, 24 that `beat_songs` composes, and 31 that other people wrote as MIDI (see midi_songs.py; left
 out where Debian's openttd-openmsx, fluidsynth and timgm6mb-soundfont are not installed). Every other one of these
-31 was held out when the tracker's constants were chosen. CHLADNI_PEERS_PYTHON names a Python with librosa; aubio
+31 was held out when the tracker's constants were chosen. PEERS_PYTHON names a Python with librosa; aubio
 is looked for in /usr/bin/python3. --write puts the table into BENCHMARKS.md.
 """
 import json
@@ -86,7 +86,7 @@ def main():
         paths = [str(song) for song, _ in songs]
         truths = [truth_of(truth) for _, truth in songs]
         ours = lines_of([str(target / "beat_lists"), *paths])
-        python = os.environ.get("CHLADNI_PEERS_PYTHON", "python3")
+        python = os.environ.get("PEERS_PYTHON", "python3")
         here = pathlib.Path(__file__).parent
         columns = {
             "Chladni, whole song": ours and [line["whole"] for line in ours],

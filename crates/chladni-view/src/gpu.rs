@@ -42,7 +42,8 @@ impl Gpu {
             ..Default::default()
         }))
         .map_err(|error| ViewError::NoDevice { adapter: adapter_name, reason: error.to_string() })?;
-        let gpu = Self::shared(device, queue);
+        let loss = DeviceLoss::watch(&device);
+        let gpu = Self { device, queue, loss, refusal: Arc::default() };
         let refusal = Arc::clone(&gpu.refusal);
         gpu.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             let _ = refusal.set(error.to_string());
@@ -70,14 +71,13 @@ impl Gpu {
         instance.request_adapter(&options).await.map_err(|error| ViewError::NoAdapter(error.to_string()))
     }
 
-    /// A device that somebody else opened, such as a window; call it once per device. It takes the
-    /// lost-callback and leaves what handles other errors alone, so that [`check`](Self::check)
-    /// reports the device's loss only.
+    /// A device that somebody else opened, such as a window. What handles its errors and its loss is
+    /// left alone, so that [`check`](Self::check) reports nothing here.
     pub fn shared(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { loss: DeviceLoss::watch(&device), device, queue, refusal: Arc::default() }
+        Self { device, queue, loss: DeviceLoss::default(), refusal: Arc::default() }
     }
 
-    /// Word of the device's loss, for others who use the device.
+    /// Word of the device's loss, for others who use the device; none comes for a shared one.
     pub fn loss(&self) -> &DeviceLoss {
         &self.loss
     }

@@ -10,6 +10,7 @@ pub(super) struct Gather<'a> {
     /// The weight of the rest normal, in [0, 1].
     pub blending: f32,
     /// Four lanes at once where the processor has them.
+    #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "elsewhere the compiler finds them"))]
     pub simd: bool,
 }
 

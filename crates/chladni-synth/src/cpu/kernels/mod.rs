@@ -86,7 +86,9 @@ pub(super) struct Product<'a> {
     /// active × width.
     pub coefficients: &'a [f32],
     /// The panel that is computed next, and its harmonics that are worth fetching meanwhile.
+    #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "only AVX-512 fetches ahead"))]
     pub next_panel: &'a [Line],
+    #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "only AVX-512 fetches ahead"))]
     pub fetch: &'a [u32],
 }
 

@@ -4,7 +4,6 @@ mod caricature;
 mod music;
 mod sphere;
 mod synth;
-mod synth_rows;
 
 use clap::{Args, Subcommand};
 
