@@ -152,3 +152,57 @@ impl Look {
         Figure { material, paint, wire, ..Figure::new(topology, buffers, item) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_view::{FrameRate, View};
+
+    fn shot() -> Option<Shot> {
+        let gpu = match Gpu::headless() {
+            Err(ViewError::NoAdapter(_)) => return None,
+            gpu => gpu.unwrap(),
+        };
+        let mesh = chladni_mesh::samples::icosphere(2);
+        let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let topology = Topology::new(&gpu, positions.len(), &mesh.triangles).unwrap();
+        let mut camera = Camera::looking(View::Front);
+        camera.fit(positions.iter().copied(), 4.0 / 3.0, 0.8);
+        let poses = vec![(positions.clone(), positions)];
+        let (coat, look, background) = (Coat::Material, Look::default(), Background::TRANSPARENT);
+        Some(Shot { gpu, topology, poses, coat, camera, look, background })
+    }
+
+    #[test]
+    fn a_picture_has_any_size_and_nothing_behind_the_shape() {
+        let Some(shot) = shot() else { return };
+        let picture = shot.picture(160, 120).unwrap();
+        assert_eq!(picture.pixel(0, 0).unwrap()[3], 0);
+        assert_eq!(picture.pixel(80, 60).unwrap()[3], 255);
+        assert!(shot.picture(0, 120).is_err());
+    }
+
+    #[test]
+    fn a_turntable_is_a_film_and_a_cancelled_one_leaves_nothing() {
+        let Some(shot) = shot() else { return };
+        let shot = Shot { background: Background::PAPER, ..shot };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("turn.gif");
+        let rate = FrameRate::per_second(10);
+        let settings = FilmSettings { width: 64, height: 48, rate, frames: 5, audio: None };
+        let task = Task::new();
+        task.cancel();
+        assert!(matches!(shot.turntable(&path, settings.clone(), &task), Err(ViewError::Cancelled(_))));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        shot.turntable(&path, settings, &Task::new()).unwrap();
+        let gif = std::fs::read(&path).unwrap();
+        assert_eq!((&gif[..6], &gif[6..10]), (&b"GIF89a"[..], &[64, 0, 48, 0][..]));
+        // A graphic control extension comes before each frame.
+        assert_eq!(gif.windows(4).filter(|w| *w == [0x21, 0xF9, 4, gif_flags(&gif)]).count(), 5);
+    }
+
+    /// The flags of the first graphic control extension; all frames of one film have the same.
+    fn gif_flags(gif: &[u8]) -> u8 {
+        gif.windows(4).find(|w| w[..3] == [0x21, 0xF9, 4]).map_or(0, |w| w[3])
+    }
+}
