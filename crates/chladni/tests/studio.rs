@@ -29,7 +29,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
     person.click("Normal");
     person.click("Broad");
     let curve = person.place_of("Scale curve");
-    let at = |u: f32, v: f32| curve.lerp_inside(egui::vec2(u, v));
+    let at = |u: f32, v: f32| curve.lerp_inside(vec2(u, v));
     person.drag(&[at(0.5, 0.5), at(0.5, 0.3), at(0.5, 0.15)]);
     // Another layer, taken back, and done again.
     person.click_button("Add");

@@ -40,10 +40,9 @@ impl Studio {
             Some(Answer::Stay) => self.closing = Closing::No,
             Some(Answer::Discard) => self.leave(ctx),
             Some(Answer::Save) => {
-                let rooms = 0..self.rooms.len();
-                let saved = rooms
-                    .map(|i| self.with_room(ctx, i, |room, shared| room.save_all(shared)))
-                    .fold(true, |all, saved| all && saved.unwrap_or(true));
+                let saved = (0..self.rooms.len()).all(|index| {
+                    self.with_room(ctx, index, |room, shared| room.save_all(shared)).unwrap_or(true)
+                });
                 // What could not be saved has said so; nothing is lost.
                 if saved { self.leave(ctx) } else { self.closing = Closing::No }
             }

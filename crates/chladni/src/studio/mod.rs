@@ -165,8 +165,8 @@ impl Studio {
 
     /// Opens files in the room that they are meant for, else in the one on screen.
     fn open_files(&mut self, ctx: &egui::Context, files: &[PathBuf]) {
-        let claims = |room: &Box<dyn Room>| files.iter().any(|path| room.claims(path));
-        let index = self.rooms.iter().position(claims).or(self.current).unwrap_or(0);
+        let meant = self.rooms.iter().position(|room| files.iter().any(|path| room.claims(path)));
+        let index = meant.or(self.current).unwrap_or(0);
         self.current = Some(index);
         self.with_room(ctx, index, |room, shared| room.open(files, shared));
     }
