@@ -367,4 +367,11 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     person.wait_until_gone("Matching");
     person.wait_to_see("Covered");
     person.screenshot("window-landmarks.png");
+    person.press(Key::Escape);
+    person.press(Key::F1);
+    person.screenshot("studio-keys.png");
+    person.press(Key::F1);
+    person.click_at(pos2(1217.0, 21.0));
+    person.0.set_size(vec2(900.0, 600.0));
+    person.screenshot("studio-light.png");
 }

@@ -2,6 +2,8 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::theme;
+
 /// A key and its action, in the words of the window.
 #[derive(Clone, Copy, Debug)]
 pub struct Shortcut {
@@ -34,34 +36,75 @@ impl Shortcut {
         !typing && ctx.input_mut(|input| input.consume_shortcut(&self.keys))
     }
 
+    /// "Ctrl+S", or "[".
+    pub fn text(&self, ctx: &egui::Context) -> String {
+        if self.keys.modifiers == Modifiers::NONE {
+            return self.keys.logical_key.symbol_or_name().to_owned();
+        }
+        ctx.format_shortcut(&self.keys)
+    }
+
     /// "action (Ctrl+S)", for a tooltip.
     pub fn tooltip(&self, ctx: &egui::Context) -> String {
-        format!("{} ({})", self.action, ctx.format_shortcut(&self.keys))
+        format!("{} ({})", self.action, self.text(ctx))
     }
 }
 
+/// What the mouse does in every 3D view.
+const MOUSE: [(&str, &str); 5] = [
+    ("Left drag", "Turn, or use the tool"),
+    ("Middle or right drag", "Turn"),
+    ("Alt and left drag", "Turn, while a tool is in use"),
+    ("Shift with these", "Shift"),
+    ("Wheel", "Zoom"),
+];
+
+/// Lines of a column of the cheat sheet.
+const COLUMN: usize = 13;
+
 /// Draws the cheat sheet: groups of shortcuts in columns.
 pub fn show_cheat_sheet(ctx: &egui::Context, open: &mut bool, groups: &[(&str, &[Shortcut])]) {
-    egui::Window::new("Keyboard")
+    let mut columns: Vec<(&str, Vec<(String, &str)>)> = Vec::new();
+    for (name, shortcuts) in groups {
+        let lines: Vec<_> = shortcuts.iter().map(|key| (key.text(ctx), key.action)).collect();
+        // A long group goes on in the next column, without another heading.
+        let parts = lines.chunks(COLUMN).enumerate();
+        columns.extend(parts.map(|(part, lines)| (if part == 0 { *name } else { "" }, lines.to_vec())));
+    }
+    if let Some((_, first)) = columns.first_mut() {
+        first.push((String::new(), ""));
+        first.extend(MOUSE.map(|(keys, action)| (keys.to_owned(), action)));
+    }
+    let size = ctx.content_rect().size() - egui::vec2(40.0, 60.0);
+    egui::Window::new("Keyboard and mouse")
         .open(open)
         .collapsible(false)
         .resizable(false)
         .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
         .show(ctx, |ui| {
-            ui.horizontal_top(|ui| {
-                for (name, shortcuts) in groups {
-                    ui.vertical(|ui| {
-                        ui.set_min_width(230.0);
-                        ui.strong(*name);
-                        egui::Grid::new(*name).num_columns(2).show(ui, |ui| {
-                            for shortcut in *shortcuts {
-                                ui.monospace(ctx.format_shortcut(&shortcut.keys));
-                                ui.label(shortcut.action);
-                                ui.end_row();
-                            }
+            ui.spacing_mut().interact_size.y = 18.0;
+            egui::ScrollArea::both().max_width(size.x).max_height(size.y - 40.0).show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    for (index, (name, lines)) in columns.iter().enumerate() {
+                        ui.vertical(|ui| {
+                            ui.add_space(theme::GAP_SMALL);
+                            ui.label(egui::RichText::new(*name).size(14.5).strong());
+                            ui.add_space(theme::GAP_SMALL);
+                            show_column(ui, index, lines);
                         });
-                    });
-                }
+                        ui.add_space(theme::GAP_LARGE);
+                    }
+                });
             });
         });
+}
+
+fn show_column(ui: &mut egui::Ui, index: usize, lines: &[(String, &str)]) {
+    egui::Grid::new(("keys", index)).num_columns(2).spacing([theme::GAP_LARGE, 3.0]).show(ui, |ui| {
+        for (keys, action) in lines {
+            ui.monospace(keys);
+            ui.label(*action);
+            ui.end_row();
+        }
+    });
 }
