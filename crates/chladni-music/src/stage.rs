@@ -112,10 +112,12 @@ impl Stage {
         match self.cue? {
             Cue::Item(id) => Some(entering(id)),
             Cue::Favourites(first) => {
-                let at = |step: usize| favourites.get((first + step) % favourites.len()).map(|i| i.id);
-                if favourites.is_empty() {
+                let count = favourites.len();
+                if count == 0 {
                     return None;
                 }
+                // A session file may hold any beat; a sum of remainders cannot overflow.
+                let at = |step: usize| favourites.get((first % count + step % count) % count).map(|i| i.id);
                 let per_step = f64::from(parameters.get(Parameter::BeatsPerStep).round()).max(1.0);
                 let step = if parameters.is_on(Switch::BeatSteps) { (gone / per_step).floor() } else { 0.0 };
                 if step < 1.0 {
@@ -149,7 +151,7 @@ pub fn react(beat: Beat, seed: u64, parameters: &Parameters) -> Reaction {
     let sure = if beat.confidence.is_finite() { beat.confidence.clamp(0.0, 1.0) } else { 0.0 };
     let ease = ease(f64::from(phase), 0.5);
     let swing = |kind: u64| {
-        let (old, new) = (pose(seed, n as u64, kind), pose(seed, n as u64 + 1, kind));
+        let (old, new) = (pose(seed, n as u64, kind), pose(seed, (n as u64).saturating_add(1), kind));
         sure * (old + ease * (new - old))
     };
     let on = |switch, value| if parameters.is_on(switch) { value } else { 0.0 };
@@ -211,6 +213,31 @@ mod tests {
         assert!(moved[0] > 0.1 && moved[1] > 0.3, "{moved:?}");
         let unsure = react(Beat { count: 7.3, confidence: 0.0 }, 5, &parameters);
         assert_eq!((unsure.turn_rad, unsure.light_turn_rad, unsure.light_gain), (0.0, 0.0, 1.0));
+    }
+
+    #[test]
+    fn any_beat_of_a_damaged_session_has_a_scene() {
+        let item = |id| GalleryItem {
+            id,
+            name: String::new(),
+            mapping: crate::Mapping::rest(1, 1),
+            origin: crate::Origin::Initial { seed: 0, place: 0 },
+            edited: false,
+            chosen: false,
+            locked: false,
+        };
+        let favourites = [item(3), item(4), item(5)];
+        let mut parameters = Parameters::default();
+        parameters.switch(Switch::BeatSteps, true);
+        for since in [-1e300, 0.0, 1e300, f64::NAN, f64::INFINITY] {
+            let mut stage = Stage::default();
+            stage.show_favourites(2, since, &favourites, &parameters);
+            for beat in [-1e300, 0.0, 7.5, 1e300, f64::NAN] {
+                let scene = stage.scene(beat, &favourites, &parameters).unwrap();
+                assert!([3, 4, 5].contains(&scene.to) && (0.0..=1.0).contains(&scene.weight));
+                react(Beat { count: beat, confidence: 1.0 }, 5, &parameters);
+            }
+        }
     }
 
     #[test]
