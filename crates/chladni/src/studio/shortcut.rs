@@ -83,7 +83,10 @@ pub fn show_cheat_sheet(ctx: &egui::Context, open: &mut bool, groups: &[(&str, &
         .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
         .show(ctx, |ui| {
             ui.spacing_mut().interact_size.y = 18.0;
-            egui::ScrollArea::both().max_width(size.x).max_height(size.y - 40.0).show(ui, |ui| {
+            let room = egui::ScrollArea::both().max_width(size.x).max_height(size.y - 40.0);
+            // Scrolls only where the window is smaller than the sheet.
+            let room = room.min_scrolled_width(size.x).min_scrolled_height(size.y - 40.0);
+            room.show(ui, |ui| {
                 ui.horizontal_top(|ui| {
                     for (index, (name, lines)) in columns.iter().enumerate() {
                         ui.vertical(|ui| {

@@ -1,6 +1,6 @@
 //! The brush that paints a layer's region.
 
-use chladni_caricature::{Action, Dab, LayerId, Mirror, PaintEdit, Painted, SurfacePoint};
+use chladni_caricature::{Action, Dab, LayerId, PaintEdit, Painted, SurfacePoint};
 use egui::{RichText, Slider, Ui};
 
 use super::edits::Edits;
@@ -113,13 +113,13 @@ impl BrushTool {
             let edit = if self.fill {
                 PaintEdit::FillComponent { at, intensity: if self.erase { 0.0 } else { self.intensity } }
             } else {
-                let mirror = self.mirror.then(|| Mirror::of(session.stack.surface())).flatten();
+                let mirror = self.mirror.then(|| session.mirror()).flatten();
                 PaintEdit::Dab(Dab {
                     at,
                     radius: f64::from(self.radius),
                     intensity: self.intensity,
                     erase: self.erase ^ modifiers.ctrl,
-                    mirror: mirror.map(|(mirror, _)| mirror),
+                    mirror,
                 })
             };
             edits.live(Action::Paint { layer, edit });

@@ -1,12 +1,13 @@
 //! An open project in the window: document, body, evaluation, and the jobs that feed them.
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 
 use chladni_caricature::{
-    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project,
-    Recovered, ShapeSource, Stack, Template, furthest,
+    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Mirror,
+    Project, Recovered, ShapeSource, Stack, Template, furthest,
 };
 use chladni_harmonics::{BasisSettings, Body, BuildReport};
 use chladni_mesh::TriMesh;
@@ -84,6 +85,7 @@ pub struct Session {
     /// Triangles that each layer folds, in the order of the evaluation.
     pub folds: Vec<Vec<u32>>,
     matching: Option<(MatchRequest, Job<Result<Matched, Error>>)>,
+    mirror: OnceCell<Option<Mirror>>,
     /// K that was last asked for, whether or not the shape has as many.
     harmonics: usize,
     solving: Option<Job<Result<(Body, BuildReport), String>>>,
@@ -109,9 +111,16 @@ impl Session {
             selected,
             folds: Vec::new(),
             matching: None,
+            mirror: OnceCell::new(),
             harmonics,
             solving: None,
         })
+    }
+
+    /// The plane in which the shape comes closest to its mirror image; looked for once.
+    pub fn mirror(&self) -> Option<Mirror> {
+        let found = || Mirror::of(self.stack.surface()).map(|(mirror, _)| mirror);
+        *self.mirror.get_or_init(found)
     }
 
     /// The document as it is now.
