@@ -119,9 +119,15 @@ fn melody(mix: &mut Mix, bar: usize, notes: &[(f64, u8, f64)], pan: f32, voice: 
     for &(beat, note, beats) in notes {
         let hz = note_hz(note);
         let secs = beats * 60.0 / TUNE_BPM;
-        // An echo three quarters of a beat later, on the same side.
+        let rate_hz = TUNE_RATE_HZ as f32;
+        let frames = ((secs + 0.6) * f64::from(TUNE_RATE_HZ)) as usize;
+        // Ten partials are computed once and heard three times: an echo three quarters of a beat
+        // later, on the same side, and its own.
+        let note: Vec<f32> = (0..frames).map(|n| voice(n as f32 / rate_hz, hz, secs as f32)).collect();
         for (delay, gain) in [(0.0, 0.34), (0.75, 0.11), (1.5, 0.04)] {
-            mix.add(place_secs(bar, beat + delay), secs + 0.6, pan, gain, |t| voice(t, hz, secs as f32));
+            mix.add(place_secs(bar, beat + delay), secs + 0.6, pan, gain, |t| {
+                note.get((t * rate_hz).round() as usize).copied().unwrap_or(0.0)
+            });
         }
     }
 }
