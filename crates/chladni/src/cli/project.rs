@@ -99,7 +99,9 @@ impl AddLayer {
         let layer = self.layer.layer(&name, self.template)?;
         project.push(layer).map_err(Failure::input)?;
         project.save(&self.project).map_err(Failure::other)?;
-        terminal.result(format_args!("{} has {} layers", self.project.display(), project.layers().len()))
+        let layers = project.layers().len();
+        let noun = if layers == 1 { "layer" } else { "layers" };
+        terminal.result(format_args!("{} has {layers} {noun}", self.project.display()))
     }
 }
 

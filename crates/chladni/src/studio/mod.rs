@@ -89,7 +89,7 @@ impl Default for Opening {
     fn default() -> Self {
         Self {
             folders: Folders::default(),
-            chooser: Box::new(SystemDialogs),
+            chooser: Box::new(SystemDialogs::default()),
             files: Vec::new(),
             measure: None,
         }
@@ -307,6 +307,9 @@ impl eframe::App for Studio {
             .collect();
         shortcut::show_cheat_sheet(&ctx, &mut self.cheat_sheet, &groups);
         if !hidden {
+            if let Some(trouble) = self.chooser.trouble() {
+                self.notices.error(trouble);
+            }
             self.notices.show(&ctx);
         }
         self.save_settings();

@@ -59,8 +59,10 @@ impl Settings {
 
     /// Puts `path` first among the recent files.
     pub fn remember(&mut self, path: &Path) {
-        self.recent.retain(|known| known != path);
-        self.recent.insert(0, path.to_owned());
+        // The next run may start in another folder.
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.recent.retain(|known| *known != path);
+        self.recent.insert(0, path);
         self.recent.truncate(RECENT);
     }
 
@@ -84,10 +86,10 @@ mod tests {
             settings.remember(Path::new(&format!("{}.chladni", i % 12)));
         }
         assert_eq!(settings.recent.len(), RECENT);
-        assert_eq!(settings.recent[0], Path::new("7.chladni"));
+        assert_eq!(settings.recent[0], std::path::absolute("7.chladni").unwrap());
         settings.remember(Path::new("5.chladni"));
         assert_eq!(settings.recent.len(), RECENT);
-        assert_eq!(settings.recent[0], Path::new("5.chladni"));
+        assert_eq!(settings.recent[0], std::path::absolute("5.chladni").unwrap());
     }
 
     #[test]

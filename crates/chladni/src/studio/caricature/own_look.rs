@@ -46,3 +46,37 @@ impl OwnLook {
         Some(Self::Colors(bytes))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_harmonics::BasisSettings;
+    use chladni_mesh::{Material, Texture, samples};
+    use chladni_task::Task;
+
+    #[test]
+    fn colours_go_to_their_vertices_and_a_damaged_texture_is_told() {
+        let mut mesh = samples::icosphere(1);
+        let n = mesh.positions.len();
+        let body = Body::build(&mesh, &BasisSettings::new(4), &Task::new()).unwrap();
+        let mut warnings = Vec::new();
+        assert!(OwnLook::of(&mesh, &body, &mut warnings).is_none());
+
+        let color = |v: usize| [v as f32 / n as f32, 0.5, 2.0, 1.0];
+        mesh.appearance.colors = Some((0..n).map(color).collect());
+        let Some(OwnLook::Colors(bytes)) = OwnLook::of(&mesh, &body, &mut warnings) else { panic!() };
+        for (v, operator) in body.operator_vertex.iter().enumerate() {
+            let expected = [(255.0 * v as f32 / n as f32).round() as u8, 128, 255, 255];
+            assert_eq!(bytes[operator.unwrap() as usize], expected);
+        }
+        assert!(warnings.is_empty());
+
+        let texture = Texture { name: "skin.png".into(), bytes: (*b"no picture").into() };
+        let corners = vec![0; 3 * mesh.triangles.len()];
+        mesh.appearance.uvs = Some(chladni_mesh::CornerUvs { points: vec![[0.5, 0.5]], corners });
+        mesh.appearance.materials =
+            vec![Material { base_color_texture: Some(texture), ..Material::named("skin") }];
+        assert!(matches!(OwnLook::of(&mesh, &body, &mut warnings), Some(OwnLook::Colors(_))));
+        assert!(warnings.len() == 1 && warnings[0].contains("skin.png"), "{warnings:?}");
+    }
+}
