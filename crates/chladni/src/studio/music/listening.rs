@@ -11,8 +11,11 @@ use chladni_sound::{
     WavSample, sample_tune, write_wav,
 };
 
-/// A step of the song longer than this is a seek: the beat tracker starts afresh.
-const LONGEST_STEP_SECS: f64 = 0.5;
+/// Where the song has moved on by so much more or less than the clock, someone sought: the beat
+/// tracker starts afresh.
+const SEEK_SECS: f64 = 0.3;
+/// A longer pause between two frames is not made up for.
+const LONGEST_STEP_SECS: f64 = 2.0;
 
 /// Player or capture, analyser and beat tracker in step.
 pub struct Listening {
@@ -222,7 +225,8 @@ impl Listening {
     /// Listens to what is heard at this moment.
     pub fn hear(&mut self, parameters: &Parameters) -> Result<Heard<'_>, String> {
         let now = Instant::now();
-        let dt_secs = (now - self.last).as_secs_f64().clamp(1e-3, 0.25);
+        let since_last_secs = (now - self.last).as_secs_f64();
+        let dt_secs = since_last_secs.clamp(1e-3, 0.25);
         self.last = now;
         if let Some(live) = self.live.take_if(|live| live.capture.is_lost()) {
             self.warnings.push(format!("{} is gone; choose it again when it is back.", live.name));
@@ -233,7 +237,7 @@ impl Listening {
         let at_secs = match self.live.is_some() {
             true => self.take_live(),
             false => {
-                self.follow_song(&status);
+                self.follow_song(&status, since_last_secs);
                 status.position_secs
             }
         };
@@ -299,10 +303,12 @@ impl Listening {
     }
 
     /// Feeds the tracker with what was heard since the last frame.
-    fn follow_song(&mut self, status: &PlayerStatus) {
+    fn follow_song(&mut self, status: &PlayerStatus, since_last_secs: f64) {
         let step_secs = status.position_secs - self.last_position_secs;
         self.last_position_secs = status.position_secs;
-        if !(0.0..LONGEST_STEP_SECS).contains(&step_secs) {
+        let paused = step_secs == 0.0;
+        let sought = !paused && (step_secs - since_last_secs).abs() > SEEK_SECS;
+        if sought || !(0.0..LONGEST_STEP_SECS).contains(&step_secs) {
             return self.forget_beat();
         }
         let frames = (step_secs * f64::from(status.rate_hz)).round() as usize;
