@@ -343,15 +343,15 @@ fn hundred_hours_of_flac() -> Vec<u8> {
     let total = 100 * 3600 * 8000_u64;
     let crc = |bytes: &[u8], width: u32, polynomial: u32| {
         bytes.iter().fold(0_u32, |crc, &byte| {
-            (0..8).fold(crc ^ u32::from(byte) << (width - 8), |crc, _| {
-                let carry = crc >> (width - 1) & 1;
-                (crc << 1 ^ carry * polynomial) & ((1 << width) - 1)
+            (0..8).fold(crc ^ (u32::from(byte) << (width - 8)), |crc, _| {
+                let carry = (crc >> (width - 1)) & 1;
+                ((crc << 1) ^ (carry * polynomial)) & ((1 << width) - 1)
             })
         })
     };
     let mut bytes = b"fLaC\x80\0\0\x22\xff\xff\xff\xff\0\0\0\0\0\0".to_vec();
     // Rate, channels − 1, bits − 1 and the number of samples, in 20, 3, 5 and 36 bits.
-    bytes.extend((8000_u64 << 44 | 7 << 36 | total).to_be_bytes());
+    bytes.extend(((8000_u64 << 44) | (7 << 36) | total).to_be_bytes());
     bytes.extend([0; 16]);
     for n in 0..(total / BLOCK) as u32 {
         let mut frame = vec![0xff, 0xf8, 0x74, 0x02];
