@@ -75,7 +75,7 @@ fn strobe(path: &Path) {
         .map(|n| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let noise = state as f32 / u32::MAX as f32 * 1.8 - 0.9;
-            if n * 10 / rate_hz as usize % 2 == 0 { noise } else { 0.0 }
+            if (n * 10 / rate_hz as usize).is_multiple_of(2) { noise } else { 0.0 }
         })
         .collect();
     write_wav(path, &Song { rate_hz, right: left.clone(), left }, WavSample::Int16).unwrap();

@@ -16,8 +16,10 @@ pub fn show(ui: &mut Ui, listening: &mut Listening) {
         let (rect, _) = ui.allocate_exact_size(egui::vec2(width, height), egui::Sense::hover());
         ui.painter().rect_filled(rect, 6.0, ui.visuals().extreme_bg_color);
         let spectrum = listening.spectrum();
-        bars(ui, rect, &spectrum.mid, palette.accent.gamma_multiply(0.8));
-        bars(ui, rect, &spectrum.side, TRANSFER.gamma_multiply(0.6));
+        // The name stays free of the bars.
+        let rect_of_bars = rect.with_min_y(rect.top() + 16.0);
+        bars(ui, rect_of_bars, &spectrum.mid, palette.accent.gamma_multiply(0.8));
+        bars(ui, rect_of_bars, &spectrum.side, TRANSFER.gamma_multiply(0.6));
         let font = egui::TextStyle::Small.resolve(ui.style());
         ui.painter().text(
             rect.left_top() + egui::vec2(6.0, 4.0),
