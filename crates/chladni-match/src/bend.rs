@@ -3,7 +3,8 @@
 //! while the stiffness falls.
 
 use chladni_task::Task;
-use faer::linalg::solvers::Solve;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::sparse::linalg::cholesky::{SymmetricOrdering, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMat, Triplet};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -222,11 +223,9 @@ fn solve(
             }
         }
     }
-    let failed = |_| MatchError::Solver("bending");
-    let matrix =
-        SparseColMat::<usize, f64>::try_new_from_triplets(4 * n, 4 * n, &triplets).map_err(failed)?;
-    let factor = matrix.sp_cholesky(faer::Side::Lower).map_err(|_| MatchError::Solver("bending"))?;
-    let x = factor.solve(&right);
+    let failed = MatchError::Solver("bending");
+    let matrix = SparseColMat::try_new_from_triplets(4 * n, 4 * n, &triplets).map_err(|_| failed.clone())?;
+    let x = solved(&matrix, right).ok_or(failed)?;
     let maps: Vec<NodeMap> = (0..n)
         .map(|j| {
             std::array::from_fn(|c| {
@@ -239,4 +238,33 @@ fn solve(
     } else {
         Err(MatchError::Solver("bending"))
     }
+}
+
+/// The solution of a symmetric positive definite system of which `lower` is the lower triangle.
+///
+/// On one thread: faer's parallel factorization waits by spinning, which costs more than it gains
+/// at this size, and everything where other work shares the processor.
+fn solved(lower: &SparseColMat<usize, f64>, mut right: faer::Mat<f64>) -> Option<faer::Mat<f64>> {
+    let (side, par) = (faer::Side::Lower, faer::Par::Seq);
+    let symbolic =
+        factorize_symbolic_cholesky(lower.symbolic(), side, SymmetricOrdering::Amd, Default::default()).ok()?;
+    let scratch = StackReq::or(
+        symbolic.factorize_numeric_llt_scratch::<f64>(par, Default::default()),
+        symbolic.solve_in_place_scratch::<f64>(right.ncols(), par),
+    );
+    let mut memory = MemBuffer::try_new(scratch).ok()?;
+    let mut values = vec![0.0; symbolic.len_val()];
+    let factor = symbolic
+        .factorize_numeric_llt(
+            &mut values,
+            lower.as_ref(),
+            side,
+            Default::default(),
+            par,
+            MemStack::new(&mut memory),
+            Default::default(),
+        )
+        .ok()?;
+    factor.solve_in_place_with_conj(faer::Conj::No, right.as_mut(), par, MemStack::new(&mut memory));
+    Some(right)
 }
