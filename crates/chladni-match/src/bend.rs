@@ -247,7 +247,8 @@ fn solve(
 fn solved(lower: &SparseColMat<usize, f64>, mut right: faer::Mat<f64>) -> Option<faer::Mat<f64>> {
     let (side, par) = (faer::Side::Lower, faer::Par::Seq);
     let symbolic =
-        factorize_symbolic_cholesky(lower.symbolic(), side, SymmetricOrdering::Amd, Default::default()).ok()?;
+        factorize_symbolic_cholesky(lower.symbolic(), side, SymmetricOrdering::Amd, Default::default())
+            .ok()?;
     let scratch = StackReq::or(
         symbolic.factorize_numeric_llt_scratch::<f64>(par, Default::default()),
         symbolic.solve_in_place_scratch::<f64>(right.ncols(), par),

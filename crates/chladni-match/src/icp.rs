@@ -5,6 +5,7 @@
 //! trim whatever is farther than a few c.
 
 use glam::{DMat3, DQuat, DVec3};
+use rayon::prelude::*;
 
 use crate::eigen::solve_small;
 use crate::field::Field;
@@ -106,15 +107,16 @@ fn links(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Vec<Lin
     let back = pose.inverse();
     let r = pose.rotation_matrix();
     let reach = 4.0 * c;
-    let from_shape = pair.shape.first(schedule.samples).iter().filter_map(|s| {
+    let facing = |l: &Link| l.normal_q.dot(l.normal_p) > NORMAL_LIMIT;
+    let from_shape = pair.shape.first(schedule.samples).par_iter().with_min_len(64).filter_map(|s| {
         let at = pair.template.near(back.at(s.point), reach * back.scale, schedule.look)?;
         Some(Link { q: at.point, p: s.point, normal_q: r * at.normal, normal_p: s.normal })
     });
-    let from_template = pair.template.first(schedule.samples).iter().filter_map(|s| {
+    let from_template = pair.template.first(schedule.samples).par_iter().with_min_len(64).filter_map(|s| {
         let at = pair.shape.near(pose.at(s.point), reach, schedule.look)?;
         Some(Link { q: s.point, p: at.point, normal_q: r * s.normal, normal_p: at.normal })
     });
-    from_shape.chain(from_template).filter(|l| l.normal_q.dot(l.normal_p) > NORMAL_LIMIT).collect()
+    from_shape.chain(from_template).filter(facing).collect()
 }
 
 /// Weights of the rows n·(Tq − p) and, × `point_weight`, of the rows Tq − p.

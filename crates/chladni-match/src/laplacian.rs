@@ -56,39 +56,48 @@ impl Laplacian {
     }
 
     /// Solves (diag(w) + α S) x = b by conjugate gradients with the diagonal as preconditioner,
-    /// all three coordinates at once, from the guess `x`, to 1e-4 of the size of b.
-    pub fn solve(&self, w: &[f64], alpha: f64, b: &[DVec3], mut x: Vec<DVec3>) -> Vec<DVec3> {
+    /// all three coordinates at once, from the guess `x`, to `tolerance` of the size of b.
+    pub fn solve(&self, w: &[f64], alpha: f64, b: &[DVec3], mut x: Vec<DVec3>, tolerance: f64) -> Vec<DVec3> {
         let n = b.len();
         let inverse: Vec<f64> = (0..n).map(|v| 1.0 / (w[v] + alpha * self.diagonal[v]).max(1e-300)).collect();
-        let dot = |a: &[DVec3], b: &[DVec3]| -> DVec3 { a.iter().zip(b).map(|(a, b)| *a * *b).sum() };
         let ratio = |a: DVec3, b: DVec3| {
             DVec3::from_array(std::array::from_fn(|i| if b[i] > 0.0 { a[i] / b[i] } else { 0.0 }))
         };
         let mut q = vec![DVec3::ZERO; n];
         self.times(w, alpha, &x, &mut q);
         let mut r: Vec<DVec3> = b.iter().zip(&q).map(|(b, q)| *b - *q).collect();
-        let goal = b.iter().zip(&inverse).map(|(b, i)| *b * *b * *i).sum::<DVec3>() * 1e-8;
-        let mut z: Vec<DVec3> = r.iter().zip(&inverse).map(|(r, i)| *r * *i).collect();
-        let mut p = z.clone();
-        let mut rz = dot(&r, &z);
+        let goal = sum(n, |v| b[v] * b[v] * inverse[v]) * tolerance * tolerance;
+        let mut p: Vec<DVec3> = r.iter().zip(&inverse).map(|(r, i)| *r * *i).collect();
+        let mut rz = sum(n, |v| r[v] * p[v]);
         for _ in 0..300 {
             if rz.cmple(goal).all() {
                 break;
             }
             self.times(w, alpha, &p, &mut q);
-            let step = ratio(rz, dot(&p, &q));
-            for v in 0..n {
-                x[v] += p[v] * step;
-                r[v] -= q[v] * step;
-                z[v] = r[v] * inverse[v];
-            }
-            let next = dot(&r, &z);
+            let step = ratio(rz, sum(n, |v| p[v] * q[v]));
+            let both = x.par_iter_mut().with_min_len(PIECE).zip(&mut r);
+            both.zip(&p).zip(&q).for_each(|(((x, r), p), q)| {
+                *x += *p * step;
+                *r -= *q * step;
+            });
+            let next = sum(n, |v| r[v] * r[v] * inverse[v]);
             let turn = ratio(next, rz);
             rz = next;
-            for v in 0..n {
-                p[v] = z[v] + p[v] * turn;
-            }
+            let preconditioned = r.par_iter().zip(&inverse);
+            p.par_iter_mut().with_min_len(PIECE).zip(preconditioned).for_each(|(p, (r, i))| {
+                *p = *r * *i + *p * turn;
+            });
         }
         x
     }
+}
+
+/// Entries that one thread works on at least.
+const PIECE: usize = 4096;
+
+/// The sum of `of` over 0..n, in parallel pieces that do not depend on the number of threads.
+fn sum(n: usize, of: impl Fn(usize) -> DVec3 + Sync) -> DVec3 {
+    let piece = |i: usize| (i * PIECE..n.min((i + 1) * PIECE)).map(&of).sum::<DVec3>();
+    let sums: Vec<DVec3> = (0..n.div_ceil(PIECE)).into_par_iter().map(piece).collect();
+    sums.into_iter().sum()
 }

@@ -36,7 +36,7 @@ pub(crate) fn settle(
         for v in 0..bent.len() {
             w[v] += 1e-3 * shape.areas[v];
         }
-        let moved = laplacian.solve(&w, length * length, &b, vec![DVec3::ZERO; b.len()]);
+        let moved = laplacian.solve(&w, length * length, &b, vec![DVec3::ZERO; b.len()], 1e-3);
         for (y, d) in bent.iter_mut().zip(&moved) {
             if d.is_finite() {
                 *y += *d;

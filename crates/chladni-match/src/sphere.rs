@@ -27,7 +27,7 @@ pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Ve
         task.check()?;
         let mass = masses(&x, &closed.triangles);
         let b: Vec<DVec3> = x.iter().zip(&mass).map(|(x, m)| *x * *m).collect();
-        x = laplacian.solve(&mass, time_step, &b, x);
+        x = laplacian.solve(&mass, time_step, &b, x, 1e-4);
         normalize_area(&mut x, &closed.triangles);
         stage.advance(1);
         let (folds, uneven) = (folded(&x, closed).len(), unevenness(&x, &mass));
