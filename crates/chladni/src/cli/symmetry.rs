@@ -120,6 +120,17 @@ const PAIR_COLORS: [[u8; 3]; 8] = [
     [120, 110, 90],
 ];
 
+/// The paper's figure: all extrema as small dots, both ends of a pair in one colour.
+pub fn figure_markers(body: &Body, symmetry: &Symmetry) -> Vec<Marker> {
+    let marker = |v: u32, [r, g, b]: [u8; 3], radius_px| {
+        let position = body.positions.get(v as usize)?.map(|c| c as f32);
+        Some(Marker { position, radius_px, color: [r, g, b, 255] })
+    };
+    let dots = symmetry.extrema.iter().map(|&v| marker(v, [20, 20, 20], 3.0));
+    let pairs = symmetry.pairs.iter().zip(PAIR_COLORS.iter().cycle());
+    dots.chain(pairs.flat_map(|(pair, &color)| pair.map(|v| marker(v, color, 6.0)))).flatten().collect()
+}
+
 /// First how often each vertex is an extremum, with both ends of a pair in one colour; then the
 /// first harmonics: warm markers above for symmetric ones, cool for antisymmetric, grey for none.
 fn draw(path: &Path, body: &Body, symmetry: &Symmetry) -> Result<(), Failure> {
@@ -129,22 +140,7 @@ fn draw(path: &Path, body: &Body, symmetry: &Symmetry) -> Result<(), Failure> {
     let positions: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
     let counts: Vec<f32> = symmetry.extrema_counts.iter().map(|&c| f32::from(c)).collect();
     let most = counts.iter().copied().fold(1.0, f32::max);
-    let marker = |v: u32, color: [u8; 3], radius_px| {
-        let [r, g, b] = color;
-        Marker { position: positions[v as usize], radius_px, color: [r, g, b, 255] }
-    };
-    let dots: Vec<Marker> = symmetry
-        .extrema
-        .iter()
-        .map(|&v| marker(v, [20, 20, 20], 3.0))
-        .chain(
-            symmetry
-                .pairs
-                .iter()
-                .zip(PAIR_COLORS.iter().cycle())
-                .flat_map(|(p, &color)| p.map(|v| marker(v, color, 6.0))),
-        )
-        .collect();
+    let dots = figure_markers(body, symmetry);
     let top =
         positions.iter().copied().fold([0.0f32, f32::MIN, 0.0], |top, p| if p[1] > top[1] { p } else { top });
     let first =

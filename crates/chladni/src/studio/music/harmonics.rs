@@ -8,23 +8,12 @@ use chladni_view::{
 };
 use egui::{Color32, RichText, Ui};
 
+use crate::cli::figure_markers;
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
 
 /// Cells of the view: the figure, then harmonics.
 pub const CELLS: usize = 12;
-
-/// Colours of the pairs, in turn.
-const PAIR_COLORS: [[u8; 3]; 8] = [
-    [230, 60, 60],
-    [50, 120, 230],
-    [40, 170, 90],
-    [240, 160, 30],
-    [150, 80, 200],
-    [30, 180, 190],
-    [220, 90, 170],
-    [120, 110, 90],
-];
 
 /// A body's harmonics, with what is needed to draw them.
 pub struct Harmonics {
@@ -44,16 +33,7 @@ struct Drawn {
 impl Harmonics {
     /// The harmonics of `body`, mixed as `symmetry` says.
     pub fn new(body: Body, symmetry: Symmetry) -> Self {
-        let position = |v: u32| body.positions.get(v as usize).map_or([0.0; 3], |p| p.map(|c| c as f32));
-        let dots = symmetry.extrema.iter().map(|&v| (v, [20, 20, 20], 2.5));
-        let pairs = symmetry.pairs.iter().zip(PAIR_COLORS.iter().cycle());
-        let pairs = pairs.flat_map(|(pair, &color)| pair.map(|v| (v, color, 5.0)));
-        let marker = |(v, [r, g, b], radius_px): (u32, [u8; 3], f32)| Marker {
-            position: position(v),
-            radius_px,
-            color: [r, g, b, 255],
-        };
-        let figure_markers = dots.chain(pairs).map(marker).collect();
+        let figure_markers = figure_markers(&body, &symmetry);
         Self { body, symmetry, figure_markers, drawn: None }
     }
 
