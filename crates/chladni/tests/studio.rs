@@ -323,7 +323,7 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     if person::takes_pictures() {
         // The samples' pictures come one after another.
         let start = std::time::Instant::now();
-        person.wait("the samples' pictures", |_| start.elapsed().as_secs() > 6);
+        person.wait("the samples' pictures", |_| start.elapsed().as_secs() > 12);
     }
     person.screenshot("window-start.png");
     person.click("Open Caricature");
