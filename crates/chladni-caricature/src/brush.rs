@@ -85,7 +85,8 @@ impl Mirror {
         let sample: Vec<Vec3> = surface.positions.iter().step_by(stride).map(|p| self.image(*p)).collect();
         let nearest =
             |p: &Vec3| surface.positions.iter().map(|q| distance(*p, *q)).fold(f64::INFINITY, f64::min);
-        sample.par_iter().map(nearest).sum::<f64>() / sample.len() as f64
+        let distances: Vec<f64> = sample.par_iter().map(nearest).collect();
+        distances.iter().sum::<f64>() / sample.len() as f64
     }
 }
 

@@ -266,13 +266,12 @@ impl Difference {
         // Σ a⟨dx, dx^δ⟩ = Σ a⟨x, x^δ⟩ − Σ_k⟨x̃_k, x̃^δ_k⟩ (Parseval), so that neither residual
         // has to be formed.
         let mass = &self.base.basis.mass;
-        let (xx, xd) = (0..mass.len())
-            .into_par_iter()
-            .map(|v| {
-                let (x, d) = (self.base.positions[v], self.delta[v]);
-                (mass[v] * dot(x, x), mass[v] * dot(x, d))
-            })
-            .reduce(|| (0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+        // One after the other: parallel sums would differ in their last bits from run to run.
+        let (mut xx, mut xd) = (0.0, 0.0);
+        for ((x, d), a) in self.base.positions.iter().zip(&self.delta).zip(mass) {
+            xx += a * dot(*x, *x);
+            xd += a * dot(*x, *d);
+        }
         let below = |f: &[Vec3]| x.iter().zip(f).map(|(x, f)| dot(*x, *f)).sum::<f64>();
         let (residual_xx, residual_xd) = (xx - below(x), xd - below(d));
         let noise = xx * self.base.basis.certificate.max_orthogonality_error.max(1e-13) * 10.0;

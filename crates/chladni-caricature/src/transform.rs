@@ -8,6 +8,8 @@ use rayon::prelude::*;
 
 /// Vertices per block: C ≤ 4 channels of a block and a stretch of one harmonic fit in L1.
 const BLOCK: usize = 512;
+/// Blocks that are summed together; what is added in which order must not depend on threads.
+const PIECE: usize = 6;
 
 /// f̃_k = Σ_v a(v) H_k(v) f(v) for k < `harmonics` ≤ K, for the C channels that `signal` gives
 /// at a vertex.
@@ -19,36 +21,35 @@ pub(crate) fn analyse<const C: usize>(
     let n = basis.vertices();
     let harmonics = harmonics.min(basis.harmonics());
     let blocks = n.div_ceil(BLOCK);
-    (0..blocks)
-        .into_par_iter()
-        .fold(
-            || vec![[0.0; C]; harmonics],
-            |mut sums, block| {
-                let first = block * BLOCK;
-                let len = BLOCK.min(n - first);
-                let mut weighted = [[0.0; BLOCK]; C];
-                for i in 0..len {
-                    let f = signal(first + i);
-                    for c in 0..C {
-                        weighted[c][i] = basis.mass[first + i] * f[c];
-                    }
+    let piece = |piece: usize| {
+        let mut sums = vec![[0.0; C]; harmonics];
+        for block in piece * PIECE..blocks.min((piece + 1) * PIECE) {
+            let first = block * BLOCK;
+            let len = BLOCK.min(n - first);
+            let mut weighted = [[0.0; BLOCK]; C];
+            for i in 0..len {
+                let f = signal(first + i);
+                for c in 0..C {
+                    weighted[c][i] = basis.mass[first + i] * f[c];
                 }
-                for (k, sum) in sums.iter_mut().enumerate() {
-                    let h = &basis.harmonic(k)[first..first + len];
-                    for (c, s) in dot(h, &weighted).into_iter().enumerate() {
-                        sum[c] += s;
-                    }
+            }
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let h = &basis.harmonic(k)[first..first + len];
+                for (c, s) in dot(h, &weighted).into_iter().enumerate() {
+                    sum[c] += s;
                 }
-                sums
-            },
-        )
-        .reduce(
-            || vec![[0.0; C]; harmonics],
-            |mut a, b| {
-                a.iter_mut().zip(b).for_each(|(a, b)| (0..C).for_each(|c| a[c] += b[c]));
-                a
-            },
-        )
+            }
+        }
+        sums
+    };
+    let pieces: Vec<Vec<[f64; C]>> = (0..blocks.div_ceil(PIECE)).into_par_iter().map(piece).collect();
+    let mut sums = vec![[0.0; C]; harmonics];
+    for part in &pieces {
+        for (sum, part) in sums.iter_mut().zip(part) {
+            (0..C).for_each(|c| sum[c] += part[c]);
+        }
+    }
+    sums
 }
 
 /// Σ_i h[i] f_c[i] for every channel, in four lanes that the compiler can vectorise.
