@@ -59,6 +59,11 @@ impl Problem {
         spare.unwrap_or_else(|| vec![[0.0; 8]; self.matrix.size()])
     }
 
+    /// Frees the spare blocks.
+    pub(super) fn free_spare_blocks(&self) {
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
     /// Takes blocks of n rows that are not needed any more.
     pub(super) fn give_back(&self, blocks: Vec<Block>) {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).extend(blocks);

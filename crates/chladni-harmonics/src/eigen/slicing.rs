@@ -66,6 +66,7 @@ pub(super) fn solve(
         slices.push(found);
     }
     let known = mend(&problem, &mut slices, harmonics, &mut profile, task)?;
+    problem.free_spare_blocks();
     let keep = if whole_clusters { known.cluster_end } else { harmonics };
     let cuts_cluster = keep < known.cluster_end;
     let start = std::time::Instant::now();

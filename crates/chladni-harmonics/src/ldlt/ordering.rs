@@ -6,7 +6,7 @@ use super::separator::{Graph, LEFT, RIGHT, SEPARATOR, separate};
 use crate::SymmetricSparse;
 
 /// Parts of at most this many vertices are ordered by minimum degree.
-const LEAF: usize = 160;
+const LEAF: usize = 400;
 /// Parts larger than this are dissected side by side on two threads.
 const PARALLEL: usize = 3000;
 
@@ -77,9 +77,8 @@ fn dissect(whole: &Graph, part: &Part, order: &mut [u32]) {
 }
 
 /// A small part by minimum degree, its neighbours in the separators around it counted with it
-/// though they are eliminated later. Sets of up to 512 vertices are eight words.
+/// though they are eliminated later.
 fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
-    type Set = [u64; 8];
     let mut around: Vec<u32> = part.iter().flat_map(|&v| whole.of(v)).copied().collect();
     around.sort_unstable();
     around.dedup();
@@ -102,40 +101,31 @@ fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
             )
         })
         .collect();
-    if outside > 512 {
-        // A vertex of huge degree; what is in such a part is soon dense whatever the order.
-        order.copy_from_slice(part);
-        return;
+    let words = outside.div_ceil(64);
+    // Row i of the bit matrix is what vertex i of the part is joined to, itself excepted.
+    let mut joined = vec![0_u64; words * part.len()];
+    for (row, (i, &v)) in joined.chunks_exact_mut(words).zip(part.iter().enumerate()) {
+        for at in whole.of(v).iter().filter_map(|u| around.binary_search(u).ok()) {
+            row[number[at] / 64] |= 1 << (number[at] % 64);
+        }
+        row[i / 64] &= !(1 << (i % 64));
     }
-    let mut adjacent: Vec<Set> = part
-        .iter()
-        .enumerate()
-        .map(|(i, &v)| {
-            let mut set = [0; 8];
-            for u in whole.of(v) {
-                if let Ok(at) = around.binary_search(u) {
-                    set[number[at] / 64] |= 1 << (number[at] % 64);
-                }
-            }
-            set[i / 64] &= !(1 << (i % 64));
-            set
-        })
-        .collect();
-    let mut left: Vec<usize> = (0..part.len()).collect();
+    let count = |row: &[u64]| row.iter().map(|word| word.count_ones()).sum::<u32>();
+    let mut degree: Vec<u32> = joined.chunks_exact(words).map(count).collect();
+    let mut pivot = vec![0; words];
     for slot in order.iter_mut() {
-        let degree = |v: usize| adjacent[v].iter().map(|w| w.count_ones()).sum::<u32>();
-        let Some(at) = (0..left.len()).min_by_key(|&at| degree(left[at])) else { return };
-        let v = left.swap_remove(at);
+        let Some(v) = (0..part.len()).min_by_key(|&v| degree[v]) else { return };
         *slot = part[v];
-        let joined = adjacent[v];
-        for &u in &left {
-            if adjacent[v][u / 64] >> (u % 64) & 1 == 1 {
-                for (word, new) in adjacent[u].iter_mut().zip(joined) {
-                    *word |= new;
-                }
-                adjacent[u][u / 64] &= !(1 << (u % 64));
-                adjacent[u][v / 64] &= !(1 << (v % 64));
-            }
+        degree[v] = u32::MAX;
+        pivot.copy_from_slice(&joined[v * words..(v + 1) * words]);
+        let neighbours = (0..part.len()).filter(|&u| pivot[u / 64] >> (u % 64) & 1 == 1);
+        for u in neighbours {
+            // What an eliminated vertex was joined to becomes a clique.
+            let row = &mut joined[u * words..(u + 1) * words];
+            row.iter_mut().zip(&pivot).for_each(|(word, new)| *word |= new);
+            row[u / 64] &= !(1 << (u % 64));
+            row[v / 64] &= !(1 << (v % 64));
+            degree[u] = count(row);
         }
     }
 }
