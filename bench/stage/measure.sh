@@ -18,15 +18,8 @@ trap 'kill "${pids[@]}" 2>/dev/null; wait 2>/dev/null; rm -rf "$folder"' EXIT
 # A song without a pause: noise that swells, longer than it is listened to.
 sox -n -r 44100 -c 2 "$folder/song.wav" synth $((seconds + 30)) pinknoise tremolo 2 40 gain -6
 
-printf '</usr/share/alsa/alsa.conf>\npcm.!default { type pulse }\nctl.!default { type pulse }\n' > "$folder/alsa.conf"
-export ALSA_CONFIG_PATH=$folder/alsa.conf PULSE_RUNTIME_PATH=$folder XDG_CONFIG_HOME=$folder XDG_RUNTIME_DIR=$folder
 unset WAYLAND_DISPLAY
-pulseaudio -n --daemonize=no --exit-idle-time=-1 --use-pid-file=no --log-target=null \
-  -L "module-null-sink sink_name=null norewinds=1 rate=48000" \
-  -L "module-native-protocol-unix auth-anonymous=1 socket=$folder/socket" &
-pids+=($!)
-export PULSE_SERVER=unix:$folder/socket
-until pactl info > /dev/null 2>&1; do sleep 0.1; done
+. bench/null_sink.sh
 Xvfb -displayfd 3 -screen 0 1320x820x24 3> "$folder/display" 2> /dev/null &
 pids+=($!)
 until [ -s "$folder/display" ]; do sleep 0.1; done

@@ -148,20 +148,11 @@ fn draw(
             ..Figure::new(&shape.topology, &shape.buffers, 0)
         })
         .collect();
-    let cell = |viewport, background, figures, markers| Cell {
-        viewport,
-        camera,
-        lights: request.style.lights,
-        background,
-        figures,
-        markers,
-    };
-    // One background behind all cells, so that no seams show.
     let area = Rect::of_size(request.width, request.height);
-    let mut cells = vec![cell(area, request.style.background, &[], &[])];
-    for ((viewport, figure), shape) in viewports(request).into_iter().zip(&figures).zip(request.shapes) {
-        let figure = std::slice::from_ref(figure);
-        cells.push(cell(viewport, Background::TRANSPARENT, figure, shape.markers));
+    let placed = viewports(request).into_iter().zip(&figures);
+    let mut cells = Cell::gallery(area, request.style.background, camera, request.style.lights, placed);
+    for (cell, shape) in cells.iter_mut().skip(1).zip(request.shapes) {
+        cell.markers = shape.markers;
     }
     renderer.draw(canvas, &cells)?;
     Ok(())

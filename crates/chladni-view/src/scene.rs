@@ -371,3 +371,31 @@ pub struct Cell<'a> {
     /// Landmarks.
     pub markers: &'a [Marker],
 }
+
+impl<'a> Cell<'a> {
+    /// Each of `figures` in its own viewport, before one `background` over `area`, so that no
+    /// seams show; the background's cell comes first. No markers.
+    pub fn gallery(
+        area: Rect,
+        background: Background,
+        camera: Camera,
+        lights: Lights,
+        figures: impl IntoIterator<Item = (Rect, &'a Figure<'a>)>,
+    ) -> Vec<Self> {
+        let cell = |viewport, background, figures| Self {
+            viewport,
+            camera,
+            lights,
+            background,
+            figures,
+            markers: &[],
+        };
+        let mut cells = vec![cell(area, background, &[])];
+        cells.extend(
+            figures.into_iter().map(|(viewport, figure)| {
+                cell(viewport, Background::TRANSPARENT, std::slice::from_ref(figure))
+            }),
+        );
+        cells
+    }
+}

@@ -12,3 +12,4 @@
 pub mod cli;
 pub mod source;
 pub mod studio;
+mod symmetry_figure;

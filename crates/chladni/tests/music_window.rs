@@ -10,7 +10,7 @@ use std::path::Path;
 use chladni::studio::{Folders, Opening};
 use chladni_music::Preset;
 use chladni_sound::{Song, WavSample, write_wav};
-use driving::{Answers, Window, open, screenshot, wait};
+use driving::{Answers, Window, open, screenshot, shows, takes_pictures, wait};
 use egui::accesskit::{Role, Toggled};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -24,7 +24,8 @@ fn folders(folder: &Path) -> Folders {
 
 fn enter(opening: Opening) -> Window {
     let named = !opening.files.is_empty();
-    let mut window = open(opening);
+    // Pictures are for people; without them fewer pixels are quicker.
+    let mut window = open(opening, if takes_pictures() { [1280.0, 800.0] } else { [1000.0, 640.0] });
     window.run_steps(3);
     if !named {
         window.get_by_label("Open Music").click();
@@ -49,10 +50,6 @@ fn write(window: &mut Window, field: &str, text: &str) {
     window.run_steps(2);
     window.get_by_role_and_label(Role::TextInput, field).type_text(text);
     window.run_steps(2);
-}
-
-fn shows(window: &Window, label: &str) -> bool {
-    window.query_all_by_label_contains(label).next().is_some()
 }
 
 fn is_chosen(window: &Window, dance: &str) -> bool {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+mod driving;
 mod person;
 
 use chladni::studio::Opening;
@@ -40,7 +41,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
     person.press_with(CTRL | Modifiers::SHIFT, Key::Z);
     assert!(person.sees("Own size 2"));
 
-    desk.answers.next(&desk.path("p.chladni"));
+    desk.answers.add(desk.path("p.chladni"));
     person.press_with(CTRL, Key::S);
     person.wait_to_see("Saved");
     person.screenshot("studio-saved.png");
@@ -70,7 +71,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
             person.click("Usual sizes");
             person.click_button("640 × 480");
         }
-        desk.answers.next(&desk.path(name));
+        desk.answers.add(desk.path(name));
         person.click("Export…");
         person.wait("the export", |_| desk.path(name).exists());
     }
@@ -81,10 +82,10 @@ fn from_two_meshes_to_sliders_in_another_program() {
 
     // The same layers on another shape: the region goes along.
     save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
-    desk.answers.next(&desk.path("finer.obj"));
+    desk.answers.add(desk.path("finer.obj"));
     person.click("Another shape");
     person.wait_to_see("2\u{202f}562 vertices");
-    desk.answers.next(&desk.path("finer.chladni"));
+    desk.answers.add(desk.path("finer.chladni"));
     person.press_with(CTRL, Key::S);
     let finer = Project::load(&desk.path("finer.chladni")).unwrap();
     assert_eq!(finer.shape, chladni_caricature::ShapeSource::File(desk.path("finer.obj")));
@@ -187,7 +188,7 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
     person.click("Keep working");
     assert!(!person.sees("Save before closing?"));
     person.close();
-    desk.answers.next(&desk.path("kept.chladni"));
+    desk.answers.add(desk.path("kept.chladni"));
     person.click("Save and close");
     assert_eq!(Project::load(&desk.path("kept.chladni")).unwrap().layers().len(), 1);
     person.wait("the copy's end", |_| !kept());
@@ -202,12 +203,12 @@ fn opening_another_project_asks_about_unsaved_work() {
     person.click("Own size");
     let empty = Project::new(chladni_caricature::ShapeSource::File(desk.path("template.obj")), HARMONICS);
     empty.save(&desk.path("other.chladni")).unwrap();
-    desk.answers.next(&desk.path("other.chladni"));
+    desk.answers.add(desk.path("other.chladni"));
     person.press_with(CTRL, Key::O);
     assert!(person.sees("Save before opening another?"));
     person.click("Keep working");
     assert!(person.sees("Own size 1"));
-    desk.answers.next(&desk.path("other.chladni"));
+    desk.answers.add(desk.path("other.chladni"));
     person.press_with(CTRL, Key::O);
     person.click("Lose changes");
     person.wait_until_gone("Own size 1");
@@ -231,14 +232,14 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
         }
     }
     person.wait_to_see("The match follows");
-    person.wait("the new match", |p| !p.sees("Matching"));
+    person.wait("the new match", |window| !driving::shows(window, "Matching"));
     person.screenshot("studio-landmarks.png");
 
     let landmarks = |name: &str| {
         let project = Project::load(&desk.path(name)).unwrap();
         project.layers()[0].1.matching.landmarks.clone()
     };
-    desk.answers.next(&desk.path("picked.chladni"));
+    desk.answers.add(desk.path("picked.chladni"));
     person.press_with(CTRL, Key::S);
     let picked = landmarks("picked.chladni");
     assert_eq!(picked.len(), places.len());
@@ -250,14 +251,14 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     person.screenshot("studio-dragged.png");
     person.click("Remove landmark 2");
     person.screenshot("studio-removed.png");
-    desk.answers.next(&desk.path("changed.chladni"));
+    desk.answers.add(desk.path("changed.chladni"));
     person.press_with(CTRL | Modifiers::SHIFT, Key::S);
     let changed = landmarks("changed.chladni");
     assert_eq!(changed.len(), places.len() - 1);
     assert_ne!(changed[0].shape, picked[0].shape);
     assert_eq!((changed[0].template, &changed[1..]), (picked[0].template, &picked[2..]));
 
-    desk.answers.next(&desk.path("landmarks.txt"));
+    desk.answers.add(desk.path("landmarks.txt"));
     person.click("Write the landmarks to a text file");
     let text = std::fs::read_to_string(desk.path("landmarks.txt")).unwrap();
     assert_eq!(chladni_match::read_landmarks(&text).unwrap(), changed);
@@ -265,7 +266,7 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     person.press_with(CTRL, Key::Z);
     person.press_with(CTRL, Key::S);
     assert_eq!(landmarks("changed.chladni"), picked);
-    desk.answers.next(&desk.path("landmarks.txt"));
+    desk.answers.add(desk.path("landmarks.txt"));
     person.click("Read landmarks from a text file");
     person.press_with(CTRL, Key::S);
     assert_eq!(landmarks("changed.chladni"), changed);
@@ -282,7 +283,7 @@ fn layers_are_named_hidden_soloed_and_moved_by_hand() {
         person.click_button("Add");
         person.click(template);
     }
-    person.wait("the match", |person| !person.sees("Matching"));
+    person.wait("the match", |window| !driving::shows(window, "Matching"));
     person.press(Key::F2);
     person.0.run_steps(2);
     person.press_with(CTRL, Key::A);
@@ -319,8 +320,8 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     // For pictures everything is as a user has it; otherwise fewer harmonics are quicker.
     let desk = Desk::new();
     let mut person =
-        if person::takes_pictures() { Person::new(Opening::default()) } else { desk.sit_down(&[]) };
-    if person::takes_pictures() {
+        if driving::takes_pictures() { Person::new(Opening::default()) } else { desk.sit_down(&[]) };
+    if driving::takes_pictures() {
         // The samples' pictures come one after another.
         let start = std::time::Instant::now();
         person.wait("the samples' pictures", |_| start.elapsed().as_secs() > 12);
@@ -350,7 +351,7 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     assert_eq!(person.0.query_all_by_label_contains("normal").count(), 0);
     person.press_with(CTRL | Modifiers::SHIFT, Key::Z);
     assert!(person.sees("normal"));
-    if !person::takes_pictures() {
+    if !driving::takes_pictures() {
         return;
     }
     person.press_with(CTRL, Key::Z);

@@ -132,19 +132,20 @@ impl Found {
             self.next_seed = self.next_seed.wrapping_add(1);
             let found =
                 lanczos::run(problem, &factor, shift, &window, &locked, self.next_seed, profile, task);
-            let found = found.map(|pairs| {
-                let rough = window.from_zero && largest_residual(problem, &pairs) > GOOD_RESIDUAL;
-                if rough { polish(problem, pairs, &mut factor, &mut workspace, profile) } else { pairs }
-            });
             match found {
-                // A small pivot far from any eigenvalue costs digits: another shift has others.
-                Ok(pairs) if attempt < ATTEMPTS && largest_residual(problem, &pairs) > GOOD_RESIDUAL => {
+                Ok(mut pairs) => {
+                    let mut residual = largest_residual(problem, &pairs);
+                    if window.from_zero && residual > GOOD_RESIDUAL {
+                        pairs = polish(problem, pairs, &mut factor, &mut workspace, profile);
+                        residual = largest_residual(problem, &pairs);
+                    }
+                    if residual <= GOOD_RESIDUAL || attempt == ATTEMPTS {
+                        self.runs.push(pairs);
+                        return Ok(());
+                    }
+                    // A small pivot far from any eigenvalue costs digits: another shift has others.
                     self.runs.clear();
                     self.slice.shift += width * 0.011 * f64::from(attempt);
-                }
-                Ok(pairs) => {
-                    self.runs.push(pairs);
-                    return Ok(());
                 }
                 Err(Stopped::BadShift) => {
                     // On or beside an eigenvalue: step aside and start anew.

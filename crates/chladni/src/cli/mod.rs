@@ -24,7 +24,6 @@ use clap::{Parser, Subcommand};
 
 pub use cache::basis_cache;
 pub use failure::Failure;
-pub use symmetry::figure_markers;
 pub use terminal::Terminal;
 
 /// Plays the natural vibrations of 3D shapes.

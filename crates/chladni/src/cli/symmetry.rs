@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::inputs::{build_body, open_mesh};
 use super::{Failure, Terminal};
+use crate::symmetry_figure::figure_markers;
 
 /// Tell symmetric from antisymmetric harmonics.
 #[derive(clap::Args)]
@@ -106,29 +107,6 @@ fn report(body: &Body, symmetry: &Symmetry) -> Report {
         mirror_misfit: plane.map(|p| p.misfit),
         rotated: symmetry.rotations.iter().map(|r| [r.first, r.mix.len()]).collect(),
     }
-}
-
-/// Colours of the pairs' markers, in turn.
-const PAIR_COLORS: [[u8; 3]; 8] = [
-    [230, 60, 60],
-    [50, 120, 230],
-    [40, 170, 90],
-    [240, 160, 30],
-    [150, 80, 200],
-    [30, 180, 190],
-    [220, 90, 170],
-    [120, 110, 90],
-];
-
-/// The paper's figure: all extrema as small dots, both ends of a pair in one colour.
-pub fn figure_markers(body: &Body, symmetry: &Symmetry) -> Vec<Marker> {
-    let marker = |v: u32, [r, g, b]: [u8; 3], radius_px| {
-        let position = body.positions.get(v as usize)?.map(|c| c as f32);
-        Some(Marker { position, radius_px, color: [r, g, b, 255] })
-    };
-    let dots = symmetry.extrema.iter().map(|&v| marker(v, [20, 20, 20], 3.0));
-    let pairs = symmetry.pairs.iter().zip(PAIR_COLORS.iter().cycle());
-    dots.chain(pairs.flat_map(|(pair, &color)| pair.map(|v| marker(v, color, 6.0)))).flatten().collect()
 }
 
 /// First how often each vertex is an extremum, with both ends of a pair in one colour; then the

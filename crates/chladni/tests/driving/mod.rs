@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use chladni::studio::{Chooser, Kind, Opening, Studio};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 
 /// The window and what is on it.
 pub type Window = Harness<'static, Studio>;
@@ -19,8 +20,8 @@ pub struct Answers(Rc<RefCell<VecDeque<PathBuf>>>);
 
 impl Answers {
     /// One more answer.
-    pub fn add(&self, path: PathBuf) {
-        self.0.borrow_mut().push_back(path);
+    pub fn add(&self, path: impl Into<PathBuf>) {
+        self.0.borrow_mut().push_back(path.into());
     }
 }
 
@@ -38,23 +39,33 @@ impl Chooser for Answers {
     }
 }
 
-/// Opens the window.
-pub fn open(opening: Opening) -> Window {
-    // Pictures are for people; without them fewer pixels are quicker.
-    let size =
-        if std::env::var_os("CHLADNI_SCREENSHOTS").is_some() { [1280.0, 800.0] } else { [1000.0, 640.0] };
+/// Whether somebody wants to see what the window shows.
+pub fn takes_pictures() -> bool {
+    std::env::var_os("CHLADNI_SCREENSHOTS").is_some()
+}
+
+/// Opens the window with so many points.
+pub fn open(opening: Opening, size: [f32; 2]) -> Window {
     Harness::builder()
         .with_size(size)
         .wgpu()
         .build_eframe(|creation| Studio::new(creation, opening).expect("a graphics device"))
 }
 
+/// Whether something whose name contains `text` is there.
+pub fn shows(window: &Window, text: &str) -> bool {
+    window.query_all_by_label_contains(text).next().is_some()
+}
+
 /// Steps until `ready`, as a person waits; fails after a minute.
 pub fn wait(window: &mut Window, what: &str, ready: impl Fn(&Window) -> bool) {
     let start = Instant::now();
     while !ready(window) {
-        assert!(start.elapsed() < Duration::from_secs(60), "{what} did not happen within a minute");
-        std::thread::sleep(Duration::from_millis(30));
+        if start.elapsed() > Duration::from_secs(60) {
+            screenshot(window, "failed.png");
+            panic!("{what} did not happen within a minute");
+        }
+        std::thread::sleep(Duration::from_millis(15));
         window.run_steps(1);
     }
 }

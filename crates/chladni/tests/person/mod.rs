@@ -4,41 +4,14 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 #![allow(dead_code, reason = "each test program uses a part")]
 
-use std::cell::RefCell;
-use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
-use std::rc::Rc;
-use std::time::{Duration, Instant};
+use std::path::PathBuf;
 
-use chladni::studio::{Chooser, Folders, Kind, Opening, Studio};
+use chladni::studio::{Folders, Opening};
 use chladni_mesh::{TriMesh, samples, save_mesh};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect};
-use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-/// What the person answers to file dialogs, in order; no answer is "cancel".
-#[derive(Clone, Default)]
-pub struct Answers(Rc<RefCell<VecDeque<PathBuf>>>);
-
-impl Answers {
-    pub fn next(&self, path: &Path) {
-        self.0.borrow_mut().push_back(path.to_owned());
-    }
-}
-
-impl Chooser for Answers {
-    fn open(&mut self, _kinds: &[Kind<'_>]) -> Option<PathBuf> {
-        self.0.borrow_mut().pop_front()
-    }
-
-    fn open_several(&mut self, _kinds: &[Kind<'_>]) -> Vec<PathBuf> {
-        self.0.borrow_mut().drain(..).collect()
-    }
-
-    fn save(&mut self, _kinds: &[Kind<'_>], _suggested: &Path) -> Option<PathBuf> {
-        self.0.borrow_mut().pop_front()
-    }
-}
+use crate::driving::{self, Answers, Window};
 
 /// A folder with `shape.obj` and `template.obj`, two lumps of 642 vertices, and preferences that
 /// ask for few harmonics.
@@ -98,48 +71,31 @@ fn lump_of(mut mesh: TriMesh, size: f64) -> TriMesh {
     mesh
 }
 
-/// Whether somebody wants to see what the window shows.
-pub fn takes_pictures() -> bool {
-    std::env::var_os("CHLADNI_SCREENSHOTS").is_some()
-}
-
 /// The window and whoever sits before it.
-pub struct Person(pub Harness<'static, Studio>);
+pub struct Person(pub Window);
 
 impl Person {
     pub fn new(opening: Opening) -> Self {
-        let harness = Harness::builder()
-            .with_size([1280.0, 800.0])
-            .wgpu()
-            .build_eframe(|creation| Studio::new(creation, opening).expect("a graphics device"));
-        let mut person = Self(harness);
+        let mut person = Self(driving::open(opening, [1280.0, 800.0]));
         person.0.run_steps(3);
         person
     }
 
     /// Steps until `ready`, as a person waits; fails after a minute.
-    pub fn wait(&mut self, what: &str, ready: impl Fn(&Self) -> bool) {
-        let start = Instant::now();
-        while !ready(self) {
-            if start.elapsed() > Duration::from_secs(60) {
-                self.screenshot("failed.png");
-                panic!("{what} did not happen within a minute");
-            }
-            std::thread::sleep(Duration::from_millis(15));
-            self.0.run_steps(1);
-        }
+    pub fn wait(&mut self, what: &str, ready: impl Fn(&Window) -> bool) {
+        driving::wait(&mut self.0, what, ready);
     }
 
     pub fn sees(&self, text: &str) -> bool {
-        self.0.query_all_by_label_contains(text).next().is_some()
+        driving::shows(&self.0, text)
     }
 
     pub fn wait_to_see(&mut self, text: &str) {
-        self.wait(text, |person| person.sees(text));
+        self.wait(text, |window| driving::shows(window, text));
     }
 
     pub fn wait_until_gone(&mut self, text: &str) {
-        self.wait(&format!("the end of “{text}”"), |person| !person.sees(text));
+        self.wait(&format!("the end of “{text}”"), |window| !driving::shows(window, text));
     }
 
     /// Clicks the only thing called exactly `name`.
@@ -203,13 +159,8 @@ impl Person {
         self.0.run_steps(2);
     }
 
-    /// Writes what the window shows, for a person to look at, where CHLADNI_SCREENSHOTS names a
-    /// folder.
+    /// See [`driving::screenshot`].
     pub fn screenshot(&mut self, name: &str) {
-        self.0.run_steps(2);
-        if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {
-            let picture = self.0.render().expect("the window can be drawn");
-            picture.save(Path::new(&folder).join(name)).expect("the folder is there");
-        }
+        driving::screenshot(&mut self.0, name);
     }
 }

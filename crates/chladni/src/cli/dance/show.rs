@@ -243,18 +243,8 @@ impl Theatre {
                 ..Figure::new(&self.topology, &self.buffers, item)
             })
             .collect();
-        let cell = |viewport, background, figures| Cell {
-            viewport,
-            camera,
-            lights,
-            background,
-            figures,
-            markers: &[],
-        };
-        let mut cells = vec![cell(area, look.background, &[])];
-        for (viewport, figure) in viewports.into_iter().zip(&figures) {
-            cells.push(cell(viewport, Background::TRANSPARENT, std::slice::from_ref(figure)));
-        }
+        let placed = viewports.into_iter().zip(&figures);
+        let cells = Cell::gallery(area, look.background, camera, lights, placed);
         self.renderer.draw(&self.canvas, &cells)?;
         Ok(())
     }

@@ -106,23 +106,13 @@ impl Shot {
         buffers: &ItemBuffers,
         camera: Camera,
     ) -> Result<(), ViewError> {
-        let (lights, camera) = (self.look.lights(), camera);
-        let cell = |viewport, background, figures| Cell {
-            viewport,
-            camera,
-            lights,
-            background,
-            figures,
-            markers: &[],
-        };
         let figures: Vec<Figure<'_>> = (0..self.poses.len())
             .map(|item| self.look.figure(&self.topology, buffers, item, self.coat.paint()))
             .collect();
-        // One background behind all cells, so that no seams show.
-        let mut cells = vec![cell(Rect::of_size(canvas.width(), canvas.height()), self.background, &[])];
-        for (viewport, figure) in self.cells(canvas.width(), canvas.height()).into_iter().zip(&figures) {
-            cells.push(cell(viewport, Background::TRANSPARENT, std::slice::from_ref(figure)));
-        }
+        let (width, height) = (canvas.width(), canvas.height());
+        let placed = self.cells(width, height).into_iter().zip(&figures);
+        let cells =
+            Cell::gallery(Rect::of_size(width, height), self.background, camera, self.look.lights(), placed);
         renderer.draw(canvas, &cells)?;
         Ok(())
     }

@@ -282,7 +282,8 @@ impl Stage {
         if ui.ctx().input(|input| input.key_pressed(egui::Key::Home)) && response.hovered() {
             self.fitted = false;
         }
-        let touch = self.touch(ui, &response, rect, figures, &cells);
+        let pointed = Pointed::of(ui, &response, rect, figures, &cells);
+        let touch = pointed.as_ref().and_then(|pointed| self.touch(pointed));
         let brush = brush_radius.zip(touch).map(|(radius, touch)| Brush {
             center: touch.point,
             radius,
@@ -296,8 +297,7 @@ impl Stage {
             show_legend(ui, rect, *scale);
         }
         show_names(ui, rect, look.show, &cells);
-        let figure = self.figure_at(ui, &response, rect, figures, &cells);
-        Ok(Shown { response, touch, figure })
+        Ok(Shown { response, touch, figure: pointed.map(|pointed| pointed.figure) })
     }
 
     fn draw(
@@ -329,44 +329,45 @@ impl Stage {
         })
     }
 
-    /// The figure in whose cell the pointer is.
-    fn figure_at(
-        &self,
-        ui: &Ui,
-        response: &egui::Response,
-        rect: egui::Rect,
-        figures: &[usize],
-        cells: &[Rect],
-    ) -> Option<usize> {
-        let at = response.interact_pointer_pos().or(response.hover_pos())?;
-        let [x, y] = viewport::to_pixels(ui, rect, at);
-        cells.iter().zip(figures).find(|(cell, _)| cell.contains(x, y)).map(|(_, figure)| *figure)
+    /// Where `pointed` meets its figure.
+    fn touch(&mut self, pointed: &Pointed) -> Option<Touch> {
+        let Pointed { at: [x, y], cell, figure } = *pointed;
+        let positions = &self.poses[figure].0;
+        match &mut self.pick {
+            Some((picked, _)) if *picked == figure => {}
+            Some((picked, tree)) => {
+                tree.refit(positions, &self.triangles);
+                *picked = figure;
+            }
+            None => self.pick = Some((figure, PickTree::new(positions, &self.triangles))),
+        }
+        let (_, tree) = self.pick.as_ref()?;
+        let ray = self.camera.ray(x, y, cell);
+        let hit = tree.pick(&ray, positions, &self.triangles)?;
+        Some(Touch { triangle: hit.triangle, barycentric: hit.barycentric, point: hit.point(&ray) })
     }
+}
 
-    fn touch(
-        &mut self,
+/// What the pointer is on.
+struct Pointed {
+    /// Pixels of the canvas.
+    at: [f32; 2],
+    cell: Rect,
+    figure: usize,
+}
+
+impl Pointed {
+    fn of(
         ui: &Ui,
         response: &egui::Response,
         rect: egui::Rect,
         figures: &[usize],
         cells: &[Rect],
-    ) -> Option<Touch> {
+    ) -> Option<Self> {
         let at = response.interact_pointer_pos().or(response.hover_pos())?;
         let [x, y] = viewport::to_pixels(ui, rect, at);
         let (cell, figure) = cells.iter().zip(figures).find(|(cell, _)| cell.contains(x, y))?;
-        let positions = &self.poses[*figure].0;
-        match &mut self.pick {
-            Some((picked, _)) if picked == figure => {}
-            Some((picked, tree)) => {
-                tree.refit(positions, &self.triangles);
-                *picked = *figure;
-            }
-            None => self.pick = Some((*figure, PickTree::new(positions, &self.triangles))),
-        }
-        let (_, tree) = self.pick.as_ref()?;
-        let ray = self.camera.ray(x, y, *cell);
-        let hit = tree.pick(&ray, positions, &self.triangles)?;
-        Some(Touch { triangle: hit.triangle, barycentric: hit.barycentric, point: hit.point(&ray) })
+        Some(Self { at: [x, y], cell: *cell, figure: *figure })
     }
 }
 

@@ -8,9 +8,9 @@ use chladni_view::{
 };
 use egui::{Color32, RichText, Ui};
 
-use crate::cli::figure_markers;
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
+use crate::symmetry_figure::figure_markers;
 
 /// Cells of the view: the figure, then harmonics.
 pub const CELLS: usize = 12;
