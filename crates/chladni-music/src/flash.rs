@@ -103,37 +103,63 @@ impl FlashLimiter {
     /// `wanted` is asked for. Values outside [0, 1] and such that are no number are clamped.
     /// Allocates nothing.
     pub fn limit(&mut self, time_secs: f64, wanted: f32) -> f32 {
-        let wanted = if wanted.is_finite() { wanted.clamp(0.0, 1.0) } else { 0.0 };
-        let Some((last_secs, last)) = self.last else {
-            self.swings.push(wanted);
-            self.last = Some((time_secs, wanted));
-            return wanted;
-        };
-        let step = self.max_slope_per_sec * (time_secs - last_secs).max(0.0) as f32;
-        let mut shown = wanted.clamp(last - step, last + step);
-        if self.swings.change(shown) != 0 {
-            // Five changes in the last second: one more would complete the third flash, and
-            // the edges of a fourth could follow within the same second.
-            let oldest = self.edges_secs[self.next_edge];
-            if time_secs - oldest <= 1.0 {
-                shown = self.held(shown);
-            } else {
-                self.edges_secs[self.next_edge] = time_secs;
-                self.next_edge = (self.next_edge + 1) % self.edges_secs.len();
-            }
-        }
-        self.swings.push(shown);
-        self.last = Some((time_secs, shown));
+        let shown = self.allowed(time_secs, wanted);
+        self.show(time_secs, shown);
         shown
     }
 
+    /// What [`limit`](Self::limit) would give, without counting it as shown: a value between
+    /// `wanted` and what was shown last.
+    pub fn allowed(&self, time_secs: f64, wanted: f32) -> f32 {
+        let wanted = if wanted.is_finite() { wanted.clamp(0.0, 1.0) } else { 0.0 };
+        let Some((last_secs, last)) = self.last else { return wanted };
+        let step = self.max_slope_per_sec * (time_secs - last_secs).max(0.0) as f32;
+        let shown = wanted.clamp(last - step, last + step);
+        if self.swings.change(shown) != 0 && self.is_spent(time_secs) {
+            self.held(shown, last)
+        } else {
+            shown
+        }
+    }
+
+    /// Counts what is shown at `time_secs`; it should be as near to what was
+    /// [`allowed`](Self::allowed) as the picture permits.
+    pub fn show(&mut self, time_secs: f64, shown: f32) {
+        if self.swings.push(shown) {
+            self.count_edge(time_secs);
+        }
+        self.last = Some((time_secs, shown));
+    }
+
+    /// Whether a change that cannot be softened may happen at `time_secs`; where it may, it is
+    /// counted.
+    pub fn may_step(&mut self, time_secs: f64) -> bool {
+        let may = !self.is_spent(time_secs);
+        if may {
+            self.count_edge(time_secs);
+        }
+        may
+    }
+
+    /// Five changes in the last second: one more would complete the third flash, and the edges
+    /// of a fourth could follow within the same second.
+    fn is_spent(&self, time_secs: f64) -> bool {
+        time_secs - self.edges_secs[self.next_edge] <= 1.0
+    }
+
+    fn count_edge(&mut self, time_secs: f64) {
+        self.edges_secs[self.next_edge] = time_secs;
+        self.next_edge = (self.next_edge + 1) % self.edges_secs.len();
+    }
+
     /// The value nearest to `wanted` that is no change: above the last peak less a step after
-    /// a rise, below the last trough plus a step after a fall.
-    fn held(&self, wanted: f32) -> f32 {
+    /// a rise, below the last trough plus a step after a fall; never beyond `last`, which was
+    /// none.
+    fn held(&self, wanted: f32, last: f32) -> f32 {
         let Some((low, high)) = self.swings.range else { return wanted };
         let within = 0.9 * FLASH_STEP;
-        let floor = if self.swings.direction >= 0 { high - within } else { 0.0 };
-        let ceiling = if self.swings.direction <= 0 { low + within } else { 1.0 };
+        let floor = if self.swings.direction >= 0 { (high - within).min(last) } else { 0.0 };
+        let ceiling = if self.swings.direction <= 0 { (low + within).max(last) } else { 1.0 };
         wanted.max(floor).min(ceiling)
     }
 }

@@ -43,6 +43,7 @@ mod session;
 mod sides;
 mod stage;
 mod symmetry;
+mod veil;
 mod voice;
 
 pub use breeding::{breed, mutate};
@@ -60,4 +61,5 @@ pub use session::{Action, Instrument, LoggedAction, Moment};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react};
 pub use symmetry::{Class, MirrorPlane, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
+pub use veil::{FlashCount, FlashGuard, Histogram, Veil};
 pub use voice::{Driver, Voice, VoiceSettings, Voices};
