@@ -34,7 +34,7 @@ pub use beat::{
     BeatFollower, BeatMoment, BeatScore, Beats, ONSET_RATE_HZ, Onset, OnsetDetector, beat_score, track_beats,
     track_beats_causally,
 };
-pub use capture::{Capture, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
+pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
 pub use decode::{Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav};
 pub use error::SoundError;
 pub use player::{

@@ -52,12 +52,36 @@ pub struct Capture {
 enum Feed {
     Device { _stream: cpal::Stream },
     Monitor { _recorder: monitor::Recorder },
+    Own,
+}
+
+/// The end of a capture into which the program itself writes. Dropping it is the device's loss.
+pub struct CaptureFeed {
+    inlet: Inlet,
+}
+
+impl CaptureFeed {
+    /// Adds frames: as many as the shorter of the two has. What does not fit is dropped and counted.
+    pub fn push(&mut self, left: &[f32], right: &[f32]) {
+        left.iter().zip(right).for_each(|(&l, &r)| self.inlet.push([l, r]));
+    }
+}
+
+impl Drop for CaptureFeed {
+    fn drop(&mut self) {
+        self.inlet.health.lost.store(true, Ordering::Release);
+    }
 }
 
 /// The writing end, which device callbacks own: no allocation, no lock.
 struct Inlet {
     producer: Producer<Frame>,
     health: Arc<Health>,
+}
+
+fn inlet() -> (Inlet, Consumer<Frame>) {
+    let (producer, consumer) = RingBuffer::new(RING_FRAMES);
+    (Inlet { producer, health: Arc::default() }, consumer)
 }
 
 impl Inlet {
@@ -71,9 +95,8 @@ impl Inlet {
 impl Capture {
     /// Opens a source and begins to listen.
     pub fn start(source: &CaptureSource) -> Result<Self, SoundError> {
-        let (producer, consumer) = RingBuffer::new(RING_FRAMES);
-        let health = Arc::new(Health::default());
-        let inlet = Inlet { producer, health: Arc::clone(&health) };
+        let (inlet, consumer) = inlet();
+        let health = Arc::clone(&inlet.health);
         let (rate_hz, feed) = match &source.monitor {
             Some(name) => {
                 let recorder = monitor::Recorder::start(name, inlet)?;
@@ -84,8 +107,31 @@ impl Capture {
                 (rate_hz, Feed::Device { _stream: stream })
             }
         };
+        Ok(Self::new(rate_hz, consumer, health, feed))
+    }
+
+    /// A capture of what the program itself writes, at `rate_hz`.
+    ///
+    /// ```
+    /// let (mut capture, mut feed) = chladni_sound::Capture::fed(48_000)?;
+    /// feed.push(&[0.5, 0.25], &[0.0, 0.0]);
+    /// let (mut left, mut right) = (Vec::new(), Vec::new());
+    /// assert_eq!(capture.take(&mut left, &mut right), 2);
+    /// assert_eq!((left[1], capture.level().peak), (0.25, 0.5));
+    /// drop(feed);
+    /// assert!(capture.is_lost());
+    /// # Ok::<(), chladni_sound::SoundError>(())
+    /// ```
+    pub fn fed(rate_hz: u32) -> Result<(Self, CaptureFeed), SoundError> {
+        crate::check_rate("a feed", rate_hz)?;
+        let (inlet, consumer) = inlet();
+        let health = Arc::clone(&inlet.health);
+        Ok((Self::new(rate_hz, consumer, health, Feed::Own), CaptureFeed { inlet }))
+    }
+
+    fn new(rate_hz: u32, consumer: Consumer<Frame>, health: Arc<Health>, feed: Feed) -> Self {
         let level = CaptureLevel::default();
-        Ok(Self { rate_hz, consumer, history: History::new(), level, health, _feed: feed })
+        Self { rate_hz, consumer, history: History::new(), level, health, _feed: feed }
     }
 
     /// Frames per second.
