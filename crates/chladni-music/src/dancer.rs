@@ -80,6 +80,13 @@ impl Dancer {
         self.eigenvalues.len()
     }
 
+    /// What has to fit into the picture: the rest positions, each moved away from the origin as
+    /// far as a `limit` of displacement (a share of the bounding box's diagonal) allows.
+    pub fn room(&self, rest_positions: &[[f32; 3]], limit: f32) -> Vec<[f32; 3]> {
+        let outwards = limit * self.box_diagonal;
+        rest_positions.iter().map(|&p| p.map(|c| c * (1.0 + outwards / length(p).max(1e-6)))).collect()
+    }
+
     /// How far the most moved vertex goes when harmonic k is amplified by 1 in the filter form.
     pub fn filter_reach(&self, k: usize) -> f32 {
         self.reach[k] * length(self.spectrum[k])

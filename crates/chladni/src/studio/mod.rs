@@ -83,6 +83,8 @@ pub struct Opening {
     pub files: Vec<PathBuf>,
     /// Counts frames, and closes the window when it has seen enough.
     pub measure: Option<Rc<RefCell<Measure>>>,
+    /// What the music room listens to at once, instead of a song.
+    pub input: Option<chladni_sound::Capture>,
 }
 
 impl Default for Opening {
@@ -92,6 +94,7 @@ impl Default for Opening {
             chooser: Box::new(SystemDialogs::default()),
             files: Vec::new(),
             measure: None,
+            input: None,
         }
     }
 }
@@ -128,7 +131,7 @@ impl Studio {
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
         let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
         let mut notices = Notices::default();
-        let Opening { folders, chooser, files, measure } = opening;
+        let Opening { folders, chooser, files, measure, input } = opening;
         let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
             Some(Err(error)) => {
@@ -151,7 +154,7 @@ impl Studio {
             notices,
             rooms: vec![
                 Box::new(caricature::CaricatureRoom::default()),
-                Box::new(music::MusicRoom::default()),
+                Box::new(music::MusicRoom::listening_to(input)),
             ],
             current: None,
             cheat_sheet: false,

@@ -51,18 +51,42 @@ impl Viewport {
         rect: egui::Rect,
         scene: impl FnOnce(Rect) -> Vec<Cell<'a>>,
     ) -> Result<(), ViewError> {
+        self.draw(ui, state, rect, scene)?;
+        self.paint(ui, rect, egui::Color32::WHITE);
+        Ok(())
+    }
+
+    /// As [`show`](Self::show), but leaves showing to [`paint`](Self::paint).
+    pub fn draw<'a>(
+        &mut self,
+        ui: &egui::Ui,
+        state: &RenderState,
+        rect: egui::Rect,
+        scene: impl FnOnce(Rect) -> Vec<Cell<'a>>,
+    ) -> Result<(), ViewError> {
         let limit = self.gpu.device.limits().max_texture_dimension_2d;
         let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).clamp(1, limit);
         self.resize(state, pixels(rect.width()), pixels(rect.height()))?;
-        let Some((canvas, texture)) = &self.canvas else { return Ok(()) };
+        let Some((canvas, _)) = &self.canvas else { return Ok(()) };
         if self.stale {
             let cells = scene(Rect::of_size(canvas.width(), canvas.height()));
             self.renderer.draw(canvas, &cells)?;
             self.stale = false;
         }
-        let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-        ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
         Ok(())
+    }
+
+    /// Shows the picture that was drawn last, times `tint`.
+    pub fn paint(&self, ui: &egui::Ui, rect: egui::Rect, tint: egui::Color32) {
+        if let Some((_, texture)) = &self.canvas {
+            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            ui.painter().image(*texture, rect, whole, tint);
+        }
+    }
+
+    /// What was drawn on last; `None` before the first picture.
+    pub fn canvas(&self) -> Option<&Canvas> {
+        self.canvas.as_ref().map(|(canvas, _)| canvas)
     }
 
     fn resize(&mut self, state: &RenderState, width: u32, height: u32) -> Result<(), ViewError> {

@@ -8,8 +8,8 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use chladni::studio::{Chooser, Kind, Opening, Studio};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, HarnessBuilder};
 
 /// The window and what is on it.
 pub type Window = Harness<'static, Studio>;
@@ -46,10 +46,12 @@ pub fn takes_pictures() -> bool {
 
 /// Opens the window with so many points.
 pub fn open(opening: Opening, size: [f32; 2]) -> Window {
-    Harness::builder()
-        .with_size(size)
-        .wgpu()
-        .build_eframe(|creation| Studio::new(creation, opening).expect("a graphics device"))
+    open_with(opening, Harness::builder().with_size(size))
+}
+
+/// Opens the window on a screen of one's own, or with steps of another length.
+pub fn open_with(opening: Opening, builder: HarnessBuilder<Studio>) -> Window {
+    builder.wgpu().build_eframe(|creation| Studio::new(creation, opening).expect("a graphics device"))
 }
 
 /// Whether something whose name contains `text` is there.

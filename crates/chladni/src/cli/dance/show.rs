@@ -12,7 +12,7 @@ use chladni_view::{
     Renderer, Topology, ViewError, layout,
 };
 
-use super::guard::FlashGuard;
+use super::guard::FrameGuard;
 use super::hearing::Hearing;
 use super::record::Recording;
 use super::{Seconds, failure, view_failure};
@@ -124,10 +124,12 @@ impl Show {
         task: &Task,
     ) -> Result<Done, Failure> {
         let (width, height, frames) = (film.settings().width, film.settings().height, film.settings().frames);
-        let reach = self.instrument.parameters().get(Parameter::Limit) * self.ensemble.dancer().box_diagonal;
-        let mut theatre = Theatre::new(self.synthesizer.model(), &self.triangles, reach, width, height)?;
+        let model = self.synthesizer.model();
+        let limit = self.instrument.parameters().get(Parameter::Limit);
+        let room = self.ensemble.dancer().room(model.rest_positions(), limit);
+        let mut theatre = Theatre::new(model, &self.triangles, room, width, height)?;
         let mut guard =
-            FlashGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
+            FrameGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
         let stage = task.stage("filming", frames);
         let mut done = Done::default();
         for frame in 0..frames {
@@ -188,8 +190,7 @@ struct Theatre {
     canvas: Canvas,
     topology: Topology,
     buffers: ItemBuffers,
-    /// Rest positions, each moved outwards as far as the limit of displacement allows: what
-    /// has to fit into the picture.
+    /// What has to fit into the picture.
     room: Vec<[f32; 3]>,
 }
 
@@ -197,7 +198,7 @@ impl Theatre {
     fn new(
         model: &SynthModel,
         triangles: &[[u32; 3]],
-        reach: f32,
+        room: Vec<[f32; 3]>,
         width: u32,
         height: u32,
     ) -> Result<Self, Failure> {
@@ -209,7 +210,7 @@ impl Theatre {
             canvas,
             topology,
             buffers: ItemBuffers::new(&gpu, model.vertices(), 0),
-            room: model.rest_positions().iter().map(|p| outwards(*p, reach)).collect(),
+            room,
             gpu,
         })
     }
@@ -248,9 +249,4 @@ impl Theatre {
         self.renderer.draw(&self.canvas, &cells)?;
         Ok(())
     }
-}
-
-fn outwards(p: [f32; 3], reach: f32) -> [f32; 3] {
-    let length = p.iter().map(|c| c * c).sum::<f32>().sqrt().max(1e-6);
-    p.map(|c| c * (1.0 + reach / length))
 }

@@ -1,16 +1,17 @@
 //! A body that dances: instrument, synthesizer and the picture of all items.
 
 use chladni_music::{
-    Action, Beat, Ensemble, FlashLimiter, GalleryShape, Instrument, Mapping, Moment, Parameter, Session,
-    Switch, react,
+    Action, Beat, Ensemble, FlashGuard, GalleryShape, Instrument, Mapping, Moment, Parameter, Session,
+    Switch, Veil, react,
 };
 use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
 use chladni_view::{Camera, Cell, Figure, ItemBuffers, Rect, Topology, layout};
 use eframe::egui_wgpu::RenderState;
-use egui::Ui;
+use egui::{Color32, Ui};
 
 use super::close_up::{self, Draft};
 use super::gallery;
+use super::glimpse::Glimpse;
 use super::harmonics::Harmonics;
 use super::listening::Listening;
 use super::loading::Ready;
@@ -22,10 +23,8 @@ use crate::studio::viewport::{self, Viewport};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
-/// How much of its cell the shape at rest fills: dancing takes room.
-const FILL: f32 = 0.56;
-/// The same on stage, where it has the whole window.
-const STAGE_FILL: f32 = 0.68;
+/// How much of its cell the shape may fill where it is moved as far as the limit allows.
+const FILL: f32 = 0.96;
 
 /// What the middle of the room shows while nothing is on stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,8 +47,12 @@ pub struct Concert {
     topology: Topology,
     buffers: ItemBuffers,
     rest: Vec<[f32; 3]>,
+    /// What has to fit into a cell, for a limit of displacement.
+    room: (f32, Vec<[f32; 3]>),
     camera: Camera,
-    limiter: FlashLimiter,
+    glimpse: Glimpse,
+    guard: FlashGuard,
+    seconds: f64,
     moment: Moment,
     hovered: Option<usize>,
     view: View,
@@ -82,9 +85,12 @@ impl Concert {
             topology,
             buffers,
             rest,
+            room: (0.0, Vec::new()),
             viewport,
             camera: Camera { pitch_rad: 0.14, ..Camera::default() },
-            limiter: FlashLimiter::default(),
+            glimpse: Glimpse::default(),
+            guard: FlashGuard::default(),
+            seconds: 0.0,
             moment: Moment::default(),
             hovered: None,
             view: View::Gallery,
@@ -116,8 +122,15 @@ impl Concert {
         &self.pace
     }
 
-    /// Does what the user asked, at the moment that is heard.
+    /// Does what the user asked, at the moment that is heard. A stage that would open and close
+    /// so often that the window flashes is refused.
     pub fn act(&mut self, action: Action) -> Result<(), String> {
+        let opens = matches!(action, Action::Perform { .. } | Action::PerformFavourites { .. });
+        let curtain = if self.on_stage() { action == Action::LeaveStage } else { opens };
+        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
+        if curtain && limited && !self.guard.may_step(self.seconds) {
+            return Err("The stage was held back: more would be a flash too many in a second.".into());
+        }
         self.instrument.apply(self.moment, action).map_err(|error| error.to_string())
     }
 
@@ -182,7 +195,8 @@ impl Concert {
     ) -> Result<(), String> {
         let began = std::time::Instant::now();
         let whole = ui.available_rect_before_wrap();
-        let heard = listening.hear(self.instrument.parameters())?;
+        self.seconds = ui.input(|input| input.time);
+        let heard = listening.hear(self.seconds, self.instrument.parameters())?;
         self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
         let beat = heard.beat;
         let on_stage = self.on_stage();
@@ -280,17 +294,16 @@ impl Concert {
         let aspect = cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
         let mut camera = self.camera;
         let zoom = camera.distance / Camera::default().distance;
-        camera.fit_turntable(&self.rest, aspect, if self.on_stage() { STAGE_FILL } else { FILL });
+        let limit = parameters.get(Parameter::Limit);
+        if self.room.0 != limit {
+            self.room = (limit, self.ensemble.dancer().room(&self.rest, limit));
+        }
+        camera.fit_turntable(&self.room.1, aspect, FILL);
         camera.distance *= zoom;
         camera.yaw_rad = self.camera.yaw_rad - reaction.turn_rad;
         let mut lights = look.lights.turned(reaction.light_turn_rad);
-        let seconds = ui.input(|input| input.time);
-        lights.exposure *= if parameters.is_on(Switch::FlashLimit) {
-            // The lights at most double; a picture that is all shape follows them in full.
-            2.0 * self.limiter.limit(seconds, 0.5 * reaction.light_gain)
-        } else {
-            reaction.light_gain
-        };
+        lights.exposure *= reaction.light_gain;
+        let limited = parameters.is_on(Switch::FlashLimit);
         let figures: Vec<Figure<'_>> = (0..cells.len())
             .map(|item| Figure {
                 material: look.material,
@@ -298,7 +311,7 @@ impl Concert {
             })
             .collect();
         self.viewport
-            .show(ui, shared.gpu, rect, |_| {
+            .draw(ui, shared.gpu, rect, |_| {
                 cells
                     .iter()
                     .zip(&figures)
@@ -312,6 +325,23 @@ impl Concert {
                     })
                     .collect()
             })
-            .map_err(|error| error.to_string())
+            .map_err(|error| error.to_string())?;
+        let veil = if limited { self.veil()? } else { Veil::Clear };
+        match veil {
+            Veil::Clear => self.viewport.paint(ui, rect, Color32::WHITE),
+            Veil::Black(opacity) => self.viewport.paint(ui, rect, Color32::from_gray(255 - opacity)),
+            Veil::White(opacity) => {
+                self.viewport.paint(ui, rect, Color32::WHITE);
+                ui.painter().rect_filled(rect, 0.0, Color32::from_white_alpha(opacity));
+            }
+        }
+        Ok(())
+    }
+
+    /// What keeps the picture that is about to be shown from flashing.
+    fn veil(&mut self) -> Result<Veil, String> {
+        let Some(canvas) = self.viewport.canvas() else { return Ok(Veil::Clear) };
+        let picture = self.glimpse.of(self.viewport.gpu(), canvas)?;
+        Ok(self.guard.veil(self.seconds, picture))
     }
 }

@@ -2,7 +2,6 @@
 //! at the moment that is heard.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use chladni_music::{Bands, Beat, Parameter, Parameters, Switch};
 use chladni_sound::{
@@ -25,7 +24,7 @@ pub struct Listening {
     follower: BeatFollower,
     left: Vec<f32>,
     right: Vec<f32>,
-    last: Instant,
+    last_secs: f64,
     last_position_secs: f64,
     beats_gone: f64,
     songs: Vec<PathBuf>,
@@ -71,7 +70,7 @@ impl Listening {
             follower,
             left: Vec::new(),
             right: Vec::new(),
-            last: Instant::now(),
+            last_secs: 0.0,
             last_position_secs: 0.0,
             beats_gone: 0.0,
             songs: vec![tune.clone()],
@@ -134,10 +133,15 @@ impl Listening {
     /// Listens to a microphone or to what the machine plays; the song pauses.
     pub fn listen_to(&mut self, source: &CaptureSource) -> Result<(), String> {
         let capture = Capture::start(source).map_err(|error| error.to_string())?;
-        self.player.pause();
-        self.live = Some(Live { capture, name: source.name.clone(), heard_secs: 0.0 });
-        self.forget_beat();
+        self.listen_on(capture, source.name.clone());
         Ok(())
+    }
+
+    /// Listens to a capture that is called `name`; the song pauses.
+    pub fn listen_on(&mut self, capture: Capture, name: String) {
+        self.player.pause();
+        self.live = Some(Live { capture, name, heard_secs: 0.0 });
+        self.forget_beat();
     }
 
     /// Back to the songs.
@@ -222,12 +226,11 @@ impl Listening {
         self.warnings.drain(..).chain(told).collect()
     }
 
-    /// Listens to what is heard at this moment.
-    pub fn hear(&mut self, parameters: &Parameters) -> Result<Heard<'_>, String> {
-        let now = Instant::now();
-        let since_last_secs = (now - self.last).as_secs_f64();
+    /// Listens to what is heard at this moment, which is `now_secs` by any clock that goes on.
+    pub fn hear(&mut self, now_secs: f64, parameters: &Parameters) -> Result<Heard<'_>, String> {
+        let since_last_secs = now_secs - self.last_secs;
         let dt_secs = since_last_secs.clamp(1e-3, 0.25);
-        self.last = now;
+        self.last_secs = now_secs;
         if let Some(live) = self.live.take_if(|live| live.capture.is_lost()) {
             self.warnings.push(format!("{} is gone; choose it again when it is back.", live.name));
         }

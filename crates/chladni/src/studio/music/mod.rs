@@ -5,6 +5,7 @@ mod concert;
 mod curve;
 mod drawer;
 mod gallery;
+mod glimpse;
 mod harmonics;
 mod knobs;
 mod listening;
@@ -25,6 +26,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_caricature::ShapeSource;
 use chladni_music::{Action, Cue, Preset, Session};
+use chladni_sound::Capture;
 use egui::{Key, Ui};
 
 use self::concert::{Concert, View};
@@ -67,6 +69,8 @@ pub struct MusicRoom {
     loading: Option<Job<Result<Ready, String>>>,
     concert: Option<Concert>,
     listening: Option<Listening>,
+    /// What to listen to once there are ears.
+    input: Option<Capture>,
     drawers: Drawers,
     curtain: Curtain,
     /// Presets and sessions that wait for a shape.
@@ -165,6 +169,11 @@ impl Room for MusicRoom {
 }
 
 impl MusicRoom {
+    /// A room that listens to `input` from the beginning, where there is one.
+    pub fn listening_to(input: Option<Capture>) -> Self {
+        Self { input, ..Self::default() }
+    }
+
     fn load(&mut self, source: ShapeSource, shared: &mut Shared<'_>) {
         let harmonics = shared.settings.harmonics.min(MOST_HARMONICS);
         let label = format!("Opening {source}");
@@ -184,7 +193,12 @@ impl MusicRoom {
     fn listening(&mut self, shared: &mut Shared<'_>) -> Option<&mut Listening> {
         if self.listening.is_none() && !self.refused {
             match Listening::start() {
-                Ok(listening) => self.listening = Some(listening),
+                Ok(mut listening) => {
+                    if let Some(input) = self.input.take() {
+                        listening.listen_on(input, "Live input".into());
+                    }
+                    self.listening = Some(listening);
+                }
                 Err(why) => {
                     self.refused = true;
                     shared.notices.error(why);

@@ -1,0 +1,177 @@
+//! The music room on live input: sound comes in, the beat is found, the shape moves; and whatever
+//! comes in, the window never flashes more than three times a second.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+#![allow(dead_code, reason = "each test program uses a part of the driving")]
+
+mod driving;
+
+use std::f32::consts::TAU;
+
+use chladni::studio::{Folders, Opening};
+use chladni_mesh::{samples, save_mesh};
+use chladni_music::{Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
+use chladni_sound::{Capture, CaptureFeed};
+use driving::{Window, open_with, shows, wait};
+use egui::{Event, Key, Pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+const RATE_HZ: u32 = 44_100;
+
+/// The music room with a ball and live input, `fps` steps a second by the window's clock.
+struct Evening {
+    window: Window,
+    feed: CaptureFeed,
+    fps: u32,
+    heard: usize,
+    _folder: tempfile::TempDir,
+}
+
+impl Evening {
+    fn begin(fps: u32, settings: &str, actions: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        // It is drawn quickly.
+        save_mesh(&samples::icosphere(3), &path("ball.obj")).unwrap();
+        std::fs::write(path("settings.toml"), format!("harmonics = 24\n{settings}")).unwrap();
+        let session = format!("format_version = 1\nseed = 5\nsize = 6\n{actions}");
+        std::fs::write(path("session.toml"), session).unwrap();
+        let files = vec![path("ball.obj"), path("session.toml")];
+        let (input, feed) = Capture::fed(RATE_HZ).unwrap();
+        let folders = Folders { settings: Some(path("settings.toml")), ..Folders::default() };
+        let opening = Opening { folders, files, input: Some(input), ..Opening::default() };
+        let builder = Harness::builder().with_size([640.0, 640.0]).with_step_dt(1.0 / fps as f32);
+        let mut window = open_with(opening, builder);
+        // The sample that opens meanwhile has twelve items; the stage has no top bar.
+        wait(&mut window, "the ball", |w| shows(w, "6 items") || !shows(w, "Chladni"));
+        window.run_steps(3);
+        Self { window, feed, fps, heard: 0, _folder: folder }
+    }
+
+    /// One step, with what `sound` says of each sample since the last one.
+    fn step(&mut self, sound: impl Fn(usize) -> f32) {
+        let count = (RATE_HZ / self.fps) as usize;
+        let samples: Vec<f32> = (self.heard..self.heard + count).map(sound).collect();
+        self.heard += count;
+        self.feed.push(&samples, &samples);
+        self.window.run_steps(1);
+    }
+
+    /// Mean relative luminance of what the window shows.
+    fn luminance(&mut self) -> f32 {
+        let picture = self.window.render().unwrap();
+        let mut histogram = Histogram::default();
+        picture.pixels().for_each(|pixel| histogram.add([pixel[0], pixel[1], pixel[2]]));
+        histogram.luminance(Veil::Clear)
+    }
+
+    /// Flashes in the worst second of `steps` steps, each of which begins with `act`.
+    fn flashes(&mut self, steps: usize, mut act: impl FnMut(&mut Self, usize)) -> usize {
+        let (mut times_secs, mut luminances) = (Vec::new(), Vec::new());
+        for step in 0..steps {
+            act(self, step);
+            times_secs.push(self.window.ctx.input(|input| input.time));
+            luminances.push(self.luminance());
+        }
+        most_flashes_per_second(&times_secs, &luminances)
+    }
+}
+
+/// Noise that is on and off five times a second.
+fn strobe(sample: usize) -> f32 {
+    let noise = (sample as u32).wrapping_mul(2_654_435_761).rotate_left(13).wrapping_mul(1_664_525);
+    let on = (sample * 10 / RATE_HZ as usize).is_multiple_of(2);
+    if on { noise as f32 / u32::MAX as f32 * 1.8 - 0.9 } else { 0.0 }
+}
+
+/// A kick drum, twice a second.
+fn kick(sample: usize) -> f32 {
+    let t = sample as f32 / RATE_HZ as f32 % 0.5;
+    0.8 * (-18.0 * t).exp() * (TAU * 60.0 * t + 4.0 * (1.0 - (-40.0 * t).exp())).sin()
+}
+
+#[test]
+fn what_comes_in_finds_the_beat_and_moves_the_shape() {
+    let mut evening = Evening::begin(10, "", "");
+    assert!(shows(&evening.window, "Live input"));
+    // The left half of the shapes: no panel, no meter.
+    let shot = |evening: &mut Evening, sound: fn(usize) -> f32| {
+        evening.step(sound);
+        let picture = evening.window.render().unwrap();
+        let stride = 4 * picture.width() as usize;
+        let rows = picture.into_raw();
+        rows.chunks(stride).skip(150).take(250).flat_map(|row| row[..1200].to_vec()).collect::<Vec<u8>>()
+    };
+    let still = shot(&mut evening, |_| 0.0);
+    assert!(still == shot(&mut evening, |_| 0.0), "it moves in silence");
+    for _ in 0..60 {
+        evening.step(kick);
+    }
+    assert!(shows(&evening.window, "120 BPM"), "another tempo");
+    assert!((0..4).any(|_| shot(&mut evening, kick) != still), "it stands still");
+    driving::screenshot(&mut evening.window, "window-music-live.png");
+}
+
+fn action(text: &str) -> String {
+    format!("[[actions]]\nat_secs = 0.0\nat_beat = 0.0\n{text}\n")
+}
+
+fn limit(on: bool) -> String {
+    action(&format!("do = \"switch\"\nswitch = \"flash-limit\"\non = {on}"))
+}
+
+/// Flashes without the limiter and with it, of an evening that `count` counts.
+fn free_and_limited(fps: u32, settings: &str, session: &str, count: impl Fn(&mut Evening) -> usize) {
+    let [free, limited] =
+        [false, true].map(|on| count(&mut Evening::begin(fps, settings, &format!("{session}{}", limit(on)))));
+    assert!(free > MAX_FLASHES, "nothing flashes: {free}");
+    assert!(limited <= MAX_FLASHES, "{limited} flashes a second, {free} without the limit");
+}
+
+#[test]
+fn a_strobing_track_on_stage_never_flashes_more_than_three_times_a_second() {
+    // All sound goes to the harmonics that blow the ball up, without decay.
+    let mapping =
+        "{ transfer = [0.0435, 0.087, 0.1305], amplification = [1.0], stereo_mu = 0.0, gain = 1.0 }";
+    let session: String = [
+        &format!("do = \"load\"\nitem = 0\nname = \"strobe\"\nmapping = {mapping}"),
+        "do = \"set\"\nparameter = \"decay\"\nvalue = 0.0",
+        "do = \"set\"\nparameter = \"limit\"\nvalue = 0.5",
+        "do = \"set\"\nparameter = \"gain\"\nvalue = 8.0",
+        "do = \"perform\"\nitem = 0",
+    ]
+    .map(action)
+    .concat();
+    let look = "[music]\nmaterial = \"dark\"\nbackground = \"white\"\n";
+    free_and_limited(30, look, &session, |evening| {
+        assert!(!shows(&evening.window, "6 items"), "not on stage");
+        let count = evening.flashes(45, |evening, _| evening.step(strobe));
+        driving::screenshot(&mut evening.window, "window-music-strobe.png");
+        count
+    });
+}
+
+#[test]
+fn nor_does_a_background_that_changes_all_the_time() {
+    free_and_limited(60, "", "", |evening| {
+        evening.window.get_by_label("Look").click();
+        evening.window.run_steps(2);
+        evening.flashes(24, |evening, step| {
+            evening.window.get_by_label(if step % 2 == 0 { "White" } else { "Night" }).click();
+            evening.step(|_| 0.0);
+        })
+    });
+}
+
+#[test]
+fn nor_does_a_stage_that_opens_and_closes_all_the_time() {
+    free_and_limited(60, "light = true\n", "", |evening| {
+        evening.window.event(Event::PointerMoved(Pos2::new(100.0, 200.0)));
+        evening.window.run_steps(3);
+        evening.flashes(24, |evening, step| {
+            evening.window.key_press(if step % 2 == 0 { Key::S } else { Key::Escape });
+            evening.step(|_| 0.0);
+        })
+    });
+}
