@@ -41,6 +41,7 @@
 
 mod brush;
 mod carry;
+mod crossing;
 mod difference;
 mod error;
 mod exaggeration;
@@ -51,6 +52,7 @@ mod layer;
 mod matching;
 mod memo;
 mod migration;
+mod painted_spectrum;
 mod project;
 mod project_file;
 mod recovery;
@@ -65,6 +67,7 @@ mod vector;
 
 pub use brush::{Dab, Mirror, PaintEdit};
 pub use carry::Carried;
+pub use crossing::Crossings;
 pub use difference::{Base, Difference, Model, Psi, Target};
 pub use error::Error;
 pub use exaggeration::{Field, Signals};

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::difference::check_count;
-use crate::transform::{analyse, synthesise};
+use crate::painted_spectrum::PaintedSpectrum;
+use crate::transform::synthesise;
 use crate::vector::{Vec3, distance};
 
 /// The part of the shape that a layer deforms.
@@ -77,15 +78,20 @@ impl Default for Region {
 
 impl Region {
     /// χ, N values; `None` where it is 1 everywhere. `file_positions` of the operator vertices
-    /// place the spheres.
-    pub fn smoothed(&self, basis: &Basis, file_positions: &[Vec3]) -> Result<Option<Arc<[f32]>>, Error> {
-        let painted = match &self.painted {
-            Painted::Everywhere => return Ok(None),
-            Painted::Spheres(spheres) => spheres_to_vertices(spheres, file_positions),
-            Painted::Vertices(values) => values.clone(),
-        };
+    /// place the spheres; `spectrum` follows the painted signal.
+    pub(crate) fn smoothed(
+        &self,
+        basis: &Basis,
+        file_positions: &[Vec3],
+        spectrum: &mut PaintedSpectrum,
+    ) -> Result<Option<Arc<[f32]>>, Error> {
+        if self.painted == Painted::Everywhere {
+            return Ok(None);
+        }
+        let painted = self.painted.values(file_positions);
         check_count("the painted region", painted.len(), basis)?;
-        Ok(Some(self.smoothing.apply(basis, &painted)))
+        let harmonics = self.smoothing.harmonics(basis);
+        Ok(Some(self.smoothing.apply_to(basis, spectrum.follow(basis, &painted, harmonics))))
     }
 }
 
@@ -108,14 +114,23 @@ fn spheres_to_vertices(spheres: &[Sphere], file_positions: &[Vec3]) -> Arc<[f32]
 impl Smoothing {
     /// χ of a painted signal with one value per operator vertex.
     pub fn apply(&self, basis: &Basis, painted: &[f32]) -> Arc<[f32]> {
+        self.apply_to(basis, &PaintedSpectrum::default().follow(basis, painted, self.harmonics(basis)))
+    }
+
+    /// χ of the signal whose transform is `spectrum`, at least as long as the low-pass.
+    pub(crate) fn apply_to(&self, basis: &Basis, spectrum: &[f64]) -> Arc<[f32]> {
         let weights = self.weights(basis);
-        let spectrum = analyse(basis, weights.len(), |v| [f64::from(painted[v])]);
-        let low: Vec<[f64; 1]> = spectrum.iter().zip(&weights).map(|([c], w)| [c * w]).collect();
-        let mut smooth = vec![0.0_f32; painted.len()];
+        let low: Vec<[f64; 1]> = spectrum.iter().zip(&weights).map(|(c, w)| [c * w]).collect();
+        let mut smooth = vec![0.0_f32; basis.vertices()];
         synthesise(basis, &low, &mut smooth, |_, [sum], out| {
             *out = if self.clamp { sum.clamp(0.0, 1.0) as f32 } else { sum as f32 };
         });
         smooth.into()
+    }
+
+    /// How many harmonics pass.
+    pub(crate) fn harmonics(&self, basis: &Basis) -> usize {
+        self.weights(basis).len()
     }
 
     /// The gain of each harmonic that passes.

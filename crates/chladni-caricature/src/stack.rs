@@ -11,6 +11,7 @@ use crate::exaggeration::single;
 use crate::fold::flipped_triangles;
 use crate::matching::own_target;
 use crate::memo::{Memo, Same};
+use crate::painted_spectrum::PaintedSpectrum;
 use crate::vector::{Vec3, add};
 use crate::{
     Base, Difference, Error, Field, Layer, LayerId, MatchRequest, Matched, Model, Painted, Project,
@@ -34,6 +35,7 @@ pub struct Stack {
 /// What one layer computed last.
 #[derive(Debug, Default)]
 struct LayerMemo {
+    painted: PaintedSpectrum,
     mask: Memo<(Painted, Smoothing), Mask>,
     own_target: Memo<(Same<Base>, Template), Arc<Target>>,
     difference: Memo<(Same<Base>, Same<Target>), Arc<Difference>>,
@@ -257,7 +259,8 @@ impl LayerMemo {
         let new = || Difference::new(base.clone(), target.clone()).map(Arc::new);
         let difference = self.difference.get(inputs, new)?;
         let region = &layer.region;
-        let smooth = || region.smoothed(base.basis(), scene.places);
+        let painted = &mut self.painted;
+        let smooth = || region.smoothed(base.basis(), scene.places, painted);
         let mask = self.mask.get((region.painted.clone(), region.smoothing), smooth)?;
         let field = self.field(&difference, layer.model, &layer.curve);
         let mu = layer.effective_mu();
