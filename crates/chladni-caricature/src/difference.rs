@@ -215,17 +215,8 @@ impl Difference {
 
     /// Transforms all that the three models need and that is not there yet, in one pass.
     pub fn prepare(&self) {
-        let basis = &self.base.basis;
-        let k = basis.harmonics();
-        if self.base.spectrum.get().is_none() && self.xi_spectrum.get().is_none() {
-            let (x, xi) = (&self.base.positions, self.xi());
-            let both = analyse(basis, k, |v| [x[v][0], x[v][1], x[v][2], xi[v]]);
-            // Another thread may have been first; its values are the same.
-            let _ = self.base.spectrum.set(both.iter().map(|c| [c[0], c[1], c[2]]).collect());
-            let _ = self.xi_spectrum.set(both.iter().map(|c| c[3]).collect());
-        }
-        self.psi();
         self.xi_spectrum();
+        self.psi();
     }
 
     /// x̃^δ_k = x̃^r_k − x̃_k, K×3. Correspondences are kept from layer to layer, so that a new
@@ -237,12 +228,19 @@ impl Difference {
         })
     }
 
-    /// ξ̃_k, K.
+    /// ξ̃_k, K. Where the base's transform is not there yet, it comes in the same pass.
     pub fn xi_spectrum(&self) -> &[f64] {
         let basis = &self.base.basis;
+        let (k, xi) = (basis.harmonics(), self.xi());
         self.xi_spectrum.get_or_init(|| {
-            let xi = self.xi();
-            analyse(basis, basis.harmonics(), |v| [xi[v]]).iter().map(|c| c[0]).collect()
+            if self.base.spectrum.get().is_some() {
+                return analyse(basis, k, |v| [xi[v]]).iter().map(|c| c[0]).collect();
+            }
+            let x = &self.base.positions;
+            let both = analyse(basis, k, |v| [x[v][0], x[v][1], x[v][2], xi[v]]);
+            // Another thread may have been first; its values are the same.
+            let _ = self.base.spectrum.set(both.iter().map(|c| [c[0], c[1], c[2]]).collect());
+            both.iter().map(|c| c[3]).collect()
         })
     }
 

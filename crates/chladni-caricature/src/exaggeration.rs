@@ -84,6 +84,34 @@ impl Difference {
         Field::Vector(out)
     }
 
+    /// The fields of all three models, in the order of [`Model::ALL`], in one pass over H.
+    pub fn fields(&self, curve: &ScaleCurve) -> [Field; 3] {
+        if curve.is_flat() {
+            // Two of the three read no harmonic at all.
+            return Model::ALL.map(|model| self.field(model, curve));
+        }
+        self.prepare();
+        let [along, by] = [Model::Coordinate, Model::Distance].map(|model| split_vector(self, model, curve));
+        let normal = split_normal(self, curve);
+        let together = along.coefficients.iter().zip(&normal.coefficients).zip(&by.coefficients);
+        let together: Vec<[f64; 7]> =
+            together.map(|(([a, b, c], [n]), [d, e, f])| [*a, *b, *c, *n, *d, *e, *f]).collect();
+        let signals = self.delta.par_iter().zip(self.xi()).zip(&self.base.positions);
+        let whole = |((delta, xi), x): ((&Vec3, &f64), &Vec3)| {
+            let ([a, b, c], [d, e, f]) = (scale(*delta, along.whole), scale(*x, by.whole));
+            [a, b, c, normal.whole * xi, d, e, f]
+        };
+        let mut out: Vec<[f64; 7]> = signals.map(whole).collect();
+        synthesise(self.base.basis(), &together, &mut out, |_, sum, f| {
+            (0..7).for_each(|c| f[c] += sum[c]);
+        });
+        [
+            Field::Vector(out.par_iter().map(|f| [f[0], f[1], f[2]]).collect()),
+            Field::Normal(out.par_iter().map(|f| f[3]).collect()),
+            Field::Vector(out.par_iter().map(|f| [f[4], f[5], f[6]]).collect()),
+        ]
+    }
+
     /// The same exaggeration as a term of the one formula, for a synthesizer whose rest shape is
     /// this difference's base. `signals` are shared with the terms and made once per difference.
     pub fn term(
@@ -199,6 +227,19 @@ mod tests {
                 for (a, b) in ours.iter().zip(by_the_paper(&d, model, &curve)) {
                     assert!(distance(*a, scale(b, -1.3)) < 1e-12, "{model}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_three_fields_together_are_those_one_by_one() {
+        let (_, _, base, target) = base_and_target();
+        for curve in curves() {
+            let d = Difference::new(base.clone(), target.clone()).unwrap();
+            for (model, together) in Model::ALL.into_iter().zip(d.fields(&curve)) {
+                let alone = d.field(model, &curve).displacement(base.normals(), -1.3, None);
+                let together = together.displacement(base.normals(), -1.3, None);
+                assert!(alone.iter().zip(together).all(|(a, b)| distance(*a, b) < 1e-12), "{model}");
             }
         }
     }

@@ -9,21 +9,36 @@ use crate::vector::{Vec3, cross, dot, sub};
 /// Triangles below this share of the largest area have no side that could be told.
 const NEGLIGIBLE_AREA: f64 = 1e-12;
 
+/// Triangles that one thread looks at in a row.
+const PIECE: usize = 4096;
+
 /// The triangles whose normal points backwards, ⟨N, N'⟩ < 0, when vertices move from `base` to
 /// `moved` (N each), ascending. Triangles without area in `base` are not counted.
 ///
 /// A part that a layer truly rotates by more than 90° counts as folded too.
 pub fn flipped_triangles(surface: &Surface, base: &[Vec3], moved: &[Vec3]) -> Vec<u32> {
-    let smallest = smallest_square(surface, base);
-    (0..surface.triangles.len())
-        .into_par_iter()
-        .filter(|i| {
-            let t = surface.triangles[*i];
-            let before = area_normal(base, t);
-            dot(before, before) > smallest && dot(before, area_normal(moved, t)) < 0.0
+    // In one pass: which are turned over, and how large the largest is.
+    let pieces: Vec<(f64, Vec<(u32, f64)>)> = surface
+        .triangles
+        .par_chunks(PIECE)
+        .enumerate()
+        .map(|(piece, triangles)| {
+            let (mut largest, mut turned) = (0.0_f64, Vec::new());
+            for (i, t) in triangles.iter().enumerate() {
+                let before = area_normal(base, *t);
+                let square = dot(before, before);
+                largest = largest.max(square);
+                if dot(before, area_normal(moved, *t)) < 0.0 {
+                    turned.push(((piece * PIECE + i) as u32, square));
+                }
+            }
+            (largest, turned)
         })
-        .map(|i| i as u32)
-        .collect()
+        .collect();
+    let largest = pieces.iter().map(|piece| piece.0).fold(0.0, f64::max);
+    let smallest = largest * NEGLIGIBLE_AREA * NEGLIGIBLE_AREA;
+    let turned = pieces.into_iter().flat_map(|piece| piece.1);
+    turned.filter(|(_, square)| *square > smallest).map(|(triangle, _)| triangle).collect()
 }
 
 /// The largest |s| with the sign of `direction` at which no more than `allowed` triangles of

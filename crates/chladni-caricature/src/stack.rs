@@ -30,6 +30,7 @@ pub struct Stack {
     original: Arc<Base>,
     matches: Vec<(MatchRequest, Result<Arc<Matched>, String>)>,
     layers: HashMap<LayerId, LayerMemo>,
+    all_models_of: Option<LayerId>,
 }
 
 /// What one layer computed last.
@@ -39,8 +40,10 @@ struct LayerMemo {
     mask: Memo<(Painted, Smoothing), Mask>,
     own_target: Memo<(Same<Base>, Template), Arc<Target>>,
     difference: Memo<(Same<Base>, Same<Target>), Arc<Difference>>,
-    /// One per model, so that the three can be shown side by side.
+    /// One per model, so that the three can be chosen between.
     fields: [FieldMemo; 3],
+    /// The fields of all three, where they are shown side by side.
+    all_fields: Memo<(Same<Difference>, ScaleCurve), [Arc<Field>; 3]>,
     displacement: DisplacementMemo,
     result: ResultMemo,
     signals: Memo<Same<Difference>, Signals>,
@@ -107,7 +110,8 @@ impl Stack {
         let original = Base::new(body.basis.clone(), surface.clone(), body.positions.clone())?;
         let file_positions = surface.file_positions();
         let (matches, layers) = (Vec::new(), HashMap::new());
-        Ok(Self { body, surface, file_positions, original: Arc::new(original), matches, layers })
+        let (original, all_models_of) = (Arc::new(original), None);
+        Ok(Self { body, surface, file_positions, original, matches, layers, all_models_of })
     }
 
     /// The body that is deformed.
@@ -170,8 +174,9 @@ impl Stack {
         let mut layers = Vec::with_capacity(project.layers().len());
         for (id, layer) in project.layers() {
             let memo = self.layers.entry(*id).or_insert_with(|| memos.remove(id).unwrap_or_default());
-            let scene =
-                Scene { matches: &self.matches, original: &self.original, places: &self.file_positions };
+            let all_models = self.all_models_of == Some(*id);
+            let (matches, original, places) = (&self.matches, &self.original, &self.file_positions);
+            let scene = Scene { matches, original, places, all_models };
             let mut evaluated = EvaluatedLayer {
                 id: *id,
                 name: layer.name.clone(),
@@ -200,16 +205,21 @@ impl Stack {
         Evaluation { layers, result: base }
     }
 
+    /// From now on the layer is to be seen in all three models: they are then evaluated together,
+    /// in the same passes over H as the one that acts.
+    pub fn prepare_models_of(&mut self, layer: Option<LayerId>) {
+        self.all_models_of = layer;
+    }
+
     /// The layer's result under each of the three models, in the order of [`Model::ALL`], N
     /// positions each; `None` where the layer does not act.
     pub fn three_models(&mut self, project: &Project, id: LayerId) -> Option<[Vec<Vec3>; 3]> {
         let evaluated = self.evaluate(project).layers.into_iter().find(|l| l.id == id)?;
         let (difference, layer) = (evaluated.difference?, project.layer(id)?);
         let memo = self.layers.get_mut(&id)?;
-        difference.prepare();
         let base = &difference.base;
-        Some(Model::ALL.map(|model| {
-            let field = memo.field(&difference, model, &layer.curve);
+        let fields = memo.all_fields(&difference, &layer.curve);
+        Some(fields.map(|field| {
             let moved = field.displacement(base.normals(), layer.effective_mu(), evaluated.mask.as_deref());
             base.positions.par_iter().zip(moved).map(|(x, d)| add(*x, d)).collect()
         }))
@@ -235,6 +245,8 @@ struct Scene<'a> {
     matches: &'a [(MatchRequest, Result<Arc<Matched>, String>)],
     original: &'a Arc<Base>,
     places: &'a [Vec3],
+    /// Whether the layer is to be seen in all three models.
+    all_models: bool,
 }
 
 /// A layer that acts.
@@ -262,7 +274,16 @@ impl LayerMemo {
         let painted = &mut self.painted;
         let smooth = || region.smoothed(base.basis(), scene.places, painted);
         let mask = self.mask.get((region.painted.clone(), region.smoothing), smooth)?;
-        let field = self.field(&difference, layer.model, &layer.curve);
+        let field = if scene.all_models {
+            let [coordinate, normal, distance] = self.all_fields(&difference, &layer.curve);
+            match layer.model {
+                Model::Coordinate => coordinate,
+                Model::Normal => normal,
+                Model::Distance => distance,
+            }
+        } else {
+            self.field(&difference, layer.model, &layer.curve)
+        };
         let mu = layer.effective_mu();
         let inputs = (Same::from(&field), mu, mask.as_ref().map(Same::from));
         let normals = || if layer.model == Model::Normal { base.normals() } else { &[] };
@@ -310,6 +331,12 @@ impl LayerMemo {
         let Ok(field) = slot.get((Same::from(difference), curve.clone()), compute);
         field
     }
+
+    fn all_fields(&mut self, difference: &Arc<Difference>, curve: &ScaleCurve) -> [Arc<Field>; 3] {
+        let compute = || Ok::<_, std::convert::Infallible>(difference.fields(curve).map(Arc::new));
+        let Ok(fields) = self.all_fields.get((Same::from(difference), curve.clone()), compute);
+        fields
+    }
 }
 
 impl EvaluatedLayer {
@@ -322,7 +349,8 @@ impl EvaluatedLayer {
     pub fn folded_triangles(&self, surface: &Surface) -> Vec<u32> {
         let Some(displacement) = &self.displacement else { return Vec::new() };
         let base = &self.base.positions;
-        let moved: Vec<Vec3> = base.iter().zip(displacement.iter()).map(|(x, d)| add(*x, *d)).collect();
+        let pairs = base.par_iter().zip(displacement.par_iter());
+        let moved: Vec<Vec3> = pairs.map(|(x, d)| add(*x, *d)).collect();
         flipped_triangles(surface, base, &moved)
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use chladni_caricature::{Evaluation, LayerState, MatchRequest, Project, Stack, Template};
+use chladni_caricature::{Base, Crossings, Evaluation, LayerState, MatchRequest, Project, Stack, Template};
 use chladni_harmonics::Body;
 use chladni_mesh::{Format, MorphTarget, TriMesh, save_mesh, write_glb};
 use chladni_synth::Term;
@@ -62,7 +62,14 @@ impl Sculpture {
             let by = farthest / body.frame.scale;
             terminal.result(format_args!("{name}: moves up to {by:.4} units, {folded} triangles folded"))?;
         }
-        Ok(())
+        let crossings = Crossings::of(self.stack.surface().clone());
+        let crossing = |base: &Base| {
+            let found =
+                terminal.watch("counting crossings", |task| crossings.triangles(&base.positions, task));
+            found.map(|found| found.len()).map_err(|_| Failure::Cancelled)
+        };
+        let (now, before) = (crossing(&self.evaluation.result)?, crossing(self.stack.original())?);
+        terminal.result(format_args!("{now} triangles pass through others ({before} did before)"))
     }
 
     /// Writes the result, in the format of the extension: GLB with a morph target per layer, the

@@ -26,6 +26,7 @@ use std::rc::Rc;
 use eframe::egui_wgpu::RenderState;
 use egui::Key;
 
+pub use caricature::Rehearsal;
 pub use choose::{Chooser, Kind, SystemDialogs};
 pub use folders::Folders;
 pub use measure::{Measure, Report};

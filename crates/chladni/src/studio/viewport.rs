@@ -16,6 +16,11 @@ pub const VIEW_KEYS: [Shortcut; 5] = [
     Shortcut::key(Key::Home, "Show all of it"),
 ];
 
+/// The window's own device.
+pub fn gpu_of(state: &RenderState) -> Gpu {
+    Gpu::shared(state.device.clone(), state.queue.clone())
+}
+
 /// One canvas of the window and the renderer that draws on it.
 pub struct Viewport {
     gpu: Gpu,
@@ -27,7 +32,11 @@ pub struct Viewport {
 impl Viewport {
     /// Compiles the pipelines on the window's own device.
     pub fn new(state: &RenderState) -> Self {
-        let gpu = Gpu::shared(state.device.clone(), state.queue.clone());
+        Self::on(gpu_of(state))
+    }
+
+    /// Compiles the pipelines on `gpu`.
+    pub fn on(gpu: Gpu) -> Self {
         Self { renderer: Renderer::new(&gpu), gpu, canvas: None, stale: true }
     }
 

@@ -72,7 +72,7 @@ fn nothing_open(ui: &mut Ui) {
 }
 
 /// Brings the figures on the stage up to date with the evaluation.
-fn update_stage(
+pub(super) fn update_stage(
     session: &mut Session,
     stage: &mut Stage,
     heat: &mut Heat,

@@ -6,8 +6,11 @@ use chladni_caricature::{
 use egui::{DragValue, RichText, Slider, Ui};
 
 use super::brush::BrushTool;
+use super::crossings;
 use super::curve::{self, Bar, Pen};
 use super::edits::Edits;
+use super::footer::grouped;
+use super::heat::Quantity;
 use crate::studio::icon::{self, Icon};
 use crate::studio::theme;
 
@@ -19,6 +22,8 @@ pub struct Measured<'a> {
     pub harmonics: usize,
     /// Triangles folded by this layer.
     pub folds: usize,
+    /// Triangles of the whole result that pass through others; `None` until they are counted.
+    pub crossings: Option<crossings::Count>,
 }
 
 /// What the panel asks of the room besides edits of the layer.
@@ -26,6 +31,8 @@ pub struct Measured<'a> {
 pub enum Wish {
     /// Move μ to the last value without new folds.
     AsFarAsItGoes,
+    /// Show on the shape, or no more.
+    SeeWhere(Quantity),
 }
 
 /// What the panel itself remembers.
@@ -47,7 +54,7 @@ impl Controls {
     ) -> Option<Wish> {
         ui.add_space(theme::GAP);
         model_buttons(ui, id, layer, edits);
-        let wish = amount(ui, id, layer, measured.folds, edits);
+        let wish = amount(ui, id, layer, measured, edits);
         theme::section(ui, "Region");
         region(ui, id, layer, measured.harmonics, edits);
         brush.show(ui);
@@ -118,8 +125,13 @@ fn model_buttons(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
     });
 }
 
-fn amount(ui: &mut Ui, id: LayerId, layer: &Layer, folds: usize, edits: &mut Edits) -> Option<Wish> {
-    let palette = theme::palette(ui);
+fn amount(
+    ui: &mut Ui,
+    id: LayerId,
+    layer: &Layer,
+    measured: &Measured<'_>,
+    edits: &mut Edits,
+) -> Option<Wish> {
     let mut wish = None;
     theme::section(ui, "Amount");
     theme::row(ui, "μ", "Below 0 exaggerates, 0 is the shape, 1 is the template", |ui| {
@@ -142,17 +154,48 @@ fn amount(ui: &mut Ui, id: LayerId, layer: &Layer, folds: usize, edits: &mut Edi
         let slider = ui.add(Slider::new(&mut strength, 0.0..=1.0).fixed_decimals(2));
         edits.drag(id, &slider, || Property::Strength(strength));
     });
-    let (text, color) = match folds {
-        0 => (icon::label(Icon::CircleCheck, "No folds"), palette.good),
-        1 => (icon::label(Icon::TriangleAlert, "1 folded triangle"), palette.warning),
-        more => (icon::label(Icon::TriangleAlert, &format!("{more} folded triangles")), palette.warning),
-    };
-    ui.label(RichText::new(text).color(color).small()).on_hover_text(
-        "Counts triangles whose front this layer turned to the back; the colours “Folded triangles” show \
-         where. It does not see parts that pass through each other without turning over, such as an ear \
-         through a cheek.",
-    );
+    wish = folds(ui, measured.folds).or(crossings(ui, measured.crossings)).or(wish);
     wish
+}
+
+/// The fold meter; a click on it shows where.
+fn folds(ui: &mut Ui, folds: usize) -> Option<Wish> {
+    let text = match folds {
+        0 => "No folds".into(),
+        1 => "1 folded triangle".into(),
+        more => format!("{} folded triangles", grouped(more)),
+    };
+    let tip = "Triangles whose front this layer turned to the back. Click to see where.";
+    meter(ui, folds == 0, &text, tip).then_some(Wish::SeeWhere(Quantity::Folds))
+}
+
+/// The same for parts that pass through each other.
+fn crossings(ui: &mut Ui, count: Option<crossings::Count>) -> Option<Wish> {
+    let Some(crossings::Count { now, from_the_start, outdated }) = count else {
+        ui.label(RichText::new("Counting crossings…").color(theme::palette(ui).weak).small());
+        return None;
+    };
+    let text = match now {
+        0 => "Nothing passes through itself".into(),
+        more => format!("{} crossing triangles", grouped(more)),
+    };
+    let text = if outdated { format!("{text} …") } else { text };
+    let mut tip = "Triangles of the whole result that pass through others, such as an ear through a cheek; \
+                   counted whenever the hand rests. Click to see where."
+        .to_owned();
+    if from_the_start > 0 {
+        tip += &format!(" The shape came with {}.", grouped(from_the_start));
+    }
+    meter(ui, now <= from_the_start, &text, &tip).then_some(Wish::SeeWhere(Quantity::Crossings))
+}
+
+/// A line that says whether all is well; true when clicked.
+fn meter(ui: &mut Ui, good: bool, text: &str, tip: &str) -> bool {
+    let palette = theme::palette(ui);
+    let (mark, color) =
+        if good { (Icon::CircleCheck, palette.good) } else { (Icon::TriangleAlert, palette.warning) };
+    let text = RichText::new(icon::label(mark, text)).color(color).small();
+    ui.add(egui::Button::new(text).frame(false)).on_hover_text(tip).clicked()
 }
 
 fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut Edits) {

@@ -27,13 +27,15 @@ pub enum Quantity {
     Confidence,
     /// Triangles that any layer turned over.
     Folds,
+    /// Triangles of the result that pass through others.
+    Crossings,
     /// One harmonic.
     Harmonic,
 }
 
 impl Quantity {
     /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 9] = [
+    pub const ALL: [(Self, &'static str); 10] = [
         (Self::None, "Material"),
         (Self::Own, "Its own colours"),
         (Self::Displacement, "Displacement"),
@@ -42,6 +44,7 @@ impl Quantity {
         (Self::Region, "Region, smoothed"),
         (Self::Confidence, "Confidence of the match"),
         (Self::Folds, "Folded triangles"),
+        (Self::Crossings, "Crossing triangles"),
         (Self::Harmonic, "A harmonic"),
     ];
 }
@@ -92,6 +95,12 @@ impl Heat {
     pub fn choose(&mut self, quantity: Quantity, harmonic: usize, map: ColorMap) {
         self.stale |= (quantity, harmonic, map) != (self.quantity, self.harmonic, self.map);
         (self.quantity, self.harmonic, self.map) = (quantity, harmonic, map);
+    }
+
+    /// Shows `quantity`, or the material again where it is shown already.
+    pub fn toggle(&mut self, quantity: Quantity) {
+        let next = if self.quantity == quantity { Quantity::None } else { quantity };
+        self.choose(next, self.harmonic, self.map);
     }
 
     /// The colour map for magnitudes.
@@ -173,12 +182,12 @@ impl Heat {
                 Some((values, unit))
             }
             Quantity::Folds => {
-                let mut values = vec![0.0; body.positions.len()];
-                for triangle in session.folds.iter().flatten() {
-                    let corners = body.triangles.get(*triangle as usize).into_iter().flatten();
-                    corners.for_each(|v| values[*v as usize] = 1.0);
-                }
-                Some((values, unit))
+                let folded = session.folds.iter().flatten().copied();
+                Some((marked(&body.triangles, folded, body.positions.len()), unit))
+            }
+            Quantity::Crossings => {
+                let crossing = session.crossings.triangles().iter().copied();
+                Some((marked(&body.triangles, crossing, body.positions.len()), unit))
             }
             Quantity::Harmonic => {
                 let k = self.harmonic.min(body.basis.harmonics().saturating_sub(1));
@@ -188,6 +197,15 @@ impl Heat {
             }
         }
     }
+}
+
+/// 1 at the corners of `some` of the triangles, 0 elsewhere.
+fn marked(triangles: &[[u32; 3]], some: impl Iterator<Item = u32>, vertices: usize) -> Vec<f32> {
+    let mut values = vec![0.0; vertices];
+    for corner in some.filter_map(|triangle| triangles.get(triangle as usize)).flatten() {
+        values[*corner as usize] = 1.0;
+    }
+    values
 }
 
 /// |x̃^δ_k| of the selected layer over normalised frequency.

@@ -4,6 +4,7 @@ mod autosave;
 mod brush;
 mod center;
 mod controls;
+mod crossings;
 mod curve;
 mod edits;
 mod export;
@@ -16,6 +17,7 @@ mod matches;
 mod own_look;
 mod preview;
 mod recover;
+mod rehearsal;
 mod session;
 mod shot;
 mod stage;
@@ -28,6 +30,7 @@ use chladni_caricature::{Action, LayerId, Property, Recovered};
 use egui::{Key, Ui};
 
 pub use self::files::MESHES;
+pub use self::rehearsal::Rehearsal;
 
 use self::autosave::Autosave;
 use self::brush::BrushTool;
@@ -35,7 +38,7 @@ use self::controls::{Controls, Measured, Wish};
 use self::edits::Edits;
 use self::export::Export;
 use self::files::Candidate;
-use self::heat::Heat;
+use self::heat::{Heat, Quantity};
 use self::landmarks::Picking;
 use self::layers::LayerList;
 use self::preview::Preview;
@@ -47,7 +50,7 @@ use super::icon::Icon;
 use super::job::{Job, Outcome};
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
-use super::theme;
+use super::{theme, viewport};
 
 const OPEN: Shortcut = Shortcut::command(Key::O, "Open a mesh or project");
 const SAVE: Shortcut = Shortcut::command(Key::S, "Save the project");
@@ -86,11 +89,11 @@ const KEYS: [Shortcut; 23] = [
     WIRE,
     LANDMARKS,
     LEAVE,
-    super::viewport::VIEW_KEYS[0],
-    super::viewport::VIEW_KEYS[1],
-    super::viewport::VIEW_KEYS[2],
-    super::viewport::VIEW_KEYS[3],
-    super::viewport::VIEW_KEYS[4],
+    viewport::VIEW_KEYS[0],
+    viewport::VIEW_KEYS[1],
+    viewport::VIEW_KEYS[2],
+    viewport::VIEW_KEYS[3],
+    viewport::VIEW_KEYS[4],
 ];
 
 /// The room: at most one open project.
@@ -153,6 +156,8 @@ impl Room for CaricatureRoom {
         self.show_export(ui, shared);
         let requests = edits.take();
         if let Some(session) = &mut self.session {
+            let models_of = session.selected.filter(|_| self.look.show == Show::Models);
+            session.stack.prepare_models_of(models_of);
             match session.apply(requests) {
                 Ok(changed) => self.stale |= changed,
                 Err(why) => shared.notices.error(why),
@@ -236,6 +241,11 @@ impl CaricatureRoom {
                 shared.notices.warn(message);
             }
             self.stale |= changed;
+            let resting = !shared.ctx.input(|input| input.pointer.any_down());
+            match session.pump_crossings(&shared.ctx, resting) {
+                Ok(new) => self.stale |= new && self.heat.quantity() == Quantity::Crossings,
+                Err(why) => shared.notices.error(why),
+            }
         }
     }
 
@@ -253,7 +263,12 @@ impl CaricatureRoom {
             Err(why) => return shared.notices.error(why),
         };
         let positions = single(&session.stack.body().positions);
-        match Stage::new(shared.gpu, &positions, &session.stack.body().triangles, look.as_ref()) {
+        match Stage::new(
+            viewport::gpu_of(shared.gpu),
+            &positions,
+            &session.stack.body().triangles,
+            look.as_ref(),
+        ) {
             Ok(stage) => {
                 self.heat.start(stage.has_own_look());
                 self.thumbnails.clear(shared.gpu);
@@ -370,16 +385,18 @@ impl CaricatureRoom {
                 };
                 let spectrum = heat::spectrum(session);
                 let harmonics = session.stack.body().basis.harmonics();
-                let measured = Measured { spectrum: &spectrum, harmonics, folds: session.folds_of(id) };
-                if self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits)
-                    == Some(Wish::AsFarAsItGoes)
-                {
-                    match session.furthest_mu() {
+                let crossings = session.crossings.count(&session.evaluation);
+                let folds = session.folds_of(id);
+                let measured = Measured { spectrum: &spectrum, harmonics, folds, crossings };
+                match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {
+                    Some(Wish::AsFarAsItGoes) => match session.furthest_mu() {
                         Some(mu) => edits.set(id, Property::Mu(mu)),
                         None => shared
                             .notices
                             .warn("This layer never folds in that direction, or does not act yet."),
-                    }
+                    },
+                    Some(Wish::SeeWhere(quantity)) => self.heat.toggle(quantity),
+                    None => {}
                 }
             });
         });

@@ -13,6 +13,7 @@ use chladni_harmonics::{BasisSettings, Body, BuildReport};
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
+use super::crossings::CrossingMeter;
 use super::edits::Edit;
 use super::export::named_after;
 use super::files::Candidate;
@@ -84,6 +85,8 @@ pub struct Session {
     pub selected: Option<LayerId>,
     /// Triangles that each layer folds, in the order of the evaluation.
     pub folds: Vec<Vec<u32>>,
+    /// Where the result passes through itself.
+    pub crossings: CrossingMeter,
     matching: Option<(MatchRequest, Job<Result<Matched, Error>>)>,
     mirror: OnceCell<Option<Mirror>>,
     /// K that was last asked for, whether or not the shape has as many.
@@ -98,7 +101,7 @@ impl Session {
         let evaluation = stack.evaluate(&loaded.project);
         let selected = loaded.project.layers().last().map(|(id, _)| *id);
         let harmonics = loaded.project.harmonics;
-        Ok(Self {
+        let mut session = Self {
             history: if loaded.new {
                 History::recovered(loaded.project)
             } else {
@@ -110,11 +113,14 @@ impl Session {
             evaluation,
             selected,
             folds: Vec::new(),
+            crossings: CrossingMeter::default(),
             matching: None,
             mirror: OnceCell::new(),
             harmonics,
             solving: None,
-        })
+        };
+        session.refresh();
+        Ok(session)
     }
 
     /// The plane in which the shape comes closest to its mirror image; looked for once.
@@ -179,9 +185,16 @@ impl Session {
         if self.selected.is_none_or(|id| project.layer(id).is_none()) {
             self.selected = project.layers().last().map(|(id, _)| *id);
         }
-        self.evaluation = self.stack.evaluate(&project);
+        let before = std::mem::replace(&mut self.evaluation, self.stack.evaluate(&project));
+        let mut known: Vec<_> = before.layers.into_iter().zip(std::mem::take(&mut self.folds)).collect();
         let surface = self.stack.surface();
-        self.folds = self.evaluation.layers.iter().map(|layer| layer.folded_triangles(surface)).collect();
+        let folds = self.evaluation.layers.iter().map(|layer| {
+            match known.iter_mut().find(|(same, _)| moves_alike(same, layer)) {
+                Some((_, folds)) => std::mem::take(folds),
+                None => layer.folded_triangles(surface),
+            }
+        });
+        self.folds = folds.collect();
     }
 
     /// Triangles folded by `layer`.
@@ -259,8 +272,15 @@ impl Session {
         // Targets belong to a basis: they are matched again.
         self.matching = None;
         self.stack = Stack::new(Arc::new(body)).map_err(|error| error.to_string())?;
+        self.crossings = CrossingMeter::default();
         self.refresh();
         Ok(true)
+    }
+
+    /// Counts where the result passes through itself, while the hand rests. True where the count
+    /// is new; an error says why there is none.
+    pub fn pump_crossings(&mut self, ctx: &egui::Context, resting: bool) -> Result<bool, &'static str> {
+        self.crossings.pump(ctx, &self.stack, &self.evaluation, resting)
     }
 
     /// The harmonics that are being solved for.
@@ -345,6 +365,15 @@ impl Session {
             (None, ShapeSource::Sample(name)) => format!("sample {name}"),
         }
     }
+}
+
+/// Whether the two are the same layer that moves the same shape in the same way.
+fn moves_alike(a: &EvaluatedLayer, b: &EvaluatedLayer) -> bool {
+    let displaced = match (&a.displacement, &b.displacement) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    a.id == b.id && displaced && Arc::ptr_eq(&a.base, &b.base)
 }
 
 fn failure(request: &MatchRequest, why: String) -> Error {

@@ -2,7 +2,7 @@
 //! wires, and the brush on its surface.
 
 use chladni_view::{
-    Background, Brush, Camera, Cell, Figure, ItemBuffers, Marker, PickTree, Rect, Scale, Skin, Topology,
+    Background, Brush, Camera, Cell, Figure, Gpu, ItemBuffers, Marker, PickTree, Rect, Scale, Skin, Topology,
     VertexPaint, View, ViewError, layout,
 };
 use eframe::egui_wgpu::RenderState;
@@ -116,12 +116,12 @@ impl Stage {
     /// A stage for a body of `positions` (working frame) and `triangles`, all figures at rest, in
     /// its own look where it has one.
     pub fn new(
-        state: &RenderState,
+        gpu: Gpu,
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
         look: Option<&OwnLook>,
     ) -> Result<Self, ViewError> {
-        let viewport = Viewport::new(state);
+        let viewport = Viewport::on(gpu);
         let gpu = viewport.gpu();
         let n = positions.len();
         let topology = match look {

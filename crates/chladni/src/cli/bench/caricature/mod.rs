@@ -1,11 +1,13 @@
 //! `chladni bench caricature`: how long a user waits for what a user does.
 
+mod rehearsal;
+
 use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_caricature::{
     Action, Dab, Error, History, Layer, LayerId, Mirror, Model, PaintEdit, Painted, Project, Property,
-    Region, RollOff, ScaleCurve, ShapeSource, Smoothing, Stack, Template, flipped_triangles, furthest,
+    RollOff, ScaleCurve, ShapeSource, Smoothing, Stack, Template, flipped_triangles, furthest,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -56,7 +58,7 @@ impl BenchCaricature {
         }
         let basis = stack.body().basis.clone();
         let mut rows = Vec::new();
-        let mut time = |what, act: &mut dyn FnMut(usize) -> Result<(), Error>| -> Result<(), Failure> {
+        let mut time = |what, act: &mut dyn FnMut(usize) -> Result<(), Trouble>| -> Result<(), Failure> {
             let (median_ms, fastest_ms) = timed(self.repeats.max(1), act).map_err(Failure::other)?;
             let threads = rayon::current_num_threads();
             rows.push(Row { what, vertices, harmonics, threads, median_ms, fastest_ms });
@@ -68,9 +70,11 @@ impl BenchCaricature {
             );
             Ok(())
         })?;
-        painting(&mut stack, &mut history, &mut time)?;
+        painting(&stack, &mut time)?;
         controls(&mut stack, &mut history, &mut time)?;
         folds(&mut stack, &mut history, &mut time)?;
+        drop(stack);
+        rehearsal::rehearse(&self.shape, harmonics, &mut time)?;
         if self.json {
             return terminal.json(&rows);
         }
@@ -83,9 +87,12 @@ impl BenchCaricature {
     }
 }
 
+/// Why something could not be done.
+type Trouble = Box<dyn std::error::Error>;
+
 /// Times `act`, which is told how often it ran before.
 type Timer<'a> =
-    dyn FnMut(&'static str, &mut dyn FnMut(usize) -> Result<(), Error>) -> Result<(), Failure> + 'a;
+    dyn FnMut(&'static str, &mut dyn FnMut(usize) -> Result<(), Trouble>) -> Result<(), Failure> + 'a;
 
 /// Two layers: the first against an ellipsoid in a painted region, the second on its result.
 fn project(harmonics: usize) -> Result<Project, Error> {
@@ -100,10 +107,9 @@ fn ids(history: &History) -> Vec<LayerId> {
     history.project().layers().iter().map(|(id, _)| *id).collect()
 }
 
-fn painting(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> Result<(), Failure> {
+fn painting(stack: &Stack, time: &mut Timer<'_>) -> Result<(), Failure> {
     let surface = stack.surface().clone();
     let basis = stack.body().basis.clone();
-    let lower = ids(history)[0];
     let triangles = surface.triangles.len();
     let dab = |i: usize, radius: f64, mirror: Option<Mirror>| {
         let triangle = ((i * 7919) % triangles) as u32;
@@ -130,30 +136,7 @@ fn painting(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> R
             Ok(())
         })?;
     }
-    for (what, roll_off) in [
-        ("mirrored stroke to smoothed region and shape, sharp", RollOff::Sharp),
-        ("mirrored stroke to smoothed region and shape, Gaussian", RollOff::Gaussian),
-    ] {
-        let mirror = Mirror::of(&surface).map(|(mirror, _)| mirror);
-        let smoothing = Smoothing { cutoff: 96, roll_off, clamp: true };
-        let set = |layer, to| Action::Set { layer, to };
-        let put = |e: Error| Failure::other(e);
-        history.apply(&set(lower, Property::Smoothing(smoothing)), None).map_err(put)?;
-        let upper = ids(history)[1];
-        history.apply(&set(upper, Property::Enabled(false)), None).map_err(put)?;
-        // A region where the strokes before left nothing: what does not change costs nothing.
-        let clear = Action::Paint { layer: lower, edit: PaintEdit::Clear };
-        history.apply(&clear, Some(&surface)).map_err(put)?;
-        time(what, &mut |i| {
-            let edit = dab(i, 0.1, mirror);
-            history.apply_live(&Action::Paint { layer: lower, edit }, Some(&surface))?;
-            stack.evaluate(history.project());
-            Ok(())
-        })?;
-        history.apply(&set(upper, Property::Enabled(true)), None).map_err(put)?;
-    }
-    let region = Property::Smoothing(Region::default().smoothing);
-    history.apply(&Action::Set { layer: lower, to: region }, None).map_err(Failure::other)
+    Ok(())
 }
 
 fn controls(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> Result<(), Failure> {
@@ -219,7 +202,7 @@ fn folds(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> Resu
 }
 
 /// Median and fastest of `repeats` runs in ms, after one that is not counted.
-fn timed(repeats: usize, act: &mut dyn FnMut(usize) -> Result<(), Error>) -> Result<(f64, f64), Error> {
+fn timed(repeats: usize, act: &mut dyn FnMut(usize) -> Result<(), Trouble>) -> Result<(f64, f64), Trouble> {
     act(0)?;
     let mut times = Vec::with_capacity(repeats);
     for i in 0..repeats {

@@ -1,0 +1,296 @@
+//! Self-intersections: triangles that pass through others.
+
+use std::sync::Arc;
+
+use chladni_task::{Cancelled, Task};
+use rayon::prelude::*;
+
+use crate::Surface;
+use crate::surface::area_normal;
+use crate::vector::{Vec3, dot, scale, sub};
+
+/// Finds triangles of a surface that pass through others, wherever its vertices are moved to.
+///
+/// A tree of boxes over the triangles is made once, of the surface at rest; each search only fits
+/// its boxes to the vertices, in linear time.
+#[derive(Clone, Debug)]
+pub struct Crossings {
+    surface: Arc<Surface>,
+    nodes: Vec<Node>,
+    /// Triangles in the order of the leaves.
+    order: Vec<u32>,
+}
+
+/// An inner node's left child follows it; a leaf covers `order[start..start + count]`.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    /// Right child of an inner node, first slot of a leaf.
+    start: u32,
+    /// Triangles of a leaf, 0 for an inner node.
+    count: u32,
+}
+
+/// Lower and upper corner of a box.
+type Bounds = (Vec3, Vec3);
+
+const LEAF: usize = 4;
+/// Triangles between two looks at whether to stop.
+const PIECE: usize = 1024;
+
+impl Crossings {
+    /// Prepares the search on `surface`.
+    pub fn of(surface: Arc<Surface>) -> Self {
+        let third = |t: &[u32; 3]| {
+            let sum = t.iter().fold([0.0; 3], |sum: Vec3, v| {
+                let p = surface.positions[*v as usize];
+                std::array::from_fn(|i| sum[i] + p[i])
+            });
+            scale(sum, 1.0 / 3.0)
+        };
+        let centers: Vec<Vec3> = surface.triangles.iter().map(third).collect();
+        let mut order: Vec<u32> = (0..surface.triangles.len() as u32).collect();
+        let mut nodes = Vec::with_capacity(order.len());
+        if !order.is_empty() {
+            split(&mut order, 0, &centers, &mut nodes);
+        }
+        Self { surface, nodes, order }
+    }
+
+    /// The triangles that pass through another when the vertices lie at `positions` (N, finite),
+    /// ascending. Triangles that only touch, that lie in one plane, or that share an edge do not
+    /// pass through each other; neither do those without area.
+    pub fn triangles(&self, positions: &[Vec3], task: &Task) -> Result<Vec<u32>, Cancelled> {
+        let boxes = self.fitted(positions);
+        let slots: Vec<usize> = (0..self.order.len()).collect();
+        let pairs: Vec<Vec<[u32; 2]>> = slots
+            .par_chunks(PIECE)
+            .map(|slots| {
+                task.check()?;
+                let mut pairs = Vec::new();
+                for slot in slots {
+                    self.crossed_by(*slot, positions, &boxes, &mut pairs);
+                }
+                Ok(pairs)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        let mut crossed: Vec<u32> = pairs.into_iter().flatten().flatten().collect();
+        crossed.sort_unstable();
+        crossed.dedup();
+        Ok(crossed)
+    }
+
+    /// The boxes of all nodes at `positions`.
+    fn fitted(&self, positions: &[Vec3]) -> Vec<Bounds> {
+        let mut boxes = vec![EMPTY; self.nodes.len()];
+        // Children come after their parent.
+        for (i, node) in self.nodes.iter().enumerate().rev() {
+            boxes[i] = if node.count == 0 {
+                around(boxes[i + 1], boxes[node.start as usize])
+            } else {
+                let leaf = &self.order[node.start as usize..][..node.count as usize];
+                leaf.iter().map(|t| self.bounds(*t, positions)).fold(EMPTY, around)
+            };
+        }
+        boxes
+    }
+
+    fn bounds(&self, triangle: u32, positions: &[Vec3]) -> Bounds {
+        let corners = self.surface.triangles[triangle as usize].map(|v| positions[v as usize]);
+        corners.into_iter().fold(EMPTY, |bounds, p| around(bounds, (p, p)))
+    }
+
+    /// Adds the pairs of the triangle in `slot` with those in later slots that it passes through.
+    fn crossed_by(&self, slot: usize, positions: &[Vec3], boxes: &[Bounds], pairs: &mut Vec<[u32; 2]>) {
+        let here = self.order[slot];
+        let bounds = self.bounds(here, positions);
+        // Depth is at most ⌈log₂ m⌉ < 32, and each level leaves one node behind.
+        let mut waiting = [0_u32; 64];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let index = waiting[depth] as usize;
+            if !overlap(bounds, boxes[index]) {
+                continue;
+            }
+            let Node { start, count } = self.nodes[index];
+            if count == 0 {
+                (waiting[depth], waiting[depth + 1]) = (start, index as u32 + 1);
+                depth += 2;
+                continue;
+            }
+            for later in (start as usize..(start + count) as usize).filter(|later| *later > slot) {
+                let there = self.order[later];
+                let pair = [here, there].map(|t| self.surface.triangles[t as usize]);
+                if overlap(bounds, self.bounds(there, positions)) && cross_each_other(pair, positions) {
+                    pairs.push([here, there]);
+                }
+            }
+        }
+    }
+}
+
+/// Halves `order` at its median along the widest axis, so that depth is log₂ of the count.
+fn split(order: &mut [u32], first: u32, centers: &[Vec3], nodes: &mut Vec<Node>) {
+    let node = nodes.len();
+    if order.len() <= LEAF {
+        nodes.push(Node { start: first, count: order.len() as u32 });
+        return;
+    }
+    nodes.push(Node { start: 0, count: 0 });
+    let bounds = order.iter().map(|t| centers[*t as usize]).fold(EMPTY, |b, p| around(b, (p, p)));
+    let extent = sub(bounds.1, bounds.0);
+    let axis = (0..3).max_by(|i, j| extent[*i].total_cmp(&extent[*j])).unwrap_or(0);
+    let half = order.len() / 2;
+    order.select_nth_unstable_by(half, |s, t| {
+        centers[*s as usize][axis].total_cmp(&centers[*t as usize][axis]).then(s.cmp(t))
+    });
+    let (left, right) = order.split_at_mut(half);
+    split(left, first, centers, nodes);
+    nodes[node].start = nodes.len() as u32;
+    split(right, first + half as u32, centers, nodes);
+}
+
+const EMPTY: Bounds = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+
+fn around(a: Bounds, b: Bounds) -> Bounds {
+    (std::array::from_fn(|i| a.0[i].min(b.0[i])), std::array::from_fn(|i| a.1[i].max(b.1[i])))
+}
+
+fn overlap(a: Bounds, b: Bounds) -> bool {
+    (0..3).all(|i| a.0[i] <= b.1[i] && b.0[i] <= a.1[i])
+}
+
+/// Whether an edge of either triangle goes through the inside of the other. Edges at a shared
+/// corner cannot, and with a shared edge none can.
+fn cross_each_other([s, t]: [[u32; 3]; 2], positions: &[Vec3]) -> bool {
+    if s.iter().filter(|v| t.contains(v)).count() > 1 {
+        return false;
+    }
+    let through = |edges: [u32; 3], face: [u32; 3]| {
+        (0..3).any(|i| {
+            let (p, q) = (edges[i], edges[(i + 1) % 3]);
+            !face.contains(&p) && !face.contains(&q) && goes_through(p, q, face, positions)
+        })
+    };
+    through(s, t) || through(t, s)
+}
+
+/// Whether the segment pq goes through the inside of `face`.
+fn goes_through(p: u32, q: u32, face: [u32; 3], positions: &[Vec3]) -> bool {
+    let at = |v: u32| positions[v as usize];
+    let [a, b, c] = face.map(at);
+    let (p, q) = (at(p), at(q));
+    let normal = area_normal(positions, face);
+    let (above, below) = (dot(normal, sub(p, a)), dot(normal, sub(q, a)));
+    if !(above * below < 0.0) {
+        return false;
+    }
+    // The sides on which the line pq passes the three edges: the volumes of pq with each.
+    let side = |a: Vec3, b: Vec3| dot(sub(q, p), crate::vector::cross(sub(a, p), sub(b, p)));
+    let sides = [side(a, b), side(b, c), side(c, a)];
+    sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::icosphere;
+    use crate::vector::add;
+    use proptest::prelude::*;
+
+    fn crossings(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Vec<u32> {
+        let frame = chladni_mesh::Frame { center: [0.0; 3], scale: 1.0 };
+        let surface = Arc::new(Surface::of(positions, triangles, frame));
+        Crossings::of(surface.clone()).triangles(&surface.positions, &Task::new()).unwrap()
+    }
+
+    /// Two spheres of radius 1 whose centers lie `apart`.
+    fn two_spheres(apart: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let (points, triangles) = icosphere(3);
+        let n = points.len() as u32;
+        // Turned a little, so that no two edges lie in one plane.
+        let (sin, cos) = 0.3_f64.sin_cos();
+        let turned = |p: &Vec3| [p[0], cos * p[1] - sin * p[2], sin * p[1] + cos * p[2]];
+        let second = points.iter().map(|p| add(turned(p), [apart, 0.01, 0.02]));
+        let both = points.iter().copied().chain(second).collect();
+        let shifted = triangles.iter().map(|t| t.map(|v| v + n));
+        (both, triangles.iter().copied().chain(shifted).collect())
+    }
+
+    #[test]
+    fn two_spheres_cross_in_a_ring_that_lies_where_the_spheres_meet() {
+        assert_eq!(crossings(two_spheres(2.1).0, two_spheres(2.1).1), Vec::<u32>::new());
+        let (points, triangles) = two_spheres(1.2);
+        let found = crossings(points.clone(), triangles.clone());
+        // The spheres meet in a circle at x = 0.6; an edge is at most 0.2 long.
+        assert!(found.len() > 40 && found.len() < 400, "{}", found.len());
+        for t in &found {
+            let xs = triangles[*t as usize].map(|v| points[v as usize][0]);
+            assert!(xs.iter().any(|x| (x - 0.6).abs() < 0.2), "{xs:?}");
+        }
+        let first = triangles.len() as u32 / 2;
+        let here = found.iter().filter(|t| **t < first).count();
+        assert!(here > 20 && found.len() - here > 20, "both spheres are told");
+    }
+
+    #[test]
+    fn a_sphere_pushed_through_its_own_wall_is_seen_though_nothing_turned_over_at_the_tip() {
+        let (points, triangles) = icosphere(3);
+        assert!(crossings(points.clone(), triangles.clone()).is_empty());
+        // A cap is pushed out through the other side.
+        let pushed = |p: &Vec3| if p[2] > 0.9 { [p[0], p[1], p[2] - 2.3] } else { *p };
+        let moved: Vec<Vec3> = points.iter().map(pushed).collect();
+        assert!(crossings(moved, triangles).len() > 10);
+    }
+
+    #[test]
+    fn a_cancelled_search_ends() {
+        let (points, triangles) = icosphere(2);
+        let frame = chladni_mesh::Frame { center: [0.0; 3], scale: 1.0 };
+        let surface = Arc::new(Surface::of(points, triangles, frame));
+        let task = Task::new();
+        task.cancel();
+        assert!(Crossings::of(surface.clone()).triangles(&surface.positions, &task).is_err());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
+        #[test]
+        fn the_tree_finds_what_trying_all_pairs_finds(
+            points in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], 4..40),
+            picks in prop::collection::vec([0_usize..40, 0..40, 0..40], 1..50),
+        ) {
+            let triangles: Vec<[u32; 3]> =
+                picks.iter().map(|t| t.map(|v| (v % points.len()) as u32)).collect();
+            let mut expected = Vec::new();
+            for i in 0..triangles.len() {
+                for j in 0..i {
+                    if cross_each_other([triangles[i], triangles[j]], &points) {
+                        expected.extend([i as u32, j as u32]);
+                    }
+                }
+            }
+            expected.sort_unstable();
+            expected.dedup();
+            prop_assert_eq!(crossings(points, triangles), expected);
+        }
+
+        #[test]
+        fn a_crossing_has_a_point_in_common(
+            p in prop::array::uniform6([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0]),
+        ) {
+            // Against sampling: an edge that goes through leaves samples on both sides, and the
+            // point where it meets the plane has positive weights.
+            let through = goes_through(0, 1, [2, 3, 4], &p);
+            let normal = area_normal(&p, [2, 3, 4]);
+            let (above, below) = (dot(normal, sub(p[0], p[2])), dot(normal, sub(p[1], p[2])));
+            let t = above / (above - below);
+            let meets = add(p[0], scale(sub(p[1], p[0]), t));
+            let weight = |a: Vec3, b: Vec3| dot(normal, crate::vector::cross(sub(b, a), sub(meets, a)));
+            let inside = [weight(p[2], p[3]), weight(p[3], p[4]), weight(p[4], p[2])];
+            let clear = inside.iter().all(|w| w.abs() > 1e-9) && above.abs() > 1e-9 && below.abs() > 1e-9;
+            prop_assume!(clear);
+            prop_assert_eq!(through, (0.0..1.0).contains(&t) && inside.iter().all(|w| *w > 0.0));
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Where the result passes through itself, counted beside the window whenever the hand rests.
+
+use std::sync::Arc;
+
+use chladni_caricature::{Base, Crossings, Evaluation, Stack, Surface};
+use chladni_task::{Cancelled, Task};
+
+use crate::studio::job::{Job, Outcome};
+
+/// What is known of the result, and the search that goes on.
+#[derive(Default)]
+pub struct CrossingMeter {
+    searcher: Option<Searcher>,
+    /// The shape that was searched last, or is being searched.
+    searched: Option<Arc<Base>>,
+    running: Option<Job<Result<(Searcher, Vec<u32>), Cancelled>>>,
+    found: Option<Vec<u32>>,
+}
+
+/// What outlives one search.
+#[derive(Clone)]
+struct Searcher {
+    tree: Arc<Crossings>,
+    /// Triangles that crossed in the shape as it came.
+    from_the_start: usize,
+}
+
+/// What the panel tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Count {
+    /// Triangles of the result that pass through others.
+    pub now: usize,
+    /// Triangles of the original that do.
+    pub from_the_start: usize,
+    /// Whether the result has changed since.
+    pub outdated: bool,
+}
+
+impl CrossingMeter {
+    /// Takes in what was found and, while `resting`, searches a result that has not been; true
+    /// where something may look different.
+    pub fn pump(
+        &mut self,
+        ctx: &egui::Context,
+        stack: &Stack,
+        evaluation: &Evaluation,
+        resting: bool,
+    ) -> Result<bool, &'static str> {
+        let mut changed = false;
+        match self.running.as_ref().map(Job::poll) {
+            None => {}
+            Some(Outcome::Running) => return Ok(false),
+            Some(Outcome::Done(Ok((searcher, found)))) => {
+                (self.searcher, self.found) = (Some(searcher), Some(found));
+                (self.running, changed) = (None, true);
+            }
+            Some(Outcome::Done(Err(Cancelled))) => self.running = None,
+            Some(Outcome::Lost) => {
+                self.running = None;
+                return Err("Counting crossings broke off; this is a bug.");
+            }
+        }
+        if resting && !self.is_searched(&evaluation.result) {
+            let result = Arc::clone(&evaluation.result);
+            self.searched = Some(Arc::clone(&result));
+            let (searcher, surface) = (self.searcher.clone(), Arc::clone(stack.surface()));
+            self.running = Some(Job::start("Counting crossings", ctx, move |task| {
+                let searcher = match searcher {
+                    Some(searcher) => searcher,
+                    None => Searcher::of(surface, task)?,
+                };
+                let found = searcher.tree.triangles(&result.positions, task)?;
+                Ok((searcher, found))
+            }));
+        }
+        Ok(changed)
+    }
+
+    fn is_searched(&self, result: &Arc<Base>) -> bool {
+        self.searched.as_ref().is_some_and(|searched| Arc::ptr_eq(searched, result))
+    }
+
+    /// The triangles that were found last, ascending.
+    pub fn triangles(&self) -> &[u32] {
+        self.found.as_deref().unwrap_or_default()
+    }
+
+    /// What was counted last for `evaluation` or an earlier one; `None` before the first count.
+    pub fn count(&self, evaluation: &Evaluation) -> Option<Count> {
+        let (found, searcher) = (self.found.as_ref()?, self.searcher.as_ref()?);
+        let outdated = self.running.is_some() || !self.is_searched(&evaluation.result);
+        Some(Count { now: found.len(), from_the_start: searcher.from_the_start, outdated })
+    }
+}
+
+impl Searcher {
+    fn of(surface: Arc<Surface>, task: &Task) -> Result<Self, Cancelled> {
+        let tree = Arc::new(Crossings::of(Arc::clone(&surface)));
+        let from_the_start = tree.triangles(&surface.positions, task)?.len();
+        Ok(Self { tree, from_the_start })
+    }
+}

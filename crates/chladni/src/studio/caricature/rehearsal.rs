@@ -1,0 +1,84 @@
+//! The caricature room without its window: all that happens between an action and the figures that
+//! are drawn next, so that it can be timed.
+
+use std::sync::mpsc::channel;
+
+use chladni_caricature::{Action, Mirror, Project, Surface};
+use chladni_task::Task;
+use chladni_view::Gpu;
+
+use super::center::update_stage;
+use super::edits::Edit;
+use super::files::Candidate;
+use super::heat::{self, Heat, Painting};
+use super::session::{self, Session};
+use super::single;
+use super::stage::{Look, Show, Stage};
+
+/// An open project whose pictures nobody draws.
+pub struct Rehearsal {
+    session: Session,
+    stage: Stage,
+    heat: Heat,
+    look: Look,
+    gpu: Gpu,
+}
+
+impl Rehearsal {
+    /// Opens the shape of `project` and matches what its layers wait for.
+    pub fn of(project: Project, gpu: &Gpu, task: &Task) -> Result<Self, String> {
+        let candidate = Candidate { project, path: None, recovered: None, made_on: None };
+        let loaded = session::load(candidate, &channel().0, task)?;
+        let mut session = Session::new(loaded)?;
+        let nobody = egui::Context::default();
+        while !session.stack.missing(session.project()).is_empty() {
+            if let (Some(why), _) = session.pump_matches(&nobody) {
+                return Err(why);
+            }
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        session.refresh();
+        let body = session.stack.body();
+        let stage = Stage::new(gpu.clone(), &single(&body.positions), &body.triangles, None);
+        let stage = stage.map_err(|error| error.to_string())?;
+        Ok(Self { session, stage, heat: Heat::default(), look: Look::default(), gpu: gpu.clone() })
+    }
+
+    /// Does what the person does in one frame and brings the figures of the next one up to date.
+    pub fn act(&mut self, actions: Vec<Action>) -> Result<(), String> {
+        let models_of = self.session.selected.filter(|_| self.look.show == Show::Models);
+        self.session.stack.prepare_models_of(models_of);
+        self.session.apply(actions.into_iter().map(Edit::Live).collect())?;
+        // The panel draws it behind the scale curve.
+        heat::spectrum(&self.session);
+        update_stage(&mut self.session, &mut self.stage, &mut self.heat, self.look, &mut true)?;
+        // Drawing would send off what is queued for the device.
+        self.gpu.queue.submit([]);
+        Ok(())
+    }
+
+    /// Ends the drag or the stroke.
+    pub fn release(&mut self) -> Result<(), String> {
+        self.session.apply(vec![Edit::Finish]).map(|_| ())
+    }
+
+    /// Shows the selected layer in all three models, or the result alone.
+    pub fn show_models(&mut self, all: bool) {
+        self.look.show = if all { Show::Models } else { Show::Result };
+    }
+
+    /// Shows the region, smoothed or as painted, as while the brush is in hand.
+    pub fn show_region(&mut self, smoothed: bool) {
+        self.heat.paint(Some(if smoothed { Painting::Smoothed } else { Painting::Raw }));
+    }
+
+    /// What is painted on.
+    pub fn surface(&self) -> &Surface {
+        self.session.stack.surface()
+    }
+
+    /// The plane that mirrored strokes are mirrored in.
+    pub fn mirror(&self) -> Option<Mirror> {
+        self.session.mirror()
+    }
+}
