@@ -144,6 +144,12 @@ impl Gallery {
         &self.generations[self.current].items
     }
 
+    /// The generation in which an item was first seen, and its place there.
+    pub fn born(&self, id: ItemId) -> Option<(usize, usize)> {
+        let place = |generation: &Generation| generation.items.iter().position(|item| item.id == id);
+        self.generations.iter().enumerate().find_map(|(g, generation)| Some((g, place(generation)?)))
+    }
+
     /// The newest state of an item of any generation.
     pub fn find(&self, id: ItemId) -> Option<&GalleryItem> {
         let shown = self.items().iter().find(|item| item.id == id);

@@ -56,7 +56,7 @@ pub use gallery::{GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation,
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
 pub use parameter::{Parameter, Parameters, Switch};
 pub use player::{Bands, Choir, Form, Player, Playing, blend};
-pub use preset::{Ancestor, FORMAT_VERSION, Preset, Session};
+pub use preset::{Ancestor, FORMAT_VERSION, Preset, Session, lineage};
 pub use session::{Action, Instrument, LoggedAction, Moment};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react};

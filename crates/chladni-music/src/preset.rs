@@ -50,31 +50,36 @@ pub struct Ancestor {
 /// The longest lineage that is written.
 const MAX_LINEAGE: usize = 256;
 
+/// How `item` came to be, then how its ancestors did, newest first; at most 256 of them.
+pub fn lineage(instrument: &Instrument, item: &GalleryItem) -> Vec<Ancestor> {
+    let mut lineage: Vec<Ancestor> = Vec::new();
+    let mut queue = std::collections::VecDeque::from([item.id]);
+    while let Some(id) = queue.pop_front() {
+        if lineage.len() == MAX_LINEAGE || lineage.iter().any(|a| a.id == id) {
+            continue;
+        }
+        let found = if id == item.id { Some(item) } else { instrument.item(id) };
+        let Some(found) = found else { continue };
+        match found.origin {
+            Origin::Bred { parents } => queue.extend(parents),
+            Origin::Mutated { parent } => queue.push_back(parent),
+            Origin::Initial { .. } | Origin::Loaded { .. } => {}
+        }
+        let (name, origin) = (found.name.clone(), found.origin.clone());
+        lineage.push(Ancestor { id, name, edited: found.edited, origin });
+    }
+    lineage
+}
+
 impl Preset {
     /// An item of an instrument as a preset, with its lineage.
     pub fn of(instrument: &Instrument, item: &GalleryItem, tags: Vec<String>) -> Self {
-        let mut lineage: Vec<Ancestor> = Vec::new();
-        let mut queue = std::collections::VecDeque::from([item.id]);
-        while let Some(id) = queue.pop_front() {
-            if lineage.len() == MAX_LINEAGE || lineage.iter().any(|a| a.id == id) {
-                continue;
-            }
-            let found = if id == item.id { Some(item) } else { instrument.item(id) };
-            let Some(found) = found else { continue };
-            match found.origin {
-                Origin::Bred { parents } => queue.extend(parents),
-                Origin::Mutated { parent } => queue.push_back(parent),
-                Origin::Initial { .. } | Origin::Loaded { .. } => {}
-            }
-            let (name, origin) = (found.name.clone(), found.origin.clone());
-            lineage.push(Ancestor { id, name, edited: found.edited, origin });
-        }
         Self {
             format_version: FORMAT_VERSION,
             name: if item.name.is_empty() { format!("item {}", item.id) } else { item.name.clone() },
             tags,
             seed: instrument.seed(),
-            lineage,
+            lineage: lineage(instrument, item),
             mapping: item.mapping.clone(),
         }
     }

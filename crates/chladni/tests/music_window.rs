@@ -10,9 +10,10 @@ use std::path::Path;
 use chladni::studio::{Folders, Opening};
 use chladni_music::Preset;
 use chladni_sound::{Song, WavSample, write_wav};
-use driving::{Answers, Window, open, screenshot, shows, takes_pictures, wait};
+use driving::{Answers, Window, open, open_with, screenshot, shows, takes_pictures, wait};
 use egui::accesskit::{Role, Toggled};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
+use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 /// Few harmonics are solved quickly.
@@ -104,6 +105,26 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     click(&mut window, "Generation 3, from 2");
     assert!(shows(&window, "3 / 3") && !is_chosen(&window, "Dance 5"));
 
+    // By keys alone: the mark goes right and down, what is marked is chosen, locked and changed.
+    window.hover_at(Pos2::new(500.0, 60.0));
+    window.run_steps(2);
+    for key in [Key::ArrowRight, Key::ArrowRight, Key::ArrowDown, Key::C, Key::L] {
+        window.key_press(key);
+        window.run_steps(1);
+    }
+    assert!(is_chosen(&window, "Dance 6") && !is_chosen(&window, "Dance 5"));
+    for key in [Key::C, Key::M] {
+        window.key_press(key);
+        window.run_steps(1);
+    }
+    assert!(shows(&window, "4 / 4") && !is_chosen(&window, "Dance 6"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(2);
+    assert!(shows(&window, "3 / 4"));
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    window.run_steps(2);
+    assert!(shows(&window, "4 / 4"));
+
     // Name one and draw its a by hand: full to the left of the middle, still to the right.
     window.get_by_label("Dance 4").hover();
     window.run_steps(2);
@@ -116,6 +137,12 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     drag(&mut window, &[at(0.01, 0.05), at(0.3, 0.05), at(0.5, 0.05), at(0.5, 0.547), at(0.99, 0.547)]);
     screenshot(&mut window, "window-music-curves.png");
     click_containing(&mut window, "Favourite");
+    click_containing(&mut window, "Lineage");
+    assert!(shows(&window, "Squid: bred from") && shows(&window, "of generation 2: bred from"));
+    assert!(shows(&window, "of generation 1: from seed 2012"));
+    screenshot(&mut window, "window-music-lineage.png");
+    window.key_press(Key::Escape);
+    window.run_steps(2);
 
     click_containing(&mut window, "Keep …");
     write(&mut window, "Tags", "slow, sea");
@@ -149,12 +176,15 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
 
     // The next evening: the shelf is as it was, and the session goes on.
     let mut window = enter(Opening { folders, files: vec![session], ..Opening::default() });
-    wait(&mut window, "the session", |w| shows(w, "3 / 3"));
+    wait(&mut window, "the session", |w| shows(w, "4 / 4"));
     window.get_by_role_and_label(Role::CheckBox, "Squid");
-    let seed = "12 items, seed 2012";
-    click_containing(&mut window, seed);
-    click(&mut window, "6 items");
-    assert!(shows(&window, "6 items, seed 2012") && shows(&window, "1 / 1"));
+    for (size, next) in [(12, 16), (16, 9), (9, 6)] {
+        click_containing(&mut window, &format!("{size} items, seed 2012"));
+        click(&mut window, &format!("{next} items"));
+        assert!(shows(&window, &format!("{next} items, seed 2012")) && shows(&window, "1 / 1"));
+        assert!(window.query_by_label(&format!("Dance {next}")).is_some());
+        assert!(window.query_by_label(&format!("Dance {}", next + 1)).is_none());
+    }
     click(&mut window, "Shelf");
     let kept = |window: &Window| window.get_by_role_and_label(Role::Button, "Squid").rect().center();
     window.hover_at(kept(&window));
@@ -168,6 +198,53 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     assert!(shows(&window, "2 / 2"));
     window.get_by_role_and_label(Role::CheckBox, "Squid");
     screenshot(&mut window, "window-music-reopened.png");
+}
+
+/// Pictures of the room on usual screens, and that nothing on them hangs over their edge.
+#[test]
+fn the_room_fits_every_screen() {
+    let folder = tempfile::tempdir().unwrap();
+    let screens: &[(&str, [f32; 2], f32, bool)] = &[
+        ("least", [900.0, 600.0], 1.0, false),
+        ("laptop", [1366.0, 768.0], 1.0, true),
+        ("desk", [1920.0, 1080.0], 1.0, false),
+        ("desk-light", [1920.0, 1080.0], 1.0, true),
+        ("4k", [1920.0, 1080.0], 2.0, false),
+        ("4k-light", [1920.0, 1080.0], 2.0, true),
+    ];
+    let shown = if takes_pictures() { screens } else { &screens[..1] };
+    for (name, size, pixels_per_point, light) in shown {
+        let folders = folders(folder.path());
+        let settings = folders.settings.clone().unwrap();
+        std::fs::write(settings, format!("harmonics = 96\nlight = {light}\n")).unwrap();
+        let builder = Harness::builder().with_size(*size).with_pixels_per_point(*pixels_per_point);
+        let mut window = open_with(Opening { folders, ..Opening::default() }, builder);
+        window.run_steps(3);
+        window.get_by_label("Open Music").click();
+        wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+        // Until there is something to hear.
+        std::thread::sleep(std::time::Duration::from_millis(1500));
+        for dance in ["Dance 2", "Dance 7"] {
+            click(&mut window, dance);
+        }
+        for key in [Key::F, Key::L] {
+            window.key_press(key);
+            window.run_steps(1);
+        }
+        window.run_steps(8);
+        let screen = egui::Rect::from_min_size(Pos2::ZERO, egui::Vec2::from(*size)).expand(0.5);
+        for label in ["Dance 4", "Dance 12", "Play", "Knobs", "Remote", "Tap", "Gain"] {
+            let rect = window.query_all_by_label(label).last().or_else(|| window.query_by_label("Pause"));
+            let rect = rect.unwrap().rect();
+            assert!(screen.contains_rect(rect), "{name}: {label} lies at {rect}");
+        }
+        let overlap = |a: &str, b: &str| {
+            let rect = |label: &str| window.query_all_by_label_contains(label).next().unwrap().rect();
+            rect(a).intersects(rect(b))
+        };
+        assert!(!overlap("Breed 2", "Next song"), "{name}: the bar is too full");
+        screenshot(&mut window, &format!("music-{name}.png"));
+    }
 }
 
 #[test]

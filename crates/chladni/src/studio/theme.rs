@@ -100,13 +100,23 @@ pub fn heading(ui: &mut egui::Ui, name: &str) {
 /// One line of a form: a label of fixed width, its tooltip, and controls. Sliders in it end where
 /// those of the other lines do.
 pub fn row<R>(ui: &mut egui::Ui, label: &str, tip: &str, controls: impl FnOnce(&mut egui::Ui) -> R) -> R {
-    const LABEL: f32 = 66.0;
+    wide_row(ui, 66.0, label, tip, controls)
+}
+
+/// As [`row`], with another width of its label.
+pub fn wide_row<R>(
+    ui: &mut egui::Ui,
+    width: f32,
+    label: &str,
+    tip: &str,
+    controls: impl FnOnce(&mut egui::Ui) -> R,
+) -> R {
     const VALUE: f32 = 58.0;
     ui.horizontal(|ui| {
-        let size = egui::vec2(LABEL, ui.spacing().interact_size.y);
+        let size = egui::vec2(width, ui.spacing().interact_size.y);
         let label = egui::Label::new(label).selectable(false);
         ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-            ui.set_min_width(LABEL);
+            ui.set_min_width(width);
             ui.add(label).on_hover_text(tip);
         });
         ui.spacing_mut().slider_width = (ui.available_width() - VALUE - GAP).max(40.0);

@@ -4,7 +4,8 @@ use chladni_music::{Action, GalleryItem, Instrument, Mapping, direct_transfer};
 use egui::{Rect, RichText, Slider, TextEdit, Ui, UiBuilder, pos2, vec2};
 
 use super::concert::View;
-use super::curve::{self, Plot, TRANSFER};
+use super::curve::{self, Plot};
+use super::lineage;
 use super::wish::Wish;
 use crate::studio::icon::{self, Icon};
 use crate::studio::theme;
@@ -68,7 +69,7 @@ pub fn show(
     let transfer = Plot {
         name: "t: which harmonic each sound band drives",
         range: (0.0, 1.0),
-        color: TRANSFER,
+        color: curve::transfer_color(ui),
         behind: heard.mid,
     };
     let response = curve::edit(ui, left, &transfer, &mut mapping.transfer);
@@ -118,7 +119,8 @@ fn header(
     heard: &Heard<'_>,
     wishes: &mut Vec<Wish>,
 ) {
-    if ui.button(icon::label(Icon::ChevronLeft, "Gallery")).on_hover_text("Back (Escape)").clicked() {
+    let back = ui.button(icon::label(Icon::ChevronLeft, "Gallery"));
+    if back.on_hover_text("Back to all dances (Escape)").clicked() {
         wishes.push(Wish::Show(View::Gallery));
     }
     let mut name = item.name.clone();
@@ -130,15 +132,17 @@ fn header(
     }
     let favourite = instrument.favourites().iter().any(|known| known.id == item.id);
     let star = ui.selectable_label(favourite, icon::label(Icon::Star, "Favourite"));
-    if star.clicked() {
+    if star.on_hover_text(super::FAVOURITE.tooltip(ui.ctx())).clicked() {
         wishes.push(Wish::Do(Action::Favourite { item: index, on: !favourite }));
     }
     if ui.button(icon::label(Icon::BookmarkPlus, "Keep …")).on_hover_text("Put it on the shelf").clicked() {
         wishes.push(Wish::Keep(item.id));
     }
-    if ui.button(icon::label(Icon::Presentation, "Stage")).clicked() {
+    let stage = ui.button(icon::label(Icon::Presentation, "Stage"));
+    if stage.on_hover_text(super::STAGE.tooltip(ui.ctx())).clicked() {
         wishes.push(Wish::Do(Action::Perform { item: index }));
     }
+    lineage::menu(ui, instrument, item, wishes);
     ui.separator();
     let weak = theme::palette(ui).weak;
     ui.spacing_mut().slider_width = 70.0;
@@ -161,7 +165,7 @@ fn header(
 /// Ready-made curves, to begin from.
 fn shapes_menu(ui: &mut Ui, item: &GalleryItem, index: usize, heard: &Heard<'_>, wishes: &mut Vec<Wish>) {
     let mapping = &item.mapping;
-    ui.menu_button(icon::label(Icon::Spline, "Curves"), |ui| {
+    let button = ui.menu_button(icon::label(Icon::Spline, "Curves"), |ui| {
         let mut entry = |ui: &mut Ui, name: &str, action: &dyn Fn() -> Action| {
             if ui.button(name).clicked() {
                 wishes.push(Wish::Do(action()));
@@ -191,6 +195,7 @@ fn shapes_menu(ui: &mut Ui, item: &GalleryItem, index: usize, heard: &Heard<'_>,
             amplification(values)
         });
     });
+    button.response.on_hover_text("Ready-made curves, to begin from");
 }
 
 /// What arrives at each harmonic now, coarsely: the background of a.

@@ -19,6 +19,7 @@ use super::pace::Pace;
 use super::preferences::Look;
 use super::wish::Wish;
 use crate::studio::room::Shared;
+use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
@@ -38,6 +39,17 @@ pub enum View {
     Harmonics(usize),
 }
 
+/// What an item is marked as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Marks {
+    /// As a parent.
+    pub chosen: bool,
+    /// As a favourite.
+    pub favourite: bool,
+    /// As one that stays in its place.
+    pub locked: bool,
+}
+
 /// Everything that moves on screen.
 pub struct Concert {
     instrument: Instrument,
@@ -54,7 +66,9 @@ pub struct Concert {
     guard: FlashGuard,
     seconds: f64,
     moment: Moment,
-    hovered: Option<usize>,
+    /// The item that keys act on: under the pointer where it moves, else where arrows went.
+    marked: Option<usize>,
+    columns: usize,
     view: View,
     draft: Option<Draft>,
     tried_out: Option<Mapping>,
@@ -92,7 +106,8 @@ impl Concert {
             guard: FlashGuard::default(),
             seconds: 0.0,
             moment: Moment::default(),
-            hovered: None,
+            marked: None,
+            columns: 1,
             view: View::Gallery,
             draft: None,
             tried_out: None,
@@ -143,9 +158,21 @@ impl Concert {
         Ok(())
     }
 
-    /// The item under the pointer.
-    pub fn hovered(&self) -> Option<usize> {
-        self.hovered
+    /// The item that keys act on.
+    pub fn marked(&self) -> Option<usize> {
+        match self.view {
+            View::CloseUp(item) => Some(item),
+            View::Gallery => self.marked,
+            View::Harmonics(_) => None,
+        }
+    }
+
+    /// Marks the item so many columns to the right and rows below the one that is marked.
+    pub fn mark_neighbour(&mut self, right: isize, down: isize) {
+        let count = self.instrument.gallery().items().len();
+        let step = right + down * self.columns as isize;
+        let next = self.marked.map_or(Some(0), |item| item.checked_add_signed(step));
+        self.marked = next.filter(|&item| item < count).or(self.marked);
     }
 
     /// What the middle shows.
@@ -157,7 +184,7 @@ impl Concert {
     pub fn look_at(&mut self, view: View) {
         self.view = view;
         self.draft = None;
-        self.hovered = None;
+        self.marked = None;
     }
 
     /// Plays a mapping in the gallery's place in the next frame.
@@ -165,10 +192,11 @@ impl Concert {
         self.tried_out = Some(mapping);
     }
 
-    /// Whether an item is a favourite, and whether it is locked.
-    pub fn marks(&self, item: usize) -> (bool, bool) {
-        let Some(item) = self.instrument.gallery().items().get(item) else { return (false, false) };
-        (self.instrument.favourites().iter().any(|favourite| favourite.id == item.id), item.locked)
+    /// What an item is marked as.
+    pub fn marks(&self, item: usize) -> Marks {
+        let Some(item) = self.instrument.gallery().items().get(item) else { return Marks::default() };
+        let favourite = self.instrument.favourites().iter().any(|favourite| favourite.id == item.id);
+        Marks { chosen: item.chosen, favourite, locked: item.locked }
     }
 
     /// Whether something is on stage.
@@ -232,7 +260,6 @@ impl Concert {
         let cells = self.cells(ui, rect, count);
         let look = shared.settings.music.look();
         self.draw(ui, shared, rect, &cells, beat, look)?;
-        self.hovered = None;
         match self.view {
             View::CloseUp(item) if close_up => {
                 let heard = close_up::Heard {
@@ -245,7 +272,13 @@ impl Concert {
             View::Gallery if !on_stage && solo.is_none() => {
                 let places: Vec<egui::Rect> =
                     cells.iter().map(|cell| viewport::to_points(ui, rect, *cell)).collect();
-                self.hovered = gallery::overlay(ui, &places, &self.instrument, wishes);
+                let hovered = gallery::overlay(ui, &places, &self.instrument, self.marked, wishes);
+                let moved = ui
+                    .input(|input| input.pointer.delta() != egui::Vec2::ZERO || input.pointer.any_pressed());
+                // A pointer that rests does not take the mark from the arrow keys.
+                if moved || self.marked.is_none() {
+                    self.marked = hovered;
+                }
             }
             _ => {}
         }
@@ -273,11 +306,13 @@ impl Concert {
         Ok(())
     }
 
-    fn cells(&self, ui: &Ui, rect: egui::Rect, count: usize) -> Vec<Rect> {
+    fn cells(&mut self, ui: &Ui, rect: egui::Rect, count: usize) -> Vec<Rect> {
         let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
         let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, count, 1.0);
-        layout::grid(area, rows, columns, 6, count)
+        self.columns = columns as usize;
+        let gap = pixels(6.0).min(area.width / 8);
+        layout::grid(area, rows, columns, gap, count)
     }
 
     fn draw(
@@ -326,22 +361,25 @@ impl Concert {
                     .collect()
             })
             .map_err(|error| error.to_string())?;
-        let veil = if limited { self.veil()? } else { Veil::Clear };
+        let behind = theme::palette(ui).stage;
+        ui.painter().rect_filled(rect, 0.0, behind);
+        let veil = if limited { self.veil(behind)? } else { Veil::Clear };
         match veil {
             Veil::Clear => self.viewport.paint(ui, rect, Color32::WHITE),
-            Veil::Black(opacity) => self.viewport.paint(ui, rect, Color32::from_gray(255 - opacity)),
-            Veil::White(opacity) => {
+            Veil::Black(opacity) | Veil::White(opacity) => {
                 self.viewport.paint(ui, rect, Color32::WHITE);
-                ui.painter().rect_filled(rect, 0.0, Color32::from_white_alpha(opacity));
+                let black = matches!(veil, Veil::Black(_));
+                let film = if black { Color32::from_black_alpha } else { Color32::from_white_alpha };
+                ui.painter().rect_filled(rect, 0.0, film(opacity));
             }
         }
         Ok(())
     }
 
     /// What keeps the picture that is about to be shown from flashing.
-    fn veil(&mut self) -> Result<Veil, String> {
+    fn veil(&mut self, behind: Color32) -> Result<Veil, String> {
         let Some(canvas) = self.viewport.canvas() else { return Ok(Veil::Clear) };
-        let picture = self.glimpse.of(self.viewport.gpu(), canvas)?;
+        let picture = self.glimpse.of(self.viewport.gpu(), canvas, behind)?;
         Ok(self.guard.veil(self.seconds, picture))
     }
 }

@@ -4,8 +4,13 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, TextSty
 
 use crate::studio::theme;
 
-/// Colour of transfers, in every curve and meter.
+/// Colour of transfers on the dark of a cell.
 pub const TRANSFER: Color32 = Color32::from_rgb(120, 190, 220);
+
+/// The same on a panel, where the light theme needs it darker.
+pub fn transfer_color(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { TRANSFER } else { Color32::from_rgb(28, 112, 150) }
+}
 
 /// How a curve looks and what its values may be.
 pub struct Plot<'a> {

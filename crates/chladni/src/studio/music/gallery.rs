@@ -1,37 +1,48 @@
 //! What is drawn over the dancing shapes: choice, marks, and each item's t and a.
 
 use chladni_music::{Action, GalleryItem, Instrument, Mapping};
-use egui::{Color32, Rect, Response, Stroke, Ui, pos2};
+use egui::{Align2, Color32, FontId, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
 
 use super::concert::View;
 use super::curve;
+use super::lineage;
 use super::wish::Wish;
+use super::{DRAW, FAVOURITE, LOCK, MUTATE, STAGE};
 use crate::studio::icon::{self, Icon};
+use crate::studio::shortcut::Shortcut;
+
+// The cells are dark in both themes, or as bright as the background that was chosen for them.
+const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
+/// How far marks and curves stay away from a cell's edge.
+const EDGE: f32 = 9.0;
 
 /// Draws the overlay of every cell and handles clicks: one chooses, two put on stage, the other
-/// button opens a menu. Returns the item under the pointer.
+/// button opens a menu. `marked` is the item that keys act on. Returns the item under the pointer.
 pub fn overlay(
     ui: &mut Ui,
     cells: &[Rect],
     instrument: &Instrument,
+    marked: Option<usize>,
     wishes: &mut Vec<Wish>,
 ) -> Option<usize> {
     let mut hovered = None;
     let items = instrument.gallery().items();
     for (index, (cell, item)) in cells.iter().zip(items).enumerate() {
-        let response = ui.interact(*cell, ui.scope_id().with(("dance", index)), egui::Sense::click());
+        let response = ui.interact(*cell, ui.scope_id().with(("dance", index)), Sense::click());
         let title = title(item, index);
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title));
         if response.contains_pointer() {
             hovered = Some(index);
         }
-        paint(ui, *cell, instrument, item, &title, response.hovered());
+        let is_marked = marked == Some(index);
+        frame(ui, *cell, item, &title, is_marked);
         if response.double_clicked() {
             wishes.push(Wish::Do(Action::Perform { item: index }));
         } else if response.clicked() {
             wishes.push(Wish::Do(Action::Choose { item: index, on: !item.chosen }));
         }
         menu(&response, instrument, index, wishes);
+        marks(ui, *cell, instrument, index, is_marked, wishes);
     }
     hovered
 }
@@ -40,31 +51,74 @@ fn title(item: &GalleryItem, index: usize) -> String {
     if item.name.is_empty() { format!("Dance {}", index + 1) } else { item.name.clone() }
 }
 
-fn paint(ui: &Ui, cell: Rect, instrument: &Instrument, item: &GalleryItem, title: &str, hovered: bool) {
-    let favourite = instrument.favourites().iter().any(|known| known.id == item.id);
-    // The cells are dark in both themes.
-    let (accent, text) = (Color32::from_rgb(226, 166, 70), Color32::from_white_alpha(150));
-    let border = match (item.chosen, hovered) {
-        (true, _) => Stroke::new(2.5, accent),
-        (false, true) => Stroke::new(1.0, Color32::from_white_alpha(70)),
+fn frame(ui: &Ui, cell: Rect, item: &GalleryItem, title: &str, marked: bool) {
+    let border = match (item.chosen, marked) {
+        (true, true) => Stroke::new(3.0, ACCENT),
+        (true, false) => Stroke::new(2.5, ACCENT.gamma_multiply(0.85)),
+        (false, true) => Stroke::new(1.5, Color32::from_white_alpha(110)),
         (false, false) => Stroke::new(1.0, Color32::from_white_alpha(18)),
     };
     ui.painter().rect_stroke(cell, 6.0, border, egui::StrokeKind::Inside);
     curves(ui, cell, &item.mapping);
-    let mut at = cell.left_top() + egui::vec2(9.0, 8.0);
-    for (shown, mark) in
-        [(item.chosen, Icon::CircleCheck), (favourite, Icon::Star), (item.locked, Icon::Lock)]
-    {
-        if shown {
-            let font = egui::FontId::proportional(15.0);
-            ui.painter().text(at, egui::Align2::LEFT_TOP, icon::text(mark), font, accent);
-            at.x += 20.0;
-        }
-    }
     let font = egui::TextStyle::Small.resolve(ui.style());
-    let corner = cell.right_top() + egui::vec2(-9.0, 8.0);
+    let corner = cell.right_top() + vec2(-EDGE, 8.0);
     let title = title.strip_prefix("Dance ").filter(|_| item.name.is_empty()).unwrap_or(title);
-    ui.painter().text(corner, egui::Align2::RIGHT_TOP, title, font, text);
+    legible(ui, corner, Align2::RIGHT_TOP, title, font, Color32::from_white_alpha(190));
+}
+
+/// Text that can be read on any background.
+fn legible(ui: &Ui, at: egui::Pos2, anchor: Align2, text: &str, font: FontId, color: Color32) {
+    let shade = Color32::from_black_alpha(130);
+    ui.painter().text(at + vec2(0.0, 1.0), anchor, text, font.clone(), shade);
+    ui.painter().text(at, anchor, text, font, color);
+}
+
+/// Chosen, favourite and locked; on the marked item buttons for all that can be done with it.
+fn marks(
+    ui: &mut Ui,
+    cell: Rect,
+    instrument: &Instrument,
+    index: usize,
+    marked: bool,
+    wishes: &mut Vec<Wish>,
+) {
+    let Some(item) = instrument.gallery().items().get(index) else { return };
+    let favourite = instrument.favourites().iter().any(|known| known.id == item.id);
+    let row = Rect::from_min_size(cell.left_top() + vec2(EDGE - 3.0, 5.0), vec2(cell.width() - 60.0, 22.0));
+    if !marked {
+        let mut at = row.left_top() + vec2(3.0, 3.0);
+        for (shown, mark) in
+            [(item.chosen, Icon::CircleCheck), (favourite, Icon::Star), (item.locked, Icon::Lock)]
+        {
+            if shown {
+                let font = FontId::proportional(15.0);
+                legible(ui, at, Align2::LEFT_TOP, &icon::text(mark), font, ACCENT);
+                at.x += 20.0;
+            }
+        }
+        return;
+    }
+    let layout = egui::Layout::left_to_right(egui::Align::Center);
+    let mut ui = ui.new_child(UiBuilder::new().id_salt(("marks", index)).max_rect(row).layout(layout));
+    ui.spacing_mut().item_spacing.x = 2.0;
+    ui.spacing_mut().button_padding = vec2(3.0, 2.0);
+    if item.chosen {
+        ui.label(RichText::new(icon::text(Icon::CircleCheck)).size(15.0).color(ACCENT));
+    }
+    let mut button = |mark: Icon, on: bool, key: Shortcut, wish: Wish| {
+        let color = if on { ACCENT } else { Color32::from_white_alpha(200) };
+        let text = RichText::new(icon::text(mark)).size(15.0).color(color);
+        let fill = Color32::from_black_alpha(120);
+        let button = ui.add(egui::Button::new(text).fill(fill).stroke(Stroke::NONE).small());
+        if button.on_hover_text(key.tooltip(ui.ctx())).clicked() {
+            wishes.push(wish);
+        }
+    };
+    button(Icon::Star, favourite, FAVOURITE, Wish::Do(Action::Favourite { item: index, on: !favourite }));
+    button(Icon::Lock, item.locked, LOCK, Wish::Do(Action::Lock { item: index, on: !item.locked }));
+    button(Icon::Dices, false, MUTATE, Wish::Do(Action::Mutate { item: index, amount: 0.2 }));
+    button(Icon::Spline, false, DRAW, Wish::Show(View::CloseUp(index)));
+    button(Icon::Presentation, false, STAGE, Wish::Do(Action::Perform { item: index }));
 }
 
 fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut Vec<Wish>) {
@@ -87,19 +141,33 @@ fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut 
         ui.separator();
         entry(ui, Icon::BookmarkPlus, "Keep on the shelf …", Wish::Keep(shown.id));
         entry(ui, Icon::Save, "Save as a file …", Wish::SavePreset(shown.id));
+        ui.separator();
+        lineage::menu(ui, instrument, shown, wishes);
     });
 }
 
-/// t above a, as small curves at the bottom of the cell.
+/// t at the left and a at the right, as small curves at the bottom of the cell.
 fn curves(ui: &Ui, cell: Rect, mapping: &Mapping) {
-    let width = (cell.width() * 0.34).min(120.0);
-    let height = (cell.height() * 0.13).min(30.0);
-    let left =
-        Rect::from_min_size(pos2(cell.left() + 9.0, cell.bottom() - height - 8.0), egui::vec2(width, height));
-    let right = left.translate(egui::vec2(cell.width() - width - 18.0, 0.0));
-    let stroke = |color: Color32| Stroke::new(1.3, color.gamma_multiply(0.85));
-    curve::line(ui.painter(), left, &mapping.transfer, (0.0, 1.0), stroke(curve::TRANSFER));
+    const NAME: f32 = 11.0;
+    let width = (cell.width() * 0.36 - NAME).min(150.0);
+    let height = (cell.height() * 0.14).min(36.0);
+    let left = Rect::from_min_size(
+        pos2(cell.left() + EDGE + NAME, cell.bottom() - height - EDGE),
+        vec2(width, height),
+    );
+    let right = left.translate(vec2(cell.width() - width - 2.0 * EDGE - NAME, 0.0));
     let peak = mapping.amplification.iter().fold(0.0_f32, |peak, a| peak.max(a.abs())).max(1e-6);
-    let accent = Color32::from_rgb(226, 166, 70);
-    curve::line(ui.painter(), right, &mapping.amplification, (-peak, peak), stroke(accent));
+    let faint = Stroke::new(1.0, Color32::from_white_alpha(26));
+    ui.painter().hline(left.x_range(), left.bottom(), faint);
+    ui.painter().hline(right.x_range(), right.center().y, faint);
+    for (rect, name, values, range, color) in [
+        (left, "t", &mapping.transfer, (0.0, 1.0), curve::TRANSFER),
+        (right, "a", &mapping.amplification, (-peak, peak), ACCENT),
+    ] {
+        // A dark rim keeps the line legible on a bright background.
+        curve::line(ui.painter(), rect, values, range, Stroke::new(3.2, Color32::from_black_alpha(90)));
+        curve::line(ui.painter(), rect, values, range, Stroke::new(1.5, color));
+        let at = pos2(rect.left() - 5.0, rect.center().y);
+        legible(ui, at, Align2::RIGHT_CENTER, name, FontId::proportional(11.0), color.gamma_multiply(0.9));
+    }
 }

@@ -3,6 +3,7 @@
 use chladni_music::Histogram;
 use chladni_view::{Canvas, Gpu};
 use eframe::wgpu;
+use egui::Color32;
 
 /// So many rows of the picture are fetched, spread evenly; all of a lower picture.
 const ROWS: u32 = 96;
@@ -18,9 +19,9 @@ pub struct Glimpse {
 
 impl Glimpse {
     /// Counts some of the pixels of what was drawn on `canvas` last. Waits until it is drawn: a
-    /// guard that looks at the frame before would come too late. Translucent pixels count as over
-    /// black.
-    pub fn of(&mut self, gpu: &Gpu, canvas: &Canvas) -> Result<&Histogram, String> {
+    /// guard that looks at the frame before would come too late. Translucent pixels let
+    /// `behind` through.
+    pub fn of(&mut self, gpu: &Gpu, canvas: &Canvas, behind: Color32) -> Result<&Histogram, String> {
         let (width, height) = (canvas.width(), canvas.height());
         let rows = height.min(ROWS);
         let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
@@ -58,8 +59,12 @@ impl Glimpse {
         {
             let bytes = buffer.get_mapped_range(..).map_err(|error| error.to_string())?;
             for row in bytes.chunks_exact(stride as usize) {
-                for [r, g, b, _] in row[..4 * width as usize].as_chunks().0.iter().step_by(STEP) {
-                    self.histogram.add([*r, *g, *b]);
+                for &[r, g, b, a] in row[..4 * width as usize].as_chunks().0.iter().step_by(STEP) {
+                    // The canvas holds colours times their opacity.
+                    let over = |own: u8, behind: u8| {
+                        own.saturating_add((u32::from(255 - a) * u32::from(behind) / 255) as u8)
+                    };
+                    self.histogram.add([over(r, behind.r()), over(g, behind.g()), over(b, behind.b())]);
                 }
             }
         }

@@ -6,6 +6,9 @@ use egui::{RichText, Slider, Ui};
 use super::wish::Wish;
 use crate::studio::theme;
 
+/// Width of the names.
+const LABEL: f32 = 98.0;
+
 /// Draws them all and collects what was turned.
 pub fn show(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
     let parameters = instrument.parameters();
@@ -41,11 +44,13 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
             knob(ui, instrument, *parameter, name, tip, wishes);
         }
     }
-    heading(ui, "On the beat");
-    for (switch, name, tip) in SWITCHES {
-        let mut on = parameters.is_on(*switch);
-        if ui.checkbox(&mut on, *name).on_hover_text(*tip).changed() {
-            wishes.push(Wish::Do(Action::Switch { switch: *switch, on }));
+    for (name, switches) in SWITCHES {
+        heading(ui, name);
+        for (switch, name, tip) in *switches {
+            let mut on = parameters.is_on(*switch);
+            if ui.checkbox(&mut on, *name).on_hover_text(*tip).changed() {
+                wishes.push(Wish::Do(Action::Switch { switch: *switch, on }));
+            }
         }
     }
 }
@@ -83,16 +88,31 @@ const GROUPS: &[(&str, &[Row])] = &[
     ),
 ];
 
-const SWITCHES: &[(Switch, &str, &str)] = &[
-    (Switch::BeatTurns, "Turn the shape", "The beat turns the shape"),
-    (Switch::BeatLights, "Move the lights", "The beat moves the lights"),
-    (Switch::BeatSteps, "Next favourite", "The beat steps through the favourites on stage"),
-    (Switch::LogBands, "Bands by pitch", "Equal steps of pitch rather than of frequency"),
-    (Switch::FlipSides, "Exchange sides", "Left and right are exchanged"),
+type Choice = (Switch, &'static str, &'static str);
+
+const SWITCHES: &[(&str, &[Choice])] = &[
     (
-        Switch::FlashLimit,
-        "Limit flashes",
-        "At most three flashes a second, for people with photosensitive epilepsy",
+        "On the beat",
+        &[
+            (Switch::BeatTurns, "Turn the shape", "The beat turns the shape"),
+            (Switch::BeatLights, "Move the lights", "The beat moves the lights"),
+            (Switch::BeatSteps, "Next favourite", "The beat steps through the favourites on stage"),
+        ],
+    ),
+    (
+        "Hearing",
+        &[
+            (Switch::LogBands, "Bands by pitch", "Equal steps of pitch rather than of frequency"),
+            (Switch::FlipSides, "Exchange sides", "Left and right are exchanged"),
+        ],
+    ),
+    (
+        "Safety",
+        &[(
+            Switch::FlashLimit,
+            "Limit flashes",
+            "At most three flashes a second, for people with photosensitive epilepsy",
+        )],
     ),
 ];
 
@@ -104,7 +124,8 @@ pub fn name(parameter: Parameter) -> &'static str {
 
 /// What a switch is called on screen.
 pub fn switch_name(switch: Switch) -> &'static str {
-    SWITCHES.iter().find(|row| row.0 == switch).map_or(switch.name(), |row| row.1)
+    let mut rows = SWITCHES.iter().flat_map(|(_, rows)| rows.iter());
+    rows.find(|row| row.0 == switch).map_or(switch.name(), |row| row.1)
 }
 
 fn heading(ui: &mut Ui, name: &str) {
@@ -122,11 +143,26 @@ fn knob(
 ) {
     let mut value = instrument.parameters().get(parameter);
     let (low, high) = parameter.range();
-    ui.label(RichText::new(name).small().color(theme::palette(ui).weak)).on_hover_text(tip);
-    let whole = matches!(parameter, Parameter::Bands | Parameter::BeatsPerStep);
-    let mut slider = Slider::new(&mut value, low..=high).fixed_decimals(if whole { 0 } else { 2 });
-    slider = slider.logarithmic(high / low.max(1e-3) > 500.0);
-    if ui.add(slider).on_hover_text(tip).changed() {
+    let slider = Slider::new(&mut value, low..=high).logarithmic(high / low.max(1e-3) > 500.0);
+    let slider = match parameter {
+        Parameter::Bands | Parameter::BeatsPerStep => slider.fixed_decimals(0),
+        Parameter::TransitionBeats => slider.fixed_decimals(1),
+        Parameter::Calibration | Parameter::Limit => in_units(slider, 100.0, 1, " %"),
+        Parameter::TurnRad | Parameter::LightSwingRad => {
+            in_units(slider, 180.0 / std::f64::consts::PI, 0, "°")
+        }
+        _ => slider.fixed_decimals(2),
+    };
+    let slider = theme::wide_row(ui, LABEL, name, tip, |ui| ui.add(slider).on_hover_text(tip));
+    theme::name(&slider, name);
+    if slider.changed() {
         wishes.push(Wish::Do(Action::Set { parameter, value }));
     }
+}
+
+/// Shown times `factor`, with a unit; typed numbers are in it, too.
+fn in_units<'a>(slider: Slider<'a>, factor: f64, decimals: usize, unit: &'static str) -> Slider<'a> {
+    slider
+        .custom_formatter(move |value, _| format!("{:.decimals$}{unit}", value * factor))
+        .custom_parser(move |text| Some(text.trim_end_matches(unit).trim().parse::<f64>().ok()? / factor))
 }

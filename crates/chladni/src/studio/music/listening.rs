@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use chladni_music::{Bands, Beat, Parameter, Parameters, Switch};
 use chladni_sound::{
-    BeatFollower, BeatMoment, Capture, CaptureLevel, CaptureSource, FrontEnd, Player, PlayerEvent,
-    PlayerSettings, PlayerState, PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings,
-    WavSample, sample_tune, write_wav,
+    BeatFollower, BeatMoment, Capture, CaptureSource, FrontEnd, Player, PlayerEvent, PlayerSettings,
+    PlayerState, PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune,
+    write_wav,
 };
 
 /// Where the song has moved on by so much more or less than the clock, someone sought: the beat
@@ -27,12 +27,32 @@ pub struct Listening {
     last_secs: f64,
     last_position_secs: f64,
     beats_gone: f64,
+    levels: [Level; 2],
     songs: Vec<PathBuf>,
     repeat: Repeat,
     warnings: Vec<String>,
     /// The sample tune lives in a file while the room is open.
     tune: PathBuf,
     _folder: tempfile::TempDir,
+}
+
+/// How loud one channel is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Level {
+    /// Largest amplitude, falling by 20 dB a second.
+    pub peak: f32,
+    /// Root mean square of what is heard now.
+    pub rms: f32,
+}
+
+impl Level {
+    fn of(samples: &[f32], before: Self, dt_secs: f64) -> Self {
+        let (peak, square) =
+            samples.iter().fold((0.0f32, 0.0f32), |(peak, square), s| (peak.max(s.abs()), square + s * s));
+        let fallen = before.peak * 0.1f32.powf(dt_secs as f32);
+        let rms = (square / samples.len().max(1) as f32).sqrt();
+        Self { peak: peak.max(if fallen > 1e-3 { fallen } else { 0.0 }), rms }
+    }
 }
 
 /// What is listened to instead of a song.
@@ -73,6 +93,7 @@ impl Listening {
             last_secs: 0.0,
             last_position_secs: 0.0,
             beats_gone: 0.0,
+            levels: [Level::default(); 2],
             songs: vec![tune.clone()],
             repeat: Repeat::Off,
             warnings: Vec::new(),
@@ -150,9 +171,14 @@ impl Listening {
         self.forget_beat();
     }
 
-    /// The live input's name and level.
-    pub fn live(&self) -> Option<(&str, CaptureLevel)> {
-        self.live.as_ref().map(|live| (live.name.as_str(), live.capture.level()))
+    /// The live input's name.
+    pub fn live(&self) -> Option<&str> {
+        self.live.as_ref().map(|live| live.name.as_str())
+    }
+
+    /// How loud left and right are.
+    pub fn levels(&self) -> [Level; 2] {
+        self.levels
     }
 
     /// The name of a song of the list.
@@ -246,6 +272,8 @@ impl Listening {
         };
         let playing = self.live.is_some() || status.state == PlayerState::Playing;
         self.take_window(playing);
+        let heard = [&self.left, &self.right];
+        self.levels = std::array::from_fn(|side| Level::of(heard[side], self.levels[side], dt_secs));
         let moment = self.follower.moment();
         let beat = Beat {
             count: self.beats_gone + moment.phase.clamp(0.0, 1.0),

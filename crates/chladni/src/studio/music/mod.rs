@@ -8,6 +8,7 @@ mod gallery;
 mod glimpse;
 mod harmonics;
 mod knobs;
+mod lineage;
 mod listening;
 mod loading;
 mod look;
@@ -42,20 +43,56 @@ use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::theme;
 
+const OPEN: Shortcut = Shortcut::command(Key::O, "Open a shape, songs, a preset or a session");
+const SAVE: Shortcut = Shortcut::command(Key::S, "Save the session");
 const PLAY: Shortcut = Shortcut::key(Key::Space, "Play or pause");
+const NEXT_SONG: Shortcut = Shortcut::key(Key::PageDown, "The next song");
+const PREVIOUS_SONG: Shortcut = Shortcut::key(Key::PageUp, "The song before");
+const TAP: Shortcut = Shortcut::key(Key::T, "Tap the beat");
+const HALVE: Shortcut = Shortcut::key(Key::OpenBracket, "The beat half as fast");
+const DOUBLE: Shortcut = Shortcut::key(Key::CloseBracket, "The beat twice as fast");
 const BREED: Shortcut = Shortcut::key(Key::Enter, "Breed the chosen ones");
 const BACK: Shortcut = Shortcut::command(Key::Z, "Back to the generation before");
-const FAVOURITE: Shortcut = Shortcut::key(Key::F, "Favourite the item under the pointer");
-const LOCK: Shortcut = Shortcut::key(Key::L, "Lock the item under the pointer");
-const MUTATE: Shortcut = Shortcut::key(Key::M, "Change the item under the pointer a little");
-const STAGE: Shortcut = Shortcut::key(Key::S, "Put the item under the pointer on stage");
-const DRAW: Shortcut = Shortcut::key(Key::E, "Name the item under the pointer and draw its curves");
+const FORTH: Shortcut = Shortcut::command_shift(Key::Z, "On to the generation after");
+const MARK: [Shortcut; 4] = [
+    Shortcut::key(Key::ArrowLeft, "Mark the dance to the left (on stage: the favourite before)"),
+    Shortcut::key(Key::ArrowRight, "Mark the dance to the right (on stage: the next favourite)"),
+    Shortcut::key(Key::ArrowUp, "Mark the dance above"),
+    Shortcut::key(Key::ArrowDown, "Mark the dance below"),
+];
+const CHOOSE: Shortcut = Shortcut::key(Key::C, "Choose the marked dance as a parent, or no longer");
+const FAVOURITE: Shortcut = Shortcut::key(Key::F, "Favourite");
+const LOCK: Shortcut = Shortcut::key(Key::L, "Lock in its place");
+const MUTATE: Shortcut = Shortcut::key(Key::M, "Change it a little");
+const DRAW: Shortcut = Shortcut::key(Key::E, "Name it and draw its curves");
+const STAGE: Shortcut = Shortcut::key(Key::S, "Put it on stage");
+const SHOW: Shortcut = Shortcut::key(Key::G, "Put the favourites on stage");
 const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave the stage, or back to the gallery");
-const NEXT: Shortcut = Shortcut::key(Key::ArrowRight, "On stage: the next favourite");
-const PREVIOUS: Shortcut = Shortcut::key(Key::ArrowLeft, "On stage: the favourite before");
-const TAP: Shortcut = Shortcut::key(Key::T, "Tap the beat");
-const KEYS: [Shortcut; 12] =
-    [PLAY, BREED, BACK, FAVOURITE, LOCK, MUTATE, DRAW, STAGE, NEXT, PREVIOUS, LEAVE, TAP];
+const KEYS: [Shortcut; 23] = [
+    OPEN,
+    SAVE,
+    PLAY,
+    NEXT_SONG,
+    PREVIOUS_SONG,
+    TAP,
+    HALVE,
+    DOUBLE,
+    BREED,
+    BACK,
+    FORTH,
+    MARK[0],
+    MARK[1],
+    MARK[2],
+    MARK[3],
+    CHOOSE,
+    FAVOURITE,
+    LOCK,
+    MUTATE,
+    DRAW,
+    STAGE,
+    SHOW,
+    LEAVE,
+];
 
 /// Extensions of songs that can be heard.
 const SONGS: [&str; 9] = ["wav", "flac", "mp3", "ogg", "oga", "m4a", "aac", "aiff", "aif"];
@@ -257,38 +294,65 @@ impl MusicRoom {
     fn keys(&mut self, ctx: &egui::Context) -> Vec<Wish> {
         let mut wishes = Vec::new();
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return wishes };
-        if PLAY.pressed(ctx) {
-            listening.toggle();
+        // An open menu has the keys.
+        if egui::Popup::is_any_open(ctx) {
+            return wishes;
         }
-        if TAP.pressed(ctx) {
-            listening.tap();
-        }
-        let on_stage = concert.on_stage();
-        let mut when = |shortcut: Shortcut, wish: Wish| {
+        type Hearing = fn(&mut Listening);
+        let hearing: [(Shortcut, Hearing); 6] = [
+            (PLAY, Listening::toggle),
+            (TAP, Listening::tap),
+            (NEXT_SONG, |listening| listening.player().next()),
+            (PREVIOUS_SONG, |listening| listening.player().previous()),
+            (HALVE, |listening| listening.follower().halve()),
+            (DOUBLE, |listening| listening.follower().double()),
+        ];
+        hearing.iter().filter(|(key, _)| key.pressed(ctx)).for_each(|(_, act)| act(listening));
+        let when = |wishes: &mut Vec<Wish>, shortcut: Shortcut, wish: Wish| {
             if shortcut.pressed(ctx) {
                 wishes.push(wish);
             }
         };
-        if on_stage {
-            when(LEAVE, Wish::Do(Action::LeaveStage));
-            when(NEXT, Wish::StepFavourite(true));
-            when(PREVIOUS, Wish::StepFavourite(false));
+        if concert.on_stage() {
+            when(&mut wishes, LEAVE, Wish::Do(Action::LeaveStage));
+            when(&mut wishes, MARK[0], Wish::StepFavourite(false));
+            when(&mut wishes, MARK[1], Wish::StepFavourite(true));
             return wishes;
         }
-        when(BREED, Wish::Do(Action::Breed));
-        if let Some(before) = concert.instrument().gallery().current().checked_sub(1) {
-            when(BACK, Wish::Do(Action::GoTo { generation: before }));
+        when(&mut wishes, OPEN, Wish::Open);
+        when(&mut wishes, SAVE, Wish::SaveSession);
+        when(&mut wishes, BREED, Wish::Do(Action::Breed));
+        let gallery = concert.instrument().gallery();
+        // With Shift first: the key without it would answer, too.
+        let go = [
+            (FORTH, Some(gallery.current() + 1).filter(|&after| after < gallery.generations().len())),
+            (BACK, gallery.current().checked_sub(1)),
+        ];
+        for (key, generation) in go {
+            if key.pressed(ctx)
+                && let Some(generation) = generation
+            {
+                wishes.push(Wish::Do(Action::GoTo { generation }));
+            }
+        }
+        if !concert.instrument().favourites().is_empty() {
+            when(&mut wishes, SHOW, Wish::Do(Action::PerformFavourites { first: 0 }));
+        }
+        if let Some(item) = concert.marked() {
+            let marks = concert.marks(item);
+            when(&mut wishes, CHOOSE, Wish::Do(Action::Choose { item, on: !marks.chosen }));
+            when(&mut wishes, FAVOURITE, Wish::Do(Action::Favourite { item, on: !marks.favourite }));
+            when(&mut wishes, LOCK, Wish::Do(Action::Lock { item, on: !marks.locked }));
+            when(&mut wishes, MUTATE, Wish::Do(Action::Mutate { item, amount: 0.2 }));
+            when(&mut wishes, DRAW, Wish::Show(View::CloseUp(item)));
+            when(&mut wishes, STAGE, Wish::Do(Action::Perform { item }));
         }
         if concert.view() != View::Gallery {
-            when(LEAVE, Wish::Show(View::Gallery));
+            when(&mut wishes, LEAVE, Wish::Show(View::Gallery));
+            return wishes;
         }
-        if let Some(item) = concert.hovered() {
-            let (favourite, locked) = concert.marks(item);
-            when(FAVOURITE, Wish::Do(Action::Favourite { item, on: !favourite }));
-            when(LOCK, Wish::Do(Action::Lock { item, on: !locked }));
-            when(MUTATE, Wish::Do(Action::Mutate { item, amount: 0.2 }));
-            when(DRAW, Wish::Show(View::CloseUp(item)));
-            when(STAGE, Wish::Do(Action::Perform { item }));
+        for (key, (right, down)) in MARK.iter().zip([(-1, 0), (1, 0), (0, -1), (0, 1)]) {
+            when(&mut wishes, *key, Wish::Mark { right, down });
         }
         wishes
     }
@@ -315,7 +379,7 @@ impl MusicRoom {
         egui::Panel::right("drawer").exact_size(theme::PANEL_WIDTH - 24.0).show(ui, |ui| {
             self.drawers.show(ui, concert, listening, shared, wishes);
         });
-        egui::Panel::bottom("meters").exact_size(84.0).show(ui, |ui| meters::show(ui, listening));
+        egui::Panel::bottom("meters").exact_size(meters::HEIGHT).show(ui, |ui| meters::show(ui, listening));
     }
 
     fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {
@@ -331,6 +395,10 @@ impl MusicRoom {
             }
             Wish::TryOut(mapping) => {
                 concert.try_out(mapping);
+                Ok(())
+            }
+            Wish::Mark { right, down } => {
+                concert.mark_neighbour(right, down);
                 Ok(())
             }
             Wish::StepFavourite(forward) => match concert.next_favourite(forward) {

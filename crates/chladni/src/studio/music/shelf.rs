@@ -226,7 +226,13 @@ fn thumbnail(ui: &mut Ui, mapping: &Mapping) {
     let (rect, _) = ui.allocate_exact_size(vec2(44.0, 30.0), Sense::hover());
     let (upper, lower) = rect.shrink(2.0).split_top_bottom_at_fraction(0.5);
     ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
-    curve::line(ui.painter(), upper, &mapping.transfer, (0.0, 1.0), Stroke::new(1.2, curve::TRANSFER));
+    curve::line(
+        ui.painter(),
+        upper,
+        &mapping.transfer,
+        (0.0, 1.0),
+        Stroke::new(1.2, curve::transfer_color(ui)),
+    );
     let accent = theme::palette(ui).accent;
     curve::line(ui.painter(), lower, &mapping.amplification, (-1.0, 1.0), Stroke::new(1.2, accent));
 }

@@ -4,6 +4,7 @@ use chladni_sound::{CaptureKind, CaptureSource, PlayerState, Repeat, SoundError,
 use egui::{RichText, Ui, vec2};
 
 use super::listening::Listening;
+use super::meters;
 use super::wish::Wish;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job::{Job, Outcome};
@@ -118,7 +119,7 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Inputs, notices: &m
     let mut chosen = None;
     for source in &inputs.found {
         let mark = if source.kind == CaptureKind::Loopback { Icon::Headphones } else { Icon::Mic };
-        let on = listening.live().is_some_and(|(name, _)| name == source.name);
+        let on = listening.live().is_some_and(|name| name == source.name);
         let row = row(ui, ui.available_width(), on, icon::label(mark, &source.name));
         if row.on_hover_text(&source.name).clicked() {
             chosen = Some((!on, source.clone()));
@@ -133,8 +134,8 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Inputs, notices: &m
         Some((false, _)) => listening.stop_listening(),
         None => {}
     }
-    if let Some((_, level)) = listening.live() {
-        meter(ui, level.peak, level.rms);
+    if listening.live().is_some() {
+        listening.levels().into_iter().for_each(|level| meters::level(ui, level));
     }
 }
 
@@ -143,21 +144,4 @@ fn row(ui: &mut Ui, width: f32, on: bool, text: String) -> egui::Response {
     let layout = egui::Layout::top_down_justified(egui::Align::LEFT);
     let button = egui::Button::selectable(on, text).truncate();
     ui.allocate_ui_with_layout(vec2(width, 26.0), layout, |ui| ui.add(button)).inner
-}
-
-/// A bar of the root mean square with a line at the peak, from −60 dB to full scale.
-fn meter(ui: &mut Ui, peak: f32, rms: f32) {
-    let palette = theme::palette(ui);
-    let share = |amplitude: f32| (1.0 + 20.0 * amplitude.max(1e-6).log10() / 60.0).clamp(0.0, 1.0);
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 12.0), egui::Sense::hover());
-    let color = if peak >= 0.999 { palette.error } else { palette.good };
-    ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
-    let mut bar = rect.shrink(2.0);
-    let whole = bar.width();
-    bar.set_width(whole * share(rms));
-    ui.painter().rect_filled(bar, 3.0, color.gamma_multiply(0.8));
-    let x = rect.left() + 2.0 + whole * share(peak);
-    ui.painter().vline(x, rect.shrink(2.0).y_range(), egui::Stroke::new(2.0, color));
-    let decibels = 20.0 * peak.max(1e-6).log10();
-    response.on_hover_text(format!("Peak {decibels:.0} dB"));
 }

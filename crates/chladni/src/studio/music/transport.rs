@@ -7,7 +7,7 @@ use egui::{RichText, ScrollArea, Slider, Ui};
 use super::concert::{Concert, View};
 use super::listening::Listening;
 use super::wish::Wish;
-use super::{BREED, PLAY};
+use super::{BACK, BREED, FORTH, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW};
 use crate::studio::icon::{self, Icon};
 use crate::studio::theme;
 
@@ -32,12 +32,12 @@ pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &
 fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
     ui.menu_button(icon::label(Icon::FolderOpen, "File"), |ui| {
         for (mark, name, tip, wish) in [
-            (Icon::FolderOpen, "Open …", "A shape, a caricature, songs, a preset or a session", Wish::Open),
-            (Icon::Music, "Add songs …", "To the end of the list", Wish::AddSongs),
+            (Icon::FolderOpen, "Open …", OPEN.tooltip(ui.ctx()), Wish::Open),
+            (Icon::Music, "Add songs …", "To the end of the list".into(), Wish::AddSongs),
             (
                 Icon::Save,
                 "Save session …",
-                "All that was done, to go on with or to film later",
+                format!("{}: all that was done, to go on with or to film later", SAVE.tooltip(ui.ctx())),
                 Wish::SaveSession,
             ),
         ] {
@@ -50,7 +50,9 @@ fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
 }
 
 fn song(ui: &mut Ui, listening: &mut Listening) {
-    if ui.button(icon::text(Icon::SkipBack)).on_hover_text("The song before").clicked() {
+    let back = ui.button(icon::text(Icon::SkipBack)).on_hover_text(PREVIOUS_SONG.tooltip(ui.ctx()));
+    theme::name(&back, "Previous song");
+    if back.clicked() {
         listening.player().previous();
     }
     let status = listening.player().status();
@@ -62,7 +64,9 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
     if button.clicked() {
         listening.toggle();
     }
-    if ui.button(icon::text(Icon::SkipForward)).on_hover_text("The next song").clicked() {
+    let next = ui.button(icon::text(Icon::SkipForward)).on_hover_text(NEXT_SONG.tooltip(ui.ctx()));
+    theme::name(&next, "Next song");
+    if next.clicked() {
         listening.player().next();
     }
     if listening.live().is_some() {
@@ -73,7 +77,7 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
     let mut at = status.position_secs;
     ui.spacing_mut().slider_width = 110.0;
     let slider = ui.add_enabled(length > 0.0, Slider::new(&mut at, 0.0..=length.max(0.1)).show_value(false));
-    if slider.changed() {
+    if slider.on_hover_text("Where in the song").changed() {
         listening.player().seek(at);
     }
     ui.monospace(format!("{} / {}", clock(status.position_secs), clock(length)));
@@ -85,8 +89,8 @@ fn stage(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let button = egui::Button::new(icon::label(Icon::Presentation, "Stage"));
     let button = ui
         .add_enabled(favourites > 0, button)
-        .on_hover_text("Put the favourites on stage; Escape comes back")
-        .on_disabled_hover_text("Favourite a dance first (F)");
+        .on_hover_text(SHOW.tooltip(ui.ctx()))
+        .on_disabled_hover_text("Favourite a dance first: mark it and press F");
     if button.clicked() {
         wishes.push(Wish::Do(Action::PerformFavourites { first: 0 }));
     }
@@ -98,12 +102,12 @@ fn breeding(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     sizes(ui, concert, wishes);
     let (current, count) = (gallery.current(), gallery.generations().len());
     let forth = egui::Button::new(icon::text(Icon::ChevronRight));
-    if ui.add_enabled(current + 1 < count, forth).on_hover_text("The generation after").clicked() {
+    if ui.add_enabled(current + 1 < count, forth).on_hover_text(FORTH.tooltip(ui.ctx())).clicked() {
         wishes.push(Wish::Do(Action::GoTo { generation: current + 1 }));
     }
     generations(ui, concert, wishes);
     let back = egui::Button::new(icon::text(Icon::ChevronLeft));
-    if ui.add_enabled(current > 0, back).on_hover_text("The generation before").clicked() {
+    if ui.add_enabled(current > 0, back).on_hover_text(BACK.tooltip(ui.ctx())).clicked() {
         wishes.push(Wish::Do(Action::GoTo { generation: current - 1 }));
     }
     let chosen = gallery.items().iter().filter(|item| item.chosen).count();
@@ -134,7 +138,7 @@ fn generations(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
         });
     })
     .response
-    .on_hover_text("Generations");
+    .on_hover_text("All generations: go back to any");
 }
 
 fn sizes(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
@@ -159,7 +163,9 @@ fn sizes(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
             icon::label(Icon::FlipHorizontal2, "Harmonics and symmetry"),
             Wish::Show(View::Harmonics(first)),
         );
-    });
+    })
+    .response
+    .on_hover_text("How many dances there are, and the seed of all that is random");
 }
 
 fn clock(secs: f64) -> String {

@@ -29,6 +29,9 @@ pub enum Wish {
     Take(PathBuf),
     /// Delete a preset of the shelf.
     Discard(PathBuf),
+    /// Mark the item so many columns to the right and rows below.
+    #[allow(missing_docs, reason = "the words above say it")]
+    Mark { right: isize, down: isize },
     /// On stage: the favourite after (true) or before the one that plays.
     StepFavourite(bool),
 }
