@@ -26,6 +26,10 @@ pub(crate) trait Lanes: Copy {
     /// c − a · b, rounded once.
     fn mul_sub_from(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
 
+    /// Begins to bring what will be read soon into the first cache.
+    #[inline(always)]
+    fn prefetch(self, _x: &[f64; 8]) {}
+
     /// The 8×8 matrix of these rows, transposed.
     #[inline(always)]
     fn transpose(self, rows: [Self::V; 8]) -> [Self::V; 8] {
@@ -78,6 +82,32 @@ fn avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx2(()))
 }
 
+/// Runs a kernel for one kind of processor, if this one can.
+#[cfg(test)]
+pub(crate) fn run_for<K: Kernel>(processor: Processor, kernel: K) -> Option<K::Output> {
+    match processor {
+        Processor::This => Some(dispatch(kernel)),
+        Processor::Any => Some(kernel.run(Portable)),
+        #[cfg(target_arch = "x86_64")]
+        Processor::Avx2 if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") => {
+            // SAFETY: the features were detected.
+            Some(unsafe { avx2(kernel) })
+        }
+        Processor::Avx2 => None,
+    }
+}
+
+#[cfg(test)]
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Processor {
+    This,
+    Avx2,
+    Any,
+}
+
+#[cfg(test)]
+pub(crate) const PROCESSORS: [Processor; 3] = [Processor::This, Processor::Avx2, Processor::Any];
+
 #[derive(Clone, Copy)]
 struct Portable;
 
@@ -127,6 +157,11 @@ struct Avx512(());
 #[cfg(target_arch = "x86_64")]
 impl Lanes for Avx512 {
     type V = __m512d;
+    #[inline(always)]
+    fn prefetch(self, x: &[f64; 8]) {
+        // SAFETY: a hint about an address that may be read.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(x.as_ptr().cast()) }
+    }
     #[inline(always)]
     fn splat(self, x: f64) -> __m512d {
         // SAFETY: see above.
@@ -204,6 +239,11 @@ struct Avx2(());
 impl Lanes for Avx2 {
     type V = [__m256d; 2];
     #[inline(always)]
+    fn prefetch(self, x: &[f64; 8]) {
+        // SAFETY: a hint about an address that may be read.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(x.as_ptr().cast()) }
+    }
+    #[inline(always)]
     fn splat(self, x: f64) -> [__m256d; 2] {
         // SAFETY: see above.
         unsafe { [_mm256_set1_pd(x); 2] }
@@ -271,12 +311,10 @@ mod tests {
     fn a_transpose_is_one_on_every_kind_of_processor() {
         let matrix = std::array::from_fn(|i| std::array::from_fn(|j| (8 * i + j) as f64));
         let transposed = std::array::from_fn(|i| std::array::from_fn(|j| (8 * j + i) as f64));
-        assert_eq!(dispatch(Transpose(matrix)), transposed);
-        assert_eq!(Transpose(matrix).run(Portable), transposed);
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            // SAFETY: the features were detected.
-            assert_eq!(unsafe { avx2(Transpose(matrix)) }, transposed);
+        for processor in PROCESSORS {
+            if let Some(result) = run_for(processor, Transpose(matrix)) {
+                assert_eq!(result, transposed, "{processor:?}");
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Symbolic;
 use super::front::{ZeroPivot, eliminate, stride};
+use super::panel::{diagonal_len, pack};
 use crate::SymmetricSparse;
 use crate::simd::{Kernel, Lanes, dispatch};
 
@@ -107,10 +108,9 @@ impl Kernel for Factorize<'_> {
                 *inverse = 1.0 / pivot;
                 factor.below_shift += usize::from(*pivot < 0.0);
             }
-            let values = &mut factor.values[node.values_start..node.values_start + size * node.width];
-            for (i, row) in values.chunks_exact_mut(node.width).enumerate() {
-                row.copy_from_slice(&front[i * ld..i * ld + node.width]);
-            }
+            let stored = diagonal_len(node.width) + node.width * node.below;
+            let values = &mut factor.values[node.values_start..node.values_start + stored];
+            pack(front, ld, node.width, size, values);
             if node.below > 0 {
                 finished.push((s, workspace.waiting.len()));
                 for i in node.width..size {

@@ -4,6 +4,7 @@
 mod factor;
 mod front;
 mod ordering;
+mod panel;
 mod separator;
 mod solve;
 mod symbolic;

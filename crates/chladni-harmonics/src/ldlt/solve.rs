@@ -1,6 +1,7 @@
 //! Solving with many right-hand sides at once.
 
 use super::front::TILE;
+use super::panel::{PANEL, diagonal_len};
 use super::symbolic::Supernode;
 use super::{Factor, Symbolic};
 use crate::simd::{Kernel, Lanes, dispatch};
@@ -15,10 +16,10 @@ impl Factor {
     }
 }
 
-struct Solve<'a> {
-    factor: &'a Factor,
-    symbolic: &'a Symbolic,
-    x: &'a mut [Row],
+pub(super) struct Solve<'a> {
+    pub factor: &'a Factor,
+    pub symbolic: &'a Symbolic,
+    pub x: &'a mut [Row],
 }
 
 impl Kernel for Solve<'_> {
@@ -33,8 +34,8 @@ impl Kernel for Solve<'_> {
             let (head, tail) = x.split_at_mut(end);
             let own = &mut head[node.first..];
             reorder(own, &factor.order[node.first..end], false);
-            forward_diagonal(lanes, diagonal, node.width, own);
-            forward_below(lanes, below, node.width, rows, own, tail, end);
+            forward_diagonal(lanes, diagonal, own);
+            forward_below(lanes, below, rows, own, tail, end);
         }
         for node in symbolic.supernodes.iter().rev() {
             let (diagonal, below, rows) = parts(factor, symbolic, node);
@@ -44,8 +45,8 @@ impl Kernel for Solve<'_> {
             for (x, &d) in own.iter_mut().zip(&factor.inverse_pivots[node.first..end]) {
                 lanes.store(lanes.mul(lanes.load(x), lanes.splat(d)), x);
             }
-            backward_below(lanes, below, node.width, rows, own, tail, end);
-            backward_diagonal(lanes, diagonal, node.width, own);
+            backward_below(lanes, below, rows, own, tail, end);
+            backward_diagonal(lanes, diagonal, own);
             reorder(own, &factor.order[node.first..end], true);
         }
     }
@@ -73,20 +74,21 @@ fn reorder(own: &mut [Row], order: &[u32], back: bool) {
     }
 }
 
+/// The diagonal block of a supernode, what is below it, and which rows that is.
 #[inline(always)]
 fn parts<'a>(
     factor: &'a Factor,
     symbolic: &'a Symbolic,
     node: &Supernode,
 ) -> (&'a [f64], &'a [f64], &'a [u32]) {
-    let w = node.width;
-    let values = &factor.values[node.values_start..node.values_start + w * (w + node.below)];
-    let (diagonal, below) = values.split_at(w * w);
+    let diagonal = diagonal_len(node.width);
+    let values = &factor.values[node.values_start..][..diagonal + node.width * node.below];
+    let (diagonal, below) = values.split_at(diagonal);
     (diagonal, below, &symbolic.rows[node.rows_start..node.rows_start + node.below])
 }
 
-/// Calls a function for groups of 1 to 7 with the size of the group known to the compiler, so that the
-/// group stays in registers; most supernodes are that narrow.
+/// Calls a function for a panel of 1 to 7 rows with their number known to the compiler, so that
+/// they stay in registers.
 macro_rules! sized {
     ($size:expr, $function:ident($($argument:expr),*)) => {
         match $size {
@@ -102,44 +104,99 @@ macro_rules! sized {
     };
 }
 
+/// The R rows of L in a panel, times `x`.
+#[inline(always)]
+fn products<L: Lanes, const R: usize>(lanes: L, panel: &[f64], x: &[Row]) -> [L::V; R] {
+    let mut sum = [lanes.splat(0.0); R];
+    for (l, x) in panel.as_chunks::<R>().0.iter().zip(x) {
+        let x = lanes.load(x);
+        for r in 0..R {
+            sum[r] = lanes.mul_add(lanes.splat(l[r]), x, sum[r]);
+        }
+    }
+    sum
+}
+
+/// own ← own − Lᵀ x for the R rows of L in a panel.
+#[inline(always)]
+fn subtract_transposed<L: Lanes, const R: usize>(lanes: L, panel: &[f64], x: &[L::V; R], own: &mut [Row]) {
+    for (l, own) in panel.as_chunks::<R>().0.iter().zip(own) {
+        // Two sums, as one would wait for itself.
+        let mut sum = [lanes.load(own), lanes.splat(0.0)];
+        for r in 0..R {
+            sum[r % 2] = lanes.mul_sub_from(lanes.splat(l[r]), x[r], sum[r % 2]);
+        }
+        lanes.store(if R > 1 { lanes.add(sum[0], sum[1]) } else { sum[0] }, own);
+    }
+}
+
 /// own ← L₁₁⁻¹ own.
 #[inline(always)]
-fn forward_diagonal<L: Lanes>(lanes: L, diagonal: &[f64], w: usize, own: &mut [Row]) {
-    let whole = w - w % 8;
-    for i in (0..whole).step_by(8) {
-        forward_group::<L, 8>(lanes, diagonal, w, i, own);
+fn forward_diagonal<L: Lanes>(lanes: L, mut diagonal: &[f64], own: &mut [Row]) {
+    let whole = own.len() - own.len() % PANEL;
+    for i in (0..whole).step_by(PANEL) {
+        let (group, rest) = diagonal.split_at(PANEL * (i + PANEL));
+        forward_group::<L, PANEL>(lanes, group, own, i);
+        diagonal = rest;
     }
-    sized!(w - whole, forward_group(lanes, diagonal, w, whole, own));
+    sized!(own.len() - whole, forward_group(lanes, diagonal, own, whole));
 }
 
 /// Rows `i .. i + R` of L₁₁⁻¹, given all rows before them.
 #[inline(always)]
-fn forward_group<L: Lanes, const R: usize>(lanes: L, diagonal: &[f64], w: usize, i: usize, own: &mut [Row]) {
-    let (before, group) = own.split_at_mut(i);
-    let mut x = products::<L, R>(lanes, diagonal, w, i, before);
+fn forward_group<L: Lanes, const R: usize>(lanes: L, group: &[f64], own: &mut [Row], i: usize) {
+    let (left, triangle) = group.split_at(R * i);
+    let (before, own) = own.split_at_mut(i);
+    let mut x = products::<L, R>(lanes, left, before);
+    let (Some(triangle), Some(own)) =
+        (triangle.as_chunks::<R>().0.first_chunk::<R>(), own.first_chunk_mut::<R>())
+    else {
+        return;
+    };
     for r in 0..R {
-        x[r] = lanes.sub(lanes.load(&group[r]), x[r]);
-        for k in 0..r {
-            let l = lanes.splat(diagonal[(i + r) * w + i + k]);
-            x[r] = lanes.mul_sub_from(l, x[k], x[r]);
+        x[r] = lanes.sub(lanes.load(&own[r]), x[r]);
+    }
+    for k in 0..R {
+        for r in k + 1..R {
+            x[r] = lanes.mul_sub_from(lanes.splat(triangle[k][r]), x[k], x[r]);
         }
-        lanes.store(x[r], &mut group[r]);
+        lanes.store(x[k], &mut own[k]);
     }
 }
 
-/// Rows `first .. first + R` of L (rows `w` apart) times `x`.
+/// own ← L₁₁⁻ᵀ own.
 #[inline(always)]
-fn products<L: Lanes, const R: usize>(lanes: L, l: &[f64], w: usize, first: usize, x: &[Row]) -> [L::V; R] {
-    let rows: [&[f64]; R] = std::array::from_fn(|r| &l[(first + r) * w..][..x.len()]);
-    let mut sum = [lanes.splat(0.0); R];
-    for (k, x) in x.iter().enumerate() {
-        let x = lanes.load(x);
-        for r in 0..R {
-            let l = lanes.splat(rows[r][k]);
-            sum[r] = lanes.mul_add(l, x, sum[r]);
+fn backward_diagonal<L: Lanes>(lanes: L, mut diagonal: &[f64], own: &mut [Row]) {
+    let part = own.len() % PANEL;
+    let whole = own.len() - part;
+    let (groups, last) = diagonal.split_at(diagonal_len(whole));
+    sized!(part, backward_group(lanes, last, own, whole));
+    diagonal = groups;
+    for i in (0..whole).step_by(PANEL).rev() {
+        let (rest, group) = diagonal.split_at(diagonal_len(i));
+        backward_group::<L, PANEL>(lanes, group, own, i);
+        diagonal = rest;
+    }
+}
+
+/// Rows `i .. i + R` of L₁₁⁻ᵀ, and their share taken out of all rows before them.
+#[inline(always)]
+fn backward_group<L: Lanes, const R: usize>(lanes: L, group: &[f64], own: &mut [Row], i: usize) {
+    let (left, triangle) = group.split_at(R * i);
+    let (before, own) = own.split_at_mut(i);
+    let (Some(triangle), Some(own)) =
+        (triangle.as_chunks::<R>().0.first_chunk::<R>(), own.first_chunk_mut::<R>())
+    else {
+        return;
+    };
+    let mut x: [L::V; R] = std::array::from_fn(|r| lanes.load(&own[r]));
+    for r in (0..R).rev() {
+        lanes.store(x[r], &mut own[r]);
+        for k in 0..r {
+            x[k] = lanes.mul_sub_from(lanes.splat(triangle[k][r]), x[r], x[k]);
         }
     }
-    sum
+    subtract_transposed(lanes, left, &x, before);
 }
 
 /// x[rows] ← x[rows] − L₂₁ own.
@@ -147,32 +204,30 @@ fn products<L: Lanes, const R: usize>(lanes: L, l: &[f64], w: usize, first: usiz
 fn forward_below<L: Lanes>(
     lanes: L,
     below: &[f64],
-    w: usize,
     rows: &[u32],
     own: &[Row],
     tail: &mut [Row],
     offset: usize,
 ) {
-    let whole = rows.len() - rows.len() % 8;
-    for i in (0..whole).step_by(8) {
-        forward_rows::<L, 8>(lanes, below, w, i, rows, own, tail, offset);
+    let (panels, last) = rows.as_chunks::<PANEL>();
+    let (values, last_values) = below.split_at(panels.len() * PANEL * own.len());
+    for (panel, rows) in values.chunks_exact(PANEL * own.len()).zip(panels) {
+        forward_rows::<L, PANEL>(lanes, panel, rows, own, tail, offset);
     }
-    sized!(rows.len() - whole, forward_rows(lanes, below, w, whole, rows, own, tail, offset));
+    sized!(last.len(), forward_rows(lanes, last_values, last, own, tail, offset));
 }
 
 #[inline(always)]
 fn forward_rows<L: Lanes, const R: usize>(
     lanes: L,
-    below: &[f64],
-    w: usize,
-    first: usize,
+    panel: &[f64],
     rows: &[u32],
     own: &[Row],
     tail: &mut [Row],
     offset: usize,
 ) {
-    let sum = products::<L, R>(lanes, below, w, first, own);
-    for (sum, &row) in sum.into_iter().zip(&rows[first..first + R]) {
+    let sum = products::<L, R>(lanes, panel, own);
+    for (sum, &row) in sum.into_iter().zip(rows) {
         let x = &mut tail[row as usize - offset];
         lanes.store(lanes.sub(lanes.load(x), sum), x);
     }
@@ -183,91 +238,28 @@ fn forward_rows<L: Lanes, const R: usize>(
 fn backward_below<L: Lanes>(
     lanes: L,
     below: &[f64],
-    w: usize,
     rows: &[u32],
     own: &mut [Row],
     tail: &[Row],
     offset: usize,
 ) {
-    let whole = w - w % 8;
-    for k in (0..whole).step_by(8) {
-        backward_columns::<L, 8>(lanes, below, w, rows, k, own, tail, offset);
+    let (panels, last) = rows.as_chunks::<PANEL>();
+    let (values, last_values) = below.split_at(panels.len() * PANEL * own.len());
+    for (panel, rows) in values.chunks_exact(PANEL * own.len()).zip(panels) {
+        backward_rows::<L, PANEL>(lanes, panel, rows, own, tail, offset);
     }
-    sized!(w - whole, backward_columns(lanes, below, w, rows, whole, own, tail, offset));
+    sized!(last.len(), backward_rows(lanes, last_values, last, own, tail, offset));
 }
 
 #[inline(always)]
-fn backward_columns<L: Lanes, const R: usize>(
+fn backward_rows<L: Lanes, const R: usize>(
     lanes: L,
-    below: &[f64],
-    w: usize,
+    panel: &[f64],
     rows: &[u32],
-    k: usize,
     own: &mut [Row],
     tail: &[Row],
     offset: usize,
 ) {
-    // Two sums per column, as one would wait for itself.
-    let mut even = [lanes.splat(0.0); R];
-    let mut odd = [lanes.splat(0.0); R];
-    let (pairs, last) = rows.as_chunks::<2>();
-    for (l, pair) in below.chunks_exact(2 * w).zip(pairs) {
-        add_row(lanes, &l[k..k + R], &tail[pair[0] as usize - offset], &mut even);
-        add_row(lanes, &l[w + k..w + k + R], &tail[pair[1] as usize - offset], &mut odd);
-    }
-    if let [row] = last {
-        let first = (rows.len() - 1) * w + k;
-        add_row(lanes, &below[first..first + R], &tail[*row as usize - offset], &mut even);
-    }
-    for r in 0..R {
-        let x = &mut own[k + r];
-        lanes.store(lanes.sub(lanes.load(x), lanes.add(even[r], odd[r])), x);
-    }
-}
-
-/// sum ← sum + lᵀ x.
-#[inline(always)]
-fn add_row<L: Lanes, const R: usize>(lanes: L, l: &[f64], x: &Row, sum: &mut [L::V; R]) {
-    let x = lanes.load(x);
-    for r in 0..R {
-        sum[r] = lanes.mul_add(lanes.splat(l[r]), x, sum[r]);
-    }
-}
-
-/// own ← L₁₁⁻ᵀ own.
-#[inline(always)]
-fn backward_diagonal<L: Lanes>(lanes: L, diagonal: &[f64], w: usize, own: &mut [Row]) {
-    let part = w % 8;
-    sized!(part, backward_group(lanes, diagonal, w, w - part, own));
-    for start in (0..w - part).step_by(8).rev() {
-        backward_group::<L, 8>(lanes, diagonal, w, start, own);
-    }
-}
-
-/// Rows `start .. start + R` of L₁₁⁻ᵀ, given all rows after them.
-#[inline(always)]
-fn backward_group<L: Lanes, const R: usize>(
-    lanes: L,
-    diagonal: &[f64],
-    w: usize,
-    start: usize,
-    own: &mut [Row],
-) {
-    let mut x = [lanes.splat(0.0); R];
-    for i in start + R..w {
-        let l = &diagonal[i * w + start..i * w + start + R];
-        let later = lanes.load(&own[i]);
-        for r in 0..R {
-            let l = lanes.splat(l[r]);
-            x[r] = lanes.mul_add(l, later, x[r]);
-        }
-    }
-    for r in (0..R).rev() {
-        x[r] = lanes.sub(lanes.load(&own[start + r]), x[r]);
-        for later in r + 1..R {
-            let l = lanes.splat(diagonal[(start + later) * w + start + r]);
-            x[r] = lanes.mul_sub_from(l, x[later], x[r]);
-        }
-        lanes.store(x[r], &mut own[start + r]);
-    }
+    let x: [L::V; R] = std::array::from_fn(|r| lanes.load(&tail[rows[r] as usize - offset]));
+    subtract_transposed(lanes, panel, &x, own);
 }

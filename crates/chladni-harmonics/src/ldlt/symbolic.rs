@@ -1,5 +1,6 @@
 //! Where the entries of L are: elimination tree, supernodes and their rows.
 
+use super::panel::diagonal_len;
 use crate::SymmetricSparse;
 
 /// Consecutive columns of L that share the rows below them.
@@ -11,7 +12,7 @@ pub(crate) struct Supernode {
     /// Its rows below are `rows[rows_start ..][.. below]` of the analysis.
     pub rows_start: usize,
     pub below: usize,
-    /// Its values of L: `width²` of the diagonal block, then `below · width`, row by row.
+    /// Its values of L: the diagonal block, then what is below (see [`super::panel`]).
     pub values_start: usize,
     /// How many supernodes hang directly below it in the tree; in postorder they are the last
     /// ones that were finished and not yet used.
@@ -37,15 +38,14 @@ const NONE: u32 = u32::MAX;
 impl Symbolic {
     /// Analyses `matrix` eliminated in the order `old` (old index of each new one).
     pub(crate) fn of(matrix: &SymmetricSparse, old: Vec<u32>) -> Self {
-        let (lower, parent) = lower_rows_and_tree(matrix, &old);
-        let post = postorder(&parent);
-        let old: Vec<u32> = post.iter().map(|&v| old[v as usize]).collect();
-        drop(lower);
-        // Once more in the final order, where children come before parents and side by side.
+        let (_, parent) = lower_rows_and_tree(matrix, &old);
+        let old = renamed(&postorder(&parent), &old);
+        // Once more in an order where children come before parents and side by side.
         let (lower, parent) = lower_rows_and_tree(matrix, &old);
         let counts = column_counts(&lower, &parent);
-        let spans = supernode_spans(&parent, &counts);
-        Self::with_rows(old, &lower, &spans)
+        let (order, spans) = supernodes(&parent, &counts);
+        let lower = lower.renamed(&order);
+        Self::with_rows(renamed(&order, &old), &lower, &spans)
     }
 
     fn with_rows(old: Vec<u32>, lower: &Rows, spans: &[(usize, usize)]) -> Self {
@@ -94,7 +94,7 @@ impl Symbolic {
                 values_start,
                 children: children[s].len(),
             });
-            values_start += width * (width + below);
+            values_start += diagonal_len(width) + width * below;
         }
         let mut into_parent = vec![0_u32; rows.len()];
         let mut place = vec![0_u32; n];
@@ -129,6 +129,28 @@ struct Rows {
 impl Rows {
     fn of(&self, i: usize) -> &[u32] {
         &self.indices[self.starts[i]..self.starts[i + 1]]
+    }
+
+    /// The lower triangle of the same matrix in another order that has children before parents.
+    fn renamed(&self, order: &[u32]) -> Self {
+        let mut new = vec![0_u32; order.len()];
+        for (i, &v) in order.iter().enumerate() {
+            new[v as usize] = i as u32;
+        }
+        let mut lists: Vec<Vec<u32>> = vec![Vec::new(); order.len()];
+        for (i, &ni) in new.iter().enumerate() {
+            for &j in self.of(i) {
+                let nj = new[j as usize];
+                lists[ni.max(nj) as usize].push(ni.min(nj));
+            }
+        }
+        let mut starts = vec![0];
+        let mut indices = Vec::with_capacity(self.indices.len());
+        for list in lists {
+            indices.extend(list);
+            starts.push(indices.len());
+        }
+        Self { starts, indices }
     }
 
     fn transposed(&self) -> Self {
@@ -236,54 +258,84 @@ fn column_counts(lower: &Rows, parent: &[u32]) -> Vec<u32> {
     count
 }
 
-/// Columns grouped into supernodes, as (first, end): those with equal rows, and further those
-/// where a few stored zeros buy larger dense blocks.
-fn supernode_spans(parent: &[u32], counts: &[u32]) -> Vec<(usize, usize)> {
-    struct Node {
-        first: usize,
-        end: usize,
-        below: usize,
-        zeros: usize,
-    }
+/// What a supernode costs a solve besides its stored values, in values: merging two is worth
+/// this many stored zeros.
+const OVERHEAD: usize = 32;
+
+/// A group of columns that are eliminated together.
+struct Group {
+    columns: Vec<u32>,
+    below: usize,
+    parent: u32,
+}
+
+/// An order of the columns of a postordered tree and its cut into supernodes, as (first, end):
+/// columns with equal rows, and a supernode with its parent wherever the stored zeros that
+/// come of it cost less than a supernode of its own (Ashcraft & Grimes 1989).
+fn supernodes(parent: &[u32], counts: &[u32]) -> (Vec<u32>, Vec<(usize, usize)>) {
     let n = parent.len();
-    let mut nodes: Vec<Node> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
+    let mut of_column = vec![0_u32; n];
     for j in 0..n {
         let joins = j > 0 && parent[j - 1] == j as u32 && counts[j - 1] == counts[j] + 1;
-        match nodes.last_mut() {
+        match groups.last_mut() {
             Some(last) if joins => {
-                last.end = j + 1;
+                last.columns.push(j as u32);
                 last.below = counts[j] as usize;
             }
-            _ => nodes.push(Node { first: j, end: j + 1, below: counts[j] as usize, zeros: 0 }),
+            _ => groups.push(Group { columns: vec![j as u32], below: counts[j] as usize, parent: NONE }),
+        }
+        of_column[j] = (groups.len() - 1) as u32;
+    }
+    let mut children: Vec<Vec<u32>> = vec![Vec::new(); groups.len()];
+    for g in 0..groups.len() {
+        let up = groups[g].columns.last().map_or(NONE, |&last| parent[last as usize]);
+        if up != NONE {
+            groups[g].parent = of_column[up as usize];
+            children[of_column[up as usize] as usize].push(g as u32);
         }
     }
-    let mut merged: Vec<Node> = Vec::with_capacity(nodes.len());
-    for node in nodes {
-        merged.push(node);
-        while merged.len() >= 2 {
-            let (child, node) = (&merged[merged.len() - 2], &merged[merged.len() - 1]);
-            // In postorder the node just before is the last child, if there is one.
-            if parent[child.end - 1] as usize != node.first {
-                break;
+    // Children come before parents, so that each child is as large as it will get.
+    for g in 0..groups.len() {
+        let mut own = std::mem::take(&mut children[g]);
+        own.sort_by_key(|&c| std::cmp::Reverse(groups[c as usize].below));
+        let mut kept = Vec::with_capacity(own.len());
+        for c in own {
+            let (wc, w) = (groups[c as usize].columns.len(), groups[g].columns.len());
+            let zeros = wc * (w + groups[g].below - groups[c as usize].below);
+            if zeros > OVERHEAD {
+                kept.push(c);
+                continue;
             }
-            let (wc, w) = (child.end - child.first, node.end - node.first);
-            let width = wc + w;
-            let extra = wc * (w + node.below - child.below);
-            let zeros = child.zeros + node.zeros + extra;
-            let stored = width * (width + 1) / 2 + width * node.below;
-            let share = zeros as f64 / stored as f64;
-            let worth = match width {
-                0..9 => share < 0.4,
-                9..17 => share < 0.2,
-                _ => share < 0.05,
-            };
-            if !worth {
-                break;
-            }
-            let joined = Node { first: child.first, end: node.end, below: node.below, zeros };
-            merged.truncate(merged.len() - 2);
-            merged.push(joined);
+            let mut columns = std::mem::take(&mut groups[c as usize].columns);
+            columns.append(&mut groups[g].columns);
+            groups[g].columns = columns;
+            kept.append(&mut children[c as usize]);
         }
+        for &c in &kept {
+            groups[c as usize].parent = g as u32;
+        }
+        children[g] = kept;
     }
-    merged.into_iter().map(|node| (node.first, node.end)).collect()
+    let merged: Vec<u32> =
+        (0..groups.len() as u32).filter(|&g| !groups[g as usize].columns.is_empty()).collect();
+    let mut place = vec![NONE; groups.len()];
+    for (at, &g) in merged.iter().enumerate() {
+        place[g as usize] = at as u32;
+    }
+    let up = |g: u32| groups[g as usize].parent;
+    let tree: Vec<u32> =
+        merged.iter().map(|&g| if up(g) == NONE { NONE } else { place[up(g) as usize] }).collect();
+    let (mut order, mut spans) = (Vec::with_capacity(n), Vec::with_capacity(merged.len()));
+    for at in postorder(&tree) {
+        let first = order.len();
+        order.extend(&groups[merged[at as usize] as usize].columns);
+        spans.push((first, order.len()));
+    }
+    (order, spans)
+}
+
+/// `old` in another order.
+fn renamed(order: &[u32], old: &[u32]) -> Vec<u32> {
+    order.iter().map(|&v| old[v as usize]).collect()
 }
