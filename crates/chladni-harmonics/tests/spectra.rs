@@ -41,6 +41,20 @@ fn the_unit_sphere_has_l_times_l_plus_1_with_multiplicity_2l_plus_1() {
 }
 
 #[test]
+fn a_finer_sphere_has_them_as_well() {
+    // Large enough for orthogonalisation against selected Ritz vectors; λ = 11 · 12 has more
+    // of them than a block has columns.
+    let body = build(&shapes::icosphere(5), 144);
+    check(&body);
+    let scale2 = body.frame.scale.powi(2);
+    for (k, lambda) in body.basis.eigenvalues.iter().enumerate() {
+        let l = (k as f64).sqrt().floor();
+        let exact = l * (l + 1.0);
+        assert!((lambda * scale2 - exact).abs() <= 0.0015 * exact * (l + 1.0), "{k}: {lambda} for {exact}");
+    }
+}
+
+#[test]
 fn the_unit_square_has_pi_squared_times_sums_of_squares() {
     let body = build(&shapes::square(40), 9);
     check(&body);

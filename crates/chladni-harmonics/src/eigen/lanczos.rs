@@ -3,12 +3,10 @@
 use std::time::Instant;
 
 use chladni_task::{Cancelled, Task};
-use faer::{Mat, Par};
 
-use super::dense::symmetric_eigen;
-
+use super::krylov::{Krylov, subtract_projections};
 use super::problem::{Problem, Profile};
-use super::tall::{BLOCK, Block, Dependence, Small, orthonormalize, overlaps, subtract_products};
+use super::tall::{BLOCK, Block, Dependence, Small, orthonormalize};
 use crate::ldlt::{Factor, Row, Workspace};
 
 /// How far a run must go on one side of its shift.
@@ -67,12 +65,13 @@ pub(super) fn run(
     window: &Window,
     locked: &[&Pairs],
     seed: u64,
+    careful: bool,
     profile: &mut Profile,
     task: &Task,
 ) -> Result<Pairs, Stopped> {
     let n = problem.matrix.size();
     let locked: Vec<&[Row]> = locked.iter().flat_map(|p| p.blocks.iter().map(Vec::as_slice)).collect();
-    let mut krylov = Krylov { basis: Vec::new(), diagonal: Vec::new(), below: Vec::new() };
+    let mut krylov = Krylov::new(careful);
     let mut next = random_block(n, seed);
     problem.remove_constants(window.from_zero, &mut next);
     for _ in 0..2 {
@@ -92,7 +91,7 @@ pub(super) fn run(
         let start = Instant::now();
         krylov.basis.push(next);
         problem.remove_constants(window.from_zero, &mut image);
-        let sizes = krylov.orthogonalize(&mut image, &locked, profile);
+        let sizes = krylov.orthogonalize(problem, &mut image, &locked, profile).ok_or(Stopped::BadShift)?;
         let upper = match orthonormalize(&mut image, &sizes.map(|size| RANK * size)) {
             Ok(upper) => upper,
             Err(Dependence::Spoiled) => return Err(Stopped::BadShift),
@@ -124,33 +123,15 @@ pub(super) fn run(
             let pairs = krylov.vectors(problem, &ritz, chosen, &next);
             profile.vectors += start.elapsed().as_secs_f64();
             krylov.basis.push(next);
-            problem.give_back(krylov.basis);
+            krylov.give_back(problem);
             return Ok(pairs);
         }
-    }
-}
-
-fn subtract_projections(x: &mut [Row], onto: &[&[Row]]) {
-    if !onto.is_empty() {
-        let coefficients = overlaps(onto, &[x]);
-        subtract_products(&mut [x], onto, &coefficients);
     }
 }
 
 /// What is left of a column of OP V outside the space is rounding where it is this much
 /// smaller than the column was.
 const RANK: f64 = 1e-11;
-
-/// The length of each column of OP V inside the space.
-fn column_sizes(coefficients: &[Small]) -> Row {
-    let mut sizes = [0.0; 8];
-    for c in coefficients.as_flattened() {
-        for (size, c) in sizes.iter_mut().zip(c) {
-            *size += c * c;
-        }
-    }
-    sizes.map(f64::sqrt)
-}
 
 /// X ← Q of X = Q R one column after the other; a column that depends on others or is nothing
 /// but rounding becomes a random one orthogonal to all, with nothing of it in R. `None` where
@@ -217,155 +198,6 @@ fn random_block(n: usize, seed: u64) -> Block {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     };
     (0..n).map(|_| std::array::from_fn(|_| random())).collect()
-}
-
-/// An orthonormal basis V of blocks and the block tridiagonal T = Vᵀ OP V.
-struct Krylov {
-    basis: Vec<Block>,
-    /// V_jᵀ OP V_j.
-    diagonal: Vec<Small>,
-    /// The triangular factor of what OP V_j has outside V_0 … V_j.
-    below: Vec<Small>,
-}
-
-/// Eigenpairs of T.
-struct Ritz {
-    /// Approximations of eigenvalues of A, ascending.
-    values: Vec<f64>,
-    /// Which eigenvector of T each belongs to, and its θ = 1 / (λ − σ).
-    from: Vec<(usize, f64)>,
-    /// ‖A x − λ x‖ of each after the free purification step (see [`Krylov::vectors`]).
-    residuals: Vec<f64>,
-    coordinates: Mat<f64>,
-    /// R · last block of coordinates: what each leaves in the next block.
-    leaving: Mat<f64>,
-}
-
-impl Krylov {
-    /// Takes out of `image` = OP · (last block) what lies in the space, keeping the last
-    /// block's share as the next diagonal block of T. Returns the length of each column inside.
-    ///
-    /// In exact arithmetic the last two blocks are all there is to take out. Rounding brings
-    /// the older ones back, by little in one step, so that every second step takes them out of
-    /// this block and the one before it together, for one reading of the space.
-    fn orthogonalize(&mut self, image: &mut [Row], locked: &[&[Row]], profile: &mut Profile) -> Row {
-        let recent: Vec<&[Row]> = self.basis.iter().rev().take(2).rev().map(Vec::as_slice).collect();
-        let coefficients = overlaps(&recent, &[image]);
-        subtract_products(&mut [image], &recent, &coefficients);
-        self.diagonal.extend(coefficients.last());
-        // Overlaps and what is subtracted, block by block.
-        let products = |pairs: usize| (4 * image.len() * BLOCK * BLOCK * pairs) as u64;
-        profile.orthogonalize_flops += products(recent.len());
-        if self.basis.len().is_multiple_of(2)
-            && let Some((last, older)) = self.basis.split_last_mut()
-        {
-            let space: Vec<&[Row]> = locked.iter().copied().chain(older.iter().map(Vec::as_slice)).collect();
-            profile.orthogonalize_flops += products(2 * space.len());
-            let rest = overlaps(&space, &[last, image]);
-            subtract_products(&mut [last, image], &space, &rest);
-        }
-        column_sizes(&coefficients)
-    }
-
-    fn ritz(&self, shift: f64) -> Option<Ritz> {
-        let blocks = self.basis.len();
-        let m = blocks * BLOCK;
-        let mut t = Mat::<f64>::zeros(m, m);
-        for block in 0..blocks {
-            let first = block * BLOCK;
-            for i in 0..BLOCK {
-                for j in 0..BLOCK {
-                    let d = &self.diagonal[block];
-                    t[(first + i, first + j)] = 0.5 * (d[i][j] + d[j][i]);
-                    if block + 1 < blocks {
-                        let value = self.below[block][i][j];
-                        t[(first + BLOCK + i, first + j)] = value;
-                        t[(first + j, first + BLOCK + i)] = value;
-                    }
-                }
-            }
-        }
-        let (thetas, coordinates) = symmetric_eigen(&t, Par::Seq)?;
-        let last = &self.below[blocks - 1];
-        let mut leaving = Mat::<f64>::zeros(BLOCK, m);
-        for j in 0..m {
-            for i in 0..BLOCK {
-                leaving[(i, j)] = (i..BLOCK).map(|k| last[i][k] * coordinates[(m - BLOCK + k, j)]).sum();
-            }
-        }
-        let mut order: Vec<(f64, usize, f64)> = (0..m)
-            .map(|j| (thetas[j], j))
-            .filter(|(theta, _)| *theta != 0.0)
-            .map(|(theta, j)| (shift + 1.0 / theta, j, theta))
-            .collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let residual = |j: usize, theta: f64| {
-            (0..BLOCK).map(|i| leaving[(i, j)].powi(2)).sum::<f64>().sqrt() / (theta * theta)
-        };
-        Some(Ritz {
-            values: order.iter().map(|e| e.0).collect(),
-            from: order.iter().map(|e| (e.1, e.2)).collect(),
-            residuals: order.iter().map(|e| residual(e.1, e.2)).collect(),
-            coordinates,
-            leaving,
-        })
-    }
-
-    /// The chosen Ritz vectors with one step of inverse iteration that costs no solve: by the
-    /// Lanczos relation OP V s / θ = V s + V_next R s_last / θ (Ericsson & Ruhe 1980).
-    fn vectors(&self, problem: &Problem, ritz: &Ritz, chosen: std::ops::Range<usize>, next: &Block) -> Pairs {
-        let chosen: Vec<usize> = chosen.collect();
-        let groups: Vec<&[usize]> = chosen.chunks(BLOCK).collect();
-        let mut basis: Vec<&[Row]> = self.basis.iter().map(Vec::as_slice).collect();
-        basis.push(next);
-        let mut coefficients = vec![[[0.0; 8]; BLOCK]; basis.len() * groups.len()];
-        for (g, group) in groups.iter().enumerate() {
-            for (column, &pair) in group.iter().enumerate() {
-                let (j, theta) = ritz.from[pair];
-                let extra: f64 = (0..BLOCK).map(|i| (ritz.leaving[(i, j)] / theta).powi(2)).sum();
-                // Minus, because the kernel subtracts.
-                let scale = -1.0 / (1.0 + extra).sqrt();
-                for (block, c) in coefficients.chunks_exact_mut(groups.len()).enumerate() {
-                    for i in 0..BLOCK {
-                        c[g][i][column] = scale
-                            * if block < self.basis.len() {
-                                ritz.coordinates[(block * BLOCK + i, j)]
-                            } else {
-                                ritz.leaving[(i, j)] / theta
-                            };
-                    }
-                }
-            }
-        }
-        let mut blocks: Vec<Block> = groups.iter().map(|_| problem.spare_block()).collect();
-        blocks.iter_mut().for_each(|block| block.fill([0.0; 8]));
-        let mut views: Vec<&mut [Row]> = blocks.iter_mut().map(Vec::as_mut_slice).collect();
-        subtract_products(&mut views, &basis, &coefficients);
-        Pairs { values: chosen.iter().map(|&p| ritz.values[p]).collect(), blocks }
-    }
-}
-
-impl Ritz {
-    /// The pairs to keep, once all that the window asks for has converged: those from the shift
-    /// outwards, on each side up to the first that has not.
-    fn converged(&self, window: &Window, problem: &Problem, shift: f64) -> Option<std::ops::Range<usize>> {
-        let good = |i: usize| self.residuals[i] <= problem.tolerance(self.values[i], shift, window);
-        let split = self.values.partition_point(|l| *l < shift);
-        let above = (split..self.values.len()).take_while(|&i| good(i)).count();
-        let below = (0..split).rev().take_while(|&i| self.values[i] > 0.0 && good(i)).count();
-        let needed_above = match window.above {
-            Reach::Count(count) => count,
-            Reach::Beyond(end) => self.values[split..].partition_point(|l| *l <= end) + 1,
-        };
-        let needed_below = match window.below {
-            Reach::Count(count) => count,
-            Reach::Beyond(end) => split - self.values[..split].partition_point(|l| *l < end) + 1,
-        };
-        // A few beyond the window give a choice of gaps to cut at; more would only cost time.
-        let keep = |found: usize, needed: usize| found.min(needed + 3);
-        (above >= needed_above && below >= needed_below)
-            .then(|| split - keep(below, needed_below)..split + keep(above, needed_above))
-    }
 }
 
 /// Factors A − σI, moving the shift by small steps while it sits on an eigenvalue.

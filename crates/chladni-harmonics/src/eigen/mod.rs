@@ -4,6 +4,7 @@ mod assemble;
 mod certify;
 mod dense;
 mod join;
+mod krylov;
 mod lanczos;
 mod plan;
 mod polish;

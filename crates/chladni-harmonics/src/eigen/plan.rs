@@ -8,7 +8,7 @@ use super::problem::{Problem, Profile};
 use crate::ldlt::{Factor, Workspace};
 
 /// Eigenpairs per slice that are aimed at.
-const PER_SLICE: usize = 64;
+const PER_SLICE: usize = 84;
 /// Up to this many slices the factors of the first counts are kept for them.
 const KEPT: usize = 8;
 /// How far the first counts may be from equal shares, for the slices to start there.

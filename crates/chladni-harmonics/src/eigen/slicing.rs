@@ -130,8 +130,8 @@ impl Found {
             let window = self.window(problem, count);
             let locked: Vec<&Pairs> = self.runs.iter().collect();
             self.next_seed = self.next_seed.wrapping_add(1);
-            let found =
-                lanczos::run(problem, &factor, shift, &window, &locked, self.next_seed, profile, task);
+            let (seed, careful) = (self.next_seed, attempt > 1 || !locked.is_empty());
+            let found = lanczos::run(problem, &factor, shift, &window, &locked, seed, careful, profile, task);
             match found {
                 Ok(mut pairs) => {
                     let mut residual = largest_residual(problem, &pairs);

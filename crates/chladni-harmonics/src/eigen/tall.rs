@@ -1,5 +1,7 @@
 //! Arithmetic on tall blocks: n rows of eight columns, stored row after row.
 
+use std::ops::Range;
+
 use crate::SymmetricSparse;
 use crate::ldlt::Row;
 use crate::simd::{Kernel, Lanes, dispatch};
@@ -45,26 +47,49 @@ impl Kernel for Overlaps<'_> {
         let n = self.xs.first().map_or(0, |x| x.len());
         for first in (0..n).step_by(PANEL) {
             let panel = first..(first + PANEL).min(n);
-            for (v, sums) in self.basis.iter().zip(self.sums.chunks_exact_mut(self.xs.len())) {
-                let v = &v[panel.clone()];
+            for (b, sums) in self.sums.chunks_exact_mut(self.xs.len()).enumerate() {
+                let v = &self.basis[b][panel.clone()];
+                let next = upcoming(self.basis, b, &panel);
                 let (pairs, last) = self.xs.as_chunks::<2>();
                 let (pair_sums, last_sums) = sums.as_chunks_mut::<2>();
                 for (x, sum) in pairs.iter().zip(pair_sums) {
-                    add_overlaps(lanes, v, x.map(|x| &x[panel.clone()]), sum);
+                    add_overlaps(lanes, v, next, x.map(|x| &x[panel.clone()]), sum);
                 }
                 for (x, sum) in last.iter().zip(last_sums) {
-                    add_overlaps(lanes, v, [&x[panel.clone()]], std::array::from_mut(sum));
+                    add_overlaps(lanes, v, next, [&x[panel.clone()]], std::array::from_mut(sum));
                 }
             }
         }
     }
 }
 
+/// The rows that are read after those of block `b` in `panel`: the same of the next block.
+/// Panels are too short for the processor to see that by itself.
 #[inline(always)]
-fn add_overlaps<L: Lanes, const X: usize>(lanes: L, v: &[Row], xs: [&[Row]; X], sums: &mut [Small; X]) {
+fn upcoming<'a>(basis: &[&'a [Row]], b: usize, panel: &Range<usize>) -> &'a [Row] {
+    match basis.get(b + 1) {
+        Some(next) => &next[panel.clone()],
+        None => {
+            let first = basis[0];
+            &first[panel.end..(panel.end + PANEL).min(first.len())]
+        }
+    }
+}
+
+#[inline(always)]
+fn add_overlaps<L: Lanes, const X: usize>(
+    lanes: L,
+    v: &[Row],
+    next: &[Row],
+    xs: [&[Row]; X],
+    sums: &mut [Small; X],
+) {
     let mut total = [[lanes.splat(0.0); BLOCK]; X];
     let xs = xs.map(|x| &x[..v.len()]);
     for (k, v) in v.iter().enumerate() {
+        if let Some(next) = next.get(k) {
+            lanes.prefetch(next);
+        }
         let x: [L::V; X] = std::array::from_fn(|b| lanes.load(&xs[b][k]));
         for i in 0..BLOCK {
             let v = lanes.splat(v[i]);
@@ -97,33 +122,56 @@ impl Kernel for SubtractProducts<'_, '_> {
     fn run<L: Lanes>(self, lanes: L) {
         let Self { xs, basis, coefficients } = self;
         let (n, count) = (xs.first().map_or(0, |x| x.len()), xs.len());
+        let coefficients = Coefficients { of: coefficients, count };
         for first in (0..n).step_by(PANEL) {
             let panel = first..(first + PANEL).min(n);
-            let (pairs, last) = xs.as_chunks_mut::<2>();
-            for (at, pair) in pairs.iter_mut().enumerate() {
-                for (v, c) in basis.iter().zip(coefficients.chunks_exact(count)) {
-                    let [a, b] = pair;
-                    let xs = [&mut a[panel.clone()], &mut b[panel.clone()]];
-                    subtract_panel(lanes, xs, &v[panel.clone()], [&c[2 * at], &c[2 * at + 1]]);
-                }
+            let (fours, rest) = xs.as_chunks_mut::<4>();
+            let (pairs, last) = rest.as_chunks_mut::<2>();
+            for (at, four) in fours.iter_mut().enumerate() {
+                subtract_panel::<L, 4, 4>(lanes, four, basis, &panel, coefficients, 4 * at);
+            }
+            for pair in pairs {
+                subtract_panel::<L, 2, 8>(lanes, pair, basis, &panel, coefficients, count / 4 * 4);
             }
             for x in last {
-                for (v, c) in basis.iter().zip(coefficients.chunks_exact(count)) {
-                    subtract_panel(lanes, [&mut x[panel.clone()]], &v[panel.clone()], [&c[count - 1]]);
-                }
+                let x = std::array::from_mut(x);
+                subtract_panel::<L, 1, 8>(lanes, x, basis, &panel, coefficients, count - 1);
             }
         }
     }
 }
 
+/// For each block of a basis, one matrix for each of `count` blocks.
+#[derive(Clone, Copy)]
+struct Coefficients<'a> {
+    of: &'a [Small],
+    count: usize,
+}
+
+/// One panel of X blocks, from number `at` on, R rows at a time.
 #[inline(always)]
-fn subtract_panel<L: Lanes, const X: usize>(lanes: L, mut xs: [&mut [Row]; X], v: &[Row], c: [&Small; X]) {
-    let (fours, rest) = v.as_chunks::<4>();
-    for (k, v) in fours.iter().enumerate() {
-        subtract_rows(lanes, &mut xs, 4 * k, v, c);
-    }
-    for (k, v) in rest.iter().enumerate() {
-        subtract_rows(lanes, &mut xs, 4 * fours.len() + k, std::array::from_ref(v), c);
+fn subtract_panel<L: Lanes, const X: usize, const R: usize>(
+    lanes: L,
+    xs: &mut [&mut [Row]; X],
+    basis: &[&[Row]],
+    panel: &Range<usize>,
+    coefficients: Coefficients,
+    at: usize,
+) {
+    let mut xs = xs.each_mut().map(|x| &mut x[panel.clone()]);
+    for (block, c) in coefficients.of.chunks_exact(coefficients.count).enumerate() {
+        let Some(c) = c[at..].first_chunk::<X>() else { return };
+        let (groups, rest) = basis[block][panel.clone()].as_chunks::<R>();
+        let next = upcoming(basis, block, panel).as_chunks::<R>().0;
+        for (k, v) in groups.iter().enumerate() {
+            if let Some(next) = next.get(k) {
+                next.iter().for_each(|row| lanes.prefetch(row));
+            }
+            subtract_rows(lanes, &mut xs, R * k, v, c);
+        }
+        for (k, v) in rest.iter().enumerate() {
+            subtract_rows(lanes, &mut xs, R * groups.len() + k, std::array::from_ref(v), c);
+        }
     }
 }
 
@@ -134,7 +182,7 @@ fn subtract_rows<L: Lanes, const X: usize, const R: usize>(
     xs: &mut [&mut [Row]; X],
     first: usize,
     v: &[Row; R],
-    c: [&Small; X],
+    c: &[Small; X],
 ) {
     let mut sum: [[L::V; R]; X] = std::array::from_fn(|b| {
         let x = &xs[b][first..first + R];
@@ -286,4 +334,50 @@ fn cholesky(gram: &Small) -> Option<(Small, Small)> {
 
 fn product(a: &Small, b: &Small) -> Small {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..BLOCK).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{PROCESSORS, run_for};
+
+    fn block(n: usize, seed: usize) -> Block {
+        (0..n)
+            .map(|i| std::array::from_fn(|j| ((i * 31 + j * 17 + seed * 7) % 101) as f64 / 50.0 - 1.0))
+            .collect()
+    }
+
+    #[test]
+    fn overlaps_and_products_are_right_for_all_sizes_on_every_kind_of_processor() {
+        for (n, wide, deep) in [(1, 1, 1), (7, 2, 3), (64, 3, 1), (71, 4, 2), (200, 5, 4), (131, 7, 3)] {
+            let basis: Vec<Block> = (0..deep).map(|s| block(n, s)).collect();
+            let xs: Vec<Block> = (0..wide).map(|s| block(n, 50 + s)).collect();
+            let v: Vec<&[Row]> = basis.iter().map(Vec::as_slice).collect();
+            let x: Vec<&[Row]> = xs.iter().map(Vec::as_slice).collect();
+            let c: Vec<Small> = (0..wide * deep).map(|s| *block(8, 90 + s).first_chunk().unwrap()).collect();
+            for processor in PROCESSORS {
+                let mut sums = vec![[[0.0; 8]; BLOCK]; wide * deep];
+                if run_for(processor, Overlaps { basis: &v, xs: &x, sums: &mut sums }).is_none() {
+                    continue;
+                }
+                let mut left = xs.clone();
+                let mut views: Vec<&mut [Row]> = left.iter_mut().map(Vec::as_mut_slice).collect();
+                run_for(processor, SubtractProducts { xs: &mut views, basis: &v, coefficients: &c });
+                for (b, a) in (0..deep).flat_map(|b| (0..wide).map(move |a| (b, a))) {
+                    for (i, j) in (0..8).flat_map(|i| (0..8).map(move |j| (i, j))) {
+                        let exact: f64 = (0..n).map(|k| basis[b][k][i] * xs[a][k][j]).sum();
+                        assert!((sums[b * wide + a][i][j] - exact).abs() < 1e-12 * n as f64, "{processor:?}");
+                    }
+                }
+                for (a, k, j) in
+                    (0..wide).flat_map(|a| (0..n).flat_map(move |k| (0..8).map(move |j| (a, k, j))))
+                {
+                    let product =
+                        |b: usize| (0..8).map(|i| basis[b][k][i] * c[b * wide + a][i][j]).sum::<f64>();
+                    let exact = xs[a][k][j] - (0..deep).map(product).sum::<f64>();
+                    assert!((left[a][k][j] - exact).abs() < 1e-12, "{processor:?} {n} {wide} {deep}");
+                }
+            }
+        }
+    }
 }

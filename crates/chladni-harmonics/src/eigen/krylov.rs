@@ -1,0 +1,277 @@
+//! The space that block Lanczos builds, and the eigenpairs in it.
+
+use std::ops::Range;
+
+use faer::{Mat, Par};
+
+use super::dense::symmetric_eigen;
+use super::lanczos::{Pairs, Reach, Window};
+use super::problem::{Problem, Profile};
+use super::tall::{BLOCK, Block, Small, overlaps, subtract_products};
+use crate::ldlt::Row;
+
+/// Numbers of blocks at which Ritz vectors are selected, when about so many have converged,
+/// and how many blocks of them.
+const SELECTIONS: [usize; 4] = [10, 18, 28, 40];
+const SELECTED: usize = 2;
+/// Up to this many vertices the eigenproblems of selecting cost more than it saves.
+const SELECTING: usize = 5000;
+/// Steps between readings of the whole space, at most.
+const LONGEST_PERIOD: usize = 6;
+/// Overlaps between blocks at which to read it less often, more often, and not go on.
+const SMALL: f64 = 3e-11;
+const LARGE: f64 = 1e-9;
+const LOST: f64 = 1e-5;
+
+/// An orthonormal basis V of blocks and the block tridiagonal T = Vᵀ OP V.
+#[derive(Default)]
+pub(super) struct Krylov {
+    pub basis: Vec<Block>,
+    /// V_jᵀ OP V_j.
+    diagonal: Vec<Small>,
+    /// The triangular factor of what OP V_j has outside V_0 … V_j.
+    pub below: Vec<Small>,
+    /// Reads the whole space in every second step, whatever loss that finds.
+    careful: bool,
+    /// Ritz vectors of the largest |θ|, along which orthogonality is lost first.
+    selected: Vec<Block>,
+    /// How many blocks there were when the whole space was last taken out of the newest two.
+    swept_at: usize,
+    /// How many steps to go without that.
+    period: usize,
+}
+
+/// Eigenpairs of T.
+pub(super) struct Ritz {
+    /// Approximations of eigenvalues of A, ascending.
+    values: Vec<f64>,
+    /// Which eigenvector of T each belongs to, and its θ = 1 / (λ − σ).
+    from: Vec<(usize, f64)>,
+    /// ‖A x − λ x‖ of each after the free purification step (see [`Krylov::vectors`]).
+    residuals: Vec<f64>,
+    coordinates: Mat<f64>,
+    /// R · last block of coordinates: what each leaves in the next block.
+    leaving: Mat<f64>,
+}
+
+impl Krylov {
+    pub fn new(careful: bool) -> Self {
+        Self { careful, ..Self::default() }
+    }
+
+    /// Takes out of `image` = OP · (last block) what lies in the space, keeping the last
+    /// block's share as the next diagonal block of T. Returns the length of each column inside,
+    /// or `None` where orthogonality has been lost.
+    ///
+    /// In exact arithmetic the last two blocks are all there is to take out. Rounding brings
+    /// the older ones back, in each step by θ times more along the Ritz vectors of the largest
+    /// |θ|. So every second step takes those out (selective orthogonalisation, Parlett & Scott
+    /// 1979), or all of the space, which is done as seldom as the loss it finds permits: T and
+    /// its eigenvalues are accurate while that is below the root of the rounding unit (Simon
+    /// 1984). Both are taken out of the newest two blocks, for one reading of what is taken.
+    pub fn orthogonalize(
+        &mut self,
+        problem: &Problem,
+        image: &mut [Row],
+        locked: &[&[Row]],
+        profile: &mut Profile,
+    ) -> Option<Row> {
+        // Overlaps and what is subtracted, block by block.
+        let products = |pairs: usize| (4 * problem.matrix.size() * BLOCK * BLOCK * pairs) as u64;
+        let recent: Vec<&[Row]> = self.basis.iter().rev().take(2).rev().map(Vec::as_slice).collect();
+        let coefficients = overlaps(&recent, &[image]);
+        subtract_products(&mut [image], &recent, &coefficients);
+        self.diagonal.extend(coefficients.last());
+        profile.orthogonalize_flops += products(recent.len());
+        let blocks = self.basis.len();
+        if blocks.is_multiple_of(2)
+            && let Some((last, older)) = self.basis.split_last_mut()
+        {
+            let whole = blocks >= self.swept_at + self.period;
+            let taken = if whole { &*older } else { &self.selected };
+            let taken = taken.iter().map(Vec::as_slice);
+            let space: Vec<&[Row]> =
+                if whole { locked.iter().copied().chain(taken).collect() } else { taken.collect() };
+            profile.orthogonalize_flops += products(2 * space.len());
+            let rest = overlaps(&space, &[last, image]);
+            subtract_products(&mut [last, image], &space, &rest);
+            if whole {
+                let of_last = rest.iter().step_by(2).flat_map(|c| c.as_flattened());
+                let loss = of_last.fold(0.0_f64, |most, c| most.max(c.abs()));
+                self.swept_at = blocks;
+                self.period = match loss {
+                    // Ritz vectors that converge now make the loss grow faster than it did.
+                    _ if self.selected.is_empty() => 2,
+                    ..SMALL => (self.period + 2).min(LONGEST_PERIOD),
+                    ..LARGE => self.period,
+                    ..LOST => (self.period - 2).max(2),
+                    _ => return None,
+                };
+            }
+        }
+        // From now on they are orthogonal to what comes, but not to the newest block itself.
+        if SELECTIONS.contains(&blocks) && !self.careful && problem.matrix.size() > SELECTING {
+            self.select(problem)?;
+            profile.orthogonalize_flops += products(blocks * SELECTED);
+        }
+        Some(column_sizes(&coefficients))
+    }
+
+    /// Selects more Ritz vectors, of the largest |θ| that are not yet selected.
+    fn select(&mut self, problem: &Problem) -> Option<()> {
+        let (thetas, coordinates) = symmetric_eigen(&self.projected(), Par::Seq)?;
+        let mut order: Vec<usize> = (0..thetas.len()).collect();
+        order.sort_by(|&a, &b| thetas[b].abs().total_cmp(&thetas[a].abs()));
+        let order = &order[self.selected.len() * BLOCK..];
+        let basis: Vec<&[Row]> = self.basis.iter().map(Vec::as_slice).collect();
+        let more =
+            combine(problem, &basis, SELECTED * BLOCK, |row, column| coordinates[(row, order[column])]);
+        self.selected.extend(more);
+        Some(())
+    }
+
+    pub fn give_back(self, problem: &Problem) {
+        problem.give_back(self.basis);
+        problem.give_back(self.selected);
+    }
+
+    /// T.
+    fn projected(&self) -> Mat<f64> {
+        let blocks = self.basis.len();
+        let mut t = Mat::<f64>::zeros(blocks * BLOCK, blocks * BLOCK);
+        for block in 0..blocks {
+            let first = block * BLOCK;
+            for i in 0..BLOCK {
+                for j in 0..BLOCK {
+                    let d = &self.diagonal[block];
+                    t[(first + i, first + j)] = 0.5 * (d[i][j] + d[j][i]);
+                    if block + 1 < blocks {
+                        let value = self.below[block][i][j];
+                        t[(first + BLOCK + i, first + j)] = value;
+                        t[(first + j, first + BLOCK + i)] = value;
+                    }
+                }
+            }
+        }
+        t
+    }
+
+    pub fn ritz(&self, shift: f64) -> Option<Ritz> {
+        let blocks = self.basis.len();
+        let m = blocks * BLOCK;
+        let (thetas, coordinates) = symmetric_eigen(&self.projected(), Par::Seq)?;
+        let last = &self.below[blocks - 1];
+        let mut leaving = Mat::<f64>::zeros(BLOCK, m);
+        for j in 0..m {
+            for i in 0..BLOCK {
+                leaving[(i, j)] = (i..BLOCK).map(|k| last[i][k] * coordinates[(m - BLOCK + k, j)]).sum();
+            }
+        }
+        let mut order: Vec<(f64, usize, f64)> = (0..m)
+            .map(|j| (thetas[j], j))
+            .filter(|(theta, _)| *theta != 0.0)
+            .map(|(theta, j)| (shift + 1.0 / theta, j, theta))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let residual = |j: usize, theta: f64| {
+            (0..BLOCK).map(|i| leaving[(i, j)].powi(2)).sum::<f64>().sqrt() / (theta * theta)
+        };
+        Some(Ritz {
+            values: order.iter().map(|e| e.0).collect(),
+            from: order.iter().map(|e| (e.1, e.2)).collect(),
+            residuals: order.iter().map(|e| residual(e.1, e.2)).collect(),
+            coordinates,
+            leaving,
+        })
+    }
+
+    /// The chosen Ritz vectors with one step of inverse iteration that costs no solve: by the
+    /// Lanczos relation OP V s / θ = V s + V_next R s_last / θ (Ericsson & Ruhe 1980).
+    pub fn vectors(&self, problem: &Problem, ritz: &Ritz, chosen: Range<usize>, next: &Block) -> Pairs {
+        let mut basis: Vec<&[Row]> = self.basis.iter().map(Vec::as_slice).collect();
+        basis.push(next);
+        let scales: Vec<f64> = ritz.from[chosen.clone()]
+            .iter()
+            .map(|&(j, theta)| {
+                let extra: f64 = (0..BLOCK).map(|i| (ritz.leaving[(i, j)] / theta).powi(2)).sum();
+                1.0 / (1.0 + extra).sqrt()
+            })
+            .collect();
+        let inside = self.basis.len() * BLOCK;
+        let blocks = combine(problem, &basis, chosen.len(), |row, column| {
+            let (j, theta) = ritz.from[chosen.start + column];
+            scales[column]
+                * if row < inside {
+                    ritz.coordinates[(row, j)]
+                } else {
+                    ritz.leaving[(row - inside, j)] / theta
+                }
+        });
+        Pairs { values: ritz.values[chosen].to_vec(), blocks }
+    }
+}
+
+/// `count` combinations of the vectors in `basis`, with the coefficient of each row of it.
+fn combine(
+    problem: &Problem,
+    basis: &[&[Row]],
+    count: usize,
+    coefficient: impl Fn(usize, usize) -> f64,
+) -> Vec<Block> {
+    let groups = count.div_ceil(BLOCK);
+    let mut coefficients = vec![[[0.0; 8]; BLOCK]; basis.len() * groups];
+    for (block, c) in coefficients.chunks_exact_mut(groups).enumerate() {
+        for column in 0..count {
+            for i in 0..BLOCK {
+                // Minus, because the kernel subtracts.
+                c[column / BLOCK][i][column % BLOCK] = -coefficient(block * BLOCK + i, column);
+            }
+        }
+    }
+    let mut blocks: Vec<Block> = (0..groups).map(|_| problem.spare_block()).collect();
+    blocks.iter_mut().for_each(|block| block.fill([0.0; 8]));
+    let mut views: Vec<&mut [Row]> = blocks.iter_mut().map(Vec::as_mut_slice).collect();
+    subtract_products(&mut views, basis, &coefficients);
+    blocks
+}
+
+impl Ritz {
+    /// The pairs to keep, once all that the window asks for has converged: those from the shift
+    /// outwards, on each side up to the first that has not.
+    pub fn converged(&self, window: &Window, problem: &Problem, shift: f64) -> Option<Range<usize>> {
+        let good = |i: usize| self.residuals[i] <= problem.tolerance(self.values[i], shift, window);
+        let split = self.values.partition_point(|l| *l < shift);
+        let above = (split..self.values.len()).take_while(|&i| good(i)).count();
+        let below = (0..split).rev().take_while(|&i| self.values[i] > 0.0 && good(i)).count();
+        let needed_above = match window.above {
+            Reach::Count(count) => count,
+            Reach::Beyond(end) => self.values[split..].partition_point(|l| *l <= end) + 1,
+        };
+        let needed_below = match window.below {
+            Reach::Count(count) => count,
+            Reach::Beyond(end) => split - self.values[..split].partition_point(|l| *l < end) + 1,
+        };
+        // A few beyond the window give a choice of gaps to cut at; more would only cost time.
+        let keep = |found: usize, needed: usize| found.min(needed + 3);
+        (above >= needed_above && below >= needed_below)
+            .then(|| split - keep(below, needed_below)..split + keep(above, needed_above))
+    }
+}
+
+pub(super) fn subtract_projections(x: &mut [Row], onto: &[&[Row]]) {
+    if !onto.is_empty() {
+        let coefficients = overlaps(onto, &[x]);
+        subtract_products(&mut [x], onto, &coefficients);
+    }
+}
+
+/// The length of each column of OP V inside the space.
+fn column_sizes(coefficients: &[Small]) -> Row {
+    let mut sizes = [0.0; 8];
+    for c in coefficients.as_flattened() {
+        for (size, c) in sizes.iter_mut().zip(c) {
+            *size += c * c;
+        }
+    }
+    sizes.map(f64::sqrt)
+}
