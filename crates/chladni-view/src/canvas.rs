@@ -2,32 +2,43 @@
 
 use std::sync::mpsc::{Receiver, sync_channel};
 
-use crate::pipelines::{DEPTH, SAMPLES};
-use crate::{Gpu, Picture, ViewError};
+use crate::pipelines::{DEPTH, smooth_layout};
+use crate::{Gpu, Picture, Samples, ViewError};
 
-/// A surface to draw on: multisampled colour, depth, and the finished picture as a texture
+/// A surface to draw on: colour samples, depth, and the finished picture as a texture
 /// that a window can show or [`read`](Self::read) can fetch.
 #[derive(Debug)]
 pub struct Canvas {
     width: u32,
     height: u32,
     format: wgpu::TextureFormat,
+    samples: Samples,
     color: wgpu::TextureView,
     depth: wgpu::TextureView,
     finished: wgpu::Texture,
     finished_view: wgpu::TextureView,
+    /// The colours as an image, where their edges are still to be smoothed.
+    rough: Option<wgpu::BindGroup>,
 }
 
 impl Canvas {
     /// The format of pictures and of what egui shows: sRGB-encoded numbers, premultiplied alpha.
     pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-    /// A canvas of `width` × `height` pixels in [`FORMAT`](Self::FORMAT).
+    /// A canvas of `width` × `height` pixels in [`FORMAT`](Self::FORMAT), four samples each.
     ///
     /// # Errors
     /// [`ViewError::Size`] where a side is 0 or too long for the device.
     pub fn new(gpu: &Gpu, width: u32, height: u32) -> Result<Self, ViewError> {
-        Self::with_format(gpu, width, height, Self::FORMAT)
+        Self::with_format(gpu, width, height, Self::FORMAT, Samples::Four)
+    }
+
+    /// A canvas in [`FORMAT`](Self::FORMAT) of so many samples a pixel.
+    ///
+    /// # Errors
+    /// [`ViewError::Size`] where a side is 0 or too long for the device.
+    pub fn with_samples(gpu: &Gpu, width: u32, height: u32, samples: Samples) -> Result<Self, ViewError> {
+        Self::with_format(gpu, width, height, Self::FORMAT, samples)
     }
 
     /// A canvas in another eight-bit format, `…Unorm` or `…UnormSrgb`; the renderer that draws on
@@ -40,17 +51,18 @@ impl Canvas {
         width: u32,
         height: u32,
         format: wgpu::TextureFormat,
+        samples: Samples,
     ) -> Result<Self, ViewError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(ViewError::Size { width, height, limit });
         }
-        let texture = |label, format, samples, usage| {
+        let texture = |label, format, samples: Samples, usage| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
-                sample_count: samples,
+                sample_count: samples.count(),
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage,
@@ -62,15 +74,22 @@ impl Canvas {
         let finished = texture(
             "picture",
             format,
-            1,
+            Samples::One,
             attachment | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING,
         );
+        let usage = match samples {
+            Samples::One => attachment | wgpu::TextureUsages::TEXTURE_BINDING,
+            Samples::Four => attachment,
+        };
+        let color = view(&texture("samples", format, samples, usage));
         Ok(Self {
             width,
             height,
             format,
-            color: view(&texture("samples", format, SAMPLES, attachment)),
-            depth: view(&texture("depth", DEPTH, SAMPLES, attachment)),
+            samples,
+            rough: (samples == Samples::One).then(|| rough(&gpu.device, &color)),
+            color,
+            depth: view(&texture("depth", DEPTH, samples, attachment)),
             finished_view: view(&finished),
             finished,
         })
@@ -91,6 +110,11 @@ impl Canvas {
         self.format
     }
 
+    /// How often a pixel is sampled.
+    pub fn samples(&self) -> Samples {
+        self.samples
+    }
+
     /// The finished picture, to show in a window: `Renderer::register_native_texture` of
     /// egui-wgpu takes it as it is.
     pub fn view(&self) -> &wgpu::TextureView {
@@ -99,16 +123,15 @@ impl Canvas {
 
     /// Begins a pass over the whole canvas, cleared to nothing.
     pub(crate) fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+        let multisampled = self.rough.is_none();
+        let store = if multisampled { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("canvas"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &self.color,
                 depth_slice: None,
-                resolve_target: Some(&self.finished_view),
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Discard,
-                },
+                resolve_target: multisampled.then_some(&self.finished_view),
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.depth,
@@ -122,6 +145,29 @@ impl Canvas {
         })
     }
 
+    /// Where the device does not finish the picture by itself: the colours to be smoothed, and the
+    /// pass that does it.
+    pub(crate) fn smoothing<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+    ) -> Option<(&wgpu::BindGroup, wgpu::RenderPass<'e>)> {
+        let rough = self.rough.as_ref()?;
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("smooth"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.finished_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        Some((rough, pass))
+    }
+
     /// The finished picture, fetched from the device. Alpha is straight, as PNG wants it.
     ///
     /// # Errors
@@ -133,6 +179,22 @@ impl Canvas {
         readback.finish_into(gpu, &mut rgba)?;
         Ok(Picture { width: self.width, height: self.height, rgba })
     }
+}
+
+fn rough(device: &wgpu::Device, color: &wgpu::TextureView) -> wgpu::BindGroup {
+    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    });
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("rough picture"),
+        layout: &smooth_layout(device),
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(color) },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
+        ],
+    })
 }
 
 /// A buffer that one picture of a canvas comes back through.

@@ -41,6 +41,7 @@ mod picture;
 mod pipelines;
 mod renderer;
 mod request;
+mod samples;
 mod scene;
 mod style;
 
@@ -57,6 +58,7 @@ pub use renderer::Renderer;
 pub use request::{
     PictureRequest, PictureShape, Style, film_turntable, render_picture, render_picture_with, smooth_normals,
 };
+pub use samples::Samples;
 pub use scene::{
     Brush, Cell, Figure, IDENTITY, ItemBuffers, Marker, Paint, Skin, Topology, VertexPaint, Wire,
 };

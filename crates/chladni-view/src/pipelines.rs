@@ -1,9 +1,11 @@
 //! Pipelines and bind-group layouts, made once per device and target format.
 
+use std::collections::HashMap;
+
 use wgpu::{BindGroupLayout, RenderPipeline, TextureFormat};
 
-/// Samples per pixel.
-pub(crate) const SAMPLES: u32 = 4;
+use crate::Samples;
+
 /// Depth of a canvas.
 pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
@@ -17,22 +19,52 @@ pub(crate) struct Layouts {
     pub(crate) corners: BindGroupLayout,
 }
 
-/// The same surface twice: its front faces, and its back faces. Opaque surfaces draw the front
-/// first, so that what lies behind it is never shaded; translucent ones the back first.
-pub(crate) struct Sides {
-    pub(crate) front: RenderPipeline,
-    pub(crate) back: RenderPipeline,
+/// What a pipeline draws. Each is compiled when it is needed first, so that a picture waits for its
+/// own pipelines only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Kind {
+    pub(crate) part: Part,
+    pub(crate) samples: Samples,
+    /// Whether the key light's shadows are looked up: sixteen samples a pixel that a software device
+    /// would take even where their result is thrown away.
+    pub(crate) shadows: bool,
+    /// Whether there is a brush ring to draw.
+    pub(crate) brush: bool,
 }
 
-pub(crate) struct Pipelines {
-    pub(crate) shadow: RenderPipeline,
-    pub(crate) backdrop: RenderPipeline,
-    pub(crate) plain: Sides,
-    pub(crate) values: Sides,
-    pub(crate) colors: Sides,
-    pub(crate) corners: Sides,
-    pub(crate) markers: RenderPipeline,
-    pub(crate) hidden_markers: RenderPipeline,
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Part {
+    /// A surface's depth as the key light sees it.
+    Shadow,
+    Backdrop,
+    Surface(Coat, Side),
+    Markers,
+    HiddenMarkers,
+    /// Smooths the edges of a picture of one sample a pixel.
+    Smooth,
+}
+
+/// Where a surface's colour comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Coat {
+    Plain,
+    Values,
+    Colors,
+    Corners,
+}
+
+/// One side of a surface. Opaque surfaces draw the front first, so that what lies behind it is never
+/// shaded; translucent ones the back first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Side {
+    Front,
+    Back,
+}
+
+impl Kind {
+    pub(crate) fn new(part: Part, samples: Samples) -> Self {
+        Self { part, samples, shadows: false, brush: false }
+    }
 }
 
 impl Layouts {
@@ -47,17 +79,11 @@ impl Layouts {
             };
             layout(device, label, &[(both, ty)])
         };
-        let image = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
         let depth = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Depth,
             view_dimension: wgpu::TextureViewDimension::D2Array,
             multisampled: false,
         };
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         let storage = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: true },
             has_dynamic_offset: false,
@@ -71,10 +97,10 @@ impl Layouts {
                 device,
                 "images",
                 &[
-                    (fragment, image),
-                    (fragment, sampler),
-                    (fragment, image),
-                    (fragment, sampler),
+                    (fragment, IMAGE),
+                    (fragment, SAMPLER),
+                    (fragment, IMAGE),
+                    (fragment, SAMPLER),
                     (fragment, depth),
                     (fragment, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison)),
                 ],
@@ -83,6 +109,19 @@ impl Layouts {
         }
     }
 }
+
+/// Of the picture whose edges are to be smoothed, and its sampler.
+pub(crate) fn smooth_layout(device: &wgpu::Device) -> BindGroupLayout {
+    let fragment = wgpu::ShaderStages::FRAGMENT;
+    layout(device, "smooth", &[(fragment, IMAGE), (fragment, SAMPLER)])
+}
+
+const SAMPLER: wgpu::BindingType = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+const IMAGE: wgpu::BindingType = wgpu::BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Float { filterable: true },
+    view_dimension: wgpu::TextureViewDimension::D2,
+    multisampled: false,
+};
 
 fn layout(
     device: &wgpu::Device,
@@ -102,153 +141,149 @@ fn layout(
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
-/// What sets one pipeline apart.
-#[derive(Clone, Copy)]
-struct Kind<'a> {
-    label: &'a str,
-    vertex: &'a str,
-    fragment: &'a str,
-    buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
-    strip: bool,
-    cull: Option<wgpu::Face>,
-    depth: (bool, wgpu::CompareFunction),
+/// The pipelines that were needed so far.
+pub(crate) struct Pipelines {
+    module: wgpu::ShaderModule,
+    /// Of groups: the first two, three, all four, and that of [`Part::Smooth`].
+    shadowed: wgpu::PipelineLayout,
+    indexed: wgpu::PipelineLayout,
+    cornered: wgpu::PipelineLayout,
+    smoothing: wgpu::PipelineLayout,
+    format: TextureFormat,
+    made: HashMap<Kind, RenderPipeline>,
 }
 
 impl Pipelines {
     pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, format: TextureFormat) -> Self {
-        use wgpu::VertexFormat::{Float32, Float32x3, Unorm8x4};
-        let module = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
-        let groups = [&layouts.cell, &layouts.figure, &layouts.images, &layouts.corners].map(Some);
-        let pipeline_layout = |count: usize| {
+        let smooth = smooth_layout(device);
+        let layout = |groups: &[Option<&BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("chladni-view"),
-                bind_group_layouts: &groups[..count],
+                bind_group_layouts: groups,
                 immediate_size: 0,
             })
         };
-        let (shadowed, indexed, cornered) = (pipeline_layout(2), pipeline_layout(3), pipeline_layout(4));
-        let build = |layout: &wgpu::PipelineLayout, kind: Kind<'_>| {
-            device.create_render_pipeline(&descriptor(&module, layout, &kind, &[Some(target(format))]))
-        };
+        let groups = [&layouts.cell, &layouts.figure, &layouts.images, &layouts.corners].map(Some);
+        Self {
+            module: device.create_shader_module(wgpu::include_wgsl!("shader.wgsl")),
+            shadowed: layout(&groups[..2]),
+            indexed: layout(&groups[..3]),
+            cornered: layout(&groups),
+            smoothing: layout(&[Some(&smooth)]),
+            format,
+            made: HashMap::new(),
+        }
+    }
+
+    /// The pipeline of `kind`, compiled if this is its first use.
+    pub(crate) fn get(&mut self, device: &wgpu::Device, kind: Kind) -> &RenderPipeline {
+        if !self.made.contains_key(&kind) {
+            let pipeline = self.build(device, kind);
+            self.made.insert(kind, pipeline);
+        }
+        &self.made[&kind]
+    }
+
+    fn build(&self, device: &wgpu::Device, kind: Kind) -> RenderPipeline {
+        use wgpu::VertexFormat::{Float32, Float32x3, Unorm8x4};
         let attribute =
             |format, location| [wgpu::VertexAttribute { format, offset: 0, shader_location: location }];
         let (position, normal) = (attribute(Float32x3, 0), attribute(Float32x3, 1));
         let (value, color) = (attribute(Float32, 2), attribute(Unorm8x4, 2));
-        let slot = |stride, attributes| {
-            Some(wgpu::VertexBufferLayout {
-                array_stride: stride,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes,
-            })
+        let marker = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
+        let slot = |step_mode, stride, attributes| {
+            Some(wgpu::VertexBufferLayout { array_stride: stride, step_mode, attributes })
         };
-        let body = [slot(12, &position), slot(12, &normal)];
-        let valued = [body[0].clone(), body[1].clone(), slot(4, &value)];
-        let colored = [body[0].clone(), body[1].clone(), slot(4, &color)];
-        let marker_attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
-        let marker = [Some(wgpu::VertexBufferLayout {
-            array_stride: MARKER_BYTES,
-            step_mode: wgpu::VertexStepMode::Instance,
-            attributes: &marker_attributes,
-        })];
-        let (less, more) = (wgpu::CompareFunction::LessEqual, wgpu::CompareFunction::Greater);
-        let surface = |label, vertex, fragment, buffers| Kind {
-            label,
-            vertex,
-            fragment,
-            buffers,
-            strip: false,
-            cull: None,
-            depth: (true, less),
+        let each = |stride, attributes| slot(wgpu::VertexStepMode::Vertex, stride, attributes);
+        let [at, towards] = [each(12, &position), each(12, &normal)];
+        let (vertex, fragment, buffers) = match kind.part {
+            Part::Shadow => ("shadow_vertex", None, vec![at]),
+            Part::Backdrop => ("screen_vertex", Some("backdrop_fragment"), vec![]),
+            Part::Smooth => ("screen_vertex", Some("smooth_fragment"), vec![]),
+            Part::Surface(Coat::Plain, _) => ("plain_vertex", Some("plain_fragment"), vec![at, towards]),
+            Part::Surface(Coat::Values, _) => {
+                ("value_vertex", Some("value_fragment"), vec![at, towards, each(4, &value)])
+            }
+            Part::Surface(Coat::Colors, _) => {
+                ("color_vertex", Some("color_fragment"), vec![at, towards, each(4, &color)])
+            }
+            Part::Surface(Coat::Corners, _) => ("corner_vertex", Some("corner_fragment"), vec![]),
+            Part::Markers | Part::HiddenMarkers => {
+                let fragment =
+                    if kind.part == Part::Markers { "marker_fragment" } else { "hidden_marker_fragment" };
+                let stride = wgpu::VertexStepMode::Instance;
+                ("marker_vertex", Some(fragment), vec![slot(stride, MARKER_BYTES, &marker)])
+            }
         };
-        let disc = |label, fragment, compare| Kind {
-            label,
-            vertex: "marker_vertex",
-            fragment,
-            buffers: &marker,
-            strip: true,
-            cull: None,
-            depth: (false, compare),
+        let layout = match kind.part {
+            Part::Shadow => &self.shadowed,
+            Part::Surface(Coat::Corners, _) => &self.cornered,
+            Part::Smooth => &self.smoothing,
+            _ => &self.indexed,
         };
-        let sides = |layout: &wgpu::PipelineLayout, kind: Kind<'_>| Sides {
-            front: build(layout, Kind { cull: Some(wgpu::Face::Back), ..kind }),
-            back: build(layout, Kind { cull: Some(wgpu::Face::Front), ..kind }),
-        };
-        // The same attributes, seen from the key light: no colour, one sample.
-        let mut shadow =
-            descriptor(&module, &shadowed, &surface("shadow", "shadow_vertex", "", &body[..1]), &[]);
-        shadow.fragment = None;
-        shadow.multisample.count = 1;
-        if let Some(depth) = &mut shadow.depth_stencil {
-            depth.bias = wgpu::DepthBiasState { constant: 2, slope_scale: 1.5, clamp: 0.0 };
-        }
-        Self {
-            shadow: device.create_render_pipeline(&shadow),
-            backdrop: build(
-                &indexed,
-                Kind {
-                    label: "backdrop",
-                    vertex: "backdrop_vertex",
-                    fragment: "backdrop_fragment",
-                    buffers: &[],
-                    strip: false,
-                    cull: None,
-                    depth: (false, wgpu::CompareFunction::Always),
-                },
-            ),
-            plain: sides(&indexed, surface("plain", "plain_vertex", "plain_fragment", &body)),
-            values: sides(&indexed, surface("values", "value_vertex", "value_fragment", &valued)),
-            colors: sides(&indexed, surface("colors", "color_vertex", "color_fragment", &colored)),
-            corners: sides(&cornered, surface("corners", "corner_vertex", "corner_fragment", &[])),
-            markers: build(&indexed, disc("markers", "marker_fragment", less)),
-            hidden_markers: build(&indexed, disc("hidden markers", "hidden_marker_fragment", more)),
-        }
+        let targets = [Some(self.target(kind.part))];
+        let (module, flag) = (&self.module, |on: bool| f64::from(u8::from(on)));
+        let constants = [("SHADOWS", flag(kind.shadows)), ("BRUSH", flag(kind.brush))];
+        let compilation =
+            || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(vertex),
+            layout: Some(layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some(vertex),
+                compilation_options: compilation(),
+                buffers: &buffers,
+            },
+            primitive: kind.part.primitive(),
+            depth_stencil: kind.part.depth_stencil(),
+            multisample: wgpu::MultisampleState { count: kind.samples.count(), ..Default::default() },
+            fragment: fragment.map(|entry_point| wgpu::FragmentState {
+                module,
+                entry_point: Some(entry_point),
+                compilation_options: compilation(),
+                targets: &targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+
+    fn target(&self, part: Part) -> wgpu::ColorTargetState {
+        let blend = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING).filter(|_| part != Part::Smooth);
+        wgpu::ColorTargetState { format: self.format, blend, write_mask: wgpu::ColorWrites::ALL }
     }
 }
 
-fn target(format: TextureFormat) -> wgpu::ColorTargetState {
-    wgpu::ColorTargetState {
-        format,
-        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-        write_mask: wgpu::ColorWrites::ALL,
+impl Part {
+    fn primitive(self) -> wgpu::PrimitiveState {
+        use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
+        let discs = matches!(self, Self::Markers | Self::HiddenMarkers);
+        let cull_mode = match self {
+            Self::Surface(_, Side::Front) => Some(wgpu::Face::Back),
+            Self::Surface(_, Side::Back) => Some(wgpu::Face::Front),
+            _ => None,
+        };
+        let topology = if discs { TriangleStrip } else { TriangleList };
+        wgpu::PrimitiveState { topology, cull_mode, ..Default::default() }
     }
-}
 
-fn descriptor<'a>(
-    module: &'a wgpu::ShaderModule,
-    layout: &'a wgpu::PipelineLayout,
-    kind: &Kind<'a>,
-    targets: &'a [Option<wgpu::ColorTargetState>],
-) -> wgpu::RenderPipelineDescriptor<'a> {
-    use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
-    wgpu::RenderPipelineDescriptor {
-        label: Some(kind.label),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(kind.vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: kind.buffers,
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: if kind.strip { TriangleStrip } else { TriangleList },
-            cull_mode: kind.cull,
-            ..Default::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
+    fn depth_stencil(self) -> Option<wgpu::DepthStencilState> {
+        use wgpu::CompareFunction::{Always, Greater, LessEqual};
+        let (write, compare) = match self {
+            Self::Smooth => return None,
+            Self::Shadow | Self::Surface(..) => (true, LessEqual),
+            Self::Backdrop => (false, Always),
+            Self::Markers => (false, LessEqual),
+            Self::HiddenMarkers => (false, Greater),
+        };
+        let bias = wgpu::DepthBiasState { constant: 2, slope_scale: 1.5, clamp: 0.0 };
+        Some(wgpu::DepthStencilState {
             format: DEPTH,
-            depth_write_enabled: Some(kind.depth.0),
-            depth_compare: Some(kind.depth.1),
+            depth_write_enabled: Some(write),
+            depth_compare: Some(compare),
             stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(kind.fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets,
-        }),
-        multiview_mask: None,
-        cache: None,
+            bias: if self == Self::Shadow { bias } else { wgpu::DepthBiasState::default() },
+        })
     }
 }

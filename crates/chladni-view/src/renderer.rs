@@ -6,12 +6,12 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
 use crate::images::Images;
-use crate::pipelines::{Layouts, MARKER_BYTES, Pipelines, Sides};
+use crate::pipelines::{Coat, Kind, Layouts, MARKER_BYTES, Part, Pipelines, Side};
 use crate::style::linear;
-use crate::{Canvas, Cell, Figure, Gpu, Paint, ViewError};
+use crate::{Canvas, Cell, Figure, Gpu, Paint, Samples, ViewError};
 
 /// The pipelines of one device and target format, and the uniform buffers they share. Make one
-/// and keep it: pipelines are compiled here.
+/// and keep it: each pipeline is compiled when a picture needs it first, and kept here.
 pub struct Renderer {
     gpu: Gpu,
     format: wgpu::TextureFormat,
@@ -69,12 +69,12 @@ struct MarkerInstance {
 }
 
 impl Renderer {
-    /// Compiles the pipelines for pictures ([`Canvas::FORMAT`]).
+    /// A renderer for pictures ([`Canvas::FORMAT`]).
     pub fn new(gpu: &Gpu) -> Self {
         Self::with_format(gpu, Canvas::FORMAT)
     }
 
-    /// Compiles the pipelines for canvases of another eight-bit format.
+    /// A renderer for canvases of another eight-bit format.
     pub fn with_format(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
         let device = &gpu.device;
         let layouts = Layouts::new(device);
@@ -113,44 +113,52 @@ impl Renderer {
             return Err(ViewError::Shape(format!("a canvas of {found:?} for a renderer of {wanted:?}")));
         }
         self.stage(canvas, cells)?;
-        let device = &self.gpu.device;
+        let device = self.gpu.device.clone();
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.draw_shadows(&mut encoder, cells);
-        {
-            let mut pass = canvas.pass(&mut encoder);
-            let (mut figure_index, mut first_marker) = (0, 0);
-            for (cell_index, cell) in cells.iter().enumerate() {
-                let r = cell.viewport;
-                pass.set_viewport(r.x as f32, r.y as f32, r.width as f32, r.height as f32, 0.0, 1.0);
-                pass.set_scissor_rect(r.x, r.y, r.width, r.height);
-                pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
-                pass.set_bind_group(1, &self.figures.group, &[0]);
-                pass.set_bind_group(2, &self.images.group, &[]);
-                if cell.background.opacity > 0.0 {
-                    pass.set_pipeline(&self.pipelines.backdrop);
-                    pass.draw(0..3, 0..1);
-                }
-                for figure in cell.figures {
-                    pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(figure_index)]);
-                    self.draw_figure(&mut pass, figure);
-                    figure_index += 1;
-                }
-                if !cell.markers.is_empty() {
-                    let markers = first_marker..first_marker + cell.markers.len() as u32;
-                    pass.set_vertex_buffer(0, self.markers.slice(..));
-                    for pipeline in [&self.pipelines.hidden_markers, &self.pipelines.markers] {
-                        pass.set_pipeline(pipeline);
-                        pass.draw(0..4, markers.clone());
-                    }
-                    first_marker = markers.end;
-                }
-            }
+        self.draw_cells(&mut encoder, canvas, cells);
+        if let Some((rough, mut pass)) = canvas.smoothing(&mut encoder) {
+            pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Smooth, Samples::One)));
+            pass.set_bind_group(0, rough, &[]);
+            pass.draw(0..3, 0..1);
         }
         Ok(self.gpu.queue.submit([encoder.finish()]))
     }
 
+    fn draw_cells(&mut self, encoder: &mut wgpu::CommandEncoder, canvas: &Canvas, cells: &[Cell<'_>]) {
+        let (samples, device) = (canvas.samples(), self.gpu.device.clone());
+        let mut pass = canvas.pass(encoder);
+        let (mut figure_index, mut first_marker) = (0, 0);
+        for (cell_index, cell) in cells.iter().enumerate() {
+            let r = cell.viewport;
+            pass.set_viewport(r.x as f32, r.y as f32, r.width as f32, r.height as f32, 0.0, 1.0);
+            pass.set_scissor_rect(r.x, r.y, r.width, r.height);
+            pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
+            pass.set_bind_group(1, &self.figures.group, &[0]);
+            pass.set_bind_group(2, &self.images.group, &[]);
+            if cell.background.opacity > 0.0 {
+                pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Backdrop, samples)));
+                pass.draw(0..3, 0..1);
+            }
+            for figure in cell.figures {
+                pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(figure_index)]);
+                self.draw_figure(&mut pass, figure, samples, casts_shadows(cell));
+                figure_index += 1;
+            }
+            if !cell.markers.is_empty() {
+                let markers = first_marker..first_marker + cell.markers.len() as u32;
+                pass.set_vertex_buffer(0, self.markers.slice(..));
+                for part in [Part::HiddenMarkers, Part::Markers] {
+                    pass.set_pipeline(self.pipelines.get(&device, Kind::new(part, samples)));
+                    pass.draw(0..4, markers.clone());
+                }
+                first_marker = markers.end;
+            }
+        }
+    }
+
     /// One pass per cell whose key light casts shadows.
-    fn draw_shadows(&self, encoder: &mut wgpu::CommandEncoder, cells: &[Cell<'_>]) {
+    fn draw_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, cells: &[Cell<'_>]) {
         let (mut figure_index, mut layer) = (0, 0);
         for (cell_index, cell) in cells.iter().enumerate() {
             let first_figure = figure_index;
@@ -160,7 +168,8 @@ impl Renderer {
             }
             let mut pass = self.images.shadows.pass(encoder, layer);
             layer += 1;
-            pass.set_pipeline(&self.pipelines.shadow);
+            let shadow = Kind::new(Part::Shadow, Samples::One);
+            pass.set_pipeline(self.pipelines.get(&self.gpu.device, shadow));
             pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
             for (i, figure) in cell.figures.iter().enumerate().filter(|(_, figure)| figure.opacity >= 1.0) {
                 pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
@@ -171,36 +180,45 @@ impl Renderer {
         }
     }
 
-    fn draw_figure(&self, pass: &mut wgpu::RenderPass<'_>, figure: &Figure<'_>) {
+    fn draw_figure(
+        &mut self,
+        pass: &mut wgpu::RenderPass<'_>,
+        figure: &Figure<'_>,
+        samples: Samples,
+        shadows: bool,
+    ) {
         let Figure { topology, buffers, .. } = figure;
         let corners = 3 * topology.triangles as u32;
-        if figure.wire.is_some() || matches!(figure.paint, Paint::Skin(_)) {
-            self.bind_corners(pass, figure);
-            for pipeline in in_order(&self.pipelines.corners, figure) {
-                pass.set_pipeline(pipeline);
-                pass.draw(0..corners, 0..1);
-            }
-            pass.set_bind_group(2, &self.images.group, &[]);
-            return;
-        }
-        let item = item_bytes(figure);
-        pass.set_vertex_buffer(0, buffers.positions.slice(item.clone()));
-        pass.set_vertex_buffer(1, buffers.normals.slice(item));
-        let sides = match figure.paint {
-            Paint::Material | Paint::Skin(_) => &self.pipelines.plain,
-            Paint::Values(paint, _) => {
-                pass.set_vertex_buffer(2, paint.buffer.slice(..));
-                &self.pipelines.values
-            }
-            Paint::Colors(paint) => {
-                pass.set_vertex_buffer(2, paint.buffer.slice(..));
-                &self.pipelines.colors
-            }
+        let coat = match figure.paint {
+            _ if figure.wire.is_some() => Coat::Corners,
+            Paint::Skin(_) => Coat::Corners,
+            Paint::Material => Coat::Plain,
+            Paint::Values(..) => Coat::Values,
+            Paint::Colors(_) => Coat::Colors,
         };
-        pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for pipeline in in_order(sides, figure) {
-            pass.set_pipeline(pipeline);
-            pass.draw_indexed(0..corners, 0, 0..1);
+        if coat == Coat::Corners {
+            self.bind_corners(pass, figure);
+        } else {
+            let item = item_bytes(figure);
+            pass.set_vertex_buffer(0, buffers.positions.slice(item.clone()));
+            pass.set_vertex_buffer(1, buffers.normals.slice(item));
+            if let Paint::Values(paint, _) | Paint::Colors(paint) = figure.paint {
+                pass.set_vertex_buffer(2, paint.buffer.slice(..));
+            }
+            pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
+        }
+        for &side in sides(figure, samples) {
+            let part = Part::Surface(coat, side);
+            let kind = Kind { part, samples, shadows, brush: figure.brush.is_some() };
+            pass.set_pipeline(self.pipelines.get(&self.gpu.device, kind));
+            if coat == Coat::Corners {
+                pass.draw(0..corners, 0..1);
+            } else {
+                pass.draw_indexed(0..corners, 0, 0..1);
+            }
+        }
+        if coat == Coat::Corners {
+            pass.set_bind_group(2, &self.images.group, &[]);
         }
     }
 
@@ -285,8 +303,14 @@ impl Renderer {
     }
 }
 
-fn in_order<'a>(sides: &'a Sides, figure: &Figure<'_>) -> [&'a wgpu::RenderPipeline; 2] {
-    if figure.opacity < 1.0 { [&sides.back, &sides.front] } else { [&sides.front, &sides.back] }
+/// The sides of a figure that are drawn, in order.
+fn sides(figure: &Figure<'_>, samples: Samples) -> &'static [Side] {
+    match samples {
+        _ if figure.opacity < 1.0 => &[Side::Back, Side::Front],
+        // Every line of sight that meets a closed surface meets its front, however it is bent.
+        Samples::One if figure.topology.closed => &[Side::Front],
+        _ => &[Side::Front, Side::Back],
+    }
 }
 
 /// Heat maps and bare backgrounds have no shadows.

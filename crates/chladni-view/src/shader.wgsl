@@ -41,6 +41,11 @@ struct Figure {
     brush_color: vec4f,
 }
 
+// What a pipeline can do without is left out when it is compiled: a software device computes both
+// sides of every branch.
+override SHADOWS = true;
+override BRUSH = true;
+
 @group(0) @binding(0) var<uniform> cell: Cell;
 @group(1) @binding(0) var<uniform> figure: Figure;
 @group(2) @binding(0) var maps: texture_2d<f32>;
@@ -216,7 +221,7 @@ fn place_of(at: vec3f) -> vec3f {
 
 // Share of the key light that reaches `at`: a disc of filtered samples of its map.
 fn lit_by_key(at: vec3f, n: vec3f) -> f32 {
-    if cell.shadow_map.x <= 0.0 { return 1.0; }
+    if !SHADOWS || cell.shadow_map.x <= 0.0 { return 1.0; }
     let facing = dot(n, cell.lights[0].direction.xyz);
     // Step off the surface, more where the light grazes it.
     let off = cell.shadow_map.w * (1.0 + 3.0 * (1.0 - max(facing, 0.0)));
@@ -298,7 +303,7 @@ fn towards_viewer(at: vec3f) -> vec3f {
 
 // The brush's ring and a breath of its colour inside; `step` is how far `at` moves in a pixel.
 fn brushed(c: vec3f, reach: f32, step: f32) -> vec3f {
-    if figure.brush.w <= 0.0 { return c; }
+    if !BRUSH { return c; }
     let ring = 1.0 - smoothstep(0.7, 1.7, abs(reach - figure.brush.w) / max(step, 1e-9));
     let inside = select(0.0, 0.13, reach < figure.brush.w);
     return mix(c, figure.brush_color.rgb, figure.brush_color.a * max(ring, inside));
@@ -376,16 +381,17 @@ fn corner_fragment(in: CornerSurface, @builtin(front_facing) front: bool) -> @lo
     return vec4f(c, 1.0) * figure.color.a;
 }
 
-struct Backdrop { @builtin(position) clip: vec4f, @location(0) at: vec2f }
+struct Screen { @builtin(position) clip: vec4f, @location(0) at: vec2f }
 
+// One triangle that covers the viewport.
 @vertex
-fn backdrop_vertex(@builtin(vertex_index) i: u32) -> Backdrop {
+fn screen_vertex(@builtin(vertex_index) i: u32) -> Screen {
     let corner = vec2f(f32((i << 1u) & 2u), f32(i & 2u)) * 2.0 - 1.0;
-    return Backdrop(vec4f(corner, 0.0, 1.0), corner);
+    return Screen(vec4f(corner, 0.0, 1.0), corner);
 }
 
 @fragment
-fn backdrop_fragment(in: Backdrop) -> @location(0) vec4f {
+fn backdrop_fragment(in: Screen) -> @location(0) vec4f {
     let r = length(in.at * vec2f(1.0, 1.0) + vec2f(0.0, -0.1));
     var c = mix(cell.background_center.rgb, cell.background_corner.rgb, smoothstep(0.1, 1.5, r));
     // An ordered dither hides the steps of eight bits, and unlike noise it compresses well.
@@ -440,4 +446,48 @@ fn marker_fragment(in: Marker) -> @location(0) vec4f {
 @fragment
 fn hidden_marker_fragment(in: Marker) -> @location(0) vec4f {
     return marker(in) * 0.22;
+}
+
+@group(0) @binding(0) var rough: texture_2d<f32>;
+@group(0) @binding(1) var rough_sampler: sampler;
+
+// How bright a premultiplied colour looks, transparency being grey.
+fn brightness(c: vec4f) -> f32 {
+    return dot(c.rgb, vec3f(0.299, 0.587, 0.114)) + 0.5 * (1.0 - c.a);
+}
+
+fn rough_at(p: vec2i) -> f32 {
+    let last = vec2i(textureDimensions(rough)) - 1;
+    return brightness(textureLoad(rough, clamp(p, vec2i(0), last), 0));
+}
+
+// Smooths edges by blurring along them (Lottes, FXAA 1, 2009, without its search for their ends).
+@fragment
+fn smooth_fragment(in: Screen) -> @location(0) vec4f {
+    let p = vec2i(in.clip.xy);
+    let here = textureLoad(rough, p, 0);
+    let m = brightness(here);
+    let nw = rough_at(p + vec2i(-1, -1));
+    let ne = rough_at(p + vec2i(1, -1));
+    let sw = rough_at(p + vec2i(-1, 1));
+    let se = rough_at(p + vec2i(1, 1));
+    let low = min(m, min(min(nw, ne), min(sw, se)));
+    let high = max(m, max(max(nw, ne), max(sw, se)));
+    // Across the steepest slope, and longer where it is flatter.
+    var along = vec2f((sw + se) - (nw + ne), (nw + sw) - (ne + se));
+    let flat = max((nw + ne + sw + se) * (0.25 / 8.0), 1.0 / 128.0);
+    along = clamp(along / (min(abs(along.x), abs(along.y)) + flat), vec2f(-8.0), vec2f(8.0));
+    let size = vec2f(textureDimensions(rough));
+    let at = in.clip.xy / size;
+    let step = along / size;
+    let near = 0.5
+        * (textureSampleLevel(rough, rough_sampler, at - step / 6.0, 0.0)
+            + textureSampleLevel(rough, rough_sampler, at + step / 6.0, 0.0));
+    let far = 0.5 * near
+        + 0.25
+            * (textureSampleLevel(rough, rough_sampler, at - 0.5 * step, 0.0)
+                + textureSampleLevel(rough, rough_sampler, at + 0.5 * step, 0.0));
+    let reached = brightness(far);
+    let smoothed = select(far, near, reached < low || reached > high);
+    return select(smoothed, here, high - low < max(1.0 / 24.0, high / 8.0));
 }

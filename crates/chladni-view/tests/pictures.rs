@@ -9,7 +9,7 @@ mod shapes;
 
 use chladni_view::{
     Background, Brush, Camera, Canvas, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint,
-    Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Skin, Style, Topology, VertexPaint, View,
+    Picture, PictureRequest, PictureShape, Rect, Renderer, Samples, Scale, Skin, Style, Topology, VertexPaint, View,
     ViewError, Wire, render_picture, render_picture_with, smooth_normals,
 };
 use shapes::{gpu, sphere};
@@ -235,7 +235,7 @@ fn every_target_format_shows_the_same_colours() {
     };
     use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
     let pictures = [Rgba8Unorm, Bgra8Unorm, Rgba8UnormSrgb, Bgra8UnormSrgb].map(|format| {
-        let canvas = Canvas::with_format(&gpu, 64, 64, format).unwrap();
+        let canvas = Canvas::with_format(&gpu, 64, 64, format, Samples::Four).unwrap();
         Renderer::with_format(&gpu, format).draw(&canvas, &[cell]).unwrap();
         canvas.read(&gpu).unwrap()
     });
@@ -246,7 +246,7 @@ fn every_target_format_shows_the_same_colours() {
             assert!(a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 3), "{a:?} {b:?}");
         }
     }
-    let wrong = Canvas::with_format(&gpu, 64, 64, Bgra8Unorm).unwrap();
+    let wrong = Canvas::with_format(&gpu, 64, 64, Bgra8Unorm, Samples::Four).unwrap();
     assert!(matches!(Renderer::new(&gpu).draw(&wrong, &[cell]), Err(ViewError::Shape(_))));
 }
 
