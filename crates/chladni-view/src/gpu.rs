@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use chladni_synth::DeviceLoss;
 
-use crate::ViewError;
+use crate::{Samples, ViewError};
 
 /// A graphics device and its queue. Clones share them.
 ///
@@ -91,6 +91,12 @@ impl Gpu {
     /// Whether drawing runs on the processor, so that sizes are better kept small.
     pub fn is_software(&self) -> bool {
         self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Samples a pixel for what moves: four where there is a graphics card, one where the processor
+    /// draws, which takes a third of the time. Still pictures can wait and have four everywhere.
+    pub fn live_samples(&self) -> Samples {
+        if self.is_software() { Samples::One } else { Samples::Four }
     }
 
     /// The first error the device reported since it was opened, as an error.

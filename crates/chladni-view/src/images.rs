@@ -3,7 +3,7 @@
 use wgpu::util::DeviceExt;
 
 use crate::pipelines::{DEPTH, Layouts};
-use crate::{ColorMap, Gpu};
+use crate::{ColorMap, Gpu, Samples};
 
 /// Textures and samplers of bind group 2.
 pub(crate) struct Images {
@@ -36,7 +36,7 @@ impl Images {
         let map_sampler = sampler(clamp, 1, None);
         let skin_sampler = sampler(repeat, 4, None);
         let shadow_sampler = sampler(clamp, 1, Some(wgpu::CompareFunction::LessEqual));
-        let shadows = ShadowMaps::new(device, 1, 1);
+        let shadows = ShadowMaps::new(device, 1, 1, 1);
         let samplers = [&map_sampler, &skin_sampler, &shadow_sampler];
         // Nothing samples the maps as a skin unless a figure has one.
         let group = group(device, layouts, &maps, &maps, &shadows, samplers);
@@ -54,34 +54,46 @@ impl Images {
         group(device, layouts, &self.maps, skin, &self.shadows, samplers)
     }
 
-    /// Sees to it that `count` cells can have shadows: one large map, or many smaller ones.
-    pub(crate) fn make_room(&mut self, device: &wgpu::Device, layouts: &Layouts, count: usize) {
-        let (size, layers) = match count {
+    /// Sees to it that `count` cells can have shadows: one large map, or many smaller ones. Pictures of
+    /// one sample a pixel have maps of a quarter of the texels, which a software device fills sooner.
+    pub(crate) fn make_room(
+        &mut self,
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        count: usize,
+        samples: Samples,
+    ) {
+        let coarser = u32::from(samples == Samples::One);
+        let (size, columns) = match count as u32 {
             0 => return,
-            1 => (1024, 1),
-            _ => (512, (count as u32).next_power_of_two()),
+            1 => (1024 >> coarser, 1),
+            count => (512 >> coarser, count.isqrt() + u32::from(count.isqrt().pow(2) < count)),
         };
-        if self.shadows.size == size && self.shadows.layers.len() as u32 >= layers {
+        let columns = columns.min(device.limits().max_texture_dimension_2d / size);
+        let rows = (count as u32).div_ceil(columns);
+        let enough = self.shadows.columns == columns && self.shadows.rows >= rows;
+        if self.shadows.size == size && enough {
             return;
         }
-        self.shadows = ShadowMaps::new(device, size, layers);
+        self.shadows = ShadowMaps::new(device, size, columns, rows);
         self.group = self.group_with(device, layouts, &self.maps);
     }
 }
 
-/// Depth as the key light sees it, one layer a cell.
+/// Depth as the key light sees it, one square of a texture for each cell.
 pub(crate) struct ShadowMaps {
-    /// Texels of a side.
+    /// Texels of a side of one map.
     pub(crate) size: u32,
-    all: wgpu::TextureView,
-    layers: Vec<wgpu::TextureView>,
+    columns: u32,
+    rows: u32,
+    view: wgpu::TextureView,
 }
 
 impl ShadowMaps {
-    fn new(device: &wgpu::Device, size: u32, layers: u32) -> Self {
+    fn new(device: &wgpu::Device, size: u32, columns: u32, rows: u32) -> Self {
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadows"),
-            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
+            size: wgpu::Extent3d { width: size * columns, height: size * rows, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -89,32 +101,24 @@ impl ShadowMaps {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
-        let all = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
-        let layers = (0..layers)
-            .map(|layer| {
-                texture.create_view(&wgpu::TextureViewDescriptor {
-                    dimension: Some(wgpu::TextureViewDimension::D2),
-                    base_array_layer: layer,
-                    array_layer_count: Some(1),
-                    ..Default::default()
-                })
-            })
-            .collect();
-        Self { size, all, layers }
+        Self { size, columns, rows, view: texture.create_view(&wgpu::TextureViewDescriptor::default()) }
     }
 
-    pub(crate) fn pass<'e>(
-        &self,
-        encoder: &'e mut wgpu::CommandEncoder,
-        layer: usize,
-    ) -> wgpu::RenderPass<'e> {
+    /// Upper left texel of the map with this index.
+    pub(crate) fn corner(&self, index: u32) -> [u32; 2] {
+        [index % self.columns * self.size, index / self.columns * self.size]
+    }
+
+    /// From the texels of all maps to texture coordinates.
+    pub(crate) fn texel(&self) -> [f32; 2] {
+        [self.columns, self.rows].map(|count| 1.0 / (count * self.size) as f32)
+    }
+
+    pub(crate) fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadows"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.layers[layer],
+                view: &self.view,
                 depth_ops: Some(wgpu::Operations {
                     load: wgpu::LoadOp::Clear(1.0),
                     store: wgpu::StoreOp::Store,
@@ -139,7 +143,7 @@ fn group(
         wgpu::BindingResource::Sampler(map_sampler),
         wgpu::BindingResource::TextureView(skin),
         wgpu::BindingResource::Sampler(skin_sampler),
-        wgpu::BindingResource::TextureView(&shadows.all),
+        wgpu::BindingResource::TextureView(&shadows.view),
         wgpu::BindingResource::Sampler(shadow_sampler),
     ];
     let entries: Vec<_> =

@@ -34,8 +34,10 @@ pub(crate) struct Kind {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Part {
-    /// A surface's depth as the key light sees it.
-    Shadow,
+    /// A surface's depth as the key light sees it; of a closed one its front only.
+    Shadow {
+        closed: bool,
+    },
     Backdrop,
     Surface(Coat, Side),
     Markers,
@@ -81,7 +83,7 @@ impl Layouts {
         };
         let depth = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Depth,
-            view_dimension: wgpu::TextureViewDimension::D2Array,
+            view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
         let storage = wgpu::BindingType::Buffer {
@@ -197,7 +199,7 @@ impl Pipelines {
         let each = |stride, attributes| slot(wgpu::VertexStepMode::Vertex, stride, attributes);
         let [at, towards] = [each(12, &position), each(12, &normal)];
         let (vertex, fragment, buffers) = match kind.part {
-            Part::Shadow => ("shadow_vertex", None, vec![at]),
+            Part::Shadow { .. } => ("shadow_vertex", None, vec![at]),
             Part::Backdrop => ("screen_vertex", Some("backdrop_fragment"), vec![]),
             Part::Smooth => ("screen_vertex", Some("smooth_fragment"), vec![]),
             Part::Surface(Coat::Plain, _) => ("plain_vertex", Some("plain_fragment"), vec![at, towards]),
@@ -216,16 +218,19 @@ impl Pipelines {
             }
         };
         let layout = match kind.part {
-            Part::Shadow => &self.shadowed,
+            Part::Shadow { .. } => &self.shadowed,
             Part::Surface(Coat::Corners, _) => &self.cornered,
             Part::Smooth => &self.smoothing,
             _ => &self.indexed,
         };
         let targets = [Some(self.target(kind.part))];
         let (module, flag) = (&self.module, |on: bool| f64::from(u8::from(on)));
-        let constants = [("SHADOWS", flag(kind.shadows)), ("BRUSH", flag(kind.brush))];
-        let compilation =
-            || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        let constants = [
+            ("SHADOWS", flag(kind.shadows)),
+            ("BRUSH", flag(kind.brush)),
+            ("FILTERED", flag(kind.samples == Samples::Four)),
+        ];
+        let compilation = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(vertex),
             layout: Some(layout),
@@ -260,7 +265,7 @@ impl Part {
         use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
         let discs = matches!(self, Self::Markers | Self::HiddenMarkers);
         let cull_mode = match self {
-            Self::Surface(_, Side::Front) => Some(wgpu::Face::Back),
+            Self::Surface(_, Side::Front) | Self::Shadow { closed: true } => Some(wgpu::Face::Back),
             Self::Surface(_, Side::Back) => Some(wgpu::Face::Front),
             _ => None,
         };
@@ -272,7 +277,7 @@ impl Part {
         use wgpu::CompareFunction::{Always, Greater, LessEqual};
         let (write, compare) = match self {
             Self::Smooth => return None,
-            Self::Shadow | Self::Surface(..) => (true, LessEqual),
+            Self::Shadow { .. } | Self::Surface(..) => (true, LessEqual),
             Self::Backdrop => (false, Always),
             Self::Markers => (false, LessEqual),
             Self::HiddenMarkers => (false, Greater),
@@ -283,7 +288,7 @@ impl Part {
             depth_write_enabled: Some(write),
             depth_compare: Some(compare),
             stencil: wgpu::StencilState::default(),
-            bias: if self == Self::Shadow { bias } else { wgpu::DepthBiasState::default() },
+            bias: if matches!(self, Self::Shadow { .. }) { bias } else { wgpu::DepthBiasState::default() },
         })
     }
 }

@@ -44,6 +44,7 @@ struct CellUniform {
     output: [f32; 4],
     shadow: [[f32; 4]; 4],
     shadow_map: [f32; 4],
+    shadow_place: [f32; 4],
 }
 
 #[repr(C)]
@@ -157,21 +158,27 @@ impl Renderer {
         }
     }
 
-    /// One pass per cell whose key light casts shadows.
+    /// The maps of all cells whose key light casts shadows.
     fn draw_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, cells: &[Cell<'_>]) {
-        let (mut figure_index, mut layer) = (0, 0);
+        if !cells.iter().any(casts_shadows) {
+            return;
+        }
+        let mut pass = self.images.shadows.pass(encoder);
+        let (mut figure_index, mut map) = (0, 0);
         for (cell_index, cell) in cells.iter().enumerate() {
             let first_figure = figure_index;
             figure_index += cell.figures.len();
             if !casts_shadows(cell) {
                 continue;
             }
-            let mut pass = self.images.shadows.pass(encoder, layer);
-            layer += 1;
-            let shadow = Kind::new(Part::Shadow, Samples::One);
-            pass.set_pipeline(self.pipelines.get(&self.gpu.device, shadow));
+            let ([x, y], size) = (self.images.shadows.corner(map), self.images.shadows.size);
+            map += 1;
+            pass.set_viewport(x as f32, y as f32, size as f32, size as f32, 0.0, 1.0);
+            pass.set_scissor_rect(x, y, size, size);
             pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
             for (i, figure) in cell.figures.iter().enumerate().filter(|(_, figure)| figure.opacity >= 1.0) {
+                let shadow = Kind::new(Part::Shadow { closed: figure.topology.closed }, Samples::One);
+                pass.set_pipeline(self.pipelines.get(&self.gpu.device, shadow));
                 pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
                 pass.set_vertex_buffer(0, figure.buffers.positions.slice(item_bytes(figure)));
                 pass.set_index_buffer(figure.topology.indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -257,8 +264,8 @@ impl Renderer {
         self.figures.clear();
         self.marker_bytes.clear();
         let shadowed = cells.iter().filter(|cell| casts_shadows(cell)).count();
-        self.images.make_room(&self.gpu.device, &self.layouts, shadowed);
-        let mut layer = 0;
+        self.images.make_room(&self.gpu.device, &self.layouts, shadowed, canvas.samples());
+        let mut map = 0;
         for cell in cells {
             let r = cell.viewport;
             let fits = |start: u32, length: u32, limit: u32| {
@@ -270,9 +277,11 @@ impl Renderer {
             }
             let mut uniform = cell_uniform(cell, !self.format.is_srgb());
             if casts_shadows(cell) {
-                let size = self.images.shadows.size;
-                (uniform.shadow, uniform.shadow_map) = key_light_view(cell, layer, size);
-                layer += 1;
+                let maps = &self.images.shadows;
+                (uniform.shadow, uniform.shadow_map) = key_light_view(cell, maps.size);
+                let ([x, y], [width, height]) = (maps.corner(map).map(|c| c as f32), maps.texel());
+                uniform.shadow_place = [x, y, width, height];
+                map += 1;
             }
             self.cells.push(&uniform);
             for figure in cell.figures {
@@ -327,7 +336,7 @@ fn item_bytes(figure: &Figure<'_>) -> std::ops::Range<u64> {
 }
 
 /// The key light's parallel view of all that the camera can reach, and how its map is read.
-fn key_light_view(cell: &Cell<'_>, layer: u32, size: u32) -> ([[f32; 4]; 4], [f32; 4]) {
+fn key_light_view(cell: &Cell<'_>, size: u32) -> ([[f32; 4]; 4], [f32; 4]) {
     let camera = &cell.camera;
     let [right, up, back] = camera.axes();
     let d = Vec3::from(cell.lights.lights[0].direction).normalize_or(Vec3::Y);
@@ -340,8 +349,8 @@ fn key_light_view(cell: &Cell<'_>, layer: u32, size: u32) -> ([[f32; 4]; 4], [f3
     let (x, y, z) = (x / radius, y / radius, -z / (2.0 * radius));
     let row = |axis: Vec3, offset: f32| axis.extend(offset - axis.dot(target));
     let matrix = Mat4::from_rows(row(x, 0.0), row(y, 0.0), row(z, 0.5), glam::Vec4::W);
-    let texel = 1.0 / size as f32;
-    (matrix.to_cols_array_2d(), [cell.lights.shadow, layer as f32, texel, 2.0 * radius * texel])
+    let scene_per_texel = 2.0 * radius / size as f32;
+    (matrix.to_cols_array_2d(), [cell.lights.shadow, size as f32, 0.0, scene_per_texel])
 }
 
 fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
@@ -381,6 +390,7 @@ fn cell_uniform(cell: &Cell<'_>, encode: bool) -> CellUniform {
         output: [f32::from(u8::from(encode)), cell.lights.exposure, f32::from(u8::from(orthographic)), 0.0],
         shadow: [[0.0; 4]; 4],
         shadow_map: [0.0; 4],
+        shadow_place: [0.0; 4],
     }
 }
 

@@ -89,7 +89,8 @@ pub fn render_picture_with(
 }
 
 /// Films the shapes of `request` turning once around, and finishes the film. A camera that is not
-/// given is fitted so that nothing leaves the frame at any angle.
+/// given is fitted so that nothing leaves the frame at any angle. Its samples are those of
+/// [`Gpu::live_samples`].
 ///
 /// # Errors
 /// See [`render_picture`] and [`shoot`].
@@ -100,7 +101,7 @@ pub fn film_turntable(
     task: &Task,
 ) -> Result<(), ViewError> {
     let gpu = renderer.gpu().clone();
-    let canvas = Canvas::new(&gpu, request.width, request.height)?;
+    let canvas = Canvas::with_samples(&gpu, request.width, request.height, gpu.live_samples())?;
     let loaded = load(&gpu, request)?;
     let start = request.camera.unwrap_or_else(|| {
         let mut camera = Camera::looking(View::ThreeQuarter);

@@ -18,8 +18,10 @@ struct Cell {
     output: vec4f,
     // From the scene to the key light's clip space.
     shadow: mat4x4f,
-    // Strength, layer of the map, size of a texel in the map and in the scene.
+    // Strength, texels of a side of the map, -, size of a texel in the scene.
     shadow_map: vec4f,
+    // The map's first texel among those of all maps, and the size of a texel in texture coordinates.
+    shadow_place: vec4f,
 }
 
 struct Figure {
@@ -45,6 +47,8 @@ struct Figure {
 // sides of every branch.
 override SHADOWS = true;
 override BRUSH = true;
+// Whether shadows are filtered between the texels of their map: without, a pixel must be no smaller.
+override FILTERED = true;
 
 @group(0) @binding(0) var<uniform> cell: Cell;
 @group(1) @binding(0) var<uniform> figure: Figure;
@@ -52,7 +56,7 @@ override BRUSH = true;
 @group(2) @binding(1) var map_sampler: sampler;
 @group(2) @binding(2) var skin: texture_2d<f32>;
 @group(2) @binding(3) var skin_sampler: sampler;
-@group(2) @binding(4) var shadows: texture_depth_2d_array;
+@group(2) @binding(4) var shadows: texture_depth_2d;
 @group(2) @binding(5) var shadow_sampler: sampler_comparison;
 @group(3) @binding(0) var<storage, read> positions: array<f32>;
 @group(3) @binding(1) var<storage, read> normals: array<f32>;
@@ -60,11 +64,14 @@ override BRUSH = true;
 @group(3) @binding(3) var<storage, read> corner_uvs: array<vec2f>;
 @group(3) @binding(4) var<storage, read> paints: array<u32>;
 
-// Position and normal in the viewer's axes; all that bare surfaces hand on.
+// Position and normal in the viewer's axes; all that bare surfaces hand on. Where it lies in the key
+// light's map, in texels and depth, and how far from there is a step off its front.
 struct Surface {
     @builtin(position) clip: vec4f,
     @location(0) at: vec3f,
     @location(1) normal: vec3f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
 }
 
 struct ValuedSurface {
@@ -79,6 +86,8 @@ struct ColoredSurface {
     @location(0) at: vec3f,
     @location(1) normal: vec3f,
     @location(2) color: vec3f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
 }
 
 // Corners carry whatever their paint needs: a value in x, a colour, or a (u, v).
@@ -87,14 +96,32 @@ struct CornerSurface {
     @location(0) at: vec3f,
     @location(1) normal: vec3f,
     @location(2) paint: vec3f,
-    @location(3) barycentric: vec3f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
+    @location(5) barycentric: vec3f,
 }
 
 fn surface(position: vec3f, normal: vec3f) -> Surface {
-    let at = cell.view * (figure.model * vec4f(position, 1.0));
+    let scene = figure.model * vec4f(position, 1.0);
+    let at = cell.view * scene;
     // The model matrix is a similarity: normals turn with it.
-    let turned = cell.view * (figure.model * vec4f(normal, 0.0));
-    return Surface(cell.projection * at, at.xyz, turned.xyz);
+    let scene_normal = figure.model * vec4f(normal, 0.0);
+    let turned = (cell.view * scene_normal).xyz;
+    var s = Surface(cell.projection * at, at.xyz, turned, vec3f(0.0), vec3f(0.0));
+    if SHADOWS {
+        let texels = vec3f(vec2f(0.5, -0.5) * cell.shadow_map.y, 1.0);
+        let first = cell.shadow_place.xy;
+        let map = (cell.shadow * scene).xyz * texels + vec3f(first + 0.5 * cell.shadow_map.y, 0.0);
+        // A disc around it stays in the map; what the camera cannot reach is beyond its edge.
+        let inside = clamp(map.xy, first + 6.0, first + cell.shadow_map.y - 6.0);
+        s.map_at = vec3f(inside, map.z);
+        // More where the light grazes the surface.
+        let length_of_normal = max(length(turned), 1e-12);
+        let grazing = 1.0 - abs(dot(turned, cell.lights[0].direction.xyz)) / length_of_normal;
+        let step = cell.shadow_map.w * (1.0 + 3.0 * grazing) / length_of_normal;
+        s.map_step = (cell.shadow * scene_normal).xyz * texels * step;
+    }
+    return s;
 }
 
 @vertex
@@ -119,7 +146,7 @@ fn color_vertex(
     @location(2) color: vec4f,
 ) -> ColoredSurface {
     let s = surface(position, normal);
-    return ColoredSurface(s.clip, s.at, s.normal, color.rgb);
+    return ColoredSurface(s.clip, s.at, s.normal, color.rgb, s.map_at, s.map_step);
 }
 
 // What the key light sees.
@@ -145,7 +172,7 @@ fn corner_vertex(@builtin(vertex_index) corner: u32) -> CornerSurface {
     if kind == 3u { paint = vec3f(corner_uvs[corner].x, 1.0 - corner_uvs[corner].y, 0.0); }
     let which = corner % 3u;
     let barycentric = vec3f(f32(which == 0u), f32(which == 1u), f32(which == 2u));
-    return CornerSurface(s.clip, s.at, s.normal, paint, barycentric);
+    return CornerSurface(s.clip, s.at, s.normal, paint, s.map_at, s.map_step, barycentric);
 }
 
 fn to_linear(c: vec3f) -> vec3f {
@@ -190,26 +217,6 @@ fn studio(d: vec3f, roughness: f32) -> vec3f {
     return c;
 }
 
-// Vogel's spiral: evenly spread over a disc.
-const DISC = array<vec2f, 16>(
-    vec2f(0.1768, 0.0000),
-    vec2f(-0.2258, 0.2068),
-    vec2f(0.0346, -0.3938),
-    vec2f(0.2846, 0.3712),
-    vec2f(-0.5222, -0.0924),
-    vec2f(0.4947, -0.3147),
-    vec2f(-0.1655, 0.6155),
-    vec2f(-0.3156, -0.6076),
-    vec2f(0.6846, 0.2500),
-    vec2f(-0.7123, 0.2940),
-    vec2f(0.3434, -0.7337),
-    vec2f(0.2537, 0.8089),
-    vec2f(-0.7647, -0.4432),
-    vec2f(0.8971, -0.1972),
-    vec2f(-0.5475, 0.7788),
-    vec2f(-0.1265, -0.9761),
-);
-
 // From the viewer's axes to the scene: the view turns and shifts only.
 fn to_scene(direction: vec3f) -> vec3f {
     return direction * mat3x3f(cell.view[0].xyz, cell.view[1].xyz, cell.view[2].xyz);
@@ -219,23 +226,50 @@ fn place_of(at: vec3f) -> vec3f {
     return to_scene(at - cell.view[3].xyz);
 }
 
-// Share of the key light that reaches `at`: a disc of filtered samples of its map.
-fn lit_by_key(at: vec3f, n: vec3f) -> f32 {
-    if !SHADOWS || cell.shadow_map.x <= 0.0 { return 1.0; }
-    let facing = dot(n, cell.lights[0].direction.xyz);
-    // Step off the surface, more where the light grazes it.
-    let off = cell.shadow_map.w * (1.0 + 3.0 * (1.0 - max(facing, 0.0)));
-    let clip = cell.shadow * vec4f(place_of(at + n * off), 1.0);
-    let center = clip.xy * vec2f(0.5, -0.5) + 0.5;
-    if any(center < vec2f(0.0)) || any(center > vec2f(1.0)) { return 1.0; }
-    let radius = 3.6 * cell.shadow_map.z;
-    let layer = i32(cell.shadow_map.y);
-    var lit = 0.0;
-    for (var i = 0; i < 16; i++) {
-        let tap = center + radius * DISC[i];
-        lit += textureSampleCompareLevel(shadows, shadow_sampler, tap, layer, clip.z);
+// Share of the key light that reaches a place in its map.
+fn lit_by_key(map_at: vec3f, map_step: vec3f, pixel: vec2f) -> f32 {
+    if !SHADOWS { return 1.0; }
+    return mix(1.0, lit_disc(map_at + map_step, pixel), cell.shadow_map.x);
+}
+
+// Share of a disc around `at`, in texels, that the key light reaches. The disc is Vogel's spiral,
+// written out, as devices are slow at looking up constants.
+fn lit_disc(at: vec3f, pixel: vec2f) -> f32 {
+    if FILTERED {
+        return (
+            lit_at(at, vec2f(0.1768, 0.0000))
+            + lit_at(at, vec2f(-0.2258, 0.2068))
+            + lit_at(at, vec2f(0.0346, -0.3938))
+            + lit_at(at, vec2f(0.2846, 0.3712))
+            + lit_at(at, vec2f(-0.5222, -0.0924))
+            + lit_at(at, vec2f(0.4947, -0.3147))
+            + lit_at(at, vec2f(-0.1655, 0.6155))
+            + lit_at(at, vec2f(-0.3156, -0.6076))
+            + lit_at(at, vec2f(0.6846, 0.2500))
+            + lit_at(at, vec2f(-0.7123, 0.2940))
+            + lit_at(at, vec2f(0.3434, -0.7337))
+            + lit_at(at, vec2f(0.2537, 0.8089))
+            + lit_at(at, vec2f(-0.7647, -0.4432))
+            + lit_at(at, vec2f(0.8971, -0.1972))
+            + lit_at(at, vec2f(-0.5475, 0.7788))
+            + lit_at(at, vec2f(-0.1265, -0.9761))
+        ) / 16.0;
     }
-    return mix(1.0, lit / 16.0, cell.shadow_map.x);
+    // A quarter of the disc for each of four pixels side by side: a fine pattern where light fades.
+    let p = vec2u(pixel) & vec2u(1u);
+    let turn = 1.5707963 * (0.25 * f32(2u * (p.x ^ p.y) + p.y));
+    let arm = vec2f(cos(turn), sin(turn)) * (1.4 + 0.8 * f32(p.x));
+    let across = vec2f(-arm.y, arm.x);
+    return 0.25 * (unfiltered(at, arm) + unfiltered(at, -arm) + unfiltered(at, across) + unfiltered(at, -across));
+}
+
+fn lit_at(at: vec3f, offset: vec2f) -> f32 {
+    let tap = (at.xy + 3.6 * offset) * cell.shadow_place.zw;
+    return textureSampleCompareLevel(shadows, shadow_sampler, tap, at.z);
+}
+
+fn unfiltered(at: vec3f, offset: vec2f) -> f32 {
+    return select(0.0, 1.0, at.z <= textureLoad(shadows, vec2i(at.xy + offset), 0));
 }
 
 fn fifth(x: f32) -> f32 {
@@ -310,11 +344,11 @@ fn brushed(c: vec3f, reach: f32, step: f32) -> vec3f {
 }
 
 // A surface of its own colour under the lamps, as the target's numbers.
-fn modelled(color: vec3f, at: vec3f, normal: vec3f, front: bool) -> vec3f {
+fn modelled(color: vec3f, at: vec3f, normal: vec3f, front: bool, key: f32) -> vec3f {
     let v = towards_viewer(at);
     let n = facing(normal, v, front);
     let base = select(color * figure.back.rgb, color, front);
-    return encoded(toned(shaded(base, n, v, lit_by_key(at, n))));
+    return encoded(toned(shaded(base, n, v, key)));
 }
 
 // A heat map.
@@ -334,7 +368,8 @@ fn map_color(value: f32) -> vec3f {
 fn plain_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let reach = distance(place_of(in.at), figure.brush.xyz);
     let step = fwidth(reach);
-    let c = modelled(figure.color.rgb, in.at, in.normal, front);
+    let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
+    let c = modelled(figure.color.rgb, in.at, in.normal, front, key);
     return vec4f(brushed(c, reach, step), 1.0) * figure.color.a;
 }
 
@@ -350,7 +385,8 @@ fn value_fragment(in: ValuedSurface, @builtin(front_facing) front: bool) -> @loc
 fn color_fragment(in: ColoredSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let reach = distance(place_of(in.at), figure.brush.xyz);
     let step = fwidth(reach);
-    let c = modelled(in.color, in.at, in.normal, front);
+    let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
+    let c = modelled(in.color, in.at, in.normal, front, key);
     return vec4f(brushed(c, reach, step), 1.0) * figure.color.a;
 }
 
@@ -369,7 +405,8 @@ fn corner_fragment(in: CornerSurface, @builtin(front_facing) front: bool) -> @lo
         var base = figure.color.rgb;
         if kind == 2u { base = in.paint; }
         if kind == 3u { base = skin_color; }
-        c = modelled(base, in.at, in.normal, front);
+        let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
+        c = modelled(base, in.at, in.normal, front, key);
     }
     c = brushed(c, reach, step);
     if figure.wire_width.x > 0.0 {
@@ -456,37 +493,32 @@ fn brightness(c: vec4f) -> f32 {
     return dot(c.rgb, vec3f(0.299, 0.587, 0.114)) + 0.5 * (1.0 - c.a);
 }
 
-fn rough_at(p: vec2i) -> f32 {
+fn rough_at(p: vec2i) -> vec4f {
     let last = vec2i(textureDimensions(rough)) - 1;
-    return brightness(textureLoad(rough, clamp(p, vec2i(0), last), 0));
+    return textureLoad(rough, clamp(p, vec2i(0), last), 0);
 }
 
-// Smooths edges by blurring along them (Lottes, FXAA 1, 2009, without its search for their ends).
+// Smooths edges by blurring along them (Lottes, FXAA, 2009; without its search for their ends, and
+// from whole pixels, which cost a software device a third of filtered ones).
 @fragment
 fn smooth_fragment(in: Screen) -> @location(0) vec4f {
     let p = vec2i(in.clip.xy);
     let here = textureLoad(rough, p, 0);
     let m = brightness(here);
-    let nw = rough_at(p + vec2i(-1, -1));
-    let ne = rough_at(p + vec2i(1, -1));
-    let sw = rough_at(p + vec2i(-1, 1));
-    let se = rough_at(p + vec2i(1, 1));
+    let nw = brightness(rough_at(p + vec2i(-1, -1)));
+    let ne = brightness(rough_at(p + vec2i(1, -1)));
+    let sw = brightness(rough_at(p + vec2i(-1, 1)));
+    let se = brightness(rough_at(p + vec2i(1, 1)));
     let low = min(m, min(min(nw, ne), min(sw, se)));
     let high = max(m, max(max(nw, ne), max(sw, se)));
     // Across the steepest slope, and longer where it is flatter.
     var along = vec2f((sw + se) - (nw + ne), (nw + sw) - (ne + se));
     let flat = max((nw + ne + sw + se) * (0.25 / 8.0), 1.0 / 128.0);
     along = clamp(along / (min(abs(along.x), abs(along.y)) + flat), vec2f(-8.0), vec2f(8.0));
-    let size = vec2f(textureDimensions(rough));
-    let at = in.clip.xy / size;
-    let step = along / size;
-    let near = 0.5
-        * (textureSampleLevel(rough, rough_sampler, at - step / 6.0, 0.0)
-            + textureSampleLevel(rough, rough_sampler, at + step / 6.0, 0.0));
-    let far = 0.5 * near
-        + 0.25
-            * (textureSampleLevel(rough, rough_sampler, at - 0.5 * step, 0.0)
-                + textureSampleLevel(rough, rough_sampler, at + 0.5 * step, 0.0));
+    let one = vec2i(round(along / 6.0));
+    let two = vec2i(round(along / 2.0));
+    let near = 0.5 * (rough_at(p - one) + rough_at(p + one));
+    let far = 0.5 * near + 0.25 * (rough_at(p - two) + rough_at(p + two));
     let reached = brightness(far);
     let smoothed = select(far, near, reached < low || reached > high);
     return select(smoothed, here, high - low < max(1.0 / 24.0, high / 8.0));

@@ -9,8 +9,8 @@ mod shapes;
 
 use chladni_view::{
     Background, Brush, Camera, Canvas, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint,
-    Picture, PictureRequest, PictureShape, Rect, Renderer, Samples, Scale, Skin, Style, Topology, VertexPaint, View,
-    ViewError, Wire, render_picture, render_picture_with, smooth_normals,
+    Picture, PictureRequest, PictureShape, Rect, Renderer, Samples, Scale, Skin, Style, Topology,
+    VertexPaint, View, ViewError, Wire, render_picture, render_picture_with, smooth_normals,
 };
 use shapes::{gpu, sphere};
 
@@ -317,4 +317,76 @@ fn pasting_cuts_off_what_hangs_over_and_respects_alpha() {
     assert_eq!(sheet.pixel(3, 3), Some([128, 128, 128, 255]));
     sheet.paste(&Picture::filled(1, 1, [9; 4]), 9, 9);
     assert_eq!(sheet.halved().pixel(1, 1), Some([64, 64, 64, 255]));
+}
+
+/// One sample a pixel is a quicker drawing of the same picture.
+#[test]
+fn one_sample_looks_like_four_and_its_edges_are_smooth() {
+    let Some(gpu) = gpu() else { return };
+    let (positions, triangles) = sphere(24);
+    let topology = Topology::new(&gpu, positions.len(), &triangles).unwrap();
+    let buffers = ItemBuffers::new(&gpu, positions.len(), 1);
+    buffers.write(&gpu, 0, &positions, &smooth_normals(&positions, &triangles)).unwrap();
+    let mut camera = Camera::default();
+    camera.fit(positions.iter().copied(), 1.0, 0.8);
+    let figure = Figure::new(&topology, &buffers, 0);
+    let cell = Cell {
+        viewport: Rect::of_size(200, 200),
+        camera,
+        lights: Lights::STAGE,
+        background: Background::NIGHT,
+        figures: &[figure],
+        markers: &[],
+    };
+    let mut renderer = Renderer::new(&gpu);
+    let [four, one] = [Samples::Four, Samples::One].map(|samples| {
+        let canvas = Canvas::with_samples(&gpu, 200, 200, samples).unwrap();
+        renderer.draw(&canvas, &[cell]).unwrap();
+        canvas.read(&gpu).unwrap()
+    });
+    let apart = |a: &[u8], b: &[u8]| (0..4).map(|i| a[i].abs_diff(b[i])).max().unwrap();
+    let differ =
+        |limit| four.rgba.chunks(4).zip(one.rgba.chunks(4)).filter(|(a, b)| apart(a, b) > limit).count();
+    // The outline has about 500 pixels, of which no smoothing guesses every shade.
+    assert!(differ(12) < 500 && differ(90) < 25, "{} {}", differ(12), differ(90));
+    // Between night and the lit side there are pixels of neither.
+    let row: Vec<u8> = (0..200).map(|x| one.pixel(x, 40).unwrap()[0]).collect();
+    let lit = row.iter().copied().max().unwrap();
+    assert!(row.iter().any(|c| (lit / 4..lit / 4 * 3).contains(c)), "{row:?}");
+}
+
+/// A closed shape shows no hole from outside although its back faces are left out, and an open
+/// one keeps its inside.
+#[test]
+fn one_sample_leaves_out_no_more_than_the_inside_of_closed_shapes() {
+    let Some(gpu) = gpu() else { return };
+    let (positions, triangles) = sphere(16);
+    // Without its front half (z > 0), only the inside of the other half is seen.
+    let half: Vec<[u32; 3]> = triangles
+        .iter()
+        .copied()
+        .filter(|t| t.iter().map(|v| positions[*v as usize][2]).sum::<f32>() < 0.0)
+        .collect();
+    let mut camera = Camera::default();
+    camera.fit(positions.iter().copied(), 1.0, 0.8);
+    for triangles in [&triangles, &half] {
+        let topology = Topology::new(&gpu, positions.len(), triangles).unwrap();
+        let buffers = ItemBuffers::new(&gpu, positions.len(), 1);
+        buffers.write(&gpu, 0, &positions, &smooth_normals(&positions, triangles)).unwrap();
+        let cell = Cell {
+            viewport: Rect::of_size(100, 100),
+            camera,
+            lights: Lights::STUDIO,
+            background: Background::TRANSPARENT,
+            figures: &[Figure::new(&topology, &buffers, 0)],
+            markers: &[],
+        };
+        let mut renderer = Renderer::new(&gpu);
+        let covered = [Samples::Four, Samples::One].map(|samples| {
+            let canvas = Canvas::with_samples(&gpu, 100, 100, samples).unwrap();
+            renderer.draw(&canvas, &[cell]).unwrap();
+            canvas.read(&gpu).unwrap().rgba.chunks(4).filter(|p| p[3] > 127).count()
+        });
+        assert!(covered[0] > 3000 && covered[0].abs_diff(covered[1]) < 100, "{covered:?}");
+    }
 }
