@@ -5,6 +5,7 @@ mod beats;
 mod bench;
 mod cache;
 mod caricature;
+mod choose_file;
 mod dance;
 mod demo;
 mod failure;
@@ -42,6 +43,8 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Open(open::Open),
+    #[command(hide = true, name = crate::studio::CHOOSE_FILE)]
+    ChooseFile(choose_file::ChooseFile),
     Basis(basis::Args),
     Bench(bench::Bench),
     Match(match_shapes::MatchShapes),
@@ -119,6 +122,7 @@ impl Command {
     fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         match self {
             Self::Open(command) => command.run(terminal),
+            Self::ChooseFile(command) => command.run(terminal),
             Self::Basis(args) => args.run(terminal),
             Self::Bench(bench) => bench.run(terminal),
             Self::Match(command) => command.run(terminal),

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use super::file_window::{self, Purpose, Request};
+
 /// A kind of file: its name in a dialog and its extensions, without dots.
 pub type Kind<'a> = (&'a str, &'a [&'a str]);
 
@@ -19,7 +21,7 @@ pub trait Chooser {
     fn save(&mut self, kinds: &[Kind<'_>], suggested: &Path) -> Option<PathBuf>;
 
     /// What went wrong since the last call: no dialog may have come up at all.
-    fn trouble(&mut self) -> Option<&'static str> {
+    fn trouble(&mut self) -> Option<String> {
         None
     }
 }
@@ -27,10 +29,14 @@ pub trait Chooser {
 /// A dialog that is gone sooner was never there: nobody reads and clicks as fast.
 const TOO_FAST: Duration = Duration::from_millis(250);
 
-/// The dialogs of the system.
+/// The dialogs of the system and, where none comes up, a file window of our own.
 #[derive(Debug, Default)]
 pub struct SystemDialogs {
-    failed: bool,
+    /// No dialog of the system came up before.
+    missing: bool,
+    /// The folder of the file that was chosen last.
+    folder: PathBuf,
+    trouble: Option<String>,
 }
 
 impl SystemDialogs {
@@ -40,33 +46,66 @@ impl SystemDialogs {
             .fold(rfd::FileDialog::new(), |dialog, (name, extensions)| dialog.add_filter(*name, extensions))
     }
 
-    /// Asks, and notes where no answer came faster than a person can give one.
-    fn ask<T>(&mut self, ask: impl FnOnce() -> Option<T>) -> Option<T> {
-        let start = Instant::now();
-        let answer = ask();
-        self.failed |= answer.is_none() && start.elapsed() < TOO_FAST;
-        answer
+    /// Asks the system, and ourselves where no answer came faster than a person can give one.
+    fn ask(&mut self, request: Request, ask: impl FnOnce() -> Option<Vec<PathBuf>>) -> Option<Vec<PathBuf>> {
+        if !self.missing {
+            let start = Instant::now();
+            let answer = ask();
+            self.missing = answer.is_none() && start.elapsed() < TOO_FAST;
+            if !self.missing {
+                return answer;
+            }
+        }
+        match file_window::ask(&request) {
+            Ok(files) => {
+                let folder = files.first().and_then(|file| file.parent());
+                self.folder = folder.map_or_else(|| std::mem::take(&mut self.folder), Path::to_owned);
+                Some(files).filter(|files| !files.is_empty())
+            }
+            Err(error) => {
+                self.trouble = Some(format!(
+                    "No file dialog came up, neither the system's (on Linux from xdg-desktop-portal or zenity) \
+                     nor our own: {error}. Files can also be dropped on the window, or named on the command \
+                     line: chladni open FILE."
+                ));
+                None
+            }
+        }
+    }
+
+    fn request(&self, purpose: Purpose, kinds: &[Kind<'_>]) -> Request {
+        let kinds = kinds.iter().map(|(name, extensions)| {
+            ((*name).to_owned(), extensions.iter().map(|extension| (*extension).to_owned()).collect())
+        });
+        let start = if self.folder.as_os_str().is_empty() { PathBuf::from(".") } else { self.folder.clone() };
+        Request { purpose, kinds: kinds.collect(), start }
     }
 }
 
 impl Chooser for SystemDialogs {
     fn open(&mut self, kinds: &[Kind<'_>]) -> Option<PathBuf> {
-        self.ask(|| Self::dialog(kinds).pick_file())
+        let request = self.request(Purpose::Open, kinds);
+        self.ask(request, || Self::dialog(kinds).pick_file().map(|file| vec![file]))?.pop()
     }
 
     fn open_several(&mut self, kinds: &[Kind<'_>]) -> Vec<PathBuf> {
-        self.ask(|| Self::dialog(kinds).pick_files()).unwrap_or_default()
+        let request = self.request(Purpose::OpenSeveral, kinds);
+        self.ask(request, || Self::dialog(kinds).pick_files()).unwrap_or_default()
     }
 
     fn save(&mut self, kinds: &[Kind<'_>], suggested: &Path) -> Option<PathBuf> {
         let mut dialog = Self::dialog(kinds);
-        if let Some(folder) = suggested.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        let folder = suggested.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder {
             dialog = dialog.set_directory(folder);
         }
         if let Some(name) = suggested.file_name() {
             dialog = dialog.set_file_name(name.to_string_lossy());
         }
-        let path = self.ask(|| dialog.save_file())?;
+        let request = self.request(Purpose::Save, kinds);
+        let start = folder.map_or_else(|| request.start.join(suggested), |_| suggested.to_owned());
+        let request = Request { start, ..request };
+        let path = self.ask(request, || dialog.save_file().map(|file| vec![file]))?.pop()?;
         let first = kinds.first().and_then(|(_, extensions)| extensions.first());
         Some(match first {
             Some(extension) if path.extension().is_none() => path.with_extension(extension),
@@ -74,10 +113,7 @@ impl Chooser for SystemDialogs {
         })
     }
 
-    fn trouble(&mut self) -> Option<&'static str> {
-        std::mem::take(&mut self.failed).then_some(
-            "No file dialog came up. On Linux it needs xdg-desktop-portal or zenity; files can also be dropped \
-             on the window, or named on the command line: chladni open FILE.",
-        )
+    fn trouble(&mut self) -> Option<String> {
+        self.trouble.take()
     }
 }

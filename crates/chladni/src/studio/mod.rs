@@ -5,6 +5,7 @@
 mod caricature;
 mod choose;
 mod closing;
+mod file_window;
 mod folders;
 mod icon;
 mod job;
@@ -28,15 +29,16 @@ use egui::Key;
 
 pub use caricature::Rehearsal;
 pub use choose::{Chooser, Kind, SystemDialogs};
+pub use file_window::{COMMAND as CHOOSE_FILE, FileWindow, Purpose, Request, open as choose_file};
 pub use folders::Folders;
 pub use measure::{Measure, Report};
+pub use settings::Settings;
 
 use closing::Closing;
 use icon::Icon;
 use notices::Notices;
 use pictures::Pictures;
 use room::{Room, Shared};
-use settings::Settings;
 use shortcut::Shortcut;
 
 /// Why the window did not open.

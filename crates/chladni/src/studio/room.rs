@@ -30,6 +30,9 @@ pub trait Room {
     /// Takes files that were dropped on the window or chosen in a dialog.
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>);
 
+    /// Extensions of the files that it opens, without dots.
+    fn extensions(&self) -> &'static [&'static str];
+
     /// Whether a file on the command line is meant for this room rather than for another.
     fn claims(&self, _path: &Path) -> bool {
         false

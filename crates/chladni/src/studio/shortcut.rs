@@ -46,7 +46,12 @@ impl Shortcut {
 
     /// "action (Ctrl+S)", for a tooltip.
     pub fn tooltip(&self, ctx: &egui::Context) -> String {
-        format!("{} ({})", self.action, self.text(ctx))
+        self.with_key(ctx, self.action)
+    }
+
+    /// "words (Ctrl+S)", for the tooltip of a control that does more than the key.
+    pub fn with_key(&self, ctx: &egui::Context, words: &str) -> String {
+        format!("{words} ({})", self.text(ctx))
     }
 }
 

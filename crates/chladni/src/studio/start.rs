@@ -6,6 +6,7 @@ use chladni_mesh::samples::SAMPLES;
 use egui::{Align, Align2, Layout, RichText, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2, vec2};
 
 use super::icon::{self, Icon};
+use super::shortcut::Shortcut;
 use super::{Studio, theme};
 
 /// Width of the column that everything stands in.
@@ -53,7 +54,15 @@ impl Studio {
         ui.label(RichText::new("What would you like to play?").text_style(theme::title()));
         let invitation =
             "Drop meshes, a song or a project anywhere on this window, or begin with one of these.";
-        ui.label(RichText::new(invitation).color(weak));
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(invitation).color(weak));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let button = ui.button(icon::label(Icon::FolderOpen, "Open…"));
+                if button.on_hover_text(OPEN.tooltip(ui.ctx())).clicked() || OPEN.pressed(ui.ctx()) {
+                    chosen = self.ask_for_files();
+                }
+            });
+        });
         ui.add_space(theme::GAP_LARGE);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = theme::GAP_LARGE;
@@ -84,6 +93,14 @@ impl Studio {
         chosen
     }
 
+    /// Asks for files, and which room they are meant for.
+    fn ask_for_files(&mut self) -> Option<Choice> {
+        let extensions: Vec<&str> = self.rooms.iter().flat_map(|room| room.extensions()).copied().collect();
+        let files = self.chooser.open_several(&[("Meshes, songs and projects", &extensions)]);
+        let meant = self.rooms.iter().position(|room| files.iter().any(|path| room.claims(path)));
+        (!files.is_empty()).then_some((meant.unwrap_or(0), files))
+    }
+
     fn recent_cards(&mut self, ui: &mut Ui) -> Option<Choice> {
         let mut chosen = None;
         for path in self.settings.recent.clone() {
@@ -107,6 +124,8 @@ impl Studio {
     }
 }
 
+const OPEN: Shortcut = Shortcut::command(egui::Key::O, "Open meshes, a song or a project");
+
 fn heading(ui: &mut Ui, name: &str) {
     ui.add_space(theme::GAP_LARGE);
     ui.label(RichText::new(name).text_style(egui::TextStyle::Heading));
@@ -116,7 +135,7 @@ fn heading(ui: &mut Ui, name: &str) {
 /// A large card that opens a room; true when clicked.
 fn room_card(ui: &mut Ui, width: f32, mark: Icon, name: &str, invitation: &str) -> bool {
     let palette = theme::palette(ui);
-    let (rect, response) = ui.allocate_exact_size(vec2(width, 124.0), Sense::click());
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 108.0), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Open {name}")));
     let line = if response.hovered() { palette.accent } else { palette.line };
     ui.painter().rect(rect, 10.0, palette.card, Stroke::new(1.0, line), StrokeKind::Inside);

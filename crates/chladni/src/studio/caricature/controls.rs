@@ -118,6 +118,7 @@ fn model_buttons(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
             ),
             (Model::Distance, "Distance", "One filter for all directions: subtle, keeps forms even at −8"),
         ] {
+            let tip = super::NEXT_MODEL.with_key(ui.ctx(), tip);
             if ui.selectable_label(layer.model == model, name).on_hover_text(tip).clicked() {
                 edits.set(id, Property::Model(model));
             }
@@ -134,7 +135,9 @@ fn amount(
 ) -> Option<Wish> {
     let mut wish = None;
     theme::section(ui, "Amount");
-    theme::row(ui, "μ", "Below 0 exaggerates, 0 is the shape, 1 is the template", |ui| {
+    let [more, less] = [super::STRONGER, super::WEAKER].map(|key| key.text(ui.ctx()));
+    let tip = format!("Below 0 exaggerates, 0 is the shape, 1 is the template; {more} and {less} change it");
+    theme::row(ui, "μ", &tip, |ui| {
         // Room for the button at the end.
         ui.spacing_mut().slider_width -= 40.0;
         let mut mu = layer.mu;
@@ -145,7 +148,7 @@ fn amount(
             edits.drag(id, &response, || Property::Mu(mu));
         }
         let far = ui.button(icon::text(Icon::ChevronsLeft));
-        if far.on_hover_text("As far as it goes: the strongest exaggeration without new folds").clicked() {
+        if far.on_hover_text(super::FURTHEST.tooltip(ui.ctx())).clicked() {
             wish = Some(Wish::AsFarAsItGoes);
         }
     });
@@ -154,7 +157,14 @@ fn amount(
         let slider = ui.add(Slider::new(&mut strength, 0.0..=1.0).fixed_decimals(2));
         edits.drag(id, &slider, || Property::Strength(strength));
     });
-    wish = folds(ui, measured.folds).or(crossings(ui, measured.crossings)).or(wish);
+    ui.scope(|ui| {
+        ui.spacing_mut().interact_size.y = 18.0;
+        ui.spacing_mut().button_padding.y = 0.0;
+        ui.spacing_mut().item_spacing.y = 2.0;
+        let where_it_folds = folds(ui, measured.folds);
+        let where_it_crosses = crossings(ui, measured.crossings);
+        wish = where_it_folds.or(where_it_crosses).or(wish);
+    });
     wish
 }
 
@@ -210,7 +220,7 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut
         if ui.button("Clear").on_hover_text("Nothing, to begin painting").clicked() {
             paint(PaintEdit::Clear);
         }
-        if ui.button("Invert").clicked() {
+        if ui.button("Invert").on_hover_text(super::INVERT.tooltip(ui.ctx())).clicked() {
             paint(PaintEdit::Invert);
         }
         let tool = |ui: &mut Ui, mark, name, tip| {

@@ -41,10 +41,11 @@ pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &[Bar]) -> 
     paint(ui, rect, plot, curve, spectrum, pen);
     if let Some(at) = response.hover_pos() {
         let [u, gain] = from_screen(plot, at);
-        response = response.on_hover_text_at_pointer(format!(
-            "{:.0} % of the highest frequency: ×{gain:.2}\nDrag to bend; right-click a point to remove it",
-            u * 100.0
-        ));
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let text = format!("{:.0} % of the highest frequency: ×{gain:.2}", u * 100.0);
+        let middle = plot.center_bottom() + vec2(0.0, 4.0);
+        let color = theme::palette(ui).weak;
+        ui.painter().text(middle, egui::Align2::CENTER_TOP, text, font, color);
     }
     response
 }

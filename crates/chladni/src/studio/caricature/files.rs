@@ -26,6 +26,8 @@ use crate::studio::theme;
 pub const MESHES: [&str; 7] = ["obj", "ply", "off", "stl", "gltf", "glb", "mesh"];
 /// Extension of projects.
 pub const PROJECT: &str = "chladni";
+/// Extensions of all that this room opens.
+pub const ALL: [&str; 8] = [PROJECT, "obj", "ply", "off", "stl", "gltf", "glb", "mesh"];
 
 /// A project that is to take the place of the open one.
 pub struct Candidate {
@@ -48,10 +50,12 @@ pub fn is_project(path: &Path) -> bool {
 impl CaricatureRoom {
     /// Asks for a mesh or project and opens it.
     pub(super) fn choose_file(&mut self, shared: &mut Shared<'_>) {
-        let mut extensions = vec![PROJECT];
-        extensions.extend(MESHES);
-        if let Some(path) = shared.chooser.open(&[("Meshes and projects", &extensions)]) {
-            self.load(&path, shared);
+        let paths = shared.chooser.open_several(&[("Meshes and projects", &ALL)]);
+        if !paths.is_empty() {
+            // As if dropped at once: the first is the shape.
+            self.templates.clear();
+            self.load(&paths[0], shared);
+            self.templates.extend_from_slice(&paths[1..]);
         }
     }
 
@@ -118,6 +122,13 @@ impl CaricatureRoom {
         let (read, meshes) = channel();
         self.preview = Some(Preview::of(meshes));
         self.loading = Some(Job::start(label, ctx, move |task| session::load(candidate, &read, task)));
+    }
+
+    /// Asks for meshes to compare with, and makes a layer against each.
+    pub(super) fn choose_template(&mut self, shared: &mut Shared<'_>) {
+        for path in shared.chooser.open_several(&[("Meshes", &MESHES)]) {
+            self.add_template(path, shared);
+        }
     }
 
     /// Lays a mesh beside the shape: a new layer against it.

@@ -130,6 +130,9 @@ impl Heat {
             Some((values, _)) if matches!(shown, Quantity::Painted | Quantity::Region) => {
                 Coating::Region(values)
             }
+            Some((values, _)) if matches!(shown, Quantity::Folds | Quantity::Crossings) => {
+                Coating::Marks(values)
+            }
             Some((values, scale)) => Coating::Values(values, scale),
             None if self.quantity == Quantity::Own => Coating::Own,
             None => Coating::Material,
@@ -199,11 +202,20 @@ impl Heat {
     }
 }
 
-/// 1 at the corners of `some` of the triangles, 0 elsewhere.
+/// 1 at the corners of `some` of the triangles, less on two rings around them, so that single
+/// triangles of a fine mesh are seen, and 0 elsewhere.
 fn marked(triangles: &[[u32; 3]], some: impl Iterator<Item = u32>, vertices: usize) -> Vec<f32> {
-    let mut values = vec![0.0; vertices];
+    let mut values = vec![0.0_f32; vertices];
     for corner in some.filter_map(|triangle| triangles.get(triangle as usize)).flatten() {
         values[*corner as usize] = 1.0;
+    }
+    for (known, next) in [(1.0, 0.7), (0.7, 0.4)] {
+        let around = triangles.iter().filter(|t| t.iter().any(|v| values[*v as usize] >= known));
+        let corners: Vec<u32> = around.flatten().copied().collect();
+        for corner in corners {
+            let value = &mut values[corner as usize];
+            *value = value.max(next);
+        }
     }
     values
 }

@@ -16,6 +16,7 @@ const THUMBNAIL: f32 = 38.0;
 #[derive(Debug, Default)]
 pub struct LayerList {
     renaming: Option<(LayerId, String)>,
+    wants_mesh: bool,
 }
 
 impl LayerList {
@@ -31,15 +32,21 @@ impl LayerList {
         ui.horizontal(|ui| {
             theme::heading(ui, "Layers");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                stack_buttons(ui, project, *selected, edits);
+                self.stack_buttons(ui, project, *selected, edits);
             });
         });
         if project.layers().is_empty() {
             ui.add_space(theme::GAP_SMALL);
-            ui.label(
-                RichText::new("A layer exaggerates the shape against a template. Add one to begin.")
-                    .color(theme::palette(ui).weak),
+            let weak = |text: &str| RichText::new(text).color(theme::palette(ui).weak);
+            let (what, how) = (
+                weak("A layer exaggerates what makes the shape differ from another one, its template."),
+                weak("Or drop one here. Add offers templates that need no file."),
             );
+            ui.label(what);
+            ui.add_space(theme::GAP_SMALL);
+            self.wants_mesh |= theme::primary_button(ui, "Compare with a mesh…").clicked();
+            ui.add_space(theme::GAP_SMALL);
+            ui.label(how);
             return;
         }
         let count = project.layers().len();
@@ -89,7 +96,8 @@ impl LayerList {
                 } else {
                     (Icon::EyeOff, "Show this layer")
                 };
-                if icon_button(ui, eye, tip).clicked() {
+                let tip = super::HIDE.with_key(ui.ctx(), tip);
+                if icon_button(ui, eye, &tip).clicked() {
                     edits.set(id, Property::Enabled(!layer.enabled));
                 }
                 let acts = project.acts(layer);
@@ -97,7 +105,8 @@ impl LayerList {
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     let tip = if layer.solo { "Show the other layers again" } else { "Only this layer" };
                     let color = if layer.solo { palette.accent } else { palette.weak };
-                    if tinted_button(ui, Icon::Headphones, tip, color).clicked() {
+                    let tip = super::SOLO.with_key(ui.ctx(), tip);
+                    if tinted_button(ui, Icon::Headphones, &tip, color).clicked() {
                         edits.set(id, Property::Solo(!layer.solo));
                     }
                     ui.with_layout(egui::Layout::top_down(egui::Align::LEFT), |ui| {
@@ -130,6 +139,11 @@ impl LayerList {
         response.on_hover_text("Click to edit, double-click to rename, drag to reorder, right-click for more")
     }
 
+    /// Whether a mesh was asked for since this was last asked, to compare with.
+    pub fn takes_mesh(&mut self) -> bool {
+        std::mem::take(&mut self.wants_mesh)
+    }
+
     /// Begins to rename a layer.
     pub fn rename(&mut self, id: LayerId, layer: &Layer) {
         self.renaming = Some((id, layer.name.clone()));
@@ -156,6 +170,44 @@ impl LayerList {
         if ui.button(icon::label(Icon::Trash2, "Delete")).clicked() {
             edits.once(Action::Remove(id));
         }
+    }
+
+    fn stack_buttons(
+        &mut self,
+        ui: &mut Ui,
+        project: &Project,
+        selected: Option<LayerId>,
+        edits: &mut Edits,
+    ) {
+        if let Some(layer) = selected {
+            if icon_button(ui, Icon::Trash2, &super::DELETE.tooltip(ui.ctx())).clicked() {
+                edits.once(Action::Remove(layer));
+            }
+            if icon_button(ui, Icon::Copy, &super::DUPLICATE.tooltip(ui.ctx())).clicked() {
+                edits.once(Action::Duplicate(layer));
+            }
+        }
+        ui.menu_button(icon::label(Icon::Plus, "Add"), |ui| {
+            let tip = format!("{}; or drop one on the window", super::ADD_MESH.tooltip(ui.ctx()));
+            if ui.button("A mesh…").on_hover_text(tip).clicked() {
+                self.wants_mesh = true;
+                ui.close();
+            }
+            ui.separator();
+            for (name, tip, template) in starting_points() {
+                if ui.button(name).on_hover_text(tip).clicked() {
+                    let name = format!("{name} {}", project.layers().len() + 1);
+                    let layer = if template.is_mesh() {
+                        against_mesh(name, template)
+                    } else {
+                        Layer::new(name, template)
+                    };
+                    let layer = Box::new(layer);
+                    edits.once(Action::Add { index: project.layers().len(), layer });
+                    ui.close();
+                }
+            }
+        });
     }
 
     fn name(&mut self, ui: &mut Ui, id: LayerId, text: RichText, edits: &mut Edits) {
@@ -200,32 +252,6 @@ fn tinted_button(ui: &mut Ui, mark: Icon, tip: &str, color: egui::Color32) -> eg
     let response = ui.add(egui::Button::new(RichText::new(icon::text(mark)).color(color)).frame(false));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, tip));
     response.on_hover_text(tip)
-}
-
-fn stack_buttons(ui: &mut Ui, project: &Project, selected: Option<LayerId>, edits: &mut Edits) {
-    if let Some(layer) = selected {
-        if icon_button(ui, Icon::Trash2, "Delete the layer").clicked() {
-            edits.once(Action::Remove(layer));
-        }
-        if icon_button(ui, Icon::Copy, "Duplicate the layer").clicked() {
-            edits.once(Action::Duplicate(layer));
-        }
-    }
-    ui.menu_button(icon::label(Icon::Plus, "Add"), |ui| {
-        for (name, tip, template) in starting_points() {
-            if ui.button(name).on_hover_text(tip).clicked() {
-                let name = format!("{name} {}", project.layers().len() + 1);
-                let layer = if template.is_mesh() {
-                    against_mesh(name, template)
-                } else {
-                    Layer::new(name, template)
-                };
-                let layer = Box::new(layer);
-                edits.once(Action::Add { index: project.layers().len(), layer });
-                ui.close();
-            }
-        }
-    });
 }
 
 /// Templates that need no file; meshes are dropped on the window or chosen in the match panel.

@@ -11,6 +11,7 @@ mod export;
 mod files;
 mod footer;
 mod heat;
+mod keys;
 mod landmarks;
 mod layers;
 mod matches;
@@ -26,7 +27,7 @@ mod toolbar;
 
 use std::path::{Path, PathBuf};
 
-use chladni_caricature::{Action, LayerId, Property, Recovered};
+use chladni_caricature::{Property, Recovered};
 use egui::{Key, Ui};
 
 pub use self::files::MESHES;
@@ -58,6 +59,16 @@ const SAVE_AS: Shortcut = Shortcut::command_shift(Key::S, "Save under another na
 const EXPORT: Shortcut = Shortcut::command(Key::E, "Export");
 const UNDO: Shortcut = Shortcut::command(Key::Z, "Undo");
 const REDO: Shortcut = Shortcut::command_shift(Key::Z, "Redo");
+const ADD_MESH: Shortcut = Shortcut::command(Key::T, "Compare with a mesh: a new layer");
+const ABOVE: Shortcut = Shortcut::key(Key::PageUp, "Select the layer above");
+const BELOW: Shortcut = Shortcut::key(Key::PageDown, "Select the layer below");
+const HIDE: Shortcut = Shortcut::key(Key::H, "Hide or show the layer");
+const SOLO: Shortcut = Shortcut::key(Key::S, "Only this layer, or all again");
+const NEXT_MODEL: Shortcut = Shortcut::key(Key::M, "Next model");
+const STRONGER: Shortcut = Shortcut::key(Key::Comma, "Exaggerate more: μ a step down");
+const WEAKER: Shortcut = Shortcut::key(Key::Period, "Exaggerate less: μ a step up");
+const FURTHEST: Shortcut = Shortcut::key(Key::F, "As far as it goes without new folds");
+const INVERT: Shortcut = Shortcut::key(Key::I, "Invert the region");
 const DUPLICATE: Shortcut = Shortcut::command(Key::D, "Duplicate the layer");
 const DELETE: Shortcut = Shortcut::key(Key::Delete, "Delete the layer");
 const BRUSH: Shortcut = Shortcut::key(Key::B, "Paint the region");
@@ -70,25 +81,35 @@ const RENAME: Shortcut = Shortcut::key(Key::F2, "Rename the layer");
 const WIRE: Shortcut = Shortcut::key(Key::W, "Edges of triangles");
 const LANDMARKS: Shortcut = Shortcut::key(Key::L, "Pick landmarks on both shapes");
 const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave picking or painting");
-const KEYS: [Shortcut; 23] = [
+const KEYS: [Shortcut; 33] = [
     OPEN,
     SAVE,
     SAVE_AS,
     EXPORT,
     UNDO,
     REDO,
+    ADD_MESH,
     DUPLICATE,
     DELETE,
     RENAME,
+    ABOVE,
+    BELOW,
+    HIDE,
+    SOLO,
+    NEXT_MODEL,
+    STRONGER,
+    WEAKER,
+    FURTHEST,
     BRUSH,
     ERASE,
+    INVERT,
     SMALLER,
     LARGER,
+    LANDMARKS,
+    LEAVE,
     COMPARE,
     NEXT_SHOW,
     WIRE,
-    LANDMARKS,
-    LEAVE,
     viewport::VIEW_KEYS[0],
     viewport::VIEW_KEYS[1],
     viewport::VIEW_KEYS[2],
@@ -149,8 +170,8 @@ impl Room for CaricatureRoom {
             self.open_sample("head", shared);
         }
         self.poll(shared);
-        self.handle_keys(shared);
         let mut edits = Edits::default();
+        self.handle_keys(shared, &mut edits);
         self.panels(ui, shared, &mut edits);
         self.center(ui, shared, &mut edits);
         self.show_export(ui, shared);
@@ -176,6 +197,10 @@ impl Room for CaricatureRoom {
                 self.templates.push(path.clone());
             }
         }
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &files::ALL
     }
 
     fn claims(&self, path: &Path) -> bool {
@@ -285,79 +310,10 @@ impl CaricatureRoom {
         }
     }
 
-    fn handle_keys(&mut self, shared: &mut Shared<'_>) {
-        let ctx = shared.ctx.clone();
-        if OPEN.pressed(&ctx) {
-            self.choose_file(shared);
-        }
-        // The longer chord first: egui matches Ctrl+S inside Ctrl+Shift+S.
-        if SAVE_AS.pressed(&ctx) {
-            self.save(true, shared);
-        } else if SAVE.pressed(&ctx) {
-            self.save(false, shared);
-        }
-        if EXPORT.pressed(&ctx) {
-            self.export();
-        }
-        let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
-        if REDO.pressed(&ctx) {
-            self.stale |= session.travel(false).is_some();
-        } else if UNDO.pressed(&ctx) {
-            self.stale |= session.travel(true).is_some();
-        }
-        let selected = session.selected;
-        let mut act = |shortcut: Shortcut, action: fn(LayerId) -> Action| {
-            if let Some(layer) = selected.filter(|_| shortcut.pressed(&ctx)) {
-                match session.apply(vec![edits::Edit::Once(action(layer))]) {
-                    Ok(changed) => self.stale |= changed,
-                    Err(why) => shared.notices.error(why),
-                }
-            }
-        };
-        act(DUPLICATE, Action::Duplicate);
-        act(DELETE, Action::Remove);
-        if let Some((id, layer)) = selected.and_then(|id| Some((id, session.project().layer(id)?)))
-            && RENAME.pressed(&ctx)
-        {
-            self.layers.rename(id, layer);
-        }
-        if BRUSH.pressed(&ctx) {
-            self.brush.active = !self.brush.active;
-        }
-        if ERASE.pressed(&ctx) {
-            self.brush.erase = !self.brush.erase;
-        }
-        if SMALLER.pressed(&ctx) {
-            self.brush.resize(1.0 / 1.15);
-        }
-        if LARGER.pressed(&ctx) {
-            self.brush.resize(1.15);
-        }
-        if NEXT_SHOW.pressed(&ctx) {
-            self.look.show = match self.look.show {
-                Show::Result => Show::Models,
-                Show::Models => Show::BeforeAfter,
-                Show::BeforeAfter | Show::Original => Show::Result,
-            };
-            self.stale = true;
-        }
-        if WIRE.pressed(&ctx) {
-            self.look.wire = !self.look.wire;
-        }
-        if LANDMARKS.pressed(&ctx) {
-            toggle_picking(&mut self.picking, session, shared);
-        }
-        if (self.picking.is_some() || self.brush.active) && LEAVE.pressed(&ctx) {
-            self.brush.active = false;
-            if !self.picking.as_mut().is_some_and(Picking::drop_pending) {
-                self.picking = None;
-            }
-        }
-    }
-
     fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, edits: &mut Edits) {
         // What is on its way takes the place of what is open: no edit may be lost in between.
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
+        let mut wants_mesh = false;
         egui::Panel::left("layers").exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {
             egui::Panel::bottom("shape").show(ui, |ui| footer::show(ui, session, shared.settings, edits));
             egui::ScrollArea::vertical().show(ui, |ui| {
@@ -367,6 +323,7 @@ impl CaricatureRoom {
                     session.selected = selected;
                     self.stale = true;
                 }
+                wants_mesh = self.layers.takes_mesh();
                 ui.add_space(theme::GAP_LARGE);
                 let (was, mut picking) = (self.picking.is_some(), self.picking.is_some());
                 matches::show(ui, session, &mut picking, edits, shared);
@@ -380,7 +337,9 @@ impl CaricatureRoom {
                 let Some((id, layer)) =
                     session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))
                 else {
-                    ui.label("Add a layer to see its controls.");
+                    ui.add_space(theme::GAP_SMALL);
+                    let hint = "The controls of the selected layer appear here.";
+                    ui.label(egui::RichText::new(hint).color(theme::palette(ui).weak));
                     return;
                 };
                 let spectrum = heat::spectrum(session);
@@ -389,17 +348,23 @@ impl CaricatureRoom {
                 let folds = session.folds_of(id);
                 let measured = Measured { spectrum: &spectrum, harmonics, folds, crossings };
                 match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {
-                    Some(Wish::AsFarAsItGoes) => match session.furthest_mu() {
-                        Some(mu) => edits.set(id, Property::Mu(mu)),
-                        None => shared
-                            .notices
-                            .warn("This layer never folds in that direction, or does not act yet."),
-                    },
+                    Some(Wish::AsFarAsItGoes) => as_far_as_it_goes(session, edits, shared),
                     Some(Wish::SeeWhere(quantity)) => self.heat.toggle(quantity),
                     None => {}
                 }
             });
         });
+        if wants_mesh {
+            self.choose_template(shared);
+        }
+    }
+}
+
+/// Moves μ of the selected layer to where it folds nothing new.
+fn as_far_as_it_goes(session: &Session, edits: &mut Edits, shared: &mut Shared<'_>) {
+    match (session.selected, session.furthest_mu()) {
+        (Some(layer), Some(mu)) => edits.set(layer, Property::Mu(mu)),
+        _ => shared.notices.warn("This layer never folds in that direction, or does not act yet."),
     }
 }
 

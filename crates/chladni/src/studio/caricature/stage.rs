@@ -66,10 +66,14 @@ pub enum Coating {
     Values(Vec<f32>, Scale),
     /// A region on the material: 0 is bare, 1 is painted.
     Region(Vec<f32>),
+    /// Places on the material to look at: 0 is bare, 1 is marked.
+    Marks(Vec<f32>),
 }
 
 /// What painted places look like, sRGB: far from clay for eyes of every kind.
 const PAINTED: [u8; 3] = [52, 122, 190];
+/// What marked places look like, sRGB.
+const MARKED: [u8; 3] = [214, 40, 30];
 
 /// A point under the pointer.
 #[derive(Clone, Copy, Debug)]
@@ -196,10 +200,11 @@ impl Stage {
 
     /// Paints every figure.
     pub fn set_coating(&mut self, coating: Coating, look: Look) -> Result<(), ViewError> {
+        let tint = if matches!(coating, Coating::Marks(_)) { MARKED } else { PAINTED };
         self.coat = match coating {
             Coating::Material => Coat::Material,
-            Coating::Region(region) => {
-                let tints = tints(&region, look.material());
+            Coating::Region(values) | Coating::Marks(values) => {
+                let tints = tints(&values, tint, look.material());
                 self.tints.write_colors(self.viewport.gpu(), &tints)?;
                 Coat::Colors(self.tints.clone())
             }
@@ -371,16 +376,16 @@ impl Pointed {
     }
 }
 
-/// The material's colour where `region` is 0, [`PAINTED`] where it is 1; linear light.
-fn tints(region: &[f32], material: chladni_view::Material) -> Vec<[u8; 4]> {
+/// The material's colour where `values` are 0, `tint` where they are 1; linear light.
+fn tints(values: &[f32], tint: [u8; 3], material: chladni_view::Material) -> Vec<[u8; 4]> {
     let linear = |c: u8| (f32::from(c) / 255.0).powf(2.2);
-    let (bare, painted) = (material.color.map(linear), PAINTED.map(linear));
+    let (bare, painted) = (material.color.map(linear), tint.map(linear));
     let mixed = |share: &f32| {
         let share = share.clamp(0.0, 1.0) * 0.85;
         let channel = |i: usize| ((bare[i] + (painted[i] - bare[i]) * share) * 255.0).round() as u8;
         [channel(0), channel(1), channel(2), 255]
     };
-    region.iter().map(mixed).collect()
+    values.iter().map(mixed).collect()
 }
 
 /// The figures that are shown, from left to right.

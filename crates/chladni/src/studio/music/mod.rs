@@ -95,7 +95,7 @@ const KEYS: [Shortcut; 23] = [
 ];
 
 /// Extensions of songs that can be heard.
-const SONGS: [&str; 9] = ["wav", "flac", "mp3", "ogg", "oga", "m4a", "aac", "aiff", "aif"];
+const SONGS: [&str; 10] = ["wav", "flac", "mp3", "ogg", "oga", "opus", "m4a", "aac", "aiff", "aif"];
 
 /// The most harmonics that dance live.
 const MOST_HARMONICS: usize = 512;
@@ -178,6 +178,10 @@ impl Room for MusicRoom {
 
     fn hides_the_window(&self) -> bool {
         self.concert.as_ref().is_some_and(Concert::on_stage)
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &SONGS
     }
 
     fn claims(&self, path: &Path) -> bool {

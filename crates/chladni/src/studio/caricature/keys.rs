@@ -1,0 +1,131 @@
+//! What the keyboard does in this room.
+
+use chladni_caricature::{Action, LayerId, MAX_MU, Model, PaintEdit, Property};
+use egui::Context;
+
+use super::edits::Edits;
+use super::landmarks::Picking;
+use super::session::Session;
+use super::stage::Show;
+use super::{
+    ABOVE, ADD_MESH, BELOW, BRUSH, CaricatureRoom, DELETE, DUPLICATE, ERASE, EXPORT, FURTHEST, HIDE, INVERT,
+    LANDMARKS, LARGER, LEAVE, NEXT_MODEL, NEXT_SHOW, OPEN, REDO, RENAME, SAVE, SAVE_AS, SMALLER, SOLO,
+    STRONGER, UNDO, WEAKER, WIRE, as_far_as_it_goes, toggle_picking,
+};
+use crate::studio::room::Shared;
+
+/// Presses that change μ by 1.
+const MU_STEPS: f64 = 10.0;
+
+impl CaricatureRoom {
+    /// Does what was pressed.
+    pub(super) fn handle_keys(&mut self, shared: &mut Shared<'_>, edits: &mut Edits) {
+        let ctx = shared.ctx.clone();
+        if OPEN.pressed(&ctx) {
+            self.choose_file(shared);
+        }
+        // The longer chord first: egui matches Ctrl+S inside Ctrl+Shift+S.
+        if SAVE_AS.pressed(&ctx) {
+            self.save(true, shared);
+        } else if SAVE.pressed(&ctx) {
+            self.save(false, shared);
+        }
+        if EXPORT.pressed(&ctx) {
+            self.export();
+        }
+        let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
+        if REDO.pressed(&ctx) {
+            self.stale |= session.travel(false).is_some();
+        } else if UNDO.pressed(&ctx) {
+            self.stale |= session.travel(true).is_some();
+        }
+        if let Some(id) = session.selected {
+            layer_keys(&ctx, session, id, edits);
+            if FURTHEST.pressed(&ctx) {
+                as_far_as_it_goes(session, edits, shared);
+            }
+        }
+        let place = session.project().layers().iter().position(|(id, _)| Some(*id) == session.selected);
+        for (shortcut, step) in [(ABOVE, 1), (BELOW, -1)] {
+            let next = place.and_then(|place| place.checked_add_signed(step));
+            if shortcut.pressed(&ctx)
+                && let Some((id, _)) = next.and_then(|next| session.project().layers().get(next))
+            {
+                session.selected = Some(*id);
+                self.stale = true;
+            }
+        }
+        let selected = session.selected;
+        if let Some((id, layer)) = selected.and_then(|id| Some((id, session.project().layer(id)?)))
+            && RENAME.pressed(&ctx)
+        {
+            self.layers.rename(id, layer);
+        }
+        if BRUSH.pressed(&ctx) {
+            self.brush.active = !self.brush.active;
+        }
+        if ERASE.pressed(&ctx) {
+            self.brush.erase = !self.brush.erase;
+        }
+        if SMALLER.pressed(&ctx) {
+            self.brush.resize(1.0 / 1.15);
+        }
+        if LARGER.pressed(&ctx) {
+            self.brush.resize(1.15);
+        }
+        if NEXT_SHOW.pressed(&ctx) {
+            self.look.show = match self.look.show {
+                Show::Result => Show::Models,
+                Show::Models => Show::BeforeAfter,
+                Show::BeforeAfter | Show::Original => Show::Result,
+            };
+            self.stale = true;
+        }
+        if WIRE.pressed(&ctx) {
+            self.look.wire = !self.look.wire;
+        }
+        if LANDMARKS.pressed(&ctx) {
+            toggle_picking(&mut self.picking, session, shared);
+        }
+        if (self.picking.is_some() || self.brush.active) && LEAVE.pressed(&ctx) {
+            self.brush.active = false;
+            if !self.picking.as_mut().is_some_and(Picking::drop_pending) {
+                self.picking = None;
+            }
+        }
+        if ADD_MESH.pressed(&ctx) {
+            self.choose_template(shared);
+        }
+    }
+}
+
+/// The keys that change one layer.
+fn layer_keys(ctx: &Context, session: &Session, id: LayerId, edits: &mut Edits) {
+    let Some(layer) = session.project().layer(id) else { return };
+    if DUPLICATE.pressed(ctx) {
+        edits.once(Action::Duplicate(id));
+    }
+    if DELETE.pressed(ctx) {
+        edits.once(Action::Remove(id));
+    }
+    if HIDE.pressed(ctx) {
+        edits.set(id, Property::Enabled(!layer.enabled));
+    }
+    if SOLO.pressed(ctx) {
+        edits.set(id, Property::Solo(!layer.solo));
+    }
+    if NEXT_MODEL.pressed(ctx) {
+        let place = Model::ALL.iter().position(|model| *model == layer.model).unwrap_or(0);
+        edits.set(id, Property::Model(Model::ALL[(place + 1) % Model::ALL.len()]));
+    }
+    for (shortcut, step) in [(STRONGER, -1.0), (WEAKER, 1.0)] {
+        if shortcut.pressed(ctx) {
+            // Steps end on round numbers.
+            let mu = (layer.mu * MU_STEPS + step).round() / MU_STEPS;
+            edits.set(id, Property::Mu(mu.clamp(-MAX_MU, MAX_MU)));
+        }
+    }
+    if INVERT.pressed(ctx) {
+        edits.once(Action::Paint { layer: id, edit: PaintEdit::Invert });
+    }
+}

@@ -1,0 +1,299 @@
+//! What the file window knows: a folder, what is typed, and what comes of it.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Purpose {
+    /// A file to read.
+    Open,
+    /// Files to read.
+    OpenSeveral,
+    /// A file to write.
+    Save,
+}
+
+/// The question, as it travels to the process that asks it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// What for.
+    pub purpose: Purpose,
+    /// Kinds of files: name and extensions without dots.
+    pub kinds: Vec<(String, Vec<String>)>,
+    /// Where to begin: a folder, or the file to be written.
+    pub start: PathBuf,
+}
+
+/// One line of the list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// The file's or folder's name.
+    pub name: String,
+    /// Whether it is a folder.
+    pub is_folder: bool,
+}
+
+/// What comes of going ahead.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// These are the files.
+    Done(Vec<PathBuf>),
+    /// It was a folder, which is shown now.
+    Entered,
+    /// The file is there already: go ahead once more to replace it.
+    Replaces(PathBuf),
+    /// Why not.
+    Refused(String),
+}
+
+/// Lines that are read of a folder.
+const MAX_ENTRIES: usize = 5000;
+
+/// The state of the window.
+#[derive(Debug)]
+pub struct Browser {
+    request: Request,
+    folder: PathBuf,
+    /// What is typed: a name, or a path from the folder, from `~` or from the root.
+    pub typed: String,
+    /// Names that were picked besides.
+    pub picked: Vec<String>,
+    entries: Result<Vec<Entry>, String>,
+    agreed_to_replace: Option<PathBuf>,
+}
+
+impl Browser {
+    /// Begins where `request` says, or in the current folder.
+    pub fn new(request: Request) -> Self {
+        let start = std::path::absolute(&request.start).unwrap_or_else(|_| PathBuf::from("/"));
+        let (folder, typed) = if start.is_dir() {
+            (start, String::new())
+        } else {
+            let name = start.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            (start.parent().map_or_else(|| PathBuf::from("/"), Path::to_owned), name)
+        };
+        let typed = if request.purpose == Purpose::Save { typed } else { String::new() };
+        let (entries, picked) = (Ok(Vec::new()), Vec::new());
+        let mut browser = Self { request, folder, typed, picked, entries, agreed_to_replace: None };
+        browser.read();
+        browser
+    }
+
+    /// What is asked for.
+    pub fn request(&self) -> &Request {
+        &self.request
+    }
+
+    /// The folder that is shown.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Its folders and fitting files, folders first; or why it cannot be read.
+    pub fn entries(&self) -> Result<&[Entry], &str> {
+        self.entries.as_deref().map_err(String::as_str)
+    }
+
+    /// Shows another folder.
+    pub fn enter(&mut self, folder: &Path) {
+        self.folder = folder.to_owned();
+        self.picked.clear();
+        if self.request.purpose != Purpose::Save {
+            self.typed.clear();
+        }
+        self.read();
+    }
+
+    /// Shows the folder around this one.
+    pub fn leave(&mut self) {
+        if let Some(parent) = self.folder.parent().map(Path::to_owned) {
+            self.enter(&parent);
+        }
+    }
+
+    fn read(&mut self) {
+        let fits = |name: &str| {
+            let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
+            let extensions = self.request.kinds.iter().flat_map(|(_, extensions)| extensions);
+            extensions.into_iter().any(|known| known.eq_ignore_ascii_case(extension))
+        };
+        let read = std::fs::read_dir(&self.folder).map(|found| {
+            let entry = |found: std::fs::DirEntry| {
+                let name = found.file_name().into_string().ok()?;
+                // Of links, what they lead to.
+                let is_folder = found.path().is_dir();
+                let shown = !name.starts_with('.') && (is_folder || fits(&name));
+                shown.then_some(Entry { name, is_folder })
+            };
+            let mut entries: Vec<Entry> = found.flatten().take(MAX_ENTRIES).filter_map(entry).collect();
+            entries.sort_by_cached_key(|entry| (!entry.is_folder, entry.name.to_lowercase()));
+            entries
+        });
+        self.entries = read.map_err(|error| format!("{}: {error}", self.folder.display()));
+    }
+
+    /// The path that is typed.
+    fn target(&self) -> PathBuf {
+        let typed = self.typed.trim();
+        let home = directories::UserDirs::new().map(|user| user.home_dir().to_owned());
+        match (typed.strip_prefix('~'), home) {
+            (Some(rest), Some(home)) if rest.is_empty() || rest.starts_with('/') => {
+                home.join(rest.trim_start_matches('/'))
+            }
+            _ => self.folder.join(typed),
+        }
+    }
+
+    /// Completes what is typed as far as all files that begin like it agree.
+    pub fn complete(&mut self) {
+        let (before, begun) = match self.typed.rsplit_once('/') {
+            Some((before, begun)) => (format!("{before}/"), begun.to_owned()),
+            None => (String::new(), self.typed.clone()),
+        };
+        let folder = Self { typed: before.clone(), entries: Ok(Vec::new()), ..self.like() }.target();
+        let mut inside = Self { folder, entries: Ok(Vec::new()), ..self.like() };
+        inside.read();
+        let all = inside.entries.unwrap_or_default();
+        let mut fitting = all.iter().filter(|entry| entry.name.starts_with(&begun));
+        let Some(first) = fitting.next() else { return };
+        let mut agreed = first.name.clone();
+        let mut alone = true;
+        for other in fitting {
+            alone = false;
+            let shared = agreed.chars().zip(other.name.chars()).take_while(|(a, b)| a == b);
+            agreed = shared.map(|(a, _)| a).collect();
+        }
+        let slash = if alone && first.is_folder { "/" } else { "" };
+        self.typed = format!("{before}{agreed}{slash}");
+    }
+
+    fn like(&self) -> Self {
+        Self {
+            request: self.request.clone(),
+            folder: self.folder.clone(),
+            typed: String::new(),
+            picked: Vec::new(),
+            entries: Ok(Vec::new()),
+            agreed_to_replace: None,
+        }
+    }
+
+    /// Goes ahead with what is typed and picked.
+    pub fn go_ahead(&mut self) -> Verdict {
+        if self.picked.len() > 1 {
+            return Verdict::Done(self.picked.iter().map(|name| self.folder.join(name)).collect());
+        }
+        if self.typed.trim().is_empty() {
+            return Verdict::Refused("Type a name or a path, or click a file.".into());
+        }
+        let mut path = self.target();
+        if path.is_dir() {
+            self.typed.clear();
+            self.enter(&path);
+            return Verdict::Entered;
+        }
+        if self.request.purpose != Purpose::Save {
+            return if path.is_file() {
+                Verdict::Done(vec![path])
+            } else {
+                Verdict::Refused(format!("{} is not there.", path.display()))
+            };
+        }
+        let first = self.request.kinds.iter().flat_map(|(_, extensions)| extensions).next();
+        if let Some(extension) = first.filter(|_| path.extension().is_none()) {
+            path.set_extension(extension);
+        }
+        if !path.parent().is_some_and(Path::is_dir) {
+            let folder = path.parent().unwrap_or(&path).display();
+            return Verdict::Refused(format!("The folder {folder} is not there."));
+        }
+        if path.exists() && self.agreed_to_replace.as_ref() != Some(&path) {
+            self.agreed_to_replace = Some(path.clone());
+            return Verdict::Replaces(path);
+        }
+        Verdict::Done(vec![path])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["Heads", "heads-old"] {
+            std::fs::create_dir(folder.path().join(name)).unwrap();
+        }
+        for name in ["igea.ply", "igea-2.PLY", "song.mp3", ".hidden.ply", "Heads/max.obj"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        folder
+    }
+
+    fn browser(purpose: Purpose, start: &Path) -> Browser {
+        let kinds = vec![("Meshes".into(), vec!["obj".into(), "ply".into()])];
+        Browser::new(Request { purpose, kinds, start: start.to_owned() })
+    }
+
+    #[test]
+    fn folders_come_first_and_other_kinds_not_at_all() {
+        let folder = folder();
+        let names = |browser: &Browser| -> Vec<String> {
+            browser.entries().unwrap().iter().map(|entry| entry.name.clone()).collect()
+        };
+        let mut browser = browser(Purpose::Open, folder.path());
+        assert_eq!(names(&browser), ["Heads", "heads-old", "igea-2.PLY", "igea.ply"]);
+        browser.enter(&folder.path().join("Heads"));
+        assert_eq!(names(&browser), ["max.obj"]);
+        browser.leave();
+        assert_eq!(names(&browser).len(), 4);
+        browser.enter(&folder.path().join("nowhere"));
+        assert!(browser.entries().unwrap_err().contains("nowhere"));
+    }
+
+    #[test]
+    fn what_is_typed_is_completed_and_followed() {
+        let folder = folder();
+        let mut browser = browser(Purpose::Open, folder.path());
+        let mut completed = |typed: &str| {
+            browser.typed = typed.into();
+            browser.complete();
+            browser.typed.clone()
+        };
+        assert_eq!(completed("ig"), "igea");
+        assert_eq!(completed("igea-"), "igea-2.PLY");
+        assert_eq!(completed("He"), "Heads/");
+        assert_eq!(completed("Heads/"), "Heads/max.obj");
+        assert_eq!(completed("nothing"), "nothing");
+        let absolute = format!("{}/He", folder.path().display());
+        assert_eq!(completed(&absolute), format!("{absolute}ads/"));
+
+        let mut go = |typed: &str| {
+            browser.typed = typed.into();
+            browser.go_ahead()
+        };
+        assert!(matches!(go("  "), Verdict::Refused(_)));
+        assert!(matches!(go("nothing.ply"), Verdict::Refused(_)));
+        assert_eq!(go("igea.ply"), Verdict::Done(vec![folder.path().join("igea.ply")]));
+        assert_eq!(go("Heads"), Verdict::Entered);
+        assert_eq!(go("max.obj"), Verdict::Done(vec![folder.path().join("Heads/max.obj")]));
+    }
+
+    #[test]
+    fn a_file_is_replaced_only_when_asked_twice() {
+        let folder = folder();
+        let mut browser = browser(Purpose::Save, &folder.path().join("new"));
+        assert_eq!(browser.typed, "new");
+        assert_eq!(browser.go_ahead(), Verdict::Done(vec![folder.path().join("new.obj")]));
+        browser.typed = "igea.ply".into();
+        assert_eq!(browser.go_ahead(), Verdict::Replaces(folder.path().join("igea.ply")));
+        browser.typed = "Heads/max".into();
+        assert_eq!(browser.go_ahead(), Verdict::Replaces(folder.path().join("Heads/max.obj")));
+        assert_eq!(browser.go_ahead(), Verdict::Done(vec![folder.path().join("Heads/max.obj")]));
+        browser.typed = "nowhere/x.obj".into();
+        assert!(matches!(browser.go_ahead(), Verdict::Refused(_)));
+    }
+}

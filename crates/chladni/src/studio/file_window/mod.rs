@@ -1,0 +1,283 @@
+//! A small window that asks for a file, for systems whose own dialog does not come up.
+//!
+//! It runs as a process of its own, as such dialogs do: whoever asks waits for its answer.
+
+mod browser;
+
+use std::cell::RefCell;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::rc::Rc;
+
+use egui::{Key, RichText, Ui};
+
+pub use browser::{Purpose, Request};
+
+use super::icon::{self, Icon};
+use super::settings::Settings;
+use super::{Folders, StudioError, theme};
+use browser::{Browser, Entry, Verdict};
+
+/// The name of the command that opens the window; see [`ask`].
+pub const COMMAND: &str = "choose-file";
+
+/// Asks in a process of its own and waits; empty where the person thinks better of it.
+pub fn ask(request: &Request) -> io::Result<Vec<PathBuf>> {
+    let question = serde_json::to_string(request)?;
+    let mut command = Command::new(std::env::current_exe()?);
+    let asked = command.args([COMMAND, &question]).stdin(Stdio::null()).stderr(Stdio::inherit()).output()?;
+    if !asked.status.success() {
+        return Err(io::Error::other(format!("the file window ended with {}", asked.status)));
+    }
+    Ok(serde_json::from_slice(&asked.stdout)?)
+}
+
+/// Opens the window and returns the answer when it is closed.
+pub fn open(request: Request) -> Result<Vec<PathBuf>, StudioError> {
+    let answer = Rc::new(RefCell::new(Vec::new()));
+    let given = Rc::clone(&answer);
+    let viewport = egui::ViewportBuilder::default()
+        .with_title(title(request.purpose))
+        .with_app_id("chladni")
+        .with_inner_size([640.0, 520.0])
+        .with_min_inner_size([460.0, 360.0]);
+    let options =
+        eframe::NativeOptions { viewport, wgpu_options: super::wgpu_options(), ..Default::default() };
+    eframe::run_native(
+        "chladni-files",
+        options,
+        Box::new(move |creation| {
+            // Preferences that cannot be read are told of in the window that asks.
+            let settings = Folders::of_user().settings.and_then(|path| Settings::load(&path).ok());
+            Ok(Box::new(FileWindow::new(&creation.egui_ctx, request, &settings.unwrap_or_default(), given)))
+        }),
+    )?;
+    Ok(answer.take())
+}
+
+fn title(purpose: Purpose) -> &'static str {
+    match purpose {
+        Purpose::Open => "Open a file",
+        Purpose::OpenSeveral => "Open files",
+        Purpose::Save => "Save as",
+    }
+}
+
+/// The window.
+pub struct FileWindow {
+    browser: Browser,
+    /// Folders to jump to, with their icons.
+    places: Vec<(Icon, PathBuf)>,
+    light: bool,
+    said: Option<String>,
+    /// The button says that it replaces a file.
+    replaces: bool,
+    begun: bool,
+    answer: Rc<RefCell<Vec<PathBuf>>>,
+}
+
+impl FileWindow {
+    /// Asks `request` and puts what was chosen into `answer`.
+    pub fn new(
+        ctx: &egui::Context,
+        request: Request,
+        settings: &Settings,
+        answer: Rc<RefCell<Vec<PathBuf>>>,
+    ) -> Self {
+        theme::install(ctx);
+        ctx.set_zoom_factor(settings.zoom);
+        let mut places: Vec<(Icon, PathBuf)> = Vec::new();
+        let mut add = |mark, folder: &Path| {
+            if folder.is_dir() && !places.iter().any(|(_, known)| known == folder) {
+                places.push((mark, folder.to_owned()));
+            }
+        };
+        if let Some(user) = directories::UserDirs::new() {
+            add(Icon::House, user.home_dir());
+        }
+        if let Ok(here) = std::env::current_dir() {
+            add(Icon::Folder, &here);
+        }
+        settings.recent.iter().filter_map(|path| path.parent()).for_each(|folder| add(Icon::History, folder));
+        let browser = Browser::new(request);
+        Self { browser, places, light: settings.light, said: None, replaces: false, begun: false, answer }
+    }
+
+    fn go_ahead(&mut self, ctx: &egui::Context) {
+        (self.said, self.replaces) = (None, false);
+        match self.browser.go_ahead() {
+            Verdict::Done(files) => {
+                self.answer.replace(files);
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+            Verdict::Entered => self.begun = false,
+            Verdict::Refused(why) => self.said = Some(why),
+            Verdict::Replaces(path) => {
+                self.replaces = true;
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                self.said = Some(format!("{name} is there already. Go ahead again to replace it."));
+            }
+        }
+    }
+
+    fn head(&mut self, ui: &mut Ui) {
+        let palette = theme::palette(ui);
+        ui.add_space(theme::GAP_SMALL);
+        ui.horizontal(|ui| {
+            let up = ui.button(icon::text(Icon::ArrowUp)).on_hover_text("The folder around this one");
+            theme::name(&up, "Folder above");
+            if up.clicked() {
+                self.browser.leave();
+            }
+            ui.add(egui::Label::new(self.browser.folder().display().to_string()).truncate());
+        });
+        let field = egui::TextEdit::singleline(&mut self.browser.typed)
+            .hint_text("A name or a path; Tab completes it")
+            .desired_width(f32::INFINITY)
+            .lock_focus(true)
+            .margin(egui::vec2(8.0, 6.0));
+        let shown = field.show(ui);
+        theme::name(&shown.response, "File name or path");
+        if !std::mem::replace(&mut self.begun, true) {
+            shown.response.request_focus();
+        }
+        if shown.response.changed() {
+            (self.said, self.replaces) = (None, false);
+        }
+        if shown.response.has_focus() && ui.input(|input| input.key_pressed(Key::Tab)) {
+            self.browser.complete();
+            let mut state = shown.state;
+            let end = egui::text::CCursor::new(self.browser.typed.chars().count());
+            state.cursor.set_char_range(Some(egui::text::CCursorRange::one(end)));
+            state.store(ui.ctx(), shown.response.id);
+        }
+        match &self.said {
+            Some(why) => {
+                let why = RichText::new(why).color(palette.warning).small();
+                ui.add(egui::Label::new(why).wrap().selectable(true))
+            }
+            None => {
+                let kinds: Vec<&str> =
+                    self.browser.request().kinds.iter().map(|(name, _)| name.as_str()).collect();
+                ui.label(RichText::new(kinds.join(", ")).color(palette.weak).small())
+            }
+        };
+    }
+
+    fn places(&mut self, ui: &mut Ui) {
+        let mut enter = None;
+        for (mark, folder) in &self.places {
+            let name = folder.file_name().map_or_else(|| "/".into(), |name| name.to_string_lossy());
+            let here = folder == self.browser.folder();
+            let line = egui::Button::selectable(here, icon::label(*mark, &name)).truncate();
+            if ui.add(line).on_hover_text(folder.display().to_string()).clicked() {
+                enter = Some(folder.clone());
+            }
+        }
+        if let Some(folder) = enter {
+            self.browser.enter(&folder);
+        }
+    }
+
+    /// The list; true where a file was double-clicked.
+    fn list(&mut self, ui: &mut Ui) -> bool {
+        let palette = theme::palette(ui);
+        let entries = match self.browser.entries() {
+            Ok(entries) => entries.to_vec(),
+            Err(why) => {
+                ui.label(RichText::new(why).color(palette.error));
+                return false;
+            }
+        };
+        if entries.is_empty() {
+            ui.label(RichText::new("Nothing of this kind is here.").color(palette.weak));
+        }
+        let (mut enter, mut go) = (None, false);
+        ui.with_layout(egui::Layout::top_down_justified(egui::Align::LEFT), |ui| {
+            for Entry { name, is_folder } in &entries {
+                let chosen = self.browser.typed == *name || self.browser.picked.contains(name);
+                let mark = if *is_folder { Icon::Folder } else { Icon::File };
+                let line = ui.add(egui::Button::selectable(chosen, icon::label(mark, name)).truncate());
+                if *is_folder {
+                    if line.clicked() {
+                        enter = Some(self.browser.folder().join(name));
+                    }
+                    continue;
+                }
+                if line.clicked() {
+                    self.pick(name, ui.input(|input| input.modifiers.command));
+                }
+                go |= line.double_clicked();
+            }
+        });
+        if let Some(folder) = enter {
+            self.browser.enter(&folder);
+        }
+        go
+    }
+
+    fn pick(&mut self, name: &str, besides: bool) {
+        (self.said, self.replaces) = (None, false);
+        let several = besides && self.browser.request().purpose == Purpose::OpenSeveral;
+        if !several {
+            self.browser.picked.clear();
+        }
+        if several && self.browser.picked.iter().any(|known| known == name) {
+            self.browser.picked.retain(|known| known != name);
+        } else {
+            self.browser.picked.push(name.to_owned());
+        }
+        self.browser.typed = match self.browser.picked.len() {
+            0 | 1 => self.browser.picked.first().cloned().unwrap_or_default(),
+            more => format!("{more} files"),
+        };
+    }
+
+    fn foot(&mut self, ui: &mut Ui) -> bool {
+        let mut go = false;
+        ui.add_space(theme::GAP_SMALL);
+        ui.horizontal(|ui| {
+            let why = "Chladni's own file window: this system offers none.";
+            ui.label(RichText::new(why).color(theme::palette(ui).weak).small()).on_hover_text(
+                "On Linux the system's dialog comes from xdg-desktop-portal or zenity; neither answered. Files \
+                 can also be dropped on the window.",
+            );
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let label = match (self.browser.request().purpose, self.replaces) {
+                    (Purpose::Save, true) => "Replace",
+                    (Purpose::Save, false) => "Save",
+                    _ => "Open",
+                };
+                go = theme::primary_button(ui, label).clicked();
+                if ui.button("Cancel").on_hover_text("Escape").clicked() {
+                    ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+                }
+            });
+        });
+        ui.add_space(theme::GAP_SMALL);
+        go
+    }
+}
+
+impl eframe::App for FileWindow {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        ctx.set_theme(if self.light { egui::Theme::Light } else { egui::Theme::Dark });
+        if ctx.input(|input| input.key_pressed(Key::Escape)) {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        let mut go = ctx.input(|input| input.key_pressed(Key::Enter));
+        egui::Panel::top("path").show(ui, |ui| self.head(ui));
+        egui::Panel::bottom("answer").show(ui, |ui| go |= self.foot(ui));
+        egui::Panel::left("places").exact_size(150.0).show(ui, |ui| {
+            egui::ScrollArea::vertical().show(ui, |ui| self.places(ui));
+        });
+        egui::CentralPanel::default().show(ui, |ui| {
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| go |= self.list(ui));
+        });
+        if go {
+            self.go_ahead(&ctx);
+        }
+    }
+}
