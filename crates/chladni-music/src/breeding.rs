@@ -8,10 +8,16 @@ use crate::Mapping;
 /// Mean length of a run, as a share of the vector that is bred.
 const MEAN_RUN: f64 = 0.1;
 
+/// A mapping whose strongest answer is weaker than this stands still.
+const SILENT: f32 = 0.02;
+
 /// A child of two mappings. Transfer and amplification are each mixed with probability ½ and
 /// otherwise taken whole from one parent; μ and gain likewise (a gallery then evens the
 /// child's gain). Shorter vectors are resampled
 /// to the longer parent's length, so that every value of the child lies between its parents'.
+///
+/// A child that no sound would move, because its transfer leads where its amplification does not
+/// answer, has the mean of both amplifications; if that does not help, its mother's transfer, too.
 pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mapping {
     let bands = mother.transfer.len().max(father.transfer.len());
     let harmonics = mother.amplification.len().max(father.amplification.len());
@@ -20,7 +26,15 @@ pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mappin
         inherit(&mother.amplification_on(harmonics), &father.amplification_on(harmonics), rng);
     let stereo_mu = inherit(&[mother.stereo_mu], &[father.stereo_mu], rng)[0];
     let gain = inherit(&[mother.gain], &[father.gain], rng)[0];
-    Mapping { transfer, amplification, stereo_mu, gain }
+    let mut child = Mapping { transfer, amplification, stereo_mu, gain };
+    if child.loudness() < SILENT {
+        let (p, q) = (mother.amplification_on(harmonics), father.amplification_on(harmonics));
+        child.amplification = p.iter().zip(&q).map(|(p, q)| 0.5 * (p + q)).collect();
+        if child.loudness() < SILENT {
+            child.transfer = mother.transfer_on(bands);
+        }
+    }
+    child
 }
 
 fn inherit(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
@@ -135,9 +149,24 @@ mod tests {
     }
 
     #[test]
+    fn no_child_of_a_gallery_stands_still() {
+        let eigenvalues: Vec<f64> = (0..96).map(f64::from).collect();
+        for seed in 0..20 {
+            let shape = crate::GalleryShape { eigenvalues: eigenvalues.clone(), bands: 128 };
+            let mut instrument = crate::Instrument::new(seed, 12, shape).unwrap();
+            let mut act = |action| instrument.apply(crate::Moment::default(), action).unwrap();
+            (0..12).for_each(|item| act(crate::Action::Choose { item, on: true }));
+            act(crate::Action::Breed);
+            for item in instrument.gallery().items() {
+                assert!(item.mapping.loudness() >= SILENT, "seed {seed}, item {}", item.id);
+            }
+        }
+    }
+
+    #[test]
     fn halves_of_the_children_are_mixed_and_quarters_are_one_parents() {
-        let p = Mapping { transfer: vec![0.0; 100], ..Mapping::rest(1, 1) };
-        let q = Mapping { transfer: vec![1.0; 100], ..Mapping::rest(1, 1) };
+        let p = Mapping { transfer: vec![0.0; 100], amplification: vec![1.0], ..Mapping::rest(1, 1) };
+        let q = Mapping { transfer: vec![1.0; 100], ..p.clone() };
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let mut counts = [0; 3];
         for _ in 0..2000 {

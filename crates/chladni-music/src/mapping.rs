@@ -64,6 +64,13 @@ impl Mapping {
         1.0 / (busiest as f32).sqrt()
     }
 
+    /// The strongest |a| that any band drives, in [0, 1]: 0 is a mapping that no sound moves.
+    pub fn loudness(&self) -> f32 {
+        let driven = self.targets(self.transfer.len(), self.amplification.len());
+        let answers = driven.into_iter().filter_map(|k| self.amplification.get(k as usize));
+        answers.fold(0.0, |loudest, a| loudest.max(a.abs()))
+    }
+
     /// Checks lengths (1 to 16384), that every number is finite, and the ranges above
     /// (the gain lies in [0, 100]).
     pub fn validate(&self) -> Result<(), Error> {

@@ -135,6 +135,28 @@ fn decay_does_not_depend_on_the_frame_rate() {
 }
 
 #[test]
+fn the_lag_is_when_a_click_is_strongest() {
+    for decay in [0.0, 0.2, 0.5, 0.9] {
+        let mut analyser = SpectrumAnalyser::new(SpectrumSettings { decay, ..plain(32) }).unwrap();
+        let n = analyser.window_frames();
+        let mut click = vec![0.0; 4 * n];
+        click[2 * n] = 1.0;
+        let step = 60;
+        let loudness = |at: usize, analyser: &mut SpectrumAnalyser| {
+            let window = &click[at..at + n];
+            let s = analyser.analyse(window, window, step as f64 / f64::from(RATE_HZ));
+            s.mid.iter().sum::<f32>()
+        };
+        let found: Vec<f32> = (0..2 * n).step_by(step).map(|at| loudness(at, &mut analyser)).collect();
+        let best = (0..found.len()).max_by(|&a, &b| found[a].total_cmp(&found[b])).unwrap();
+        // The window that begins at `at` is centred half its length later.
+        let late = (best * step) as f64 - 1.5 * n as f64;
+        let lag = analyser.lag_secs() * f64::from(RATE_HZ);
+        assert!((late - lag).abs() <= 3.0 * step as f64, "decay {decay}: {late} frames, told {lag}");
+    }
+}
+
+#[test]
 fn four_codecs_have_one_spectrum() {
     let Some(wav) = shared("audio/dubstep.wav") else { return };
     let spectra = |extension: &str| {

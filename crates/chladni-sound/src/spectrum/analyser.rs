@@ -185,6 +185,29 @@ impl SpectrumAnalyser {
         self.follower = LevelFollower::new();
     }
 
+    /// How much later than a click the decay lets its spectrum be strongest, in seconds: a window
+    /// placed so much later than the moment that is heard brings both together.
+    pub fn lag_secs(&self) -> f64 {
+        if self.settings.decay <= 0.0 {
+            return 0.0;
+        }
+        // A click under a Hann window that moves on, followed as the decay follows it.
+        const STEPS: u32 = 1000;
+        let half_secs = 0.5 * self.settings.window_frames as f64 / f64::from(self.settings.rate_hz);
+        let step_secs = half_secs / f64::from(STEPS);
+        let left = f64::from(self.settings.decay).powf(step_secs / DECAY_INTERVAL_SECS);
+        let mut followed = 0.0;
+        for step in 0..2 * STEPS {
+            let heard = (std::f64::consts::PI * f64::from(step) / f64::from(2 * STEPS)).sin().powi(2);
+            followed = left * followed + (1.0 - left) * heard;
+            // It is strongest where the falling window meets it.
+            if step > STEPS && followed >= heard {
+                return f64::from(step - STEPS) * step_secs;
+            }
+        }
+        half_secs
+    }
+
     /// Analyses the last [`window_frames`](Self::window_frames) of `left` and `right` (fewer are
     /// taken as preceded by silence), `dt_secs` after the window before. Let the window be centred
     /// on the playback position where the song is known ahead, and end there where it is not.

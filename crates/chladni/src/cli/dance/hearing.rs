@@ -33,7 +33,7 @@ impl Hearing {
     }
 
     /// The bands at `secs`, `dt_secs` after the last call. The window lies around the moment
-    /// that is heard, so that shape and sound meet.
+    /// that is heard, later by what the decay holds back, so that shape and sound meet.
     pub fn bands(&mut self, secs: f64, dt_secs: f64, parameters: &Parameters) -> Result<Bands<'_>, Failure> {
         let wanted = settings(&self.song, parameters);
         if *self.analyser.settings() != wanted {
@@ -42,7 +42,8 @@ impl Hearing {
         let window = self.analyser.window_frames();
         self.left.resize(window, 0.0);
         self.right.resize(window, 0.0);
-        let end = (secs * f64::from(self.song.rate_hz)).round() as i64 + window as i64 / 2;
+        let center = (secs + self.analyser.lag_secs()) * f64::from(self.song.rate_hz);
+        let end = center.round() as i64 + window as i64 / 2;
         self.song.window_ending_at(end, &mut self.left, &mut self.right);
         let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
         Ok(Bands { left: &spectrum.left, right: &spectrum.right, mid: &spectrum.mid, side: &spectrum.side })

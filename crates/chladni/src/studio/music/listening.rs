@@ -303,7 +303,8 @@ impl Listening {
         Ok(())
     }
 
-    /// The samples to analyse: around what is heard of a song, the newest ones of live input.
+    /// The samples to analyse: around what is heard of a song, later by what the decay holds back;
+    /// the newest ones of live input.
     fn take_window(&mut self, playing: bool) {
         let window = self.analyser.window_frames();
         self.left.resize(window, 0.0);
@@ -311,7 +312,9 @@ impl Listening {
         match &self.live {
             Some(live) => live.capture.window(&mut self.left, &mut self.right),
             None => {
-                self.player.heard_window(window / 2, &mut self.left, &mut self.right);
+                let late = self.analyser.lag_secs() * f64::from(self.analyser.settings().rate_hz);
+                let ahead = window / 2 + late as usize;
+                self.player.heard_window(ahead, &mut self.left, &mut self.right);
             }
         }
         if !playing {

@@ -1,4 +1,4 @@
-//! `chladni bench music`: from sound to twelve shapes, frame by frame.
+//! From sound to twelve shapes, frame by frame.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -7,76 +7,44 @@ use chladni_mesh::TriMesh;
 use chladni_music::{Action, Bands, Dancer, Ensemble, Form, GalleryShape, Instrument, Moment, Symmetry};
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
 use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
-use clap::Args;
 use serde::Serialize;
 
-use super::sphere::bumpy_sphere;
+use super::BenchMusic;
+use crate::cli::bench::sphere::bumpy_sphere;
 use crate::cli::inputs::build_body;
 use crate::cli::{Failure, Terminal};
 
-/// Measure the music instrument: spectrum, mapping, synthesis and normals of a whole gallery.
-#[derive(Args)]
-pub struct BenchMusic {
-    /// Vertices of the generated shape.
-    #[arg(long, default_value_t = 25_000)]
-    vertices: usize,
-    /// Harmonics K.
-    #[arg(short = 'k', long, default_value_t = 512)]
-    harmonics: usize,
-    /// Items S: 6, 9, 12 or 16.
-    #[arg(long, default_value_t = 12)]
-    items: usize,
-    /// Frames measured.
-    #[arg(long, default_value_t = 100)]
-    frames: usize,
-    /// Print JSON instead of lines.
-    #[arg(long)]
-    json: bool,
-}
-
 /// Medians per frame, in milliseconds, on the processor.
 #[derive(Serialize)]
-struct Measured {
-    vertices: usize,
-    harmonics: usize,
-    items: usize,
-    form: Form,
-    threads: usize,
-    spectrum_ms: f64,
-    mapping_ms: f64,
-    synthesis_ms: f64,
-    normals_ms: f64,
-    total_ms: f64,
+pub struct Measured {
+    pub vertices: usize,
+    pub harmonics: usize,
+    pub items: usize,
+    pub form: Form,
+    pub threads: usize,
+    pub spectrum_ms: f64,
+    pub mapping_ms: f64,
+    pub synthesis_ms: f64,
+    pub normals_ms: f64,
+    pub total_ms: f64,
+}
+
+/// Measures the three forms.
+pub fn measure(bench: &BenchMusic, terminal: &Terminal) -> Result<Vec<Measured>, Failure> {
+    let (positions, triangles) = bumpy_sphere(bench.vertices);
+    let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
+    let (body, _) = build_body("bumpy sphere", &mesh, bench.harmonics, terminal)?;
+    let symmetry =
+        terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(Failure::other)?;
+    let body = symmetry.rotated(&body);
+    let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).map_err(Failure::other)?);
+    let mut synthesizer = CpuSynthesizer::new(SynthModel::new(&body).map_err(Failure::other)?);
+    let forms = [Form::Filter, Form::Modal, Form::HalfMask];
+    forms.into_iter().map(|form| bench.time(form, &dancer, &mut synthesizer)).collect()
 }
 
 impl BenchMusic {
-    /// Measures the three forms.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let (positions, triangles) = bumpy_sphere(self.vertices);
-        let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
-        let (body, _) = build_body("bumpy sphere", &mesh, self.harmonics, terminal)?;
-        let symmetry =
-            terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(Failure::other)?;
-        let body = symmetry.rotated(&body);
-        let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).map_err(Failure::other)?);
-        let mut synthesizer = CpuSynthesizer::new(SynthModel::new(&body).map_err(Failure::other)?);
-        let mut rows = Vec::new();
-        for form in [Form::Filter, Form::Modal, Form::HalfMask] {
-            rows.push(self.measure(form, &dancer, &mut synthesizer)?);
-        }
-        if self.json {
-            return terminal.json(&rows);
-        }
-        rows.iter().try_for_each(|r| {
-            terminal.result(format_args!(
-                "{:?}: n = {}, K = {}, S = {}: spectrum {:.3} ms, mapping {:.3} ms, synthesis {:.2} ms, normals {:.2} ms, \
-                 together {:.2} ms",
-                r.form, r.vertices, r.harmonics, r.items, r.spectrum_ms, r.mapping_ms, r.synthesis_ms, r.normals_ms, r.total_ms
-            ))
-        })
-    }
-
-    fn measure(
+    fn time(
         &self,
         form: Form,
         dancer: &Arc<Dancer>,

@@ -1,0 +1,131 @@
+"""Measures the music instrument and writes its section of BENCHMARKS.md. Called by bench/music/run."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import scipy.spatial
+import trimesh
+
+from sync import sync
+
+BEGIN, END = "<!-- music:begin -->", "<!-- music:end -->"
+chladni = sys.argv[1]
+K = 100
+
+
+def run(*arguments):
+    return subprocess.run([chladni, "--quiet", *map(str, arguments)], check=True, capture_output=True).stdout
+
+
+def mirror_blob(path):
+    """Its own mirror image in x and in no other plane, with single eigenvalues."""
+    mesh = trimesh.creation.icosphere(subdivisions=4)
+    x, y, z = mesh.vertices.T
+    arms = 0.9 * x * x * (0.4 + 0.6 * y)
+    mesh.vertices = np.stack(
+        [1.3 * x + 0.5 * x * arms, 0.8 * y + arms + 0.1 * z * z, 0.6 * z + 0.35 * y * y - 0.15 * x * x], 1
+    )
+    mesh.export(path)
+
+
+def symmetry(path, folder):
+    """Our classes against the sign of <H, H o T>, T the mirror in x taken to the nearest vertex."""
+    classes = np.array(json.loads(run("symmetry", path, "-k", K + 1, "--json"))["classes"])
+    run("basis", path, "-k", K + 1, "-o", folder / "basis.npz")
+    basis = np.load(folder / "basis.npz")
+    vectors, mass, values = basis["eigenvectors"], basis["mass"], basis["eigenvalues"]
+    points = np.zeros((len(mass), 3))
+    row = basis["operator_vertex"]
+    given = np.array([line.split()[1:4] for line in open(path) if line.startswith("v ")], float)
+    points[row[row >= 0]] = given[row >= 0]
+    middle = 0.5 * (points[:, 0].min() + points[:, 0].max())
+    image = points * [-1, 1, 1] + [2 * middle, 0, 0]
+    _, nearest = scipy.spatial.cKDTree(points).query(image)
+    truth = np.sign(np.einsum("v,vk,vk->k", mass, vectors, vectors[nearest]))
+    gaps = np.diff(values)
+    single = [k for k in range(1, K) if gaps[k - 1] > 1e-3 * values[k] and gaps[k] > 1e-3 * values[k]]
+    return sum(classes[k] == truth[k] for k in single), len(single), len(mass)
+
+
+def main():
+    data = pathlib.Path(os.environ.get("CHLADNI_DATA", "shared/data")) / "meshes"
+    lines = ["## Music", ""]
+    processor = next(l.split(":")[1].strip() for l in open("/proc/cpuinfo") if l.startswith("model name"))
+    measured = json.loads(run("bench", "music", "--json"))
+    lines += [
+        f"{processor}, {measured['timing'][0]['threads']} threads. Made by `bench/music/run`.",
+        "",
+        "Milliseconds a frame, medians, on the processor: a bumpy sphere with its harmonics, the sample tune. Targets: "
+        "spectrum and mapping together at most 1 ms, all of it at most 10 ms.",
+        "",
+        "| form | n | K | S | spectrum | mapping | synthesis | normals | together |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for r in measured["timing"]:
+        parts = " | ".join(f"{r[key + '_ms']:.2f}" for key in ["spectrum", "mapping", "synthesis", "normals", "total"])
+        lines.append(f"| {r['form']} | {r['vertices']:,} | {r['harmonics']} | {r['items']} | {parts} |")
+    lines += [
+        "",
+        "Left and right: a tone in one channel, the direct mapping on the octopus (K = 128). *Ratio*: displacement energy of "
+        "the tone's half over that of the other (target of the half-mask form: 5). *Mirror error*: how far the shape is from "
+        "its own mirror image, over the largest displacement (the filter form keeps it).",
+        "",
+        "| form | tone | channel | ratio | mirror error |",
+        "|---|---|---|---|---|",
+    ]
+    for r in measured["stereo"]:
+        lines.append(
+            f"| {r['form']} | {r['tone_hz']:.0f} Hz | {r['channel']} | {r['energy_ratio']:.1f} | {r['mirror_error']:.0e} |"
+        )
+    t = measured["transfer"]
+    lines += [
+        "",
+        f"{t['presets']} presets bred on the octopus and written as files: what a full-scale band moves, over the calibrated "
+        f"amount, is {t['own'][0]:.2f} to {t['own'][1]:.2f} on the octopus and {t['other'][0]:.2f} to {t['other'][1]:.2f} on the "
+        "head (target: within a factor of 2).",
+        "",
+        f"Symmetry: harmonics 1 to {K - 1} of single eigenvalue whose class is the sign of ⟨H, H∘T⟩, T the mirror taken to the "
+        "nearest vertex by SciPy's k-d tree (target: 95 %).",
+        "",
+        "| shape | n | agree | of | share |",
+        "|---|---|---|---|---|",
+    ]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        mirror_blob(folder / "blob.obj")
+        shapes = [("generated", folder / "blob.obj")]
+        named = ["shapes/scorpion_low_resolution.obj", "animals/spot.obj", "heads/face.obj"]
+        shapes += [(n, data / n) for n in named if (data / n).exists()]
+        for name, path in shapes:
+            agree, of, n = symmetry(path, folder)
+            lines.append(f"| {name} | {n:,} | {agree} | {of} | {100 * agree / of:.1f} % |")
+        lines += [
+            "",
+            "A click track as a film (`bench/music/sync.py`): when the click sounds and when the picture moves most, both decoded from "
+            "the MP4 by ffmpeg. *Late* is the picture after the click (negative: before), the worst of all clicks.",
+            "",
+            "| frames a second | a frame | clicks | worst late | within one frame |",
+            "|---|---|---|---|---|",
+        ]
+        for fps in [24, 30, 60]:
+            late = sync(chladni, folder, fps)
+            worst = max(late, key=abs)
+            within = "yes" if abs(worst) <= 1.0 / fps + 1e-3 else "NO"
+            lines.append(f"| {fps} | {1e3 / fps:.1f} ms | {len(late)} | {1e3 * worst:.1f} ms | {within} |")
+    path = pathlib.Path("BENCHMARKS.md")
+    text = path.read_text()
+    section = "\n".join([BEGIN, *lines, END])
+    if BEGIN in text:
+        text = text[: text.index(BEGIN)] + section + text[text.index(END) + len(END) :]
+    else:
+        text = text.rstrip() + "\n\n" + section + "\n"
+    path.write_text(text)
+    print("\n".join(lines))
+
+
+main()
