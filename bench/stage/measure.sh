@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # usage: bench/stage/measure.sh [SECONDS]     (CHLADNI=PATH takes another program than the built one)
 # Opens the built program's music room on a virtual screen, with its sound going to a PulseAudio null
-# sink, and prints one JSON line: how the frames came, how the song's clock ran against the wall's,
-# and the longest silence in what the sink's monitor recorded.
+# sink, prints one JSON line and writes the section of BENCHMARKS.md: how the frames came, how the song's
+# clock ran against the wall's, and the longest silence in what the sink's monitor recorded.
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
@@ -43,4 +43,36 @@ report = json.load(open(f"{folder}/report.json"))
 report["heard_secs"] = (loud[-1] - loud[0]) / 48000 if loud else 0
 report["longest_silence_secs"] = max((b - a for a, b in zip(loud, loud[1:])), default=0) / 48000
 print(json.dumps(report))
+
+begin, end = "<!-- stage:begin -->", "<!-- stage:end -->"
+processor = next(l.split(":")[1].strip() for l in open("/proc/cpuinfo") if l.startswith("model name"))
+load = open("/proc/loadavg").read().split()[0]
+rows = [
+    ("listened and drawn", f"{report['secs']:.1f} s"),
+    ("frames of twelve octopuses of 17,084 vertices", f"{report['frames']} ({report['frames'] / report['secs']:.1f} a second)"),
+    ("pause between two frames, median", f"{report['median_frame_secs']:.3f} s"),
+    ("longest", f"{report['longest_frame_secs']:.3f} s"),
+    ("the song went on by", f"{report['song_secs']:.3f} s"),
+    ("its clock against the wall's, largest difference", f"{1e3 * report['largest_drift_secs']:.1f} ms"),
+    ("times the device had nothing to play", report["underruns"]),
+    ("longest silence that the sink's monitor heard", f"{1e3 * report['longest_silence_secs']:.2f} ms"),
+]
+section = "\n".join([
+    begin,
+    "## The window with sound",
+    "",
+    f"{processor}; 1320×820 on Xvfb, drawn by the processor unless a card is there, sound into a PulseAudio null sink. Load average "
+    f"at the end: {load}. Made by `bench/stage/measure.sh`.",
+    "",
+    "| what | measured |",
+    "|---|---|",
+    *(f"| {what} | {value} |" for what, value in rows),
+    end,
+])
+text = open("BENCHMARKS.md").read()
+if begin in text:
+    text = text[: text.index(begin)] + section + text[text.index(end) + len(end) :]
+else:
+    text = text.rstrip() + "\n\n" + section + "\n"
+open("BENCHMARKS.md", "w").write(text)
 PYTHON
