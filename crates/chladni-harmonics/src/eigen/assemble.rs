@@ -7,7 +7,7 @@ use super::fix_sign;
 use super::join::{Entry, Known};
 use super::problem::Problem;
 use super::slicing::{Found, not_certified};
-use super::tall::{BLOCK, Small, overlaps, residuals, subtract_products};
+use super::tall::{BLOCK, Small, overlaps, residuals, subtract_products, upper_overlaps, write_columns};
 use crate::ldlt::Row;
 use crate::{Basis, Certificate, HarmonicsError, Operator};
 
@@ -92,21 +92,14 @@ pub(super) fn assemble(
     Ok(Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate })
 }
 
+/// Writes one slice's pairs as columns of `out`.
 fn write(found: &Found, own: &[Entry], places: &[(u32, f64)], out: &mut [f64]) {
-    const ROWS: usize = 256;
-    let n = places.len();
-    for (block, columns) in used_blocks(found, own) {
-        for first in (0..n).step_by(ROWS) {
-            let places = &places[first..(first + ROWS).min(n)];
-            for (j, i) in columns.iter().enumerate().filter_map(|(j, i)| Some((j, (*i)?))) {
-                let h = &mut out[i * n + first..i * n + first + places.len()];
-                for (h, &(row, inverse_root)) in h.iter_mut().zip(places) {
-                    *h = block[row as usize][j] * inverse_root;
-                }
-            }
-        }
+    let mut columns: Vec<Option<&mut [f64]>> = out.chunks_exact_mut(places.len()).map(Some).collect();
+    for (block, used) in used_blocks(found, own) {
+        let mut outs = used.map(|column| columns[column?].take());
+        write_columns(block, places, &mut outs);
+        outs.into_iter().flatten().for_each(fix_sign);
     }
-    out.chunks_exact_mut(n).for_each(fix_sign);
 }
 
 /// The blocks of a slice that hold any of `own`, with the column of `own` in each place.
@@ -175,10 +168,10 @@ type Used<'a> = [(&'a [Row], [Option<usize>; BLOCK])];
 fn deviation(a: &Used, b: &Used, same: bool) -> f64 {
     let (left, right): (Vec<&[Row]>, Vec<&[Row]>) =
         (a.iter().map(|u| u.0).collect(), b.iter().map(|u| u.0).collect());
-    let products = overlaps(&left, &right);
+    let products = if same { upper_overlaps(&left) } else { overlaps(&left, &right) };
     let mut largest = 0.0_f64;
-    for (rows, products) in a.iter().zip(products.chunks_exact(b.len().max(1))) {
-        for (columns, product) in b.iter().zip(products) {
+    for (at, (rows, products)) in a.iter().zip(products.chunks_exact(b.len().max(1))).enumerate() {
+        for (columns, product) in b.iter().zip(products).skip(if same { at } else { 0 }) {
             for (x, row) in rows.1.iter().zip(product).filter_map(|(x, row)| Some(((*x)?, row))) {
                 for (y, value) in columns.1.iter().zip(row).filter_map(|(y, value)| Some(((*y)?, value))) {
                     let error = (value - f64::from(u8::from(same && x == y))).abs();

@@ -89,9 +89,21 @@ fn certify(operator: &Operator, eigenvalues: &[f64], vectors: &[f64], inertia: b
 /// the first.
 fn fix_sign(h: &mut [f64]) {
     let mut largest = 0.0_f64;
-    for &x in h.iter() {
-        if x.abs() > largest.abs() * (1.0 + 1e-6) {
-            largest = x;
+    for part in h.chunks(256) {
+        // Whether there is anything larger, eight at a time, before looking where.
+        let mut sizes = [0.0_f64; 8];
+        for eight in part.chunks(8) {
+            for (size, x) in sizes.iter_mut().zip(eight) {
+                *size = if x.abs() > *size { x.abs() } else { *size };
+            }
+        }
+        let bound = |largest: f64| largest.abs() * (1.0 + 1e-6);
+        if sizes.iter().any(|size| *size > bound(largest)) {
+            for &x in part {
+                if x.abs() > bound(largest) {
+                    largest = x;
+                }
+            }
         }
     }
     if largest < 0.0 {

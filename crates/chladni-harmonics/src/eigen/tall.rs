@@ -22,20 +22,29 @@ const PANEL: usize = 64;
 /// is read once for all of `xs`.
 pub(super) fn overlaps(basis: &[&[Row]], xs: &[&[Row]]) -> Vec<Small> {
     let mut sums = vec![[[0.0; 8]; BLOCK]; basis.len() * xs.len()];
-    dispatch(Overlaps { basis, xs, sums: &mut sums });
+    dispatch(Overlaps { basis, xs, upper: false, sums: &mut sums });
+    sums
+}
+
+/// VᵀX for each pair of `blocks` of which V does not come after X; others may be left out.
+pub(super) fn upper_overlaps(blocks: &[&[Row]]) -> Vec<Small> {
+    let mut sums = vec![[[0.0; 8]; BLOCK]; blocks.len() * blocks.len()];
+    dispatch(Overlaps { basis: blocks, xs: blocks, upper: true, sums: &mut sums });
     sums
 }
 
 /// VᵀX.
 pub(super) fn overlap(v: &[Row], x: &[Row]) -> Small {
     let mut sums = [[[0.0; 8]; BLOCK]];
-    dispatch(Overlaps { basis: &[v], xs: &[x], sums: &mut sums });
+    dispatch(Overlaps { basis: &[v], xs: &[x], upper: false, sums: &mut sums });
     sums[0]
 }
 
 struct Overlaps<'a> {
     basis: &'a [&'a [Row]],
     xs: &'a [&'a [Row]],
+    /// Pairs in which V comes after X may be left out.
+    upper: bool,
     sums: &'a mut [Small],
 }
 
@@ -52,7 +61,8 @@ impl Kernel for Overlaps<'_> {
                 let next = upcoming(self.basis, b, &panel);
                 let (pairs, last) = self.xs.as_chunks::<2>();
                 let (pair_sums, last_sums) = sums.as_chunks_mut::<2>();
-                for (x, sum) in pairs.iter().zip(pair_sums) {
+                let left_out = if self.upper { b / 2 } else { 0 };
+                for (x, sum) in pairs.iter().zip(pair_sums).skip(left_out) {
                     add_overlaps(lanes, v, next, x.map(|x| &x[panel.clone()]), sum);
                 }
                 for (x, sum) in last.iter().zip(last_sums) {
@@ -284,6 +294,44 @@ impl Kernel for Residuals<'_> {
     }
 }
 
+/// Writes each column of a block in another order of rows and with a factor per row: where
+/// `places` says (row, factor), the column gets factor times that row of the block.
+pub(super) fn write_columns(block: &[Row], places: &[(u32, f64)], columns: &mut [Option<&mut [f64]>; BLOCK]) {
+    dispatch(WriteColumns { block, places, columns });
+}
+
+struct WriteColumns<'a, 'b> {
+    block: &'a [Row],
+    places: &'a [(u32, f64)],
+    columns: &'a mut [Option<&'b mut [f64]>; BLOCK],
+}
+
+impl Kernel for WriteColumns<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { block, places, columns } = self;
+        let (eights, rest) = places.as_chunks::<8>();
+        for (at, places) in eights.iter().enumerate() {
+            let rows =
+                places.map(|(row, factor)| lanes.mul(lanes.splat(factor), lanes.load(&block[row as usize])));
+            for (values, column) in lanes.transpose(rows).into_iter().zip(columns.iter_mut()) {
+                if let Some(eight) = column.as_mut().and_then(|c| c[8 * at..].first_chunk_mut()) {
+                    lanes.store(values, eight);
+                }
+            }
+        }
+        for (at, &(row, factor)) in rest.iter().enumerate() {
+            for (value, column) in block[row as usize].iter().zip(columns.iter_mut()) {
+                if let Some(column) = column {
+                    column[8 * eights.len() + at] = factor * value;
+                }
+            }
+        }
+    }
+}
+
 /// Why a block was not made orthonormal.
 pub(super) enum Dependence {
     /// The columns are dependent; X is as it was.
@@ -357,7 +405,8 @@ mod tests {
             let c: Vec<Small> = (0..wide * deep).map(|s| *block(8, 90 + s).first_chunk().unwrap()).collect();
             for processor in PROCESSORS {
                 let mut sums = vec![[[0.0; 8]; BLOCK]; wide * deep];
-                if run_for(processor, Overlaps { basis: &v, xs: &x, sums: &mut sums }).is_none() {
+                if run_for(processor, Overlaps { basis: &v, xs: &x, upper: false, sums: &mut sums }).is_none()
+                {
                     continue;
                 }
                 let mut left = xs.clone();
