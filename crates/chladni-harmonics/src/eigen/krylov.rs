@@ -5,7 +5,7 @@ use std::ops::Range;
 use faer::{Mat, Par};
 
 use super::dense::symmetric_eigen;
-use super::lanczos::{Pairs, Reach, Window};
+use super::lanczos::{Pairs, Reach, SMALL, Window};
 use super::problem::{Problem, Profile};
 use super::tall::{BLOCK, Block, Small, overlaps, subtract_products};
 use crate::ldlt::Row;
@@ -14,13 +14,11 @@ use crate::ldlt::Row;
 /// and how many blocks of them.
 const SELECTIONS: [usize; 4] = [10, 18, 28, 40];
 const SELECTED: usize = 2;
-/// Up to this many vertices the eigenproblems of selecting cost more than it saves.
-const SELECTING: usize = 5000;
 /// Steps between readings of the whole space, at most.
 const LONGEST_PERIOD: usize = 6;
 /// Overlaps between blocks at which to read it less often, more often, and not go on.
-const SMALL: f64 = 3e-11;
-const LARGE: f64 = 1e-9;
+const SLIGHT: f64 = 3e-11;
+const GRAVE: f64 = 1e-9;
 const LOST: f64 = 1e-5;
 
 /// An orthonormal basis V of blocks and the block tridiagonal T = Vᵀ OP V.
@@ -102,15 +100,15 @@ impl Krylov {
                 self.period = match loss {
                     // Ritz vectors that converge now make the loss grow faster than it did.
                     _ if self.selected.is_empty() => 2,
-                    ..SMALL => (self.period + 2).min(LONGEST_PERIOD),
-                    ..LARGE => self.period,
+                    ..SLIGHT => (self.period + 2).min(LONGEST_PERIOD),
+                    ..GRAVE => self.period,
                     ..LOST => (self.period - 2).max(2),
                     _ => return None,
                 };
             }
         }
         // From now on they are orthogonal to what comes, but not to the newest block itself.
-        if SELECTIONS.contains(&blocks) && !self.careful && problem.matrix.size() > SELECTING {
+        if SELECTIONS.contains(&blocks) && !self.careful && problem.matrix.size() > SMALL {
             self.select(problem)?;
             profile.orthogonalize_flops += products(blocks * SELECTED);
         }
@@ -237,9 +235,11 @@ fn combine(
 
 impl Ritz {
     /// The pairs to keep, once all that the window asks for has converged: those from the shift
-    /// outwards, on each side up to the first that has not.
-    pub fn converged(&self, window: &Window, problem: &Problem, shift: f64) -> Option<Range<usize>> {
-        let good = |i: usize| self.residuals[i] <= problem.tolerance(self.values[i], shift, window);
+    /// outwards, on each side up to the first that has not. Before that, by how much the worst
+    /// of what is asked for exceeds its tolerance.
+    pub fn converged(&self, window: &Window, problem: &Problem, shift: f64) -> Result<Range<usize>, f64> {
+        let excess = |i: usize| self.residuals[i] / problem.tolerance(self.values[i], shift, window);
+        let good = |i: usize| excess(i) <= 1.0;
         let split = self.values.partition_point(|l| *l < shift);
         let above = (split..self.values.len()).take_while(|&i| good(i)).count();
         let below = (0..split).rev().take_while(|&i| self.values[i] > 0.0 && good(i)).count();
@@ -251,10 +251,13 @@ impl Ritz {
             Reach::Count(count) => count,
             Reach::Beyond(end) => split - self.values[..split].partition_point(|l| *l < end) + 1,
         };
+        if above < needed_above || below < needed_below {
+            let needed = split.saturating_sub(needed_below)..(split + needed_above).min(self.values.len());
+            return Err(needed.map(excess).fold(1.0, f64::max));
+        }
         // A few beyond the window give a choice of gaps to cut at; more would only cost time.
         let keep = |found: usize, needed: usize| found.min(needed + 3);
-        (above >= needed_above && below >= needed_below)
-            .then(|| split - keep(below, needed_below)..split + keep(above, needed_above))
+        Ok(split - keep(below, needed_below)..split + keep(above, needed_above))
     }
 }
 
