@@ -14,6 +14,22 @@ pub struct Certificate {
     pub max_orthogonality_error: f64,
 }
 
+impl Certificate {
+    /// The largest relative residual of a sound mesh.
+    pub const RESIDUAL: f64 = 1e-9;
+    /// The largest orthogonality error of a sound mesh.
+    pub const ORTHOGONALITY: f64 = 1e-8;
+
+    /// Whether the pairs are as exact as those of a sound mesh. On meshes whose triangles differ
+    /// in size by many orders of magnitude, rounding alone can forbid it.
+    #[must_use]
+    pub fn is_precise(&self) -> bool {
+        self.inertia_counts_match
+            && self.max_relative_residual <= Self::RESIDUAL
+            && self.max_orthogonality_error <= Self::ORTHOGONALITY
+    }
+}
+
 /// The first K generalised eigenpairs S h = λ M h of a shape (core.md: H_k, λ_k, a).
 ///
 /// Vertices are the N operator vertices: welded and referenced. Units are those of the

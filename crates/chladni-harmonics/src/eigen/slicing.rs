@@ -11,7 +11,7 @@ use super::problem::{Problem, Profile};
 use super::tall::{BLOCK, residuals};
 use super::{Solved, assemble};
 use crate::ldlt::{Factor, Workspace};
-use crate::{HarmonicsError, Operator};
+use crate::{Certificate, HarmonicsError, Operator};
 
 /// Two eigenvalues that agree to this share count as one that is multiple.
 pub(super) const CLUSTER: f64 = 1e-7;
@@ -21,7 +21,7 @@ const REPAIRS: usize = 100;
 /// Shifts that are tried for one slice.
 const ATTEMPTS: u32 = 4;
 /// ‖S h − λ M h‖ / ‖S h‖ that a run must reach, or its shift is moved.
-const GOOD_RESIDUAL: f64 = 5e-10;
+const GOOD_RESIDUAL: f64 = 0.5 * Certificate::RESIDUAL;
 
 /// One slice's shift, its count, and the pairs found so far (one entry per run).
 pub(super) struct Found {

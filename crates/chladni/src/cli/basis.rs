@@ -80,6 +80,13 @@ impl Args {
         if report.fell_back_to_dense {
             terminal.warn("the eigenvalues could not be counted in slices; solved as a dense matrix instead");
         }
+        let certificate = body.basis.certificate;
+        if !certificate.is_precise() {
+            terminal.warn(format_args!(
+                "the triangles differ so much in size that the harmonics are exact to {:.0e} only, orthogonal to {:.0e}",
+                certificate.max_relative_residual, certificate.max_orthogonality_error
+            ));
+        }
         if report.cuts_cluster {
             terminal.warn(format_args!(
                 "harmonic {} belongs to a group of equal eigenvalues that goes on; --whole-clusters takes all of it",
