@@ -5,11 +5,12 @@ use chladni_music::{
     Switch, Veil, react,
 };
 use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
-use chladni_view::{Camera, Cell, Figure, ItemBuffers, Rect, Topology, layout};
+use chladni_view::{Camera, Cell, Figure, Gpu, ItemBuffers, Rect, Topology, layout};
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Ui};
 
 use super::close_up::{self, Draft};
+use super::coarse;
 use super::gallery;
 use super::glimpse::Glimpse;
 use super::harmonics::Harmonics;
@@ -26,6 +27,9 @@ use crate::studio::viewport::{self, Viewport};
 const FIRST_SEED: u64 = 2012;
 /// How much of its cell the shape may fill where it is moved as far as the limit allows.
 const FILL: f32 = 0.96;
+
+/// Vertices of a gallery's item where the processor draws.
+const COARSE_VERTICES: usize = 3000;
 
 /// What the middle of the room shows while nothing is on stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +61,8 @@ pub struct Concert {
     synthesizer: CpuSynthesizer,
     viewport: Viewport,
     topology: Topology,
+    /// For cells of the gallery where the processor draws, and how many vertices it names.
+    coarse: Option<(Topology, usize)>,
     buffers: ItemBuffers,
     rest: Vec<[f32; 3]>,
     /// What has to fit into a cell, for a limit of displacement.
@@ -90,6 +96,10 @@ impl Concert {
             Topology::new(gpu, model.vertices(), &ready.body.triangles).map_err(|error| error.to_string())?;
         let buffers = ItemBuffers::new(gpu, model.vertices(), 12);
         let rest = model.rest_positions().to_vec();
+        let many = model.vertices() > 2 * COARSE_VERTICES;
+        let coarse = (many && gpu.is_software())
+            .then(|| coarse_topology(gpu, &rest, &ready.body.triangles))
+            .transpose()?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
         Ok(Self {
@@ -97,6 +107,7 @@ impl Concert {
             ensemble,
             synthesizer: CpuSynthesizer::new(model),
             topology,
+            coarse,
             buffers,
             rest,
             room: (0.0, Vec::new()),
@@ -135,6 +146,12 @@ impl Concert {
     /// What keeps the frames coming.
     pub fn pace(&self) -> &Pace {
         &self.pace
+    }
+
+    /// Vertices of the shape, and how many of them the gallery draws.
+    pub fn drawn_vertices(&self) -> (usize, usize) {
+        let all = self.rest.len();
+        (all, self.coarse.as_ref().map_or(all, |(_, drawn)| *drawn))
     }
 
     /// Does what the user asked, at the moment that is heard. A stage that would open and close
@@ -339,11 +356,10 @@ impl Concert {
         let mut lights = look.lights.turned(reaction.light_turn_rad);
         lights.exposure *= reaction.light_gain;
         let limited = parameters.is_on(Switch::FlashLimit);
+        let coarse = self.coarse.as_ref().filter(|_| cells.len() > 1).map(|(topology, _)| topology);
+        let topology = coarse.unwrap_or(&self.topology);
         let figures: Vec<Figure<'_>> = (0..cells.len())
-            .map(|item| Figure {
-                material: look.material,
-                ..Figure::new(&self.topology, &self.buffers, item)
-            })
+            .map(|item| Figure { material: look.material, ..Figure::new(topology, &self.buffers, item) })
             .collect();
         self.viewport
             .draw(ui, shared.gpu, rect, |_| {
@@ -382,4 +398,15 @@ impl Concert {
         let picture = self.glimpse.of(self.viewport.gpu(), canvas, behind)?;
         Ok(self.guard.veil(self.seconds, picture))
     }
+}
+
+fn coarse_topology(
+    gpu: &Gpu,
+    rest: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+) -> Result<(Topology, usize), String> {
+    let triangles = coarse::triangles(rest, triangles, COARSE_VERTICES);
+    let named: std::collections::HashSet<u32> = triangles.iter().flatten().copied().collect();
+    let topology = Topology::new(gpu, rest.len(), &triangles).map_err(|error| error.to_string())?;
+    Ok((topology, named.len()))
 }

@@ -136,4 +136,11 @@ fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
         1e3 * pace.mean_secs()
     );
     ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+    let (all, drawn) = concert.drawn_vertices();
+    if drawn < all {
+        let text = format!(
+            "The processor draws here: the gallery shows {drawn} of {all} vertices, the stage and a single dance all."
+        );
+        ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+    }
 }

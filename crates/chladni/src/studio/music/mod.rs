@@ -1,6 +1,7 @@
 //! The music room: a gallery of living shapes, breeding, and the stage.
 
 mod close_up;
+mod coarse;
 mod concert;
 mod curve;
 mod drawer;
