@@ -95,6 +95,11 @@ impl Canvas {
         })
     }
 
+    /// Another canvas like this one.
+    pub(crate) fn twin(&self, gpu: &Gpu) -> Result<Self, ViewError> {
+        Self::with_format(gpu, self.width, self.height, self.format, self.samples)
+    }
+
     /// Width in pixels.
     pub fn width(&self) -> u32 {
         self.width

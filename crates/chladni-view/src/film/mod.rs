@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use crate::{Picture, ViewError};
 
 pub use mp4::ffmpeg_is_there;
-pub use shoot::shoot;
+pub use shoot::{Waits, shoot, shoot_retouched};
 
 /// Frames per second as a fraction, so that 29.97 (30000/1001) stays exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

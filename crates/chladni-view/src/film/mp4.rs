@@ -83,13 +83,17 @@ impl Mp4 {
 impl Encode for Mp4 {
     fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
         // MP4 has no alpha: what is transparent becomes black.
-        self.opaque.clear();
-        self.opaque.extend(picture.rgba.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, a]| {
-            let dim = |c: u8| if a == 255 { c } else { ((u16::from(c) * u16::from(a) + 127) / 255) as u8 };
-            [dim(r), dim(g), dim(b), 255]
-        }));
+        let mut rgba = &picture.rgba;
+        if rgba.as_chunks::<4>().0.iter().any(|pixel| pixel[3] != 255) {
+            self.opaque.clear();
+            self.opaque.extend(rgba.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, a]| {
+                let dim = |c: u8| ((u16::from(c) * u16::from(a) + 127) / 255) as u8;
+                [dim(r), dim(g), dim(b), 255]
+            }));
+            rgba = &self.opaque;
+        }
         let written = match &mut self.input {
-            Some(input) => input.write_all(&self.opaque),
+            Some(input) => input.write_all(rgba),
             None => return Err(self.complaint("it takes no more frames")),
         };
         written.map_err(|error| {

@@ -15,9 +15,10 @@ use chladni_music::{
     Action, Dancer, Ensemble, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter,
     Preset, Session, Symmetry,
 };
+use chladni_synth::Backend;
 use chladni_sound::{Song, WavSample, track_beats, write_wav};
 use chladni_view::{
-    Background, Film, FilmFormat, FilmSettings, FrameRate, Lights, Material, ffmpeg_is_there,
+    Background, Film, FilmFormat, FilmSettings, FrameRate, Lights, Material, Samples, ffmpeg_is_there,
 };
 use serde::Serialize;
 
@@ -25,7 +26,7 @@ use super::inputs::open_song;
 use super::{Failure, Terminal};
 use cast::Cast;
 use hearing::Hearing;
-use show::{Look, Show};
+use show::{Look, Means, Show};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -92,6 +93,13 @@ pub struct Dance {
     /// Turn of the shape in degrees, to begin with.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     yaw: f32,
+    /// Samples a pixel: 4, or 1 with edges smoothed afterwards. Unless given, 4 on a graphics card and
+    /// 1 where the processor draws.
+    #[arg(long, value_name = "1|4")]
+    samples: Option<Samples>,
+    /// Where shapes are deformed: cpu, gpu, or auto, which is the graphics card where there is one.
+    #[arg(long, value_name = "WHERE", default_value = "auto", value_parser = parse_backend)]
+    synthesis: Backend,
     /// Do not limit flashes to three a second.
     #[arg(long)]
     allow_flashes: bool,
@@ -137,8 +145,13 @@ struct Report {
     times_real_time: f64,
     tempo_bpm: f64,
     beat_confidence: f64,
-    /// The farthest any vertex went, as a share of the bounding box's diagonal.
-    largest_displacement: f32,
+    /// The farthest any vertex went, as a share of the bounding box's diagonal; unknown (null) where
+    /// the shapes are deformed on a graphics card.
+    largest_displacement: Option<f32>,
+    /// The adapter that drew, samples a pixel, and who deformed the shapes; null where nothing is drawn.
+    device: Option<String>,
+    samples: Option<u32>,
+    synthesis: Option<String>,
     flashes_in_worst_second: usize,
     frames_damped: usize,
     seconds: Seconds,
@@ -197,7 +210,10 @@ impl Dance {
                     audio: sound.as_ref().map(|file| file.path().to_owned()),
                 };
                 let film = Film::create(path, settings).map_err(view_failure)?;
-                terminal.watch("filming", |task| show.film(film, &look, recording, &mut seconds, task))?
+                let means = Means { samples: self.samples, synthesis: self.synthesis };
+                terminal.watch("filming", |task| {
+                    show.film(film, &look, means, recording, &mut seconds, task)
+                })?
             }
             None => terminal.watch("dancing", |task| show.rehearse(frames, &mut seconds, task))?,
         };
@@ -209,6 +225,13 @@ impl Dance {
         if let Some(path) = &self.coefficients {
             done.recording.write(path).map_err(|error| Failure::writing(path, error))?;
         }
+        done.warnings.iter().for_each(|warning| terminal.warn(warning));
+        if let Some(drawn) = done.drawn.as_ref().filter(|drawn| drawn.software && self.samples.is_none()) {
+            terminal.note(format_args!(
+                "no graphics card: drawn by {} with {} (--samples 4 is slower and finer)",
+                drawn.device, drawn.samples
+            ));
+        }
         seconds.total = begin.elapsed().as_secs_f64();
         let report = Report {
             vertices: body.positions.len(),
@@ -219,6 +242,9 @@ impl Dance {
             tempo_bpm,
             beat_confidence,
             largest_displacement: done.largest_displacement,
+            device: done.drawn.as_ref().map(|drawn| drawn.device.clone()),
+            samples: done.drawn.as_ref().map(|drawn| drawn.samples.count()),
+            synthesis: done.drawn.map(|drawn| drawn.synthesis),
             flashes_in_worst_second: done.most_flashes,
             frames_damped: done.damped_frames,
             seconds,
@@ -376,6 +402,15 @@ impl FromStr for Fps {
     }
 }
 
+fn parse_backend(text: &str) -> Result<Backend, String> {
+    match text {
+        "auto" => Ok(Backend::Auto),
+        "cpu" => Ok(Backend::Cpu),
+        "gpu" => Ok(Backend::Gpu),
+        _ => Err("expected auto, cpu or gpu".into()),
+    }
+}
+
 fn parse_form(text: &str) -> Result<Form, String> {
     match text {
         "filter" => Ok(Form::Filter),
@@ -402,6 +437,12 @@ fn in_file(path: &Path, error: chladni_music::Error) -> Failure {
     match error {
         chladni_music::Error::File { .. } => Failure::input(error),
         error => Failure::BadInput(format!("{}: {error}", path.display())),
+    }
+}
+
+impl From<chladni_view::ViewError> for Failure {
+    fn from(error: chladni_view::ViewError) -> Self {
+        view_failure(error)
     }
 }
 

@@ -5,11 +5,12 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_music::{Beat, Ensemble, Instrument, LoggedAction, Moment, Parameter, Switch, react};
 use chladni_sound::Song;
-use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
+use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, GpuContext, Item, SynthModel, Synthesizer};
 use chladni_task::Task;
+use chladni_view::film::shoot_retouched;
 use chladni_view::{
     Background, Camera, Canvas, Cell, Figure, Film, FrameRate, Gpu, ItemBuffers, Lights, Material, Rect,
-    Renderer, Topology, ViewError, layout,
+    Renderer, Samples, Topology, ViewError, layout,
 };
 
 use super::guard::FrameGuard;
@@ -26,13 +27,36 @@ pub struct Look {
     pub yaw_rad: f32,
 }
 
+/// Who computes and draws; where nothing is said, what suits the device.
+#[derive(Clone, Copy, Default)]
+pub struct Means {
+    pub samples: Option<Samples>,
+    pub synthesis: Backend,
+}
+
 /// What came of it.
 #[derive(Default)]
 pub struct Done {
     pub recording: Recording,
-    pub largest_displacement: f32,
+    /// Unknown where the positions never leave the device.
+    pub largest_displacement: Option<f32>,
+    /// Who drew, and how; none where nothing was drawn.
+    pub drawn: Option<Drawn>,
+    /// What went otherwise than asked.
+    pub warnings: Vec<String>,
     pub most_flashes: usize,
     pub damped_frames: usize,
+}
+
+/// Who drew.
+pub struct Drawn {
+    /// The adapter.
+    pub device: String,
+    pub samples: Samples,
+    /// The processor's instructions, or the device.
+    pub synthesis: String,
+    /// The device is a processor.
+    pub software: bool,
 }
 
 /// All that changes from frame to frame.
@@ -41,7 +65,7 @@ pub struct Show {
     instrument: Instrument,
     script: std::iter::Peekable<std::vec::IntoIter<LoggedAction>>,
     ensemble: Ensemble,
-    synthesizer: CpuSynthesizer,
+    model: SynthModel,
     triangles: Vec<[u32; 3]>,
     start_secs: f64,
     rate: FrameRate,
@@ -63,7 +87,7 @@ impl Show {
             instrument,
             script: script.into_iter().peekable(),
             ensemble,
-            synthesizer: CpuSynthesizer::new(SynthModel::new(body).map_err(Failure::other)?),
+            model: SynthModel::new(body).map_err(Failure::other)?,
             triangles: body.triangles.clone(),
             start_secs,
             rate,
@@ -117,119 +141,122 @@ impl Show {
     /// Draws all frames of `film` and finishes it.
     pub fn film(
         &mut self,
-        mut film: Film,
+        film: Film,
         look: &Look,
+        means: Means,
         recording: bool,
         seconds: &mut Seconds,
         task: &Task,
     ) -> Result<Done, Failure> {
-        let (width, height, frames) = (film.settings().width, film.settings().height, film.settings().frames);
-        let model = self.synthesizer.model();
-        let limit = self.instrument.parameters().get(Parameter::Limit);
-        let room = self.ensemble.dancer().room(model.rest_positions(), limit);
-        let mut theatre = Theatre::new(model, &self.triangles, room, width, height)?;
+        let (width, height) = (film.settings().width, film.settings().height);
+        let gpu = Gpu::headless().map_err(view_failure)?;
+        let samples = means.samples.unwrap_or_else(|| gpu.live_samples());
+        let canvas = Canvas::with_samples(&gpu, width, height, samples).map_err(view_failure)?;
+        let mut theatre = Theatre::new(&gpu, self, means.synthesis)?;
+        let (rate, mut done) = (self.rate, Done::default());
         let mut guard =
             FrameGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
-        let stage = task.stage("filming", frames);
-        let mut done = Done::default();
-        for frame in 0..frames {
-            task.check()?;
+        let mut guarding = 0.0;
+        let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Failure> {
             let (time_secs, beat, items) = self.play(frame, seconds)?;
-            let items = items.to_vec();
             if recording {
                 done.recording.push(time_secs, items.first().unwrap_or(&Item::default()));
             }
-            self.synthesize(&items, seconds)?;
-            done.largest_displacement = done.largest_displacement.max(self.largest_displacement());
+            let items = items.to_vec();
+            // Full blending is the paper's: the mean of the exact and the rest normal.
+            let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
+            theatre.synthesize(&items, &FrameSettings { normal_blending }, seconds)?;
+            if let Some(fallback) = theatre.synthesizer.take_fallback() {
+                done.warnings.push(fallback.to_string());
+            }
+            if let Some(displacement) = theatre.largest_displacement() {
+                let share = displacement / self.ensemble.dancer().box_diagonal;
+                done.largest_displacement =
+                    Some(done.largest_displacement.map_or(share, |most| most.max(share)));
+            }
             let drawing = Instant::now();
-            theatre.draw(self, look, beat, items.len()).map_err(view_failure)?;
-            let mut picture = theatre.canvas.read(&theatre.gpu).map_err(view_failure)?;
+            theatre.draw(renderer, canvas, self, look, beat).map_err(view_failure)?;
             seconds.drawing += drawing.elapsed().as_secs_f64();
-            let guarding = Instant::now();
-            guard.pass(time_secs, &mut picture);
-            seconds.guarding += guarding.elapsed().as_secs_f64();
-            let encoding = Instant::now();
-            film.push(picture).map_err(view_failure)?;
-            seconds.encoding += encoding.elapsed().as_secs_f64();
-            stage.advance(1);
-        }
-        let encoding = Instant::now();
-        film.finish().map_err(view_failure)?;
-        seconds.encoding += encoding.elapsed().as_secs_f64();
+            Ok(())
+        };
+        let retouch = |frame, picture: &mut _| {
+            let start = Instant::now();
+            guard.pass(rate.start_secs(frame), picture);
+            guarding += start.elapsed().as_secs_f64();
+        };
+        let waits = shoot_retouched(&mut Renderer::new(&gpu), &canvas, film, task, draw, retouch)?;
+        seconds.drawing += waits.device_secs;
+        seconds.encoding += waits.encoder_secs;
+        seconds.guarding += guarding;
         done.most_flashes = guard.most_flashes();
         done.damped_frames = guard.damped_frames();
+        done.drawn = Some(Drawn {
+            device: gpu.description(),
+            samples,
+            synthesis: theatre.synthesizer.device_name(),
+            software: gpu.is_software(),
+        });
         Ok(done)
-    }
-
-    fn synthesize(&mut self, items: &[Item], seconds: &mut Seconds) -> Result<(), Failure> {
-        let synthesis = Instant::now();
-        self.synthesizer.synthesize_positions(items).map_err(Failure::other)?;
-        seconds.synthesis += synthesis.elapsed().as_secs_f64();
-        let normals = Instant::now();
-        // Full blending is the paper's: the mean of the exact and the rest normal.
-        let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
-        self.synthesizer.synthesize_normals(&FrameSettings { normal_blending }).map_err(Failure::other)?;
-        seconds.normals += normals.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    /// The farthest any vertex of the first item went, as a share of the diagonal.
-    fn largest_displacement(&self) -> f32 {
-        let rest = self.synthesizer.model().rest_positions();
-        let squared = |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f32>();
-        let moved = self.synthesizer.positions(0);
-        let farthest = moved.iter().zip(rest).map(|(a, b)| squared(a, b)).fold(0.0, f32::max).sqrt();
-        farthest / self.ensemble.dancer().box_diagonal
     }
 }
 
-/// Canvas and buffers that are kept from frame to frame.
+/// What is kept from frame to frame beside the canvas.
 struct Theatre {
-    gpu: Gpu,
-    renderer: Renderer,
-    canvas: Canvas,
+    synthesizer: AutoSynthesizer,
     topology: Topology,
-    buffers: ItemBuffers,
     /// What has to fit into the picture.
     room: Vec<[f32; 3]>,
 }
 
 impl Theatre {
-    fn new(
-        model: &SynthModel,
-        triangles: &[[u32; 3]],
-        room: Vec<[f32; 3]>,
-        width: u32,
-        height: u32,
-    ) -> Result<Self, Failure> {
-        let gpu = Gpu::headless().map_err(view_failure)?;
-        let canvas = Canvas::new(&gpu, width, height).map_err(view_failure)?;
-        let topology = Topology::new(&gpu, model.vertices(), triangles).map_err(view_failure)?;
+    fn new(gpu: &Gpu, show: &Show, synthesis: Backend) -> Result<Self, Failure> {
+        let model = &show.model;
+        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).map_err(Failure::other)?;
+        let topology = Topology::new(gpu, model.vertices(), &show.triangles).map_err(view_failure)?;
+        let limit = show.instrument.parameters().get(Parameter::Limit);
         Ok(Self {
-            renderer: Renderer::new(&gpu),
-            canvas,
             topology,
-            buffers: ItemBuffers::new(&gpu, model.vertices(), 0),
-            room,
-            gpu,
+            room: show.ensemble.dancer().room(model.rest_positions(), limit),
+            synthesizer: AutoSynthesizer::new(&context, model.clone(), synthesis),
         })
     }
 
-    fn draw(&mut self, show: &Show, look: &Look, beat: Beat, items: usize) -> Result<(), ViewError> {
+    fn synthesize(
+        &mut self,
+        items: &[Item],
+        settings: &FrameSettings,
+        seconds: &mut Seconds,
+    ) -> Result<(), Failure> {
+        let synthesis = Instant::now();
+        self.synthesizer.synthesize_positions(items).map_err(Failure::other)?;
+        seconds.synthesis += synthesis.elapsed().as_secs_f64();
+        let normals = Instant::now();
+        self.synthesizer.synthesize_normals(settings).map_err(Failure::other)?;
+        seconds.normals += normals.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// The farthest any vertex of the first item went; `None` where the positions are on the device.
+    fn largest_displacement(&self) -> Option<f32> {
+        let cpu = self.synthesizer.cpu()?;
+        let squared = |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f32>();
+        let pairs = cpu.positions(0).iter().zip(cpu.model().rest_positions());
+        Some(pairs.map(|(a, b)| squared(a, b)).fold(0.0, f32::max).sqrt())
+    }
+
+    fn draw(
+        &self,
+        renderer: &mut Renderer,
+        canvas: &Canvas,
+        show: &Show,
+        look: &Look,
+        beat: Beat,
+    ) -> Result<(), ViewError> {
         let parameters = show.instrument.parameters();
         let reaction = react(beat, show.instrument.seed(), parameters);
-        if self.buffers.items() != items {
-            self.buffers = ItemBuffers::new(&self.gpu, self.room.len(), items);
-        }
-        for item in 0..items {
-            self.buffers.write(
-                &self.gpu,
-                item,
-                show.synthesizer.positions(item),
-                show.synthesizer.normals(item),
-            )?;
-        }
-        let area = Rect::of_size(self.canvas.width(), self.canvas.height());
+        let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
+        let items = buffers.items();
+        let area = Rect::of_size(canvas.width(), canvas.height());
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, items, 1.0);
         let viewports = layout::grid(area, rows, columns, 0, items);
         let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
@@ -239,14 +266,11 @@ impl Theatre {
         let mut lights = look.lights.turned(reaction.light_turn_rad);
         lights.exposure *= reaction.light_gain;
         let figures: Vec<Figure<'_>> = (0..items)
-            .map(|item| Figure {
-                material: look.material,
-                ..Figure::new(&self.topology, &self.buffers, item)
-            })
+            .map(|item| Figure { material: look.material, ..Figure::new(&self.topology, &buffers, item) })
             .collect();
         let placed = viewports.into_iter().zip(&figures);
         let cells = Cell::gallery(area, look.background, camera, lights, placed);
-        self.renderer.draw(&self.canvas, &cells)?;
+        renderer.draw(canvas, &cells)?;
         Ok(())
     }
 }
