@@ -203,3 +203,32 @@ fn the_layers_of_a_caricature_dance_along() {
     let largest = differences.fold(0.0, f32::max);
     assert!(largest > 0.03, "the layer changes the picture by {largest}");
 }
+
+/// A film drawn from the device's own buffers shows what one drawn from the processor's shows.
+#[test]
+fn films_deformed_on_cpu_and_gpu_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = |synthesis: &str| {
+        let frames = folder.path().join(synthesis);
+        let arguments = ["dance", "sample:octopus", "sample:tune", "-k", "32", "--size", "192x108"];
+        let rest = ["--start", "6", "--duration", "0.2", "--gallery", "6", "--synthesis", synthesis];
+        let code = run(&[&arguments[..], &rest[..], &["--frames", frames.to_str().unwrap()]].concat());
+        assert_eq!(code, 0);
+        (0..6).map(move |i| {
+            let png = std::fs::read(frames.join(format!("frame-{i:05}.png"))).unwrap();
+            chladni_view::Picture::decode(&png).unwrap()
+        })
+    };
+    if matches!(chladni_view::Gpu::headless(), Err(chladni_view::ViewError::NoAdapter(_))) {
+        return;
+    }
+    let mut first: Option<chladni_view::Picture> = None;
+    for (cpu, gpu) in film("cpu").zip(film("gpu")) {
+        let differ = cpu.rgba.iter().zip(&gpu.rgba).filter(|(a, b)| a.abs_diff(**b) > 8).count();
+        assert!(differ < cpu.rgba.len() / 500, "{differ} channels differ");
+        // They dance: the frames are not all the same.
+        let moved = first.as_ref().is_none_or(|first| first.rgba != cpu.rgba);
+        assert!(moved);
+        first.get_or_insert(cpu);
+    }
+}
