@@ -125,6 +125,37 @@ fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     assert!(largest(&sum, &result) < 1e-5, "{}", largest(&sum, &result));
 }
 
+/// A template is named from where the person stands, and kept relative to the project: whoever
+/// reads the project, from wherever, and after its folder has moved, finds the same file.
+#[test]
+fn a_project_finds_its_files_from_anywhere_and_after_a_move() {
+    let desk = Desk::new();
+    std::fs::create_dir_all(desk.path("work/heads")).unwrap();
+    save_mesh(&lump(1.0), &desk.path("work/shape.obj")).unwrap();
+    let mut template = lump(1.0);
+    template.positions.iter_mut().for_each(|p| p[1] *= 1.3);
+    save_mesh(&template, &desk.path("work/heads/template.obj")).unwrap();
+    // Another file of the same name where a path taken from the wrong folder would lead.
+    std::fs::create_dir(desk.path("heads")).unwrap();
+    save_mesh(&samples::icosphere(1), &desk.path("heads/template.obj")).unwrap();
+
+    desk.ok("project new work/shape.obj -o work/p.chladni --harmonics 32");
+    desk.ok("project add-layer work/p.chladni --template work/heads/template.obj --match same --mu -0.5");
+    let text = std::fs::read_to_string(desk.path("work/p.chladni")).unwrap();
+    assert!(text.contains("\"shape.obj\"") && text.contains("\"heads/template.obj\""), "{text}");
+    desk.refused("project add-layer work/p.chladni --template template.obj");
+    desk.ok("caricature --recipe work/p.chladni -o here.ply");
+    let dance = "sample:tune -o film.gif --duration 0.1 --size 32x32 --harmonics 32";
+    desk.ok(&format!("dance work/p.chladni {dance}"));
+
+    std::fs::rename(desk.path("work"), desk.path("moved")).unwrap();
+    desk.ok("caricature --recipe moved/p.chladni -o there.ply");
+    assert_eq!(desk.mesh("here.ply").positions, desk.mesh("there.ply").positions);
+    assert!(largest(&desk.mesh("here.ply").positions, &desk.mesh("shape.obj").positions) > 0.1);
+    std::fs::remove_file(desk.path("film.gif")).unwrap();
+    desk.ok(&format!("dance moved/p.chladni {dance}"));
+}
+
 /// The names of a GLB's morph targets and the sum of their displacements.
 fn morph_sum(path: &Path, vertices: usize) -> (Vec<String>, Vec<[f64; 3]>) {
     let bytes = std::fs::read(path).unwrap();

@@ -5,13 +5,14 @@
 mod driving;
 mod person;
 
-use chladni::studio::Opening;
+use chladni::studio::{FileWindow, Opening, Purpose, Request, Settings};
 use chladni_caricature::{Model, Painted, Project, ScaleCurve, Stack};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{load_mesh, save_mesh};
 use chladni_task::Task;
 use egui::{Key, Modifiers, pos2, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
 use person::{Desk, HARMONICS, Person};
 
 const CTRL: Modifiers = Modifiers::COMMAND;
@@ -375,4 +376,160 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     person.click_at(pos2(1217.0, 21.0));
     person.0.set_size(vec2(900.0, 600.0));
     person.screenshot("studio-light.png");
+}
+
+/// Layers are added, chosen, bent and hidden without the mouse, and what passes through itself is
+/// counted and shown.
+#[test]
+fn the_keyboard_reaches_what_is_common_and_crossings_are_counted() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Compare with a mesh");
+    desk.answers.add(desk.path("template.obj"));
+    person.press_with(CTRL, Key::T);
+    person.wait_to_see("Covered");
+    person.wait_to_see("Nothing passes through itself");
+    person.press(Key::Comma);
+    person.press(Key::Comma);
+    person.press(Key::Period);
+    person.press(Key::M);
+    desk.answers.add(desk.path("keys.chladni"));
+    person.press_with(CTRL, Key::S);
+    let saved = |desk: &Desk| Project::load(&desk.path("keys.chladni")).unwrap().layers()[0].1.clone();
+    assert_eq!((saved(&desk).mu, saved(&desk).model), (-0.6, Model::Normal));
+
+    // So far that it goes through itself, and back.
+    person.0.get_all_by_role(egui::accesskit::Role::SpinButton).next().unwrap().click();
+    person.0.run_steps(2);
+    person.press_with(CTRL, Key::A);
+    person.0.event(egui::Event::Text("-30".into()));
+    person.press(Key::Enter);
+    person.wait_to_see("crossing triangles");
+    person.click_button("crossing triangles");
+    person.0.run_steps(2);
+    person.screenshot("studio-crossings.png");
+    assert!(person.sees("folded triangles"));
+    person.press(Key::F);
+    person.wait_to_see("No folds");
+
+    person.press_with(CTRL, Key::D);
+    person.press(Key::H);
+    person.press(Key::PageDown);
+    person.press(Key::I);
+    person.press_with(CTRL, Key::S);
+    let layers = Project::load(&desk.path("keys.chladni")).unwrap().layers().to_vec();
+    assert!(layers[0].1.enabled && !layers[1].1.enabled);
+    let nowhere = Painted::Vertices(vec![0.0; 642].into());
+    assert_eq!((&layers[0].1.region.painted, &layers[1].1.region.painted), (&nowhere, &Painted::Everywhere));
+}
+
+/// The file window that comes where the system has none: a path is typed, completed, and chosen.
+#[test]
+fn a_path_is_typed_where_the_system_has_no_file_dialog() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.path("sculptures")).unwrap();
+    std::fs::copy(desk.path("shape.obj"), desk.path("sculptures/bust.obj")).unwrap();
+    let answer = std::rc::Rc::new(std::cell::RefCell::new(Vec::new()));
+    let given = answer.clone();
+    let kinds = vec![("Meshes".to_owned(), vec!["obj".to_owned()])];
+    let request = Request { purpose: Purpose::Open, kinds, start: desk.folder.path().to_owned() };
+    let mut window = Harness::builder().with_size([640.0, 520.0]).wgpu().build_eframe(move |creation| {
+        FileWindow::new(&creation.egui_ctx, request, &Settings::default(), given)
+    });
+    window.run_steps(3);
+    assert!(window.query_all_by_label_contains("shape.obj").next().is_some());
+    assert!(window.query_all_by_label_contains("settings.toml").next().is_none());
+    window.event(egui::Event::Text("nothing".into()));
+    window.run_steps(2);
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert!(window.query_all_by_label_contains("is not there").next().is_some());
+    window.key_press_modifiers(CTRL, Key::A);
+    window.event(egui::Event::Text("scu".into()));
+    window.run_steps(2);
+    window.key_press(Key::Tab);
+    window.run_steps(2);
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    let bust = window.query_all_by_label_contains("bust.obj").next().unwrap().rect().center();
+    if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {
+        window.render().unwrap().save(std::path::Path::new(&folder).join("studio-files.png")).unwrap();
+    }
+    for pressed in [true, false] {
+        window.hover_at(bust);
+        let (button, modifiers) = (egui::PointerButton::Primary, Modifiers::NONE);
+        window.event(egui::Event::PointerButton { pos: bust, button, pressed, modifiers });
+        window.run_steps(1);
+    }
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert_eq!(*answer.borrow(), [desk.path("sculptures/bust.obj")]);
+}
+
+/// From a laptop to a 4k screen, with small points and large ones, nothing is cut off at the edges.
+#[test]
+fn every_control_lies_inside_the_window_at_any_size() {
+    let screens = [
+        ("laptop", [1366.0, 768.0], 1.0),
+        ("4k", [3840.0, 2160.0], 1.0),
+        ("4k-double", [1920.0, 1080.0], 2.0),
+        ("least", [900.0, 600.0], 1.0),
+    ];
+    // The large ones take software drawing a minute, and are for pictures.
+    let all = driving::takes_pictures();
+    for (name, size, pixels_per_point) in screens.into_iter().filter(|s| all || s.1[0] < 1500.0) {
+        for light in [false, true].into_iter().filter(|light| all || !light) {
+            let desk = Desk::new();
+            let settings = format!("harmonics = {}\nlight = {light}\n", HARMONICS);
+            std::fs::write(desk.path("settings.toml"), settings).unwrap();
+            let open = |files: &[&str]| {
+                let screen = Harness::builder().with_size(size).with_pixels_per_point(pixels_per_point);
+                Person(driving::open_with(desk.opening(files), screen))
+            };
+            let looks = if light { format!("{name}-light") } else { name.to_owned() };
+            // The start screen's pictures come one after another, too slow for every size.
+            let mut start = open(&[]);
+            start.0.run_steps(4);
+            all_inside(&start, size, &looks);
+            start.screenshot(&format!("size-{looks}-start.png"));
+            drop(start);
+            let mut person = open(&["shape.obj"]);
+            person.wait_to_see("Compare with a mesh");
+            all_inside(&person, size, &looks);
+            person.screenshot(&format!("size-{looks}-empty.png"));
+            person.click_button("Add");
+            person.click("Own size");
+            person.click_button("Add");
+            person.click("Ellipsoid");
+            person.wait("the match", |window| !driving::shows(window, "Matching"));
+            person.press(Key::B);
+            let middle = pos2(size[0] / 2.0, size[1] / 2.0);
+            person.drag(&[middle, middle + vec2(10.0, 20.0)]);
+            person.0.run_steps(4);
+            all_inside(&person, size, &looks);
+            person.screenshot(&format!("size-{looks}.png"));
+            person.press(Key::Escape);
+            person.press(Key::V);
+            person.0.run_steps(4);
+            person.screenshot(&format!("size-{looks}-models.png"));
+            person.press_with(CTRL, Key::E);
+            all_inside(&person, size, &looks);
+            person.screenshot(&format!("size-{looks}-export.png"));
+            person.press(Key::Escape);
+            person.press(Key::F1);
+            all_inside(&person, size, &looks);
+            person.screenshot(&format!("size-{looks}-keys.png"));
+        }
+    }
+}
+
+/// Buttons at least: what cannot be clicked is not there.
+fn all_inside(person: &Person, size: [f32; 2], screen: &str) {
+    let window = egui::Rect::from_min_size(pos2(0.0, 0.0), size.into()).expand(0.5);
+    for button in person.0.get_all_by_role(egui::accesskit::Role::Button) {
+        let (rect, label) = (button.rect(), button.accesskit_node().label().unwrap_or_default());
+        // What is scrolled away can be scrolled to.
+        let scrolled = rect.top() > size[1] - 60.0 && size[1] < 700.0;
+        assert!(scrolled || window.contains_rect(rect), "{screen}: “{label}” at {rect:?}");
+    }
 }

@@ -65,7 +65,7 @@ const MOUSE: [(&str, &str); 5] = [
 ];
 
 /// Lines of a column of the cheat sheet.
-const COLUMN: usize = 13;
+const COLUMN: usize = 17;
 
 /// Draws the cheat sheet: groups of shortcuts in columns.
 pub fn show_cheat_sheet(ctx: &egui::Context, open: &mut bool, groups: &[(&str, &[Shortcut])]) {

@@ -37,7 +37,11 @@ impl Desk {
     }
 
     pub fn sit_down(&self, files: &[&str]) -> Person {
-        let opening = Opening {
+        Person::new(self.opening(files))
+    }
+
+    pub fn opening(&self, files: &[&str]) -> Opening {
+        Opening {
             folders: Folders {
                 settings: Some(self.path("settings.toml")),
                 recovery: Some(self.path("recovery")),
@@ -47,8 +51,7 @@ impl Desk {
             chooser: Box::new(self.answers.clone()),
             files: files.iter().map(|name| self.path(name)).collect(),
             ..Opening::default()
-        };
-        Person::new(opening)
+        }
     }
 }
 

@@ -106,12 +106,14 @@ impl FileWindow {
 
     fn go_ahead(&mut self, ctx: &egui::Context) {
         (self.said, self.replaces) = (None, false);
+        // Enter takes the focus away from the field; whoever is not done types on.
+        self.begun = false;
         match self.browser.go_ahead() {
             Verdict::Done(files) => {
                 self.answer.replace(files);
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
-            Verdict::Entered => self.begun = false,
+            Verdict::Entered => {}
             Verdict::Refused(why) => self.said = Some(why),
             Verdict::Replaces(path) => {
                 self.replaces = true;
