@@ -5,15 +5,17 @@ use std::ops::Range;
 use faer::{Mat, Par};
 
 use super::dense::symmetric_eigen;
-use super::lanczos::{Pairs, Reach, SMALL, Window};
+use super::lanczos::{Pairs, Reach, Window};
 use super::problem::{Problem, Profile};
 use super::tall::{BLOCK, Block, Small, overlaps, subtract_products};
 use crate::ldlt::Row;
 
 /// Numbers of blocks at which Ritz vectors are selected, when about so many have converged,
 /// and how many blocks of them.
-const SELECTIONS: [usize; 4] = [10, 18, 28, 40];
+const SELECTIONS: [usize; 4] = [10, 18, 30, 45];
 const SELECTED: usize = 2;
+/// Selecting pays if at least this share of the steps is still to come.
+const WORTH: f64 = 0.3;
 /// Steps between readings of the whole space, at most.
 const LONGEST_PERIOD: usize = 6;
 /// Overlaps between blocks at which to read it less often, more often, and not go on.
@@ -29,8 +31,10 @@ pub(super) struct Krylov {
     diagonal: Vec<Small>,
     /// The triangular factor of what OP V_j has outside V_0 … V_j.
     pub below: Vec<Small>,
-    /// Reads the whole space in every second step, whatever loss that finds.
-    careful: bool,
+    /// Whether Ritz vectors are selected; else the whole space is read in every second step.
+    selects: bool,
+    /// How many blocks there will be, about.
+    expected: usize,
     /// Ritz vectors of the largest |θ|, along which orthogonality is lost first.
     selected: Vec<Block>,
     /// How many blocks there were when the whole space was last taken out of the newest two.
@@ -53,8 +57,8 @@ pub(super) struct Ritz {
 }
 
 impl Krylov {
-    pub fn new(careful: bool) -> Self {
-        Self { careful, ..Self::default() }
+    pub fn new(selects: bool, expected: usize) -> Self {
+        Self { selects, expected, ..Self::default() }
     }
 
     /// Takes out of `image` = OP · (last block) what lies in the space, keeping the last
@@ -108,7 +112,10 @@ impl Krylov {
             }
         }
         // From now on they are orthogonal to what comes, but not to the newest block itself.
-        if SELECTIONS.contains(&blocks) && !self.careful && problem.matrix.size() > SMALL {
+        if self.selects
+            && SELECTIONS.contains(&blocks)
+            && blocks as f64 <= (1.0 - WORTH) * self.expected as f64
+        {
             self.select(problem)?;
             profile.orthogonalize_flops += products(blocks * SELECTED);
         }

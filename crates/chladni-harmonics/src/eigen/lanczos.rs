@@ -61,7 +61,7 @@ impl From<Cancelled> for Stopped {
 /// wherever it was measured).
 const GAIN: f64 = 3.8;
 /// Up to this many vertices a step costs less than an eigenproblem in the space.
-pub(super) const SMALL: usize = 5000;
+const SMALL: usize = 5000;
 
 /// Pairs around `shift`, given its `factor`, orthogonal to the pairs in `locked`.
 pub(super) fn run(
@@ -77,7 +77,11 @@ pub(super) fn run(
 ) -> Result<Pairs, Stopped> {
     let n = problem.matrix.size();
     let locked: Vec<&[Row]> = locked.iter().flat_map(|p| p.blocks.iter().map(Vec::as_slice)).collect();
-    let mut krylov = Krylov::new(careful);
+    // Convergence comes at about twice the pairs and 16 blocks. Looking costs a dense solve,
+    // which is more than a step or two where the mesh is small.
+    let twice = (window.expected * 2).div_ceil(BLOCK);
+    let mut look_at = twice + if n > SMALL { 12 } else { 15 };
+    let mut krylov = Krylov::new(n > SMALL && !careful, twice + 16);
     let mut next = random_block(n, seed);
     problem.remove_constants(window.from_zero, &mut next);
     for _ in 0..2 {
@@ -86,9 +90,6 @@ pub(super) fn run(
             return Err(Stopped::BadShift);
         };
     }
-    // Convergence comes at about twice the pairs and 16 blocks. Looking costs a dense solve,
-    // which is more than a step or two where the mesh is small.
-    let mut look_at = (window.expected * 2).div_ceil(BLOCK) + if n > SMALL { 12 } else { 15 };
     loop {
         task.check()?;
         let start = Instant::now();

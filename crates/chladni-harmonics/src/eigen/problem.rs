@@ -80,7 +80,7 @@ impl Problem {
     /// from different windows is at most the sum of their residuals over the distance of
     /// their eigenvalues.
     pub(super) fn tolerance(&self, lambda: f64, shift: f64, window: &Window) -> f64 {
-        (1e-10 * lambda.abs()).min(1e-9 * window.width.max((lambda - shift).abs()))
+        (2e-10 * lambda.abs()).min(2e-9 * window.width.max((lambda - shift).abs()))
     }
 
     /// Where the window reaches down to zero: makes each column orthogonal to the vectors of

@@ -38,12 +38,21 @@ const NONE: u32 = u32::MAX;
 impl Symbolic {
     /// Analyses `matrix` eliminated in the order `old` (old index of each new one).
     pub(crate) fn of(matrix: &SymmetricSparse, old: Vec<u32>) -> Self {
-        let (_, parent) = lower_rows_and_tree(matrix, &old);
-        let old = renamed(&postorder(&parent), &old);
-        // Once more in an order where children come before parents and side by side.
         let (lower, parent) = lower_rows_and_tree(matrix, &old);
         let counts = column_counts(&lower, &parent);
+        // Children before parents and side by side.
+        let post = postorder(&parent);
+        let place = inverse(&post);
+        let parent: Vec<u32> = post
+            .iter()
+            .map(|&v| match parent[v as usize] {
+                NONE => NONE,
+                up => place[up as usize],
+            })
+            .collect();
+        let counts = renamed(&post, &counts);
         let (order, spans) = supernodes(&parent, &counts);
+        let order = renamed(&order, &post);
         let lower = lower.renamed(&order);
         Self::with_rows(renamed(&order, &old), &lower, &spans)
     }
@@ -133,22 +142,26 @@ impl Rows {
 
     /// The lower triangle of the same matrix in another order that has children before parents.
     fn renamed(&self, order: &[u32]) -> Self {
-        let mut new = vec![0_u32; order.len()];
-        for (i, &v) in order.iter().enumerate() {
-            new[v as usize] = i as u32;
+        let new = inverse(order);
+        let ends = |i: usize, j: u32| {
+            let (a, b) = (new[i], new[j as usize]);
+            (a.max(b) as usize, a.min(b))
+        };
+        let mut starts = vec![0; order.len() + 1];
+        for i in 0..order.len() {
+            self.of(i).iter().for_each(|&j| starts[ends(i, j).0 + 1] += 1);
         }
-        let mut lists: Vec<Vec<u32>> = vec![Vec::new(); order.len()];
-        for (i, &ni) in new.iter().enumerate() {
+        for i in 0..order.len() {
+            starts[i + 1] += starts[i];
+        }
+        let mut next = starts.clone();
+        let mut indices = vec![0; self.indices.len()];
+        for i in 0..order.len() {
             for &j in self.of(i) {
-                let nj = new[j as usize];
-                lists[ni.max(nj) as usize].push(ni.min(nj));
+                let (row, column) = ends(i, j);
+                indices[next[row]] = column;
+                next[row] += 1;
             }
-        }
-        let mut starts = vec![0];
-        let mut indices = Vec::with_capacity(self.indices.len());
-        for list in lists {
-            indices.extend(list);
-            starts.push(indices.len());
         }
         Self { starts, indices }
     }
@@ -178,10 +191,7 @@ impl Rows {
 /// (Liu 1990, with path compression).
 fn lower_rows_and_tree(matrix: &SymmetricSparse, old: &[u32]) -> (Rows, Vec<u32>) {
     let n = old.len();
-    let mut new = vec![0_u32; n];
-    for (i, &o) in old.iter().enumerate() {
-        new[o as usize] = i as u32;
-    }
+    let new = inverse(old);
     let mut rows =
         Rows { starts: Vec::with_capacity(n + 1), indices: Vec::with_capacity(matrix.rows.len() / 2) };
     rows.starts.push(0);
@@ -335,7 +345,16 @@ fn supernodes(parent: &[u32], counts: &[u32]) -> (Vec<u32>, Vec<(usize, usize)>)
     (order, spans)
 }
 
-/// `old` in another order.
-fn renamed(order: &[u32], old: &[u32]) -> Vec<u32> {
-    order.iter().map(|&v| old[v as usize]).collect()
+/// `values` in another order.
+fn renamed(order: &[u32], values: &[u32]) -> Vec<u32> {
+    order.iter().map(|&v| values[v as usize]).collect()
+}
+
+/// The new index of each old one.
+fn inverse(order: &[u32]) -> Vec<u32> {
+    let mut new = vec![0; order.len()];
+    for (i, &v) in order.iter().enumerate() {
+        new[v as usize] = i as u32;
+    }
+    new
 }
