@@ -83,6 +83,20 @@ impl Join {
 }
 
 impl Found {
+    /// Of the top slice: the middle of the first gap at or above K, where [`Join::of`] will
+    /// ask for a count.
+    pub fn gap_above(&self, harmonics: usize) -> Option<f64> {
+        if !self.slice.top {
+            return None;
+        }
+        let (_, above) = self.sides(0);
+        let from = harmonics.checked_sub(self.below_shift)?.max(1);
+        (from..above.len())
+            .map(|i| (above[i - 1].value, above[i].value))
+            .find(|(below, above)| above - below > CLUSTER * above)
+            .map(|(below, above)| 0.5 * (below + above))
+    }
+
     /// The pairs below and above the shift, each ascending.
     fn sides(&self, slice: usize) -> (Vec<Entry>, Vec<Entry>) {
         let mut all: Vec<Entry> = Vec::new();

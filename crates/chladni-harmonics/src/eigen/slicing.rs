@@ -28,6 +28,9 @@ pub(super) struct Found {
     pub slice: Slice,
     pub below_shift: usize,
     pub runs: Vec<Pairs>,
+    /// Of the top slice: a λ in the gap above all that is wanted, as far as it can tell, and
+    /// the number of eigenvalues below.
+    top_count: Option<(f64, usize)>,
     next_seed: u64,
 }
 
@@ -47,20 +50,22 @@ pub(super) fn solve(
     let slices = plan(&problem, harmonics, &mut profile, task).map_err(told)?;
     profile.plan = start.elapsed().as_secs_f64();
     let stage = task.stage("harmonics", slices.len() as u64 + 1);
-    // The top slice has the most to do, so it goes first.
-    let found: Vec<Result<(Found, Profile), Stopped>> = slices
-        .into_par_iter()
-        .with_max_len(1)
-        .rev()
-        .map(|(slice, factor)| {
+    // The lowest slice has the most to do, as a rule, and the top one comes next.
+    let mut queue: Vec<_> = slices.into_iter().enumerate().collect();
+    queue[1..].reverse();
+    let mut found: Vec<(usize, Result<(Found, Profile), Stopped>)> = queue
+        .into_iter()
+        .par_bridge()
+        .map(|(place, (slice, factor))| {
             let mut profile = Profile::default();
-            let found = Found::new(&problem, slice, factor, harmonics, &mut profile, task)?;
+            let found = Found::new(&problem, slice, factor, harmonics, &mut profile, task);
             stage.advance(1);
-            Ok((found, profile))
+            (place, found.map(|found| (found, profile)))
         })
         .collect();
+    found.sort_by_key(|(place, _)| *place);
     let mut slices = Vec::with_capacity(found.len());
-    for found in found.into_iter().rev() {
+    for (_, found) in found {
         let (found, part) = found.map_err(told)?;
         profile.add(&part);
         slices.push(found);
@@ -97,8 +102,12 @@ impl Found {
         profile: &mut Profile,
         task: &Task,
     ) -> Result<Self, Stopped> {
-        let mut found = Self { slice, below_shift: 0, runs: Vec::new(), next_seed: slice.shift.to_bits() };
+        let next_seed = slice.shift.to_bits();
+        let mut found = Self { slice, below_shift: 0, runs: Vec::new(), top_count: None, next_seed };
         found.search(problem, factor, harmonics + 1, profile, task)?;
+        if let Some(gap) = found.gap_above(harmonics) {
+            found.top_count = Some(inertia(problem, gap, profile)?);
+        }
         Ok(found)
     }
 
@@ -206,7 +215,7 @@ fn mend(
     profile: &mut Profile,
     task: &Task,
 ) -> Result<Known, HarmonicsError> {
-    let mut top_count: Option<(f64, usize)> = None;
+    let mut top_count = slices.last().and_then(|top| top.top_count);
     for repair in 0..REPAIRS {
         task.check()?;
         match Join::of(problem, slices, harmonics, top_count) {
