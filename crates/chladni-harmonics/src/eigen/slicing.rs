@@ -53,7 +53,8 @@ pub(super) fn solve(
     // The lowest slice has the most to do, as a rule, and the top one comes next.
     let mut queue: Vec<_> = slices.into_iter().enumerate().collect();
     queue[1..].reverse();
-    let mut found: Vec<(usize, Result<(Found, Profile), Stopped>)> = queue
+    type Solving = Result<(Found, Profile), Stopped>;
+    let mut found: Vec<(usize, Solving)> = queue
         .into_iter()
         .par_bridge()
         .map(|(place, (slice, factor))| {
