@@ -15,7 +15,7 @@ use crate::{Basis, Certificate, HarmonicsError, Operator};
 const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
 const MAX_ORTHOGONALITY_ERROR: f64 = 1e-7;
 /// Overlaps between neighbouring slices above this are taken out.
-const OVERLAP: f64 = 1e-10;
+const OVERLAP: f64 = 0.2 * Certificate::ORTHOGONALITY;
 
 /// What was measured of one slice's pairs.
 struct Measured {
