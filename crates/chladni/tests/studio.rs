@@ -404,6 +404,8 @@ fn the_keyboard_reaches_what_is_common_and_crossings_are_counted() {
     person.press_with(CTRL, Key::A);
     person.0.event(egui::Event::Text("-30".into()));
     person.press(Key::Enter);
+    let amount = person.0.get_all_by_role(egui::accesskit::Role::SpinButton).next().unwrap();
+    assert_eq!(amount.accesskit_node().numeric_value(), Some(-30.0), "beyond the slider's ends");
     person.wait_to_see("crossing triangles");
     person.click_button("crossing triangles");
     person.0.run_steps(2);

@@ -15,8 +15,8 @@ use chladni_music::{
     Action, Dancer, Ensemble, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter,
     Preset, Session, Symmetry,
 };
-use chladni_synth::Backend;
 use chladni_sound::{Song, WavSample, track_beats, write_wav};
+use chladni_synth::Backend;
 use chladni_view::{
     Background, Film, FilmFormat, FilmSettings, FrameRate, Lights, Material, Samples, ffmpeg_is_there,
 };
@@ -211,9 +211,8 @@ impl Dance {
                 };
                 let film = Film::create(path, settings).map_err(view_failure)?;
                 let means = Means { samples: self.samples, synthesis: self.synthesis };
-                terminal.watch("filming", |task| {
-                    show.film(film, &look, means, recording, &mut seconds, task)
-                })?
+                terminal
+                    .watch("filming", |task| show.film(film, &look, means, recording, &mut seconds, task))?
             }
             None => terminal.watch("dancing", |task| show.rehearse(frames, &mut seconds, task))?,
         };

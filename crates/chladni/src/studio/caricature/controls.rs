@@ -96,7 +96,9 @@ impl Controls {
         let tip = "Φ_d: the gain of everything finer than the last harmonic";
         theme::row(ui, "Finest", tip, |ui| {
             let mut residual = layer.curve.residual;
-            let slider = ui.add(Slider::new(&mut residual, 0.0..=2.0).fixed_decimals(2));
+            // A project made elsewhere may hold more.
+            let slider = Slider::new(&mut residual, 0.0..=2.0).clamping(egui::SliderClamping::Never);
+            let slider = ui.add(slider.fixed_decimals(2));
             edits.drag(id, &slider, || Property::Curve(ScaleCurve { residual, ..layer.curve.clone() }));
         });
     }
@@ -142,7 +144,8 @@ fn amount(
         ui.spacing_mut().slider_width -= 40.0;
         let mut mu = layer.mu;
         let low = if layer.model == Model::Distance { -8.0 } else { -3.0 };
-        let slider = ui.add(Slider::new(&mut mu, low..=1.0).show_value(false));
+        let slider = Slider::new(&mut mu, low..=1.0).clamping(egui::SliderClamping::Never);
+        let slider = ui.add(slider.show_value(false));
         let value = ui.add(DragValue::new(&mut mu).range(-100.0..=100.0).speed(0.01).fixed_decimals(2));
         for response in [slider, value] {
             edits.drag(id, &response, || Property::Mu(mu));
