@@ -56,13 +56,18 @@ const ZOOM_OUT: Shortcut = Shortcut::command(Key::Minus, "Smaller text and contr
 const FULL_SCREEN: Shortcut = Shortcut::key(Key::F11, "Full screen");
 const WINDOW_KEYS: [Shortcut; 5] = [HELP, SWITCH_ROOM, ZOOM_IN, ZOOM_OUT, FULL_SCREEN];
 
+/// Points of the window when it opens.
+const WINDOW: [f32; 2] = [1320.0, 820.0];
+/// Points across a screen on which those of usual size are too small to read.
+const MANY_POINTS: f32 = 3000.0;
+
 /// Opens the window on the start screen, or on `files` where some are given, and returns when
 /// it is closed. With a measure it closes by itself when all is counted.
 pub fn open(files: Vec<PathBuf>, measure: Option<Rc<RefCell<Measure>>>) -> Result<(), StudioError> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Chladni")
         .with_app_id("chladni")
-        .with_inner_size([1320.0, 820.0])
+        .with_inner_size(WINDOW)
         .with_min_inner_size([900.0, 600.0]);
     let options = eframe::NativeOptions { viewport, wgpu_options: wgpu_options(), ..Default::default() };
     eframe::run_native(
@@ -117,6 +122,8 @@ pub struct Studio {
     current: Option<usize>,
     cheat_sheet: bool,
     closing: Closing,
+    /// Nobody has chosen preferences yet.
+    first_run: bool,
 }
 
 /// The device is missing where the window was made without wgpu.
@@ -135,6 +142,7 @@ impl Studio {
         let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
         let mut notices = Notices::default();
         let Opening { folders, chooser, files, measure, input } = opening;
+        let first_run = folders.settings.as_ref().is_some_and(|path| !path.exists());
         let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
             Some(Err(error)) => {
@@ -162,6 +170,7 @@ impl Studio {
             current: None,
             cheat_sheet: false,
             closing: Closing::No,
+            first_run,
         };
         if !files.is_empty() {
             studio.open_files(&creation.egui_ctx, &files);
@@ -255,6 +264,21 @@ impl Studio {
         }
     }
 
+    /// On the first run, larger controls on a screen of many small points, which the system has not
+    /// enlarged itself.
+    fn suit_the_screen(&mut self, ctx: &egui::Context) {
+        let screen = ctx.input(|input| input.viewport().monitor_size).filter(|size| size.x > 0.0);
+        if let Some(size) = screen.filter(|_| self.first_run) {
+            self.first_run = false;
+            if size.x >= MANY_POINTS {
+                self.settings.zoom = 1.5;
+                // As many points as before, of more pixels.
+                let pixels = egui::Vec2::from(WINDOW) * 1.5;
+                ctx.send_viewport_cmd(egui::ViewportCommand::InnerSize(pixels));
+            }
+        }
+    }
+
     fn count_frame(&mut self, ctx: &egui::Context) {
         let sound = self.current.and_then(|index| self.rooms.get(index)).and_then(|room| room.sound());
         if let Some(measure) = &self.measure
@@ -284,6 +308,7 @@ impl eframe::App for Studio {
         self.handle_keys(&ctx);
         let theme = if self.settings.light { egui::Theme::Light } else { egui::Theme::Dark };
         ctx.set_theme(theme);
+        self.suit_the_screen(&ctx);
         if (ctx.zoom_factor() - self.settings.zoom).abs() > 1e-3 {
             ctx.set_zoom_factor(self.settings.zoom);
         }
