@@ -1,6 +1,6 @@
 //! What all synthesizers of one device share: the pipelines, and word of the device's loss.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::DeviceLoss;
 use crate::SynthError;
@@ -16,7 +16,7 @@ pub(super) const WORKGROUP: u32 = 64;
 pub struct GpuContext {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
-    pub(super) pipelines: Arc<Pipelines>,
+    pipelines: Arc<OnceLock<Pipelines>>,
     loss: DeviceLoss,
 }
 
@@ -36,9 +36,9 @@ pub(super) struct Pipelines {
 }
 
 impl GpuContext {
-    /// Compiles the pipelines. `loss` is the device's own, from whoever opened it.
+    /// A context. `loss` is the device's own, from whoever opened it.
     ///
-    /// Fails if the device has no compute shaders or refuses ours.
+    /// Fails if the device has no compute shaders of the size needed.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, loss: &DeviceLoss) -> Result<Self, SynthError> {
         let limits = device.limits();
         if limits.max_compute_invocations_per_workgroup < WORKGROUP
@@ -46,9 +46,19 @@ impl GpuContext {
         {
             return Err(SynthError::Device("it has no compute shaders of the size needed".into()));
         }
-        let pipelines = checked(device, || Pipelines::new(device))?;
-        let pipelines = Arc::new(pipelines);
+        let pipelines = Arc::default();
         Ok(Self { device: device.clone(), queue: queue.clone(), pipelines, loss: loss.clone() })
+    }
+
+    /// The pipelines; the first call compiles them, so that nobody waits who uses the CPU.
+    ///
+    /// Fails if the device refuses our shaders.
+    pub(super) fn pipelines(&self) -> Result<&Pipelines, SynthError> {
+        if let Some(pipelines) = self.pipelines.get() {
+            return Ok(pipelines);
+        }
+        let made = checked(&self.device, || Pipelines::new(&self.device))?;
+        Ok(self.pipelines.get_or_init(|| made))
     }
 
     /// Why the device was lost; `None` while it is there.

@@ -31,7 +31,8 @@ pub(super) struct Chunk {
 
 impl ShapeOnDevice {
     pub fn new(context: &GpuContext, model: &SynthModel) -> Result<Self, SynthError> {
-        let GpuContext { device, queue, pipelines, .. } = context;
+        let GpuContext { device, queue, .. } = context;
+        let pipelines = context.pipelines()?;
         let limits = device.limits();
         let vertices = model.vertices();
         let reach = limits.max_compute_workgroups_per_dimension;
@@ -62,7 +63,8 @@ impl ShapeOnDevice {
 }
 
 fn chunks(context: &GpuContext, model: &SynthModel) -> Result<Vec<Chunk>, SynthError> {
-    let GpuContext { device, queue, pipelines, .. } = context;
+    let GpuContext { device, queue, .. } = context;
+    let pipelines = context.pipelines()?;
     let limits = device.limits();
     let panel_bytes = size_of::<crate::packed_basis::Line>() * model.harmonics().max(1);
     let binding = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);

@@ -170,19 +170,19 @@ impl GpuSynthesizer {
         Ok(replaced)
     }
 
-    fn bind_frame(&self) -> FrameGroups {
-        let GpuContext { device, pipelines, .. } = &self.context;
+    fn bind_frame(&self) -> Result<FrameGroups, SynthError> {
+        let (device, pipelines) = (&self.context.device, self.context.pipelines()?);
         let frame = self.frame.frame();
         let columns = self.columns.buffer();
         let product = [self.frame_uniform.buffer(), self.runs.buffer(), self.coefficients.buffer(), columns];
         let place =
             [self.items.buffer(), self.terms.buffer(), self.signals.buffer(), columns, frame.positions];
         let normals = [self.blending.buffer(), frame.positions, frame.normals];
-        FrameGroups {
+        Ok(FrameGroups {
             product: std::array::from_fn(|w| bind(device, &pipelines.product[w].groups[1], &product)),
             place: bind(device, &pipelines.place.groups[1], &place),
             normals: bind(device, &pipelines.normals.groups[1], &normals),
-        }
+        })
     }
 
     fn submit(&self, encode: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
@@ -247,10 +247,10 @@ impl Synthesizer for GpuSynthesizer {
             });
         }
         if self.upload(items)? || self.groups.is_none() {
-            self.groups = Some(self.bind_frame());
+            self.groups = Some(self.bind_frame()?);
         }
         let Some(groups) = &self.groups else { return Ok(()) };
-        let pipelines = &self.context.pipelines;
+        let pipelines = self.context.pipelines()?;
         let (workgroups, items) = self.vertex_workgroups();
         self.submit(|pass| {
             if let Some(w) = WIDTHS.iter().position(|&width| width == self.plan.width) {
@@ -276,8 +276,9 @@ impl Synthesizer for GpuSynthesizer {
         self.blending.write(&self.context.queue, bytes_of(&blending))?;
         let Some(groups) = &self.groups else { return Ok(()) };
         let (workgroups, items) = self.vertex_workgroups();
+        let pipelines = self.context.pipelines()?;
         self.submit(|pass| {
-            pass.set_pipeline(&self.context.pipelines.normals.pipeline);
+            pass.set_pipeline(&pipelines.normals.pipeline);
             pass.set_bind_group(0, &self.shape.normals, &[]);
             pass.set_bind_group(1, &groups.normals, &[]);
             pass.dispatch_workgroups(workgroups, items, 1);

@@ -5,6 +5,7 @@
 mod caricature;
 mod choose;
 mod closing;
+mod effort;
 mod file_window;
 mod folders;
 mod icon;

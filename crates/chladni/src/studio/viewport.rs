@@ -1,10 +1,11 @@
 //! A 3D view inside the window: drawn by chladni-view, shown as a texture, steered as in Blender.
 
-use chladni_view::{Camera, Canvas, Cell, Gpu, Rect, Renderer, View, ViewError};
+use chladni_view::{Camera, Canvas, Cell, Gpu, Rect, Renderer, Samples, View, ViewError};
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use egui::{Key, Modifiers};
 
+use super::effort::{Effort, Quality};
 use super::shortcut::Shortcut;
 
 /// Keys of every 3D view, as in Blender.
@@ -21,12 +22,20 @@ pub fn gpu_of(state: &RenderState) -> Gpu {
     Gpu::shared(state.device.clone(), state.queue.clone())
 }
 
+/// After so long without a change a picture is drawn as finely as can be.
+const REST_SECS: f64 = 0.3;
+
 /// One canvas of the window and the renderer that draws on it.
 pub struct Viewport {
     gpu: Gpu,
     renderer: Renderer,
     canvas: Option<(Canvas, egui::TextureId)>,
     stale: bool,
+    /// Pixels of the window that the picture fills.
+    shown: Rect,
+    effort: Effort,
+    /// When the picture last changed, where it is to be drawn more finely once it rests.
+    moved_secs: Option<f64>,
 }
 
 impl Viewport {
@@ -37,7 +46,16 @@ impl Viewport {
 
     /// Compiles the pipelines on `gpu`.
     pub fn on(gpu: Gpu) -> Self {
-        Self { renderer: Renderer::new(&gpu), gpu, canvas: None, stale: true }
+        let effort = Effort::new(gpu.live_samples());
+        Self {
+            renderer: Renderer::new(&gpu),
+            gpu,
+            canvas: None,
+            stale: true,
+            shown: Rect::default(),
+            effort,
+            moved_secs: None,
+        }
     }
 
     /// The device that everything shown here must live on.
@@ -50,9 +68,21 @@ impl Viewport {
         self.stale = true;
     }
 
+    /// How finely moving pictures are drawn, and why, in words.
+    pub fn drawn(&self) -> String {
+        let because = match (self.gpu.is_software(), self.effort.is_reduced()) {
+            (true, false) => " (no graphics card)",
+            (true, true) => " (no graphics card, and frames were late)",
+            (false, true) => " (frames were late)",
+            (false, false) => "",
+        };
+        format!("{}{because}; still pictures: {}", self.effort.quality(), Quality::STILL)
+    }
+
     /// Shows the cells that `scene` arranges on a canvas of the given pixels, filling `rect`.
     ///
-    /// `scene` runs only when something has changed since the last frame.
+    /// `scene` runs only when something has changed since the last frame, or when what was drawn
+    /// quickly while it moved has come to rest.
     pub fn show<'a>(
         &mut self,
         ui: &mut egui::Ui,
@@ -75,13 +105,44 @@ impl Viewport {
     ) -> Result<(), ViewError> {
         let limit = self.gpu.device.limits().max_texture_dimension_2d;
         let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).clamp(1, limit);
-        self.resize(state, pixels(rect.width()), pixels(rect.height()))?;
-        let Some((canvas, _)) = &self.canvas else { return Ok(()) };
-        if self.stale {
-            let cells = scene(Rect::of_size(canvas.width(), canvas.height()));
-            self.renderer.draw(canvas, &cells)?;
-            self.stale = false;
+        let shown = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
+        let resized = self.shown != shown;
+        self.shown = shown;
+        let now_secs = ui.input(|input| input.time);
+        let quality = if self.stale || resized || self.canvas.is_none() {
+            self.effort.frame(now_secs);
+            self.moved_secs = (self.effort.quality() != Quality::STILL).then_some(now_secs);
+            self.effort.quality()
+        } else {
+            match self.moved_secs {
+                Some(moved_secs) if now_secs - moved_secs >= REST_SECS => Quality::STILL,
+                Some(moved_secs) => {
+                    let left = (moved_secs + REST_SECS - now_secs).max(0.01);
+                    ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(left));
+                    return Ok(());
+                }
+                None => return Ok(()),
+            }
+        };
+        if quality == Quality::STILL {
+            self.moved_secs = None;
+        } else {
+            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(REST_SECS));
         }
+        let scaled = |length: u32| (u64::from(length) * u64::from(quality.percent) / 100) as u32;
+        self.fit(state, scaled(shown.width).max(1), scaled(shown.height).max(1), quality.samples)?;
+        let Some((canvas, _)) = &self.canvas else { return Ok(()) };
+        let mut cells = scene(shown);
+        for cell in &mut cells {
+            let r = cell.viewport;
+            let (x, y) = (scaled(r.x), scaled(r.y));
+            let end = |start, length, limit: u32| scaled(start + length).clamp(1, limit);
+            let (right, bottom) = (end(r.x, r.width, canvas.width()), end(r.y, r.height, canvas.height()));
+            let (x, y) = (x.min(right - 1), y.min(bottom - 1));
+            cell.viewport = Rect { x, y, width: right - x, height: bottom - y };
+        }
+        self.renderer.draw(canvas, &cells)?;
+        self.stale = false;
         Ok(())
     }
 
@@ -90,6 +151,13 @@ impl Viewport {
         if let Some((_, texture)) = &self.canvas {
             let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
             ui.painter().image(*texture, rect, whole, tint);
+            if self.moved_secs.is_some() && self.effort.is_reduced() {
+                let text = format!("Frames were late: {} while it moves", self.effort.quality());
+                let weak = egui::Color32::from_gray(150);
+                let at = rect.right_bottom() - egui::vec2(8.0, 6.0);
+                let font = egui::FontId::proportional(11.0);
+                ui.painter().text(at, egui::Align2::RIGHT_BOTTOM, text, font, weak);
+            }
         }
     }
 
@@ -98,15 +166,20 @@ impl Viewport {
         self.canvas.as_ref().map(|(canvas, _)| canvas)
     }
 
-    fn resize(&mut self, state: &RenderState, width: u32, height: u32) -> Result<(), ViewError> {
-        if self
-            .canvas
-            .as_ref()
-            .is_some_and(|(canvas, _)| canvas.width() == width && canvas.height() == height)
-        {
+    /// Sees to it that the canvas is as asked.
+    fn fit(
+        &mut self,
+        state: &RenderState,
+        width: u32,
+        height: u32,
+        samples: Samples,
+    ) -> Result<(), ViewError> {
+        if self.canvas.as_ref().is_some_and(|(canvas, _)| {
+            (canvas.width(), canvas.height(), canvas.samples()) == (width, height, samples)
+        }) {
             return Ok(());
         }
-        let canvas = Canvas::new(&self.gpu, width, height)?;
+        let canvas = Canvas::with_samples(&self.gpu, width, height, samples)?;
         let mut textures = state.renderer.write();
         let linear = wgpu::FilterMode::Linear;
         let texture = match self.canvas.take() {
@@ -122,7 +195,6 @@ impl Viewport {
             None => textures.register_native_texture(&self.gpu.device, canvas.view(), linear),
         };
         self.canvas = Some((canvas, texture));
-        self.stale = true;
         Ok(())
     }
 }

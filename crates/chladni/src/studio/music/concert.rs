@@ -4,7 +4,7 @@ use chladni_music::{
     Action, Beat, Ensemble, FlashGuard, GalleryShape, Instrument, Mapping, Moment, Parameter, Session,
     Switch, Veil, react,
 };
-use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
+use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, GpuContext, SynthModel, Synthesizer};
 use chladni_view::{Camera, Cell, Figure, Gpu, ItemBuffers, Rect, Topology, layout};
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Ui};
@@ -58,12 +58,11 @@ pub struct Marks {
 pub struct Concert {
     instrument: Instrument,
     ensemble: Ensemble,
-    synthesizer: CpuSynthesizer,
+    synthesizer: AutoSynthesizer,
     viewport: Viewport,
     topology: Topology,
     /// For cells of the gallery where the processor draws, and how many vertices it names.
     coarse: Option<(Topology, usize)>,
-    buffers: ItemBuffers,
     rest: Vec<[f32; 3]>,
     /// What has to fit into a cell, for a limit of displacement.
     room: (f32, Vec<[f32; 3]>),
@@ -94,7 +93,8 @@ impl Concert {
         let gpu = viewport.gpu();
         let topology =
             Topology::new(gpu, model.vertices(), &ready.body.triangles).map_err(|error| error.to_string())?;
-        let buffers = ItemBuffers::new(gpu, model.vertices(), 12);
+        let context =
+            GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).map_err(|error| error.to_string())?;
         let rest = model.rest_positions().to_vec();
         let many = model.vertices() > 2 * COARSE_VERTICES;
         let coarse = (many && gpu.is_software())
@@ -105,10 +105,9 @@ impl Concert {
         Ok(Self {
             instrument,
             ensemble,
-            synthesizer: CpuSynthesizer::new(model),
+            synthesizer: AutoSynthesizer::new(&context, model, Backend::Auto),
             topology,
             coarse,
-            buffers,
             rest,
             room: (0.0, Vec::new()),
             viewport,
@@ -141,6 +140,11 @@ impl Concert {
     /// The layers of the caricature that this body came with.
     pub fn voice_names(&self) -> &[String] {
         &self.voice_names
+    }
+
+    /// Who deforms the shapes, and how they are drawn, in words.
+    pub fn means(&self) -> String {
+        format!("Deformed by {}. Drawn with {}.", self.synthesizer.device_name(), self.viewport.drawn())
     }
 
     /// What keeps the frames coming.
@@ -269,7 +273,11 @@ impl Concert {
             self.ensemble.use_at_most(self.pace.harmonics());
             shared.notices.warn(told);
         }
-        self.upload(count)?;
+        // Once, and then the processor goes on.
+        if let Some(fallback) = self.synthesizer.take_fallback() {
+            shared.notices.warn(fallback.to_string());
+        }
+        self.viewport.invalidate();
         let close_up = matches!(self.view, View::CloseUp(_)) && !on_stage;
         let (rect, bench) = if close_up { close_up::split(whole) } else { (whole, whole) };
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
@@ -309,20 +317,6 @@ impl Concert {
         Some(self.draft.as_ref().map_or_else(|| item.mapping.clone(), |draft| draft.mapping.clone()))
     }
 
-    fn upload(&mut self, count: usize) -> Result<(), String> {
-        if self.buffers.items() != count {
-            self.buffers = ItemBuffers::new(self.viewport.gpu(), self.rest.len(), count);
-        }
-        for item in 0..count {
-            let (positions, normals) = (self.synthesizer.positions(item), self.synthesizer.normals(item));
-            self.buffers
-                .write(self.viewport.gpu(), item, positions, normals)
-                .map_err(|error| error.to_string())?;
-        }
-        self.viewport.invalidate();
-        Ok(())
-    }
-
     fn cells(&mut self, ui: &Ui, rect: egui::Rect, count: usize) -> Vec<Rect> {
         let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
         let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
@@ -356,10 +350,11 @@ impl Concert {
         let mut lights = look.lights.turned(reaction.light_turn_rad);
         lights.exposure *= reaction.light_gain;
         let limited = parameters.is_on(Switch::FlashLimit);
+        let buffers = ItemBuffers::of_frame(&self.synthesizer.frame()).map_err(|error| error.to_string())?;
         let coarse = self.coarse.as_ref().filter(|_| cells.len() > 1).map(|(topology, _)| topology);
         let topology = coarse.unwrap_or(&self.topology);
         let figures: Vec<Figure<'_>> = (0..cells.len())
-            .map(|item| Figure { material: look.material, ..Figure::new(topology, &self.buffers, item) })
+            .map(|item| Figure { material: look.material, ..Figure::new(topology, &buffers, item) })
             .collect();
         self.viewport
             .draw(ui, shared.gpu, rect, |_| {

@@ -136,6 +136,7 @@ fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
         1e3 * pace.mean_secs()
     );
     ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+    ui.label(RichText::new(concert.means()).small().color(theme::palette(ui).weak));
     let (all, drawn) = concert.drawn_vertices();
     if drawn < all {
         let text = format!(
