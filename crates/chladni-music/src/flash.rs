@@ -14,7 +14,7 @@ pub const MAX_FLASHES: usize = 3;
 /// How many flashes fall into the worst second of `luminances` (relative, [0, 1]), taken at
 /// `times_secs`.
 pub fn most_flashes_per_second(times_secs: &[f64], luminances: &[f32]) -> usize {
-    let mut swings = Swings::default();
+    let mut swings = Swings::of(FLASH_STEP, FLASH_DARK);
     let mut edges = Vec::new();
     for (&t, &l) in times_secs.iter().zip(luminances) {
         if swings.push(l) {
@@ -28,9 +28,16 @@ pub fn most_flashes_per_second(times_secs: &[f64], luminances: &[f32]) -> usize 
         .unwrap_or(0)
 }
 
-/// Finds opposing changes of at least [`FLASH_STEP`].
-#[derive(Clone, Copy, Debug, Default)]
+/// The limiter counts changes from here on: what it is told may be the mean of some pixels only.
+const GUARDED_STEP: f32 = 0.88 * FLASH_STEP;
+const GUARDED_DARK: f32 = FLASH_DARK + 0.02;
+
+/// Finds opposing changes of at least a step.
+#[derive(Clone, Copy, Debug)]
 struct Swings {
+    step: f32,
+    /// The darker of the two lies below this.
+    dark: f32,
     /// Lowest and highest value since the last change.
     range: Option<(f32, f32)>,
     /// +1 after a rise, −1 after a fall.
@@ -38,12 +45,16 @@ struct Swings {
 }
 
 impl Swings {
+    fn of(step: f32, dark: f32) -> Self {
+        Self { step, dark, range: None, direction: 0 }
+    }
+
     /// What a value would be: a rise (+1), a fall (−1) or neither.
     fn change(&self, value: f32) -> i8 {
         let Some((low, high)) = self.range else { return 0 };
-        if self.direction <= 0 && value - low >= FLASH_STEP && low < FLASH_DARK {
+        if self.direction <= 0 && value - low >= self.step && low < self.dark {
             1
-        } else if self.direction >= 0 && high - value >= FLASH_STEP && value < FLASH_DARK {
+        } else if self.direction >= 0 && high - value >= self.step && value < self.dark {
             -1
         } else {
             0
@@ -91,7 +102,7 @@ impl FlashLimiter {
     pub fn new(max_slope_per_sec: f32) -> Self {
         let max_slope_per_sec = if max_slope_per_sec > 0.0 { max_slope_per_sec } else { 4.0 };
         Self {
-            swings: Swings::default(),
+            swings: Swings::of(GUARDED_STEP, GUARDED_DARK),
             edges_secs: [f64::NEG_INFINITY; 2 * MAX_FLASHES - 1],
             next_edge: 0,
             last: None,
@@ -157,7 +168,7 @@ impl FlashLimiter {
     /// none.
     fn held(&self, wanted: f32, last: f32) -> f32 {
         let Some((low, high)) = self.swings.range else { return wanted };
-        let within = 0.9 * FLASH_STEP;
+        let within = 0.9 * GUARDED_STEP;
         let floor = if self.swings.direction >= 0 { (high - within).min(last) } else { 0.0 };
         let ceiling = if self.swings.direction <= 0 { (low + within).max(last) } else { 1.0 };
         wanted.max(floor).min(ceiling)

@@ -177,8 +177,11 @@ struct Version {
 }
 
 fn parse<T: DeserializeOwned>(kind: &'static str, text: &str) -> Result<T, Error> {
-    let bad =
-        |error: toml::de::Error| Error::Parse { kind, why: error.to_string().trim().replace('\n', " ") };
+    let bad = |error: toml::de::Error| {
+        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+        let line = 1 + before.matches('\n').count();
+        Error::Parse { kind, why: format!("line {line}: {}", error.message().trim().replace('\n', " ")) }
+    };
     // The version first: a newer file has fields of which nothing is known.
     let version: Version = toml::from_str(text).map_err(bad)?;
     if version.format_version > FORMAT_VERSION {

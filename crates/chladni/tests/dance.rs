@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use chladni_mesh::{samples, save_mesh};
 use chladni_sound::{Song, WavSample, write_wav};
 
 fn run(arguments: &[&str]) -> u8 {
@@ -67,7 +68,7 @@ fn bad_input_is_refused_with_code_2() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// Four seconds of noise, on and off five times a second.
+/// Four seconds of noise, five times a second on for 80 ms: the spectrum's window lies in silence between.
 fn strobe(path: &Path) {
     let rate_hz = 44_100;
     let mut state = 1u32;
@@ -75,7 +76,7 @@ fn strobe(path: &Path) {
         .map(|n| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let noise = state as f32 / u32::MAX as f32 * 1.8 - 0.9;
-            if (n * 10 / rate_hz as usize).is_multiple_of(2) { noise } else { 0.0 }
+            if n * 5 % rate_hz as usize * 5 < 2 * rate_hz as usize { noise } else { 0.0 }
         })
         .collect();
     write_wav(path, &Song { rate_hz, right: left.clone(), left }, WavSample::Int16).unwrap();
@@ -100,33 +101,12 @@ fn luminances(folder: &Path) -> Vec<f32> {
     frames.iter().map(mean).collect()
 }
 
-/// A ball of 24 × 16 quads: it grows and shrinks as a whole, and is drawn quickly.
+/// A ball: it grows and shrinks as a whole, and is drawn quickly.
 fn ball(path: &Path) {
-    let mut text = String::new();
-    let (rings, sectors) = (16, 24);
-    for ring in 1..rings {
-        let (sin, cos) = (std::f64::consts::PI * f64::from(ring) / f64::from(rings)).sin_cos();
-        for sector in 0..sectors {
-            let turn = std::f64::consts::TAU * f64::from(sector) / f64::from(sectors);
-            text += &format!("v {} {cos} {}\n", sin * turn.cos(), sin * turn.sin());
-        }
-    }
-    text += "v 0 1 0\nv 0 -1 0\n";
-    let (north, south) = ((rings - 1) * sectors + 1, (rings - 1) * sectors + 2);
-    for sector in 0..sectors {
-        let next = (sector + 1) % sectors;
-        let at = |ring: i32, sector: i32| ring * sectors + sector + 1;
-        text += &format!("f {north} {} {}\n", at(0, next), at(0, sector));
-        text += &format!("f {south} {} {}\n", at(rings - 2, sector), at(rings - 2, next));
-        for ring in 0..rings - 2 {
-            let quad = [at(ring, sector), at(ring, next), at(ring + 1, next), at(ring + 1, sector)];
-            text += &format!("f {} {} {} {}\n", quad[0], quad[1], quad[2], quad[3]);
-        }
-    }
-    std::fs::write(path, text).unwrap();
+    save_mesh(&samples::icosphere(3), path).unwrap();
 }
 
-/// Films a bright ball on black that the strobe blows up as far as it goes; 30 frames a second.
+/// Films a dark ball on white that the strobe blows up as far as it goes; 30 frames a second.
 fn strobing_film(folder: &Path, name: &str, more: &[&str]) -> std::path::PathBuf {
     let [mesh, wav, session, out] =
         ["ball.obj", "strobe.wav", "session.toml", name].map(|name| folder.join(name));
@@ -134,18 +114,20 @@ fn strobing_film(folder: &Path, name: &str, more: &[&str]) -> std::path::PathBuf
     strobe(&wav);
     // All sound goes to the harmonics that widen the ball and that heighten it, without decay.
     let action = |text: &str| format!("[[actions]]\nat_secs = 0.0\nat_beat = 0.0\n{text}\n");
-    let mapping = "{ transfer = [0.0435, 0.087], amplification = [1.0], stereo_mu = 0.0, gain = 1.0 }";
+    let mapping =
+        "{ transfer = [0.0435, 0.087, 0.1305], amplification = [1.0], stereo_mu = 0.0, gain = 1.0 }";
     let wild: String = [
         format!("do = \"load\"\nitem = 0\nname = \"strobe\"\nmapping = {mapping}"),
         "do = \"perform\"\nitem = 0".into(),
         "do = \"set\"\nparameter = \"decay\"\nvalue = 0.0".into(),
         "do = \"set\"\nparameter = \"limit\"\nvalue = 0.5".into(),
+        "do = \"set\"\nparameter = \"gain\"\nvalue = 8.0".into(),
     ]
     .map(|text| action(&text))
     .concat();
     std::fs::write(&session, format!("format_version = 1\nseed = 5\nsize = 6\n{wild}")).unwrap();
     let [mesh, wav, session, frames] = [&mesh, &wav, &session, &out].map(|path| path.to_str().unwrap());
-    let look = ["--size", "64x64", "--material", "porcelain", "--lights", "studio", "--background", "night"];
+    let look = ["--size", "64x64", "--material", "dark", "--lights", "studio", "--background", "white"];
     let fixed = ["dance", mesh, wav, "-k", "24", "--session", session, "--frames", frames];
     assert_eq!(run(&[&fixed[..], &look, more].concat()), 0);
     out

@@ -281,6 +281,47 @@ fn a_fader_is_learned_over_osc_and_remembered() {
 }
 
 #[test]
+fn what_cannot_be_opened_is_told_and_the_dance_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &path("ball.obj")).unwrap();
+    std::fs::write(path("six.toml"), "format_version = 1\nseed = 3\nsize = 6\n").unwrap();
+    std::fs::write(path("broken.mp3"), b"no music at all").unwrap();
+    std::fs::write(path("broken.toml"), "format_version = 1\nname = 3\n").unwrap();
+    std::fs::write(path("newer.toml"), "format_version = 99\n").unwrap();
+    std::fs::write(path("broken.obj"), "v 0 0 nan\nf 1 2 3\n").unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let files = vec![path("ball.obj"), path("six.toml")];
+    let mut window = open(
+        Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() },
+        [1000.0, 640.0],
+    );
+    wait(&mut window, "the ball", |w| shows(w, "6 items"));
+    for (name, told) in [
+        ("missing.wav", "missing.wav"),
+        ("broken.mp3", "broken.mp3"),
+        ("broken.toml", "broken.toml"),
+        ("newer.toml", "99"),
+        ("broken.obj", "broken.obj"),
+        ("missing.obj", "missing.obj"),
+    ] {
+        answers.add(path(name));
+        window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+        wait(&mut window, &format!("word of {name}"), |w| shows(w, told));
+        assert!(window.query_by_label("Dance 6").is_some(), "{name} took the gallery away");
+    }
+    screenshot(&mut window, "window-music-trouble.png");
+    // A good song after bad ones plays.
+    let second = vec![0.25; 44_100];
+    let song = Song { rate_hz: 44_100, left: second.clone(), right: second };
+    write_wav(&path("good.wav"), &song, WavSample::Int16).unwrap();
+    answers.add(path("good.wav"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the good song", |w| w.query_by_label("good").is_some());
+}
+
+#[test]
 fn songs_looks_harmonics_and_a_caricature_whose_layers_are_voices() {
     let folder = tempfile::tempdir().unwrap();
     let answers = Answers::default();

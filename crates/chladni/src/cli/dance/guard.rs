@@ -3,6 +3,9 @@
 use chladni_music::{FlashCount, FlashGuard, Histogram, Veil};
 use chladni_view::Picture;
 
+/// About so many pixels of a frame are looked at.
+const PIXELS: usize = 100_000;
+
 /// Keeps the mean relative luminance of the frames within what is safe.
 pub struct FrameGuard {
     guard: Option<FlashGuard>,
@@ -22,10 +25,14 @@ impl FrameGuard {
         }
     }
 
-    /// Looks at every 7th pixel of the frame of `time_secs` and veils the frame where it would flash.
+    /// Looks at some pixels of the frame of `time_secs`, all of a small one, and veils the frame
+    /// where it would flash.
     pub fn pass(&mut self, time_secs: f64, picture: &mut Picture) {
         self.histogram.clear();
-        for [r, g, b, _] in picture.rgba.as_chunks().0.iter().step_by(7) {
+        let pixels = picture.rgba.as_chunks().0;
+        // An odd step does not fall into the columns of a picture of even width.
+        let step = (pixels.len() / PIXELS) | 1;
+        for [r, g, b, _] in pixels.iter().step_by(step) {
             self.histogram.add([*r, *g, *b]);
         }
         let veil = match &mut self.guard {

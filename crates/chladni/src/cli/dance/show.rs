@@ -204,8 +204,8 @@ impl Show {
 struct Theatre {
     synthesizer: AutoSynthesizer,
     topology: Topology,
-    /// What has to fit into the picture.
-    room: Vec<[f32; 3]>,
+    /// What has to fit into the picture, for a limit of displacement.
+    room: (f32, Vec<[f32; 3]>),
 }
 
 impl Theatre {
@@ -213,10 +213,9 @@ impl Theatre {
         let model = &show.model;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).map_err(Failure::other)?;
         let topology = Topology::new(gpu, model.vertices(), &show.triangles).map_err(view_failure)?;
-        let limit = show.instrument.parameters().get(Parameter::Limit);
         Ok(Self {
             topology,
-            room: show.ensemble.dancer().room(model.rest_positions(), limit),
+            room: (0.0, Vec::new()),
             synthesizer: AutoSynthesizer::new(&context, model.clone(), synthesis),
         })
     }
@@ -245,7 +244,7 @@ impl Theatre {
     }
 
     fn draw(
-        &self,
+        &mut self,
         renderer: &mut Renderer,
         canvas: &Canvas,
         show: &Show,
@@ -254,6 +253,10 @@ impl Theatre {
     ) -> Result<(), ViewError> {
         let parameters = show.instrument.parameters();
         let reaction = react(beat, show.instrument.seed(), parameters);
+        let limit = parameters.get(Parameter::Limit);
+        if self.room.0 != limit {
+            self.room = (limit, show.ensemble.dancer().room(show.model.rest_positions(), limit));
+        }
         let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
         let items = buffers.items();
         let area = Rect::of_size(canvas.width(), canvas.height());
@@ -261,7 +264,7 @@ impl Theatre {
         let viewports = layout::grid(area, rows, columns, 0, items);
         let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
         let mut camera = Camera { pitch_rad: 0.14, ..Camera::default() };
-        camera.fit_turntable(&self.room, aspect, 0.98);
+        camera.fit_turntable(&self.room.1, aspect, 0.98);
         camera.yaw_rad = look.yaw_rad - reaction.turn_rad;
         let mut lights = look.lights.turned(reaction.light_turn_rad);
         lights.exposure *= reaction.light_gain;
