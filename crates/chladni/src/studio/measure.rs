@@ -1,8 +1,33 @@
 //! How the frames of the window came, and whether the sound went on beside them.
 
+use std::cell::Cell;
 use std::time::Instant;
 
 use serde::Serialize;
+
+/// Waits for the first picture of what is opened.
+#[derive(Debug)]
+pub struct FirstPicture {
+    began: Instant,
+    secs: Cell<Option<f64>>,
+}
+
+impl FirstPicture {
+    /// From now on.
+    pub fn since(began: Instant) -> Self {
+        Self { began, secs: Cell::new(None) }
+    }
+
+    /// A picture is on screen.
+    pub fn seen(&self, now: Instant) {
+        self.secs.set(self.secs.get().or(Some((now - self.began).as_secs_f64())));
+    }
+
+    /// How long it took.
+    pub fn secs(&self) -> Option<f64> {
+        self.secs.get()
+    }
+}
 
 /// Frames that are counted for a while.
 #[derive(Clone, Debug)]

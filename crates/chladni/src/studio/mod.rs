@@ -32,7 +32,7 @@ pub use caricature::Rehearsal;
 pub use choose::{Chooser, Kind, SystemDialogs};
 pub use file_window::{COMMAND as CHOOSE_FILE, FileWindow, Purpose, Request, open as choose_file};
 pub use folders::Folders;
-pub use measure::{Measure, Report};
+pub use measure::{FirstPicture, Measure, Report};
 pub use settings::Settings;
 
 use closing::Closing;
@@ -64,7 +64,12 @@ const MANY_POINTS: f32 = 3000.0;
 
 /// Opens the window on the start screen, or on `files` where some are given, and returns when
 /// it is closed. With a measure it closes by itself when all is counted.
-pub fn open(files: Vec<PathBuf>, measure: Option<Rc<RefCell<Measure>>>) -> Result<(), StudioError> {
+/// With a first picture it closes as soon as that is shown.
+pub fn open(
+    files: Vec<PathBuf>,
+    measure: Option<Rc<RefCell<Measure>>>,
+    first_picture: Option<Rc<FirstPicture>>,
+) -> Result<(), StudioError> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Chladni")
         .with_app_id("chladni")
@@ -76,7 +81,7 @@ pub fn open(files: Vec<PathBuf>, measure: Option<Rc<RefCell<Measure>>>) -> Resul
         options,
         Box::new(move |creation| {
             let folders = Folders::of_user();
-            Ok(Box::new(Studio::new(creation, Opening { folders, files, measure, ..Opening::default() })?))
+            Ok(Box::new(Studio::new(creation, Opening { folders, files, measure, first_picture, ..Opening::default() })?))
         }),
     )?;
     Ok(())
@@ -92,6 +97,8 @@ pub struct Opening {
     pub files: Vec<PathBuf>,
     /// Counts frames, and closes the window when it has seen enough.
     pub measure: Option<Rc<RefCell<Measure>>>,
+    /// Is told of the first picture, and closes the window.
+    pub first_picture: Option<Rc<FirstPicture>>,
     /// What the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
 }
@@ -103,6 +110,7 @@ impl Default for Opening {
             chooser: Box::new(SystemDialogs::default()),
             files: Vec::new(),
             measure: None,
+            first_picture: None,
             input: None,
         }
     }
@@ -114,6 +122,7 @@ pub struct Studio {
     folders: Folders,
     chooser: Box<dyn Chooser>,
     measure: Option<Rc<RefCell<Measure>>>,
+    first_picture: Option<Rc<FirstPicture>>,
     settings: Settings,
     saved_settings: Settings,
     notices: Notices,
@@ -142,7 +151,7 @@ impl Studio {
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
         let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
         let mut notices = Notices::default();
-        let Opening { folders, chooser, files, measure, input } = opening;
+        let Opening { folders, chooser, files, measure, first_picture, input } = opening;
         let first_run = folders.settings.as_ref().is_some_and(|path| !path.exists());
         let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
@@ -163,6 +172,7 @@ impl Studio {
             folders,
             chooser,
             measure,
+            first_picture,
             notices,
             rooms: vec![
                 Box::new(caricature::CaricatureRoom::default()),
@@ -280,6 +290,16 @@ impl Studio {
         }
     }
 
+    /// What the last frame drew is on screen now.
+    fn look_for_picture(&self, ctx: &egui::Context) {
+        let Some(first_picture) = &self.first_picture else { return };
+        if viewport::has_drawn(ctx) {
+            first_picture.seen(std::time::Instant::now());
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        ctx.request_repaint();
+    }
+
     fn count_frame(&mut self, ctx: &egui::Context) {
         let sound = self.current.and_then(|index| self.rooms.get(index)).and_then(|room| room.sound());
         if let Some(measure) = &self.measure
@@ -306,6 +326,7 @@ impl Studio {
 impl eframe::App for Studio {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
+        self.look_for_picture(&ctx);
         self.handle_keys(&ctx);
         let theme = if self.settings.light { egui::Theme::Light } else { egui::Theme::Dark };
         ctx.set_theme(theme);

@@ -17,6 +17,14 @@ pub const VIEW_KEYS: [Shortcut; 5] = [
     Shortcut::key(Key::Home, "Show all of it"),
 ];
 
+/// Under this name egui keeps that a view was drawn.
+const DRAWN: &str = "a 3D view was drawn";
+
+/// Whether any 3D view was drawn so far.
+pub fn has_drawn(ctx: &egui::Context) -> bool {
+    ctx.data(|data| data.get_temp(egui::Id::unique(DRAWN)).unwrap_or(false))
+}
+
 /// The window's own device.
 pub fn gpu_of(state: &RenderState) -> Gpu {
     Gpu::shared(state.device.clone(), state.queue.clone())
@@ -143,6 +151,7 @@ impl Viewport {
         }
         self.renderer.draw(canvas, &cells)?;
         self.stale = false;
+        ui.ctx().data_mut(|data| data.insert_temp(egui::Id::unique(DRAWN), true));
         Ok(())
     }
 
