@@ -13,7 +13,7 @@ use chladni_mesh::{samples, save_mesh};
 use chladni_music::{Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
 use chladni_sound::{Capture, CaptureFeed};
 use driving::{Window, open_with, shows, wait};
-use egui::{Event, Key, Pos2};
+use egui::{Event, Key, Pos2, ViewportCommand};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
@@ -174,4 +174,29 @@ fn nor_does_a_stage_that_opens_and_closes_all_the_time() {
             evening.step(|_| 0.0);
         })
     });
+}
+
+#[test]
+fn the_stage_fills_the_chosen_screen_and_gives_it_back() {
+    let asked = |evening: &Evening| -> Vec<ViewportCommand> {
+        let outputs = evening.window.output().viewport_output.values();
+        outputs.flat_map(|output| output.commands.clone()).collect()
+    };
+    for (screen, command) in
+        [("{ monitor = 1 }", ViewportCommand::SetMonitor(1)), ("\"full\"", ViewportCommand::Fullscreen(true))]
+    {
+        let mut evening = Evening::begin(10, &format!("[music]\nscreen = {screen}\n"), "");
+        evening.window.event(Event::PointerMoved(Pos2::new(100.0, 200.0)));
+        evening.window.run_steps(3);
+        let mut seen = Vec::new();
+        for key in [Key::S, Key::Escape] {
+            evening.window.key_press(key);
+            for _ in 0..4 {
+                evening.window.run_steps(1);
+                seen.extend(asked(&evening));
+            }
+        }
+        assert!(seen.starts_with(&[command]), "{screen}: {seen:?}");
+        assert!(seen.ends_with(&[ViewportCommand::Fullscreen(false)]), "{screen}: {seen:?}");
+    }
 }

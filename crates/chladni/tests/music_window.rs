@@ -174,8 +174,22 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     click_containing(&mut window, "Save session");
     drop(window);
 
+    // What was done in the window is a film, the same one each time.
+    let film = |name: &str| {
+        let coefficients = folder.path().join(name);
+        let [session, out] = [&session, &coefficients].map(|path| path.to_str().unwrap());
+        let dance =
+            ["chladni", "--quiet", "dance", "sample:octopus", "sample:tune", "-k", "96", "--duration", "1"];
+        let told = chladni::cli::run(dance.iter().chain(&["--session", session, "--coefficients", out]));
+        assert_eq!(told, 0);
+        let mut npz = npyz::npz::NpzArchive::open(coefficients).unwrap();
+        npz.by_name("coefficients").unwrap().unwrap().into_vec::<f32>().unwrap()
+    };
+    let first = film("first.npz");
+    assert!(first.iter().any(|c| *c != 0.0) && first == film("second.npz"));
+
     // The next evening: the shelf is as it was, and the session goes on.
-    let mut window = enter(Opening { folders, files: vec![session], ..Opening::default() });
+    let mut window = enter(Opening { folders, files: vec![session.clone()], ..Opening::default() });
     wait(&mut window, "the session", |w| shows(w, "4 / 4"));
     window.get_by_role_and_label(Role::CheckBox, "Squid");
     for (size, next) in [(12, 16), (16, 9), (9, 6)] {
