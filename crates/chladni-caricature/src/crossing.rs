@@ -182,13 +182,11 @@ fn goes_through(p: u32, q: u32, face: [u32; 3], positions: &[Vec3]) -> bool {
     let (p, q) = (at(p), at(q));
     let normal = area_normal(positions, face);
     let (above, below) = (dot(normal, sub(p, a)), dot(normal, sub(q, a)));
-    if !(above * below < 0.0) {
-        return false;
-    }
+    let both_sides = above * below < 0.0;
     // The sides on which the line pq passes the three edges: the volumes of pq with each.
     let side = |a: Vec3, b: Vec3| dot(sub(q, p), crate::vector::cross(sub(a, p), sub(b, p)));
     let sides = [side(a, b), side(b, c), side(c, a)];
-    sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0)
+    both_sides && (sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0))
 }
 
 #[cfg(test)]

@@ -114,7 +114,7 @@ fn spheres_to_vertices(spheres: &[Sphere], file_positions: &[Vec3]) -> Arc<[f32]
 impl Smoothing {
     /// χ of a painted signal with one value per operator vertex.
     pub fn apply(&self, basis: &Basis, painted: &[f32]) -> Arc<[f32]> {
-        self.apply_to(basis, &PaintedSpectrum::default().follow(basis, painted, self.harmonics(basis)))
+        self.apply_to(basis, PaintedSpectrum::default().follow(basis, painted, self.harmonics(basis)))
     }
 
     /// χ of the signal whose transform is `spectrum`, at least as long as the low-pass.

@@ -13,9 +13,12 @@ pub struct CrossingMeter {
     searcher: Option<Searcher>,
     /// The shape that was searched last, or is being searched.
     searched: Option<Arc<Base>>,
-    running: Option<Job<Result<(Searcher, Vec<u32>), Cancelled>>>,
+    running: Option<Job<Found>>,
     found: Option<Vec<u32>>,
 }
+
+/// What a search brings back, itself for the next one included.
+type Found = Result<(Searcher, Vec<u32>), Cancelled>;
 
 /// What outlives one search.
 #[derive(Clone)]

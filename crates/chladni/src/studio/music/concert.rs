@@ -321,7 +321,7 @@ impl Concert {
         let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
         let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, count, 1.0);
-        self.columns = columns as usize;
+        self.columns = columns;
         let gap = pixels(6.0).min(area.width / 8);
         layout::grid(area, rows, columns, gap, count)
     }
