@@ -81,7 +81,10 @@ pub fn open(
         options,
         Box::new(move |creation| {
             let folders = Folders::of_user();
-            Ok(Box::new(Studio::new(creation, Opening { folders, files, measure, first_picture, ..Opening::default() })?))
+            Ok(Box::new(Studio::new(
+                creation,
+                Opening { folders, files, measure, first_picture, ..Opening::default() },
+            )?))
         }),
     )?;
     Ok(())
