@@ -100,10 +100,18 @@ impl Viewport {
     ) -> Result<(), ViewError> {
         self.draw(ui, state, rect, scene)?;
         self.paint(ui, rect, egui::Color32::WHITE);
+        if self.moved_secs.is_some() && self.effort.is_reduced() {
+            let text = format!("Frames were late: {} while it moves", self.effort.quality());
+            let weak = egui::Color32::from_gray(150);
+            let at = rect.right_bottom() - egui::vec2(8.0, 6.0);
+            let font = egui::FontId::proportional(11.0);
+            ui.painter().text(at, egui::Align2::RIGHT_BOTTOM, text, font, weak);
+        }
         Ok(())
     }
 
-    /// As [`show`](Self::show), but leaves showing to [`paint`](Self::paint).
+    /// As [`show`](Self::show), but leaves showing to [`paint`](Self::paint) and says nothing where
+    /// frames are late.
     pub fn draw<'a>(
         &mut self,
         ui: &egui::Ui,
@@ -160,13 +168,6 @@ impl Viewport {
         if let Some((_, texture)) = &self.canvas {
             let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
             ui.painter().image(*texture, rect, whole, tint);
-            if self.moved_secs.is_some() && self.effort.is_reduced() {
-                let text = format!("Frames were late: {} while it moves", self.effort.quality());
-                let weak = egui::Color32::from_gray(150);
-                let at = rect.right_bottom() - egui::vec2(8.0, 6.0);
-                let font = egui::FontId::proportional(11.0);
-                ui.painter().text(at, egui::Align2::RIGHT_BOTTOM, text, font, weak);
-            }
         }
     }
 

@@ -152,6 +152,11 @@ impl Concert {
         &self.pace
     }
 
+    /// How finely the dance is drawn, in words.
+    pub fn drawn(&self) -> String {
+        self.viewport.drawn()
+    }
+
     /// Vertices of the shape, and how many of them the gallery draws.
     pub fn drawn_vertices(&self) -> (usize, usize) {
         let all = self.rest.len();
