@@ -13,6 +13,8 @@ use crate::studio::theme;
 /// Height of the plots with their head.
 const BENCH: f32 = 230.0;
 const HEAD: f32 = 38.0;
+/// A narrower bench has icons without names.
+const WIDE: f32 = 960.0;
 
 /// Divides the room's middle into the picture and the bench below it.
 pub fn split(rect: Rect) -> (Rect, Rect) {
@@ -125,24 +127,26 @@ fn header(
     }
     let mut name = item.name.clone();
     let hint = format!("Name of dance {}", index + 1);
-    let edit = ui.add(TextEdit::singleline(&mut name).hint_text(hint).desired_width(150.0));
+    let edit = ui.add(TextEdit::singleline(&mut name).hint_text(hint).desired_width(120.0));
     edit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Name"));
     if edit.changed() {
         wishes.push(Wish::Do(Action::Rename { item: index, name }));
     }
     let favourite = instrument.favourites().iter().any(|known| known.id == item.id);
-    let star = ui.selectable_label(favourite, icon::label(Icon::Star, "Favourite"));
-    if star.on_hover_text(super::FAVOURITE.tooltip(ui.ctx())).clicked() {
+    let star = egui::Button::selectable(favourite, text(ui, Icon::Star, "Favourite"));
+    if button(ui, star, "Favourite", super::FAVOURITE.tooltip(ui.ctx())) {
         wishes.push(Wish::Do(Action::Favourite { item: index, on: !favourite }));
     }
-    if ui.button(icon::label(Icon::BookmarkPlus, "Keep …")).on_hover_text("Put it on the shelf").clicked() {
+    let keep = egui::Button::new(text(ui, Icon::BookmarkPlus, "Keep …"));
+    if button(ui, keep, "Keep …", "Put it on the shelf".into()) {
         wishes.push(Wish::Keep(item.id));
     }
-    let stage = ui.button(icon::label(Icon::Presentation, "Stage"));
-    if stage.on_hover_text(super::STAGE.tooltip(ui.ctx())).clicked() {
+    let stage = egui::Button::new(text(ui, Icon::Presentation, "Stage"));
+    if button(ui, stage, "Stage", super::STAGE.tooltip(ui.ctx())) {
         wishes.push(Wish::Do(Action::Perform { item: index }));
     }
-    lineage::menu(ui, instrument, item, wishes);
+    let name = text(ui, Icon::GitFork, "Lineage");
+    lineage::menu(ui, &name, instrument, item, wishes);
     ui.separator();
     let weak = theme::palette(ui).weak;
     ui.spacing_mut().slider_width = 70.0;
@@ -162,10 +166,22 @@ fn header(
     shapes_menu(ui, item, index, heard, wishes);
 }
 
+/// An icon with its name, or alone where the bench is narrow.
+pub fn text(ui: &Ui, mark: Icon, name: &str) -> String {
+    if ui.max_rect().width() < WIDE { icon::text(mark) } else { icon::label(mark, name) }
+}
+
+fn button(ui: &mut Ui, button: egui::Button<'_>, name: &str, tip: String) -> bool {
+    let response = ui.add(button).on_hover_text(tip);
+    theme::name(&response, name);
+    response.clicked()
+}
+
 /// Ready-made curves, to begin from.
 fn shapes_menu(ui: &mut Ui, item: &GalleryItem, index: usize, heard: &Heard<'_>, wishes: &mut Vec<Wish>) {
     let mapping = &item.mapping;
-    let button = ui.menu_button(icon::label(Icon::Spline, "Curves"), |ui| {
+    let name = text(ui, Icon::Spline, "Curves");
+    let button = ui.menu_button(name, |ui| {
         let mut entry = |ui: &mut Ui, name: &str, action: &dyn Fn() -> Action| {
             if ui.button(name).clicked() {
                 wishes.push(Wish::Do(action()));
@@ -195,6 +211,7 @@ fn shapes_menu(ui: &mut Ui, item: &GalleryItem, index: usize, heard: &Heard<'_>,
             amplification(values)
         });
     });
+    theme::name(&button.response, "Curves");
     button.response.on_hover_text("Ready-made curves, to begin from");
 }
 

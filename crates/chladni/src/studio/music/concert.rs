@@ -152,11 +152,6 @@ impl Concert {
         &self.pace
     }
 
-    /// How finely the dance is drawn, in words.
-    pub fn drawn(&self) -> String {
-        self.viewport.drawn()
-    }
-
     /// Vertices of the shape, and how many of them the gallery draws.
     pub fn drawn_vertices(&self) -> (usize, usize) {
         let all = self.rest.len();
@@ -260,6 +255,7 @@ impl Concert {
             let response = ui.allocate_rect(whole, egui::Sense::click_and_drag());
             viewport::navigate(ui, &response, &mut self.camera);
             let camera = self.camera;
+            ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
             return self.harmonics.show(ui, shared, &mut self.viewport, &self.topology, camera, whole, first);
         }
         let solo = self.tried_out.take().or_else(|| self.close_up_mapping()).filter(|_| !on_stage);

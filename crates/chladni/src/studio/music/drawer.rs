@@ -137,8 +137,6 @@ fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     );
     ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
     ui.label(RichText::new(concert.means()).small().color(theme::palette(ui).weak));
-    let text = format!("Drawn with {}", concert.drawn());
-    ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
     let (all, drawn) = concert.drawn_vertices();
     if drawn < all {
         let text = format!(

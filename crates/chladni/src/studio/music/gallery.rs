@@ -142,7 +142,7 @@ fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut 
         entry(ui, Icon::BookmarkPlus, "Keep on the shelf …", Wish::Keep(shown.id));
         entry(ui, Icon::Save, "Save as a file …", Wish::SavePreset(shown.id));
         ui.separator();
-        lineage::menu(ui, instrument, shown, wishes);
+        lineage::menu(ui, &icon::label(Icon::GitFork, "Lineage"), instrument, shown, wishes);
     });
 }
 

@@ -4,12 +4,11 @@ use chladni_music::{Action, Gallery, GalleryItem, Instrument, ItemId, Origin, li
 use egui::{RichText, ScrollArea, Ui};
 
 use super::wish::Wish;
-use crate::studio::icon::{self, Icon};
 use crate::studio::theme;
 
-/// A menu of an item and its ancestors, newest first; a click goes to the generation of one.
-pub fn menu(ui: &mut Ui, instrument: &Instrument, item: &GalleryItem, wishes: &mut Vec<Wish>) {
-    let button = ui.menu_button(icon::label(Icon::GitFork, "Lineage"), |ui| {
+/// A menu called `label` of an item and its ancestors, newest first; a click goes to the generation of one.
+pub fn menu(ui: &mut Ui, label: &str, instrument: &Instrument, item: &GalleryItem, wishes: &mut Vec<Wish>) {
+    let button = ui.menu_button(label, |ui| {
         ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
             let gallery = instrument.gallery();
             for ancestor in lineage(instrument, item) {
@@ -33,6 +32,7 @@ pub fn menu(ui: &mut Ui, instrument: &Instrument, item: &GalleryItem, wishes: &m
             }
         });
     });
+    theme::name(&button.response, "Lineage");
     button.response.on_hover_text("Where it comes from");
 }
 
