@@ -39,6 +39,9 @@ impl Gpu {
             label: Some("chladni"),
             // What the card allows: synthesis binds large buffers.
             required_limits: adapter.limits(),
+            // Benchmarks ask the device's own clock.
+            required_features: adapter.features()
+                & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS),
             ..Default::default()
         }))
         .map_err(|error| ViewError::NoDevice { adapter: adapter_name, reason: error.to_string() })?;

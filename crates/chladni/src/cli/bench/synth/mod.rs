@@ -1,5 +1,6 @@
 //! `chladni bench synth`: the papers' frame rates, here and now.
 
+mod clock;
 mod report;
 mod rows;
 mod stage;

@@ -21,12 +21,13 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Opens the device.
+    /// Opens the device. Drawn is as films and windows are: with one sample a pixel where the processor draws.
     pub fn new() -> Result<Self, Failure> {
         let gpu = Gpu::headless().map_err(Failure::other)?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).map_err(Failure::other)?;
         let renderer = Renderer::new(&gpu);
-        let canvas = Canvas::new(&gpu, SIZE_PX.0, SIZE_PX.1).map_err(Failure::other)?;
+        let canvas =
+            Canvas::with_samples(&gpu, SIZE_PX.0, SIZE_PX.1, gpu.live_samples()).map_err(Failure::other)?;
         Ok(Self { gpu, context, renderer, canvas })
     }
 }

@@ -1,4 +1,4 @@
-//! How long a frame takes, by the clock on the wall.
+//! How long a frame takes: by the clock on the wall, and on a device by its own.
 
 use std::time::{Duration, Instant};
 
@@ -7,6 +7,7 @@ use chladni_view::Gpu;
 use eframe::wgpu;
 use rayon::prelude::*;
 
+use super::clock::DeviceClock;
 use super::report::Times;
 use super::stage::{Scene, Stage, wait};
 use crate::cli::Failure;
@@ -19,14 +20,32 @@ const SLOW: Duration = Duration::from_secs(1);
 
 /// The median time of `work` in seconds, after one run that warms up.
 fn median_secs(mut work: impl FnMut() -> Result<(), Failure>) -> Result<f64, Failure> {
+    median_of(|| {
+        let before = Instant::now();
+        work()?;
+        Ok(before.elapsed().as_secs_f64())
+    })
+}
+
+/// The median time of what `work` submits, by the device's own clock where it has one.
+fn median_device_secs(gpu: &Gpu, mut work: impl FnMut() -> Result<(), Failure>) -> Result<f64, Failure> {
+    match DeviceClock::new(gpu) {
+        Some(clock) => median_of(|| clock.secs(&mut work)),
+        None => median_secs(|| {
+            work()?;
+            wait(gpu)
+        }),
+    }
+}
+
+/// The median of what `measured` says, after one run that warms up.
+fn median_of(mut measured: impl FnMut() -> Result<f64, Failure>) -> Result<f64, Failure> {
     let start = Instant::now();
-    work()?;
+    measured()?;
     let frames = if start.elapsed() > SLOW { 1 } else { FRAMES };
     let (start, mut times) = (Instant::now(), Vec::new());
     while times.len() < frames || start.elapsed() < PATIENCE {
-        let before = Instant::now();
-        work()?;
-        times.push(before.elapsed().as_secs_f64());
+        times.push(measured()?);
     }
     times.sort_by(f64::total_cmp);
     Ok(times[times.len() / 2])
@@ -87,13 +106,10 @@ pub fn on_gpu(
     copy: f64,
 ) -> Result<Times, Failure> {
     let gpu = stage.gpu.clone();
-    let synthesis = median_secs(|| {
-        synthesizer.synthesize_positions(items).map_err(Failure::other)?;
-        wait(&gpu)
-    })?;
-    let normals = median_secs(|| {
-        synthesizer.synthesize_normals(&FrameSettings::default()).map_err(Failure::other)?;
-        wait(&gpu)
+    let synthesis =
+        median_device_secs(&gpu, || synthesizer.synthesize_positions(items).map_err(Failure::other))?;
+    let normals = median_device_secs(&gpu, || {
+        synthesizer.synthesize_normals(&FrameSettings::default()).map_err(Failure::other)
     })?;
     let scene = Scene::new(&gpu, synthesizer.frame(), triangles)?;
     let draw = draw.then(|| median_secs(|| scene.draw(&mut stage.renderer, &stage.canvas))).transpose()?;
@@ -113,11 +129,11 @@ pub fn copy_on_device_secs(gpu: &Gpu, bytes: usize) -> Result<f64, Failure> {
         })
     };
     let (source, target) = (buffer(), buffer());
-    let secs = median_secs(|| {
+    let secs = median_device_secs(gpu, || {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(&source, 0, &target, 0, piece);
         gpu.queue.submit([encoder.finish()]);
-        wait(gpu)
+        Ok(())
     })?;
     Ok(secs * bytes as f64 / piece as f64)
 }
