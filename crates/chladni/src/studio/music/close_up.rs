@@ -14,7 +14,7 @@ use crate::studio::theme;
 const BENCH: f32 = 230.0;
 const HEAD: f32 = 38.0;
 /// A narrower bench has icons without names.
-const WIDE: f32 = 960.0;
+const WIDE: f32 = 1040.0;
 
 /// Divides the room's middle into the picture and the bench below it.
 pub fn split(rect: Rect) -> (Rect, Rect) {
