@@ -1,6 +1,8 @@
 //! Self-intersections: triangles that pass through others.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
 
 use chladni_task::{Cancelled, Task};
 use rayon::prelude::*;
@@ -61,22 +63,16 @@ impl Crossings {
     /// pass through each other; neither do those without area.
     pub fn triangles(&self, positions: &[Vec3], task: &Task) -> Result<Vec<u32>, Cancelled> {
         let boxes = self.fitted(positions);
+        // A mark per triangle: of a crumpled surface the pairs would fill any memory.
+        let crossed: Vec<AtomicBool> = self.order.iter().map(|_| AtomicBool::new(false)).collect();
         let slots: Vec<usize> = (0..self.order.len()).collect();
-        let pairs: Vec<Vec<[u32; 2]>> = slots
-            .par_chunks(PIECE)
-            .map(|slots| {
-                task.check()?;
-                let mut pairs = Vec::new();
-                for slot in slots {
-                    self.crossed_by(*slot, positions, &boxes, &mut pairs);
-                }
-                Ok(pairs)
-            })
-            .collect::<Result<_, Cancelled>>()?;
-        let mut crossed: Vec<u32> = pairs.into_iter().flatten().flatten().collect();
-        crossed.sort_unstable();
-        crossed.dedup();
-        Ok(crossed)
+        slots.par_chunks(PIECE).try_for_each(|slots| {
+            task.check()?;
+            slots.iter().for_each(|slot| self.mark_crossed_by(*slot, positions, &boxes, &crossed));
+            Ok(())
+        })?;
+        let marks = crossed.into_iter().map(AtomicBool::into_inner).zip(0..);
+        Ok(marks.filter_map(|(is_crossed, triangle)| is_crossed.then_some(triangle)).collect())
     }
 
     /// The boxes of all nodes at `positions`.
@@ -99,8 +95,8 @@ impl Crossings {
         corners.into_iter().fold(EMPTY, |bounds, p| around(bounds, (p, p)))
     }
 
-    /// Adds the pairs of the triangle in `slot` with those in later slots that it passes through.
-    fn crossed_by(&self, slot: usize, positions: &[Vec3], boxes: &[Bounds], pairs: &mut Vec<[u32; 2]>) {
+    /// Marks the triangle in `slot` and those in later slots that it passes through.
+    fn mark_crossed_by(&self, slot: usize, positions: &[Vec3], boxes: &[Bounds], crossed: &[AtomicBool]) {
         let here = self.order[slot];
         let bounds = self.bounds(here, positions);
         // Depth is at most ⌈log₂ m⌉ < 32, and each level leaves one node behind.
@@ -120,9 +116,14 @@ impl Crossings {
             }
             for later in (start as usize..(start + count) as usize).filter(|later| *later > slot) {
                 let there = self.order[later];
+                let marks = [here, there].map(|t| &crossed[t as usize]);
+                // Read too early, a mark only costs another test.
+                if marks.iter().all(|mark| mark.load(Relaxed)) {
+                    continue;
+                }
                 let pair = [here, there].map(|t| self.surface.triangles[t as usize]);
                 if overlap(bounds, self.bounds(there, positions)) && cross_each_other(pair, positions) {
-                    pairs.push([here, there]);
+                    marks.iter().for_each(|mark| mark.store(true, Relaxed));
                 }
             }
         }

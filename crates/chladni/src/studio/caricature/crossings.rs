@@ -52,12 +52,14 @@ impl CrossingMeter {
         let mut changed = false;
         match self.running.as_ref().map(Job::poll) {
             None => {}
-            Some(Outcome::Running) => return Ok(false),
+            Some(Outcome::Running) if resting && self.is_searched(&evaluation.result) => return Ok(false),
+            // The hand moves on and needs all threads: dropped, the search stops.
+            Some(Outcome::Running) => (self.running, self.searched) = (None, None),
             Some(Outcome::Done(Ok((searcher, found)))) => {
                 (self.searcher, self.found) = (Some(searcher), Some(found));
                 (self.running, changed) = (None, true);
             }
-            Some(Outcome::Done(Err(Cancelled))) => self.running = None,
+            Some(Outcome::Done(Err(Cancelled))) => (self.running, self.searched) = (None, None),
             Some(Outcome::Lost) => {
                 self.running = None;
                 return Err("Counting crossings broke off; this is a bug.");
@@ -101,5 +103,38 @@ impl Searcher {
         let tree = Arc::new(Crossings::of(Arc::clone(&surface)));
         let from_the_start = tree.triangles(&surface.positions, task)?.len();
         Ok(Self { tree, from_the_start })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_caricature::{Project, ShapeSource};
+    use chladni_harmonics::{BasisSettings, Body};
+
+    #[test]
+    fn a_search_makes_way_for_the_hand_and_begins_again_when_it_rests() {
+        let mesh = chladni_mesh::samples::icosphere(4);
+        let body = Body::build(&mesh, &BasisSettings::new(4), &Task::new()).unwrap();
+        let mut stack = Stack::new(Arc::new(body)).unwrap();
+        let evaluation = stack.evaluate(&Project::new(ShapeSource::Sample("icosphere".into()), 4));
+        let (ctx, mut meter) = (egui::Context::default(), CrossingMeter::default());
+        meter.pump(&ctx, &stack, &evaluation, true).unwrap();
+        assert!(meter.running.is_some());
+        meter.pump(&ctx, &stack, &evaluation, false).unwrap();
+        assert!(meter.running.is_none());
+        let mut counted = || {
+            meter.pump(&ctx, &stack, &evaluation, true).unwrap();
+            meter.count(&evaluation).filter(|count| !count.outdated)
+        };
+        let start = std::time::Instant::now();
+        let count = loop {
+            assert!(start.elapsed().as_secs() < 60, "the search never began again");
+            if let Some(count) = counted() {
+                break count;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        };
+        assert_eq!((count.now, count.from_the_start), (0, 0));
     }
 }
