@@ -216,6 +216,50 @@ fn opening_another_project_asks_about_unsaved_work() {
 }
 
 #[test]
+fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    let choose = |person: &mut Person, names: &[&str]| {
+        names.iter().for_each(|name| desk.answers.add(desk.path(name)));
+        person.press_with(CTRL, Key::O);
+        person.0.run_steps(4);
+    };
+    // What cannot be opened leaves the open shape as it is.
+    choose(&mut person, &["missing.obj", "template.obj"]);
+    person.wait_to_see("missing.obj");
+    person.wait_until_gone("Opening missing.obj");
+    person.0.run_steps(4);
+    assert!(!person.sees("Layer template"));
+    std::fs::write(desk.path("broken.chladni"), "no project").unwrap();
+    choose(&mut person, &["broken.chladni", "template.obj"]);
+    assert!(person.sees("broken.chladni") && !person.sees("Layer template"));
+
+    // Nor does what waits until it is known what becomes of unsaved work.
+    person.click_button("Add");
+    person.click("Own size");
+    save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
+    choose(&mut person, &["finer.obj", "template.obj"]);
+    assert!(person.sees("Save before opening another?") && !person.sees("Layer template"));
+    person.click("Keep working");
+    person.0.run_steps(4);
+    assert!(person.sees("Own size 1") && !person.sees("Layer template"));
+    choose(&mut person, &["finer.obj", "template.obj"]);
+    person.click("Lose changes");
+    person.wait_to_see("2\u{202f}562 vertices");
+    person.wait_to_see("Layer template");
+    assert!(!person.sees("Own size 1"));
+
+    // A project is the shape, wherever it stands among the files.
+    let project = Project::new(chladni_caricature::ShapeSource::File(desk.path("shape.obj")), HARMONICS);
+    project.save(&desk.path("z.chladni")).unwrap();
+    choose(&mut person, &["template.obj", "z.chladni"]);
+    person.click("Lose changes");
+    person.wait_to_see("642 vertices");
+    person.wait_to_see("Layer template");
+}
+
+#[test]
 fn landmarks_are_picked_moved_removed_saved_and_read() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj", "template.obj"]);

@@ -27,7 +27,12 @@ pub const MESHES: [&str; 7] = ["obj", "ply", "off", "stl", "gltf", "glb", "mesh"
 /// Extension of projects.
 pub const PROJECT: &str = "chladni";
 /// Extensions of all that this room opens.
-pub const ALL: [&str; 8] = [PROJECT, "obj", "ply", "off", "stl", "gltf", "glb", "mesh"];
+pub const ALL: [&str; 1 + MESHES.len()] = {
+    let mut all = [PROJECT; 1 + MESHES.len()];
+    let (_, meshes) = all.split_at_mut(1);
+    meshes.copy_from_slice(&MESHES);
+    all
+};
 
 /// A project that is to take the place of the open one.
 pub struct Candidate {
@@ -40,6 +45,15 @@ pub struct Candidate {
     /// The shape that its layers were made on, where `project` names another: regions and landmarks
     /// are carried over.
     pub made_on: Option<Arc<TriMesh>>,
+    /// Meshes that become layers of it as soon as it is open.
+    pub templates: Vec<PathBuf>,
+}
+
+impl Candidate {
+    /// A project that lies nowhere yet.
+    pub fn new(project: Project) -> Self {
+        Self { project, path: None, recovered: None, made_on: None, templates: Vec::new() }
+    }
 }
 
 /// Whether `path` is named like a project.
@@ -48,36 +62,50 @@ pub fn is_project(path: &Path) -> bool {
 }
 
 impl CaricatureRoom {
-    /// Asks for a mesh or project and opens it.
+    /// Asks for meshes or a project and opens them.
     pub(super) fn choose_file(&mut self, shared: &mut Shared<'_>) {
         let paths = shared.chooser.open_several(&[("Meshes and projects", &ALL)]);
-        if !paths.is_empty() {
-            // As if dropped at once: the first is the shape.
-            self.templates.clear();
-            self.load(&paths[0], shared);
-            self.templates.extend_from_slice(&paths[1..]);
+        self.open_together(&paths, true, shared);
+    }
+
+    /// Opens the project among `paths`, or else the first mesh where a `new_shape` is wanted; the
+    /// other meshes become layers.
+    pub(super) fn open_together(&mut self, paths: &[PathBuf], new_shape: bool, shared: &mut Shared<'_>) {
+        let (projects, mut meshes): (Vec<PathBuf>, Vec<PathBuf>) =
+            paths.iter().cloned().partition(|path| is_project(path));
+        if let [first, _, ..] = &projects[..] {
+            let name = first.display();
+            shared.notices.warn(format!("One project is open at a time: of these, {name} is opened."));
+        }
+        let first_mesh =
+            |meshes: &mut Vec<PathBuf>| (new_shape && !meshes.is_empty()).then(|| meshes.remove(0));
+        match projects.into_iter().next().or_else(|| first_mesh(&mut meshes)) {
+            Some(path) => self.load(&path, meshes, shared),
+            None => self.take_templates(meshes, shared),
         }
     }
 
-    /// Opens a mesh as a new shape, or a project.
-    pub(super) fn load(&mut self, path: &Path, shared: &mut Shared<'_>) {
+    /// Opens a mesh as a new shape, or a project, and makes a layer against each of `templates`.
+    fn load(&mut self, path: &Path, templates: Vec<PathBuf>, shared: &mut Shared<'_>) {
         let candidate = if is_project(path) {
             match Project::load(path) {
-                Ok(project) => {
-                    Candidate { project, path: Some(path.to_owned()), recovered: None, made_on: None }
-                }
-                Err(error) => return shared.notices.error(error.to_string()),
+                Ok(project) => Candidate { path: Some(path.to_owned()), ..Candidate::new(project) },
+                Err(error) => return self.refuse(error.to_string(), shared),
             }
+        } else if let Some(name) = path.to_str().and_then(|text| text.strip_prefix("sample:")) {
+            return self.start(Candidate { templates, ..sample(name, shared) }, shared);
         } else {
-            if let Some(name) = path.to_str().and_then(|text| text.strip_prefix("sample:")) {
-                return self.open_sample(name, shared);
-            }
             let shape = ShapeSource::File(path.to_owned());
-            let project = Project::new(shape, shared.settings.harmonics);
-            Candidate { project, path: None, recovered: None, made_on: None }
+            Candidate::new(Project::new(shape, shared.settings.harmonics))
         };
         shared.settings.remember(path);
-        self.start(candidate, shared);
+        self.start(Candidate { templates, ..candidate }, shared);
+    }
+
+    /// Tells why nothing was opened.
+    pub(super) fn refuse(&mut self, why: String, shared: &mut Shared<'_>) {
+        self.refused = true;
+        shared.notices.error(why);
     }
 
     /// Asks for another shape and takes the layers there.
@@ -87,20 +115,12 @@ impl CaricatureRoom {
         let mut project = session.project().clone();
         project.shape = ShapeSource::File(path);
         let made_on = Some(Arc::clone(&session.mesh));
-        self.start(Candidate { project, path: None, recovered: None, made_on }, shared);
+        self.start(Candidate { made_on, ..Candidate::new(project) }, shared);
     }
 
-    /// Opens a sample; the head comes with a first layer, so that there is something to see.
+    /// Opens a sample.
     pub(super) fn open_sample(&mut self, name: &str, shared: &mut Shared<'_>) {
-        let mut project = Project::new(ShapeSource::Sample(name.into()), shared.settings.harmonics);
-        if name == "head" {
-            let template = Template::Sample("template".into());
-            let first = Layer { mu: -0.8, ..against_mesh("Character", template) };
-            if let Err(error) = project.push(first) {
-                shared.notices.error(error.to_string());
-            }
-        }
-        self.start(Candidate { project, path: None, recovered: None, made_on: None }, shared);
+        self.start(sample(name, shared), shared);
     }
 
     /// Puts `candidate` in the place of the open project, which is asked about where it has
@@ -113,7 +133,8 @@ impl CaricatureRoom {
         }
     }
 
-    fn begin(&mut self, candidate: Candidate, ctx: &Context) {
+    fn begin(&mut self, mut candidate: Candidate, ctx: &Context) {
+        self.templates = std::mem::take(&mut candidate.templates);
         let label = match &candidate.project.shape {
             ShapeSource::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             sample @ ShapeSource::Sample(_) => sample.to_string(),
@@ -126,8 +147,18 @@ impl CaricatureRoom {
 
     /// Asks for meshes to compare with, and makes a layer against each.
     pub(super) fn choose_template(&mut self, shared: &mut Shared<'_>) {
-        for path in shared.chooser.open_several(&[("Meshes", &MESHES)]) {
-            self.add_template(path, shared);
+        let meshes = shared.chooser.open_several(&[("Meshes", &MESHES)]);
+        self.take_templates(meshes, shared);
+    }
+
+    /// Makes a layer against each of `meshes`, in the project that is on its way where one is.
+    fn take_templates(&mut self, meshes: Vec<PathBuf>, shared: &mut Shared<'_>) {
+        if let Some(candidate) = &mut self.candidate {
+            candidate.templates.extend(meshes);
+        } else if self.loading.is_some() {
+            self.templates.extend(meshes);
+        } else {
+            meshes.into_iter().for_each(|path| self.add_template(path, shared));
         }
     }
 
@@ -224,11 +255,11 @@ impl CaricatureRoom {
     /// Offers what a crash left behind; true where the person wants it back.
     pub(super) fn offer_recovery(&mut self, shared: &mut Shared<'_>) -> bool {
         let Some(recovered) = self.offer.show(shared) else { return false };
+        let project = recovered.project.clone();
         let candidate = Candidate {
-            project: recovered.project.clone(),
             path: recovered.original.clone(),
             recovered: Some(recovered),
-            made_on: None,
+            ..Candidate::new(project)
         };
         self.start(candidate, shared);
         true
@@ -259,6 +290,19 @@ impl CaricatureRoom {
             shared.ctx.request_repaint_after(Duration::from_secs_f64(secs + 0.05));
         }
     }
+}
+
+/// A sample; the head comes with a first layer, so that there is something to see.
+fn sample(name: &str, shared: &mut Shared<'_>) -> Candidate {
+    let mut project = Project::new(ShapeSource::Sample(name.into()), shared.settings.harmonics);
+    if name == "head" {
+        let template = Template::Sample("template".into());
+        let first = Layer { mu: -0.8, ..against_mesh("Character", template) };
+        if let Err(error) = project.push(first) {
+            shared.notices.error(error.to_string());
+        }
+    }
+    Candidate::new(project)
 }
 
 /// A new layer against a mesh: without the finest harmonics, where a match is rough.

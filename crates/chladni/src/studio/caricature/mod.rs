@@ -136,7 +136,7 @@ pub struct CaricatureRoom {
     layers: LayerList,
     thumbnails: Thumbnails,
     controls: Controls,
-    /// Meshes that become layers as soon as the shape is there.
+    /// Meshes that become layers as soon as what is loading is there.
     templates: Vec<PathBuf>,
     brush: BrushTool,
     /// Landmarks of the selected layer are picked.
@@ -187,16 +187,9 @@ impl Room for CaricatureRoom {
     }
 
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
-        let opens_shape = self.session.is_none() || paths.len() > 1;
-        for (index, path) in paths.iter().enumerate() {
-            // The first mesh is the shape; the next ones are templates for it.
-            if files::is_project(path) || (index == 0 && opens_shape) {
-                self.templates.clear();
-                self.load(path, shared);
-            } else {
-                self.templates.push(path.clone());
-            }
-        }
+        // A single mesh is compared with the shape that is open.
+        let new_shape = self.session.is_none() || paths.len() > 1;
+        self.open_together(paths, new_shape, shared);
     }
 
     fn extensions(&self) -> &'static [&'static str] {
@@ -232,28 +225,17 @@ impl Room for CaricatureRoom {
 impl CaricatureRoom {
     /// Takes in what jobs have finished.
     fn poll(&mut self, shared: &mut Shared<'_>) {
-        let outcome = self.loading.as_ref().map(Job::poll);
-        match outcome {
-            Some(Outcome::Done(Ok(loaded))) => {
-                self.loading = None;
-                self.preview = None;
-                self.take_in(loaded, shared);
-            }
-            Some(Outcome::Done(Err(why))) => {
-                self.loading = None;
-                self.preview = None;
-                self.refused = true;
-                shared.notices.error(why);
-            }
-            Some(Outcome::Lost) => {
-                self.loading = None;
-                shared.notices.error("Opening broke off; this is a bug.");
-            }
-            Some(Outcome::Running) | None => {}
-        }
-        if self.loading.is_none() && self.session.is_some() {
-            for path in std::mem::take(&mut self.templates) {
-                self.add_template(path, shared);
+        let loaded = match self.loading.as_ref().map(Job::poll) {
+            Some(Outcome::Done(loaded)) => Some(loaded),
+            Some(Outcome::Lost) => Some(Err("Opening broke off; this is a bug.".into())),
+            Some(Outcome::Running) | None => None,
+        };
+        if let Some(loaded) = loaded {
+            (self.loading, self.preview) = (None, None);
+            let templates = std::mem::take(&mut self.templates);
+            match loaded.and_then(|loaded| self.take_in(loaded, shared)) {
+                Ok(()) => templates.into_iter().for_each(|path| self.add_template(path, shared)),
+                Err(why) => self.refuse(why, shared),
             }
         }
         if let Some(session) = &mut self.session {
@@ -274,7 +256,8 @@ impl CaricatureRoom {
         }
     }
 
-    fn take_in(&mut self, mut loaded: Loaded, shared: &mut Shared<'_>) {
+    /// Puts what was loaded in the place of what is open; an error leaves that as it is.
+    fn take_in(&mut self, mut loaded: Loaded, shared: &mut Shared<'_>) -> Result<(), String> {
         for warning in &loaded.warnings {
             shared.notices.warn(warning.clone());
         }
@@ -283,31 +266,22 @@ impl CaricatureRoom {
         }
         let recovered = loaded.recovered.take();
         let look = loaded.look.take();
-        let session = match Session::new(loaded) {
-            Ok(session) => session,
-            Err(why) => return shared.notices.error(why),
-        };
-        let positions = single(&session.stack.body().positions);
-        match Stage::new(
-            viewport::gpu_of(shared.gpu),
-            &positions,
-            &session.stack.body().triangles,
-            look.as_ref(),
-        ) {
-            Ok(stage) => {
-                self.heat.start(stage.has_own_look());
-                self.thumbnails.clear(shared.gpu);
-                self.stage = Some(stage);
-                self.session = Some(session);
-                self.stale = true;
-                if let Some(Ok(autosave)) = &mut self.autosave {
-                    autosave.forget();
-                }
-                self.adopting = recovered;
-                self.picture_new_shape(shared);
-            }
-            Err(error) => shared.notices.error(error.to_string()),
+        let session = Session::new(loaded)?;
+        let body = session.stack.body();
+        let positions = single(&body.positions);
+        let stage = Stage::new(viewport::gpu_of(shared.gpu), &positions, &body.triangles, look.as_ref())
+            .map_err(|error| error.to_string())?;
+        self.heat.start(stage.has_own_look());
+        self.thumbnails.clear(shared.gpu);
+        self.stage = Some(stage);
+        self.session = Some(session);
+        self.stale = true;
+        if let Some(Ok(autosave)) = &mut self.autosave {
+            autosave.forget();
         }
+        self.adopting = recovered;
+        self.picture_new_shape(shared);
+        Ok(())
     }
 
     fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, edits: &mut Edits) {

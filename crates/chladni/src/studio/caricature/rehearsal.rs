@@ -27,7 +27,7 @@ pub struct Rehearsal {
 impl Rehearsal {
     /// Opens the shape of `project` and matches what its layers wait for.
     pub fn of(project: Project, gpu: &Gpu, task: &Task) -> Result<Self, String> {
-        let candidate = Candidate { project, path: None, recovered: None, made_on: None };
+        let candidate = Candidate::new(project);
         let loaded = session::load(candidate, &channel().0, task)?;
         let mut session = Session::new(loaded)?;
         let nobody = egui::Context::default();
