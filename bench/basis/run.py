@@ -3,7 +3,6 @@
 import argparse
 import json
 import os
-import platform
 import subprocess
 import sys
 import tempfile
@@ -12,6 +11,9 @@ from pathlib import Path
 
 import numpy as np
 from cases import CASES, PAPERS, lion4
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from section import machine, write_section
 
 HERE = Path(__file__).resolve().parent
 THREADS = 4
@@ -202,34 +204,12 @@ def floors(results):
     return lines
 
 
-def machine():
-    name = platform.processor() or platform.machine()
-    for line in open("/proc/cpuinfo"):
-        if line.startswith("model name"):
-            name = line.split(":")[1].strip()
-            break
-    return f"{name}, {os.cpu_count()} cores, load average {os.getloadavg()[0]:.1f} at the start"
-
-
-def write_section(root, text):
-    path = Path(root) / "BENCHMARKS.md"
-    begin, end = "<!-- basis:begin -->", "<!-- basis:end -->"
-    old = path.read_text() if path.exists() else "# Benchmarks\n"
-    section = f"{begin}\n{text}\n{end}"
-    if begin in old and end in old:
-        new = old[: old.index(begin)] + section + old[old.index(end) + len(end):]
-    else:
-        new = old.rstrip() + "\n\n" + section + "\n"
-    path.write_text(new)
-
-
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("root")
     parser.add_argument("--quick", action="store_true", help="one run each, no peers beyond n = 15,000")
     parser.add_argument("--only", help="case numbers from 0, separated by commas")
     options = parser.parse_args()
-    about = machine()
+    about = f"{machine()} at the start"
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(Path(folder), Path(os.environ["CHLADNI_DATA"]))
         results, papers = [], []
@@ -244,7 +224,7 @@ def main():
         for paper in PAPERS:
             papers.append((paper, bench.ours(paper[4], paper[2], THREADS, 1)))
     note = (HERE / "NOTES.md").read_text()
-    write_section(options.root, f"## Harmonic basis\n\nMeasured by `bench/basis/run` on: {about}.\n\n{note}\n{tables(results, papers)}")
+    write_section("basis", f"## Harmonic basis\n\nMeasured by `bench/basis/run` on: {about}.\n\n{note}\n{tables(results, papers)}")
 
 
 main()

@@ -11,13 +11,14 @@ is looked for in /usr/bin/python3. --write puts the table into BENCHMARKS.md.
 import json
 import os
 import pathlib
-import platform
-import re
 import subprocess
 import sys
 import tempfile
 
 import midi_songs
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+from section import processor, write_section
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WINDOW_SECS = 0.07
@@ -98,7 +99,7 @@ def main():
     table = render(groups, truths, columns)
     print(table)
     if "--write" in arguments:
-        write_section(table)
+        write_section("beats", f"## Beats\n\n{table}")
 
 
 def render(groups, truths, columns):
@@ -131,22 +132,11 @@ def render(groups, truths, columns):
                 + " | ".join(f"{right[n]} of {len(songs)}; {octaves[n]}" for n in columns) + " |")
     took = " | ".join(f"{sum(line['took_secs'] for line in column):.1f} s" for column in columns.values())
     rows.append(f"| time for all, one thread, decoding excluded | | {took} |")
-    head = (f"F-measure (±70 ms) and tempo found, all in one run on {platform.processor() or platform.machine()}; "
+    head = (f"F-measure (±70 ms) and tempo found, all in one run on {processor()}; "
             "made by `bench/beats/measure.py --write`. The songs composed by us (24 s each), the recordings and half of the "
             "MIDI songs (40 s of each song of Debian's openttd-openmsx, played by fluidsynth; truth is the quarter note) "
             "were also used to choose the tracker's constants; the other half was not.\n\n")
     return head + "\n".join(rows) + "\n"
-
-
-def write_section(table):
-    path = ROOT / "BENCHMARKS.md"
-    text = path.read_text() if path.exists() else "# Benchmarks\n"
-    section = f"<!-- beats:begin -->\n## Beats\n\n{table}<!-- beats:end -->"
-    if "<!-- beats:begin -->" in text:
-        text = re.sub(r"<!-- beats:begin -->.*<!-- beats:end -->", lambda _: section, text, flags=re.S)
-    else:
-        text = text.rstrip() + "\n\n" + section + "\n"
-    path.write_text(text)
 
 
 if __name__ == "__main__":

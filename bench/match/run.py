@@ -15,12 +15,16 @@ import json
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import time
 
 import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+from section import BENCHMARKS, machine, write_section
 
 PAIRS = {
     "A": ("heads/igea.ply", "heads/decimated-max.obj"),
@@ -182,7 +186,7 @@ def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("--chladni", required=True)
     arguments.add_argument("--data", required=True, type=pathlib.Path)
-    arguments.add_argument("--out", default="BENCHMARKS.md", type=pathlib.Path)
+    arguments.add_argument("--out", default=BENCHMARKS, type=pathlib.Path)
     arguments.add_argument("--pairs", default="A,B,C,D,E,E turned")
     arguments.add_argument("--pycpd", action="store_true")
     arguments.add_argument("--poses", type=int, default=4)
@@ -220,7 +224,7 @@ def main():
                 print(rows[-1], flush=True)
     section = "\n".join([
         "## Match", "",
-        "Made by `bench/match/run.py`. Seconds, median distance after alignment, and median error where the",
+        f"{machine()}; made by `bench/match/run.py`. Seconds, median distance after alignment, and median error where the",
         "truth is known (D: 13 published landmarks, E: equal indices), as shares of the diagonal. `A` is igea",
         "(134 345 vertices) onto Max Planck. Open3D gets 6000 samples a mesh, FPFH at 10 % of the diagonal and",
         "RANSAC with scale. nricp_amberg is posed by the 13 landmarks in both of its rows, and what it leaves",
@@ -228,12 +232,7 @@ def main():
         "its points lie on the target.", "",
         "| pair | method | s | distance | error | |", "|---|---|---|---|---|---|", *rows, "",
         *poses(options.poses)])
-    begin, end = "<!-- match:begin -->", "<!-- match:end -->"
-    text = options.out.read_text() if options.out.exists() else f"# Benchmarks\n\n{begin}\n{end}\n"
-    if begin not in text:
-        text += f"\n{begin}\n{end}\n"
-    before, rest = text.split(begin, 1)
-    options.out.write_text(before + begin + "\n" + section + end + rest.split(end, 1)[1])
+    write_section("match", section, options.out)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,9 @@ import trimesh
 
 from sync import sync
 
-BEGIN, END = "<!-- music:begin -->", "<!-- music:end -->"
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+from section import machine, write_section
+
 chladni = sys.argv[1]
 K = 100
 
@@ -55,10 +57,9 @@ def symmetry(path, folder):
 def main():
     data = pathlib.Path(os.environ.get("CHLADNI_DATA", "shared/data")) / "meshes"
     lines = ["## Music", ""]
-    processor = next(l.split(":")[1].strip() for l in open("/proc/cpuinfo") if l.startswith("model name"))
     measured = json.loads(run("bench", "music", "--json"))
     lines += [
-        f"{processor}, {measured['timing'][0]['threads']} threads. Made by `bench/music/run`.",
+        f"{machine()}, {measured['timing'][0]['threads']} threads. Made by `bench/music/run`.",
         "",
         "Milliseconds a frame, medians, on the processor: a bumpy sphere with its harmonics, the sample tune. Targets: "
         "spectrum and mapping together at most 1 ms, all of it at most 10 ms.",
@@ -117,14 +118,7 @@ def main():
             worst = max(late, key=abs)
             within = "yes" if abs(worst) <= 1.0 / fps + 1e-3 else "NO"
             lines.append(f"| {fps} | {1e3 / fps:.1f} ms | {len(late)} | {1e3 * worst:.1f} ms | {within} |")
-    path = pathlib.Path("BENCHMARKS.md")
-    text = path.read_text()
-    section = "\n".join([BEGIN, *lines, END])
-    if BEGIN in text:
-        text = text[: text.index(BEGIN)] + section + text[text.index(END) + len(END) :]
-    else:
-        text = text.rstrip() + "\n\n" + section + "\n"
-    path.write_text(text)
+    write_section("music", "\n".join(lines))
     print("\n".join(lines))
 
 

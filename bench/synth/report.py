@@ -5,10 +5,10 @@ Usage: report.py FOLDER THREADS
 
 import json
 import pathlib
-import platform
 import sys
 
-BEGIN, END = "<!-- synth:begin -->", "<!-- synth:end -->"
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+from section import processor, write_section
 
 folder, threads = pathlib.Path(sys.argv[1]), sys.argv[2]
 rows = json.loads((folder / "rows.json").read_text())
@@ -17,13 +17,6 @@ numpy = {
     (p["vertices"], p["harmonics"], p["columns"]): p["numpy_ms"]
     for p in map(json.loads, (folder / "numpy.jsonl").read_text().splitlines())
 }
-
-
-def processor():
-    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":")[1].strip()
-    return platform.processor()
 
 
 load = pathlib.Path("/proc/loadavg").read_text().split()[0]
@@ -67,10 +60,4 @@ for p in products:
         f"| {n:,} | {k:,} | {c} | {ours:.2f} | {gemm:.2f} | {theirs:.2f} | {gemm / ours:.1f} | {theirs / ours:.1f} |"
     )
 
-path = pathlib.Path("BENCHMARKS.md")
-text = path.read_text() if path.exists() else f"# Benchmarks\n\n{BEGIN}\n{END}\n"
-if BEGIN not in text:
-    text = f"{text.rstrip()}\n\n{BEGIN}\n{END}\n"
-before, rest = text.split(BEGIN, 1)
-after = rest.split(END, 1)[1]
-path.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + after)
+write_section("synth", "\n".join(lines))
