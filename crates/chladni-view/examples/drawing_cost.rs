@@ -12,25 +12,35 @@ use chladni_view::{
     View, ViewError, layout, smooth_normals,
 };
 
-/// A sphere with waves, of about `vertices` vertices.
+/// A closed sphere with waves, of about `vertices` vertices, wound outwards.
 fn bumpy(vertices: usize) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let rows = ((vertices / 2) as f32).sqrt() as u32;
     let columns = 2 * rows;
-    let positions = (0..=rows)
+    let at_angles = |polar: f32, around: f32| {
+        let r = 0.4 * (1.0 + 0.15 * (5.0 * polar).sin() * (4.0 * around).cos());
+        [r * polar.sin() * around.sin(), r * polar.cos(), r * polar.sin() * around.cos()]
+    };
+    // One vertex for each pole, at the end.
+    let rings = rows - 1;
+    let mut positions: Vec<[f32; 3]> = (0..rings)
         .flat_map(|i| (0..columns).map(move |j| (i, j)))
         .map(|(i, j)| {
-            let polar = std::f32::consts::PI * i as f32 / rows as f32;
-            let around = std::f32::consts::TAU * j as f32 / columns as f32;
-            let r = 0.4 * (1.0 + 0.15 * (5.0 * polar).sin() * (4.0 * around).cos());
-            [r * polar.sin() * around.cos(), r * polar.cos(), r * polar.sin() * around.sin()]
+            let polar = std::f32::consts::PI * (i + 1) as f32 / rows as f32;
+            at_angles(polar, std::f32::consts::TAU * j as f32 / columns as f32)
         })
         .collect();
+    positions.extend([at_angles(0.0, 0.0), at_angles(std::f32::consts::PI, 0.0)]);
+    let at = |i: u32, j: u32| match i {
+        0 => rings * columns,
+        i if i == rows => rings * columns + 1,
+        i => (i - 1) * columns + j % columns,
+    };
     let triangles = (0..rows)
         .flat_map(|i| (0..columns).map(move |j| (i, j)))
         .flat_map(|(i, j)| {
-            let at = |i, j| i * columns + j % columns;
-            [[at(i, j), at(i, j + 1), at(i + 1, j)], [at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)]]
+            [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)]]
         })
+        .filter(|[a, b, c]| a != b && b != c && c != a)
         .collect();
     (positions, triangles)
 }

@@ -187,18 +187,11 @@ impl Canvas {
 }
 
 fn rough(device: &wgpu::Device, color: &wgpu::TextureView) -> wgpu::BindGroup {
-    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..Default::default()
-    });
+    let resource = wgpu::BindingResource::TextureView(color);
     device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("rough picture"),
         layout: &smooth_layout(device),
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(color) },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
-        ],
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource }],
     })
 }
 

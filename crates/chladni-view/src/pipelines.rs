@@ -34,10 +34,8 @@ pub(crate) struct Kind {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Part {
-    /// A surface's depth as the key light sees it; of a closed one its front only.
-    Shadow {
-        closed: bool,
-    },
+    /// A surface's depth as the key light sees it.
+    Shadow,
     Backdrop,
     Surface(Coat, Side),
     Markers,
@@ -112,10 +110,9 @@ impl Layouts {
     }
 }
 
-/// Of the picture whose edges are to be smoothed, and its sampler.
+/// Of the picture whose edges are to be smoothed.
 pub(crate) fn smooth_layout(device: &wgpu::Device) -> BindGroupLayout {
-    let fragment = wgpu::ShaderStages::FRAGMENT;
-    layout(device, "smooth", &[(fragment, IMAGE), (fragment, SAMPLER)])
+    layout(device, "smooth", &[(wgpu::ShaderStages::FRAGMENT, IMAGE)])
 }
 
 const SAMPLER: wgpu::BindingType = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
@@ -199,7 +196,7 @@ impl Pipelines {
         let each = |stride, attributes| slot(wgpu::VertexStepMode::Vertex, stride, attributes);
         let [at, towards] = [each(12, &position), each(12, &normal)];
         let (vertex, fragment, buffers) = match kind.part {
-            Part::Shadow { .. } => ("shadow_vertex", None, vec![at]),
+            Part::Shadow => ("shadow_vertex", None, vec![at]),
             Part::Backdrop => ("screen_vertex", Some("backdrop_fragment"), vec![]),
             Part::Smooth => ("screen_vertex", Some("smooth_fragment"), vec![]),
             Part::Surface(Coat::Plain, _) => ("plain_vertex", Some("plain_fragment"), vec![at, towards]),
@@ -218,7 +215,7 @@ impl Pipelines {
             }
         };
         let layout = match kind.part {
-            Part::Shadow { .. } => &self.shadowed,
+            Part::Shadow => &self.shadowed,
             Part::Surface(Coat::Corners, _) => &self.cornered,
             Part::Smooth => &self.smoothing,
             _ => &self.indexed,
@@ -265,7 +262,7 @@ impl Part {
         use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
         let discs = matches!(self, Self::Markers | Self::HiddenMarkers);
         let cull_mode = match self {
-            Self::Surface(_, Side::Front) | Self::Shadow { closed: true } => Some(wgpu::Face::Back),
+            Self::Surface(_, Side::Front) => Some(wgpu::Face::Back),
             Self::Surface(_, Side::Back) => Some(wgpu::Face::Front),
             _ => None,
         };
@@ -277,7 +274,7 @@ impl Part {
         use wgpu::CompareFunction::{Always, Greater, LessEqual};
         let (write, compare) = match self {
             Self::Smooth => return None,
-            Self::Shadow { .. } | Self::Surface(..) => (true, LessEqual),
+            Self::Shadow | Self::Surface(..) => (true, LessEqual),
             Self::Backdrop => (false, Always),
             Self::Markers => (false, LessEqual),
             Self::HiddenMarkers => (false, Greater),
@@ -288,7 +285,7 @@ impl Part {
             depth_write_enabled: Some(write),
             depth_compare: Some(compare),
             stencil: wgpu::StencilState::default(),
-            bias: if matches!(self, Self::Shadow { .. }) { bias } else { wgpu::DepthBiasState::default() },
+            bias: if self == Self::Shadow { bias } else { wgpu::DepthBiasState::default() },
         })
     }
 }

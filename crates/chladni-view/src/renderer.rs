@@ -177,7 +177,7 @@ impl Renderer {
             pass.set_scissor_rect(x, y, size, size);
             pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
             for (i, figure) in cell.figures.iter().enumerate().filter(|(_, figure)| figure.opacity >= 1.0) {
-                let shadow = Kind::new(Part::Shadow { closed: figure.topology.closed }, Samples::One);
+                let shadow = Kind::new(Part::Shadow, Samples::One);
                 pass.set_pipeline(self.pipelines.get(&self.gpu.device, shadow));
                 pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
                 pass.set_vertex_buffer(0, figure.buffers.positions.slice(item_bytes(figure)));
@@ -214,7 +214,7 @@ impl Renderer {
             }
             pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
         }
-        for &side in sides(figure, samples) {
+        for side in sides(figure) {
             let part = Part::Surface(coat, side);
             let kind = Kind { part, samples, shadows, brush: figure.brush.is_some() };
             pass.set_pipeline(self.pipelines.get(&self.gpu.device, kind));
@@ -312,14 +312,10 @@ impl Renderer {
     }
 }
 
-/// The sides of a figure that are drawn, in order.
-fn sides(figure: &Figure<'_>, samples: Samples) -> &'static [Side] {
-    match samples {
-        _ if figure.opacity < 1.0 => &[Side::Back, Side::Front],
-        // Every line of sight that meets a closed surface meets its front, however it is bent.
-        Samples::One if figure.topology.closed => &[Side::Front],
-        _ => &[Side::Front, Side::Back],
-    }
+/// The sides of a figure in the order in which they are drawn. Of a closed shape, too: a file may hold it
+/// inside out, and a large deformation turns it over.
+fn sides(figure: &Figure<'_>) -> [Side; 2] {
+    if figure.opacity < 1.0 { [Side::Back, Side::Front] } else { [Side::Front, Side::Back] }
 }
 
 /// Heat maps and bare backgrounds have no shadows.
@@ -350,7 +346,7 @@ fn key_light_view(cell: &Cell<'_>, size: u32) -> ([[f32; 4]; 4], [f32; 4]) {
     let row = |axis: Vec3, offset: f32| axis.extend(offset - axis.dot(target));
     let matrix = Mat4::from_rows(row(x, 0.0), row(y, 0.0), row(z, 0.5), glam::Vec4::W);
     let scene_per_texel = 2.0 * radius / size as f32;
-    (matrix.to_cols_array_2d(), [cell.lights.shadow, size as f32, 0.0, scene_per_texel])
+    (matrix.to_cols_array_2d(), [cell.lights.shadow, size as f32, scene_per_texel, 0.0])
 }
 
 fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {

@@ -14,9 +14,6 @@ pub struct Topology {
     /// Two floats a corner, or one pair where there are none.
     pub(crate) uvs: wgpu::Buffer,
     pub(crate) has_uvs: bool,
-    /// Whether the surface has an inside: each edge belongs to two triangles that run along it in
-    /// opposite directions.
-    pub(crate) closed: bool,
 }
 
 impl Topology {
@@ -75,17 +72,8 @@ impl Topology {
                 wgpu::BufferUsages::STORAGE,
             ),
             has_uvs: uvs.is_some(),
-            closed: is_closed(triangles),
         })
     }
-}
-
-fn is_closed(triangles: &[[u32; 3]]) -> bool {
-    let directed = triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
-    let mut edges: Vec<(u32, u32)> = directed.collect();
-    edges.sort_unstable();
-    let twice = edges.windows(2).any(|pair| pair[0] == pair[1]);
-    !twice && edges.iter().all(|&(a, b)| a != b && edges.binary_search(&(b, a)).is_ok())
 }
 
 /// Positions and normals of S items of N vertices: item s at vertex offset s·N, three packed

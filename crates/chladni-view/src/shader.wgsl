@@ -18,7 +18,7 @@ struct Cell {
     output: vec4f,
     // From the scene to the key light's clip space.
     shadow: mat4x4f,
-    // Strength, texels of a side of the map, -, size of a texel in the scene.
+    // Strength, texels of a side of the map, size of a texel in the scene, -.
     shadow_map: vec4f,
     // The map's first texel among those of all maps, and the size of a texel in texture coordinates.
     shadow_place: vec4f,
@@ -118,7 +118,7 @@ fn surface(position: vec3f, normal: vec3f) -> Surface {
         // More where the light grazes the surface.
         let length_of_normal = max(length(turned), 1e-12);
         let grazing = 1.0 - abs(dot(turned, cell.lights[0].direction.xyz)) / length_of_normal;
-        let step = cell.shadow_map.w * (1.0 + 3.0 * grazing) / length_of_normal;
+        let step = cell.shadow_map.z * (1.0 + 3.0 * grazing) / length_of_normal;
         s.map_step = (cell.shadow * scene_normal).xyz * texels * step;
     }
     return s;
@@ -486,7 +486,6 @@ fn hidden_marker_fragment(in: Marker) -> @location(0) vec4f {
 }
 
 @group(0) @binding(0) var rough: texture_2d<f32>;
-@group(0) @binding(1) var rough_sampler: sampler;
 
 // How bright a premultiplied colour looks, transparency being grey.
 fn brightness(c: vec4f) -> f32 {
