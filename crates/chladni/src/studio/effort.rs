@@ -4,12 +4,14 @@ use chladni_view::Samples;
 
 /// A frame that takes longer than this is late.
 const LATE_SECS: f64 = 0.050;
-/// Frames that come faster than this leave room.
-const EARLY_SECS: f64 = 0.020;
-/// A longer pause is no animation.
-const PAUSE_SECS: f64 = 0.24;
-/// So many frames are looked at together.
-const FRAMES: u32 = 12;
+/// Frames that come faster than this leave room: a screen of 30 Hz shows none sooner.
+const EARLY_SECS: f64 = 0.036;
+/// So many frames are looked at together, fewer where they are very late.
+const FRAMES: usize = 12;
+/// At least so many frames say something after [`LONG_SECS`].
+const FEWEST_FRAMES: usize = 4;
+/// So long no full dozen is waited for.
+const LONG_SECS: f64 = 2.0;
 /// After so long without trouble more is tried; twice as long after each time that it failed.
 const PATIENCE_SECS: f64 = 6.0;
 
@@ -48,9 +50,10 @@ pub struct Effort {
     first: usize,
     step: usize,
     last_secs: Option<f64>,
-    total_secs: f64,
-    frames: u32,
+    frames_secs: Vec<f64>,
     changed_secs: f64,
+    /// The last change was to more.
+    tried: bool,
     patience_secs: f64,
 }
 
@@ -62,9 +65,9 @@ impl Effort {
             first,
             step: first,
             last_secs: None,
-            total_secs: 0.0,
-            frames: 0,
+            frames_secs: Vec::with_capacity(FRAMES),
             changed_secs: 0.0,
+            tried: false,
             patience_secs: PATIENCE_SECS,
         }
     }
@@ -79,30 +82,34 @@ impl Effort {
         self.step > self.first
     }
 
-    /// Counts a moving picture that is drawn at `now_secs`.
+    /// Nothing moves: the time until the next moving picture says nothing.
+    pub fn rest(&mut self) {
+        self.last_secs = None;
+    }
+
+    /// Counts a moving picture that is drawn at `now_secs`. The window asks for the next frame at once,
+    /// and says where that one shows nothing new: all other time between two pictures was needed.
     pub fn frame(&mut self, now_secs: f64) {
         let Some(last_secs) = self.last_secs.replace(now_secs) else { return };
-        let secs = now_secs - last_secs;
-        if !(0.0..PAUSE_SECS).contains(&secs) {
-            (self.total_secs, self.frames) = (0.0, 0);
+        self.frames_secs.push((now_secs - last_secs).max(0.0));
+        let total_secs: f64 = self.frames_secs.iter().sum();
+        let count = self.frames_secs.len();
+        if count < FRAMES && (count < FEWEST_FRAMES || total_secs < LONG_SECS) {
             return;
         }
-        self.total_secs += secs;
-        self.frames += 1;
-        if self.frames < FRAMES {
-            return;
-        }
-        let mean_secs = self.total_secs / f64::from(self.frames);
-        (self.total_secs, self.frames) = (0.0, 0);
+        // One frame may be late by chance, or because the window was hidden.
+        self.frames_secs.sort_unstable_by(f64::total_cmp);
+        let usual_secs = self.frames_secs[count / 2];
+        self.frames_secs.clear();
         let calm_secs = now_secs - self.changed_secs;
-        if mean_secs > LATE_SECS && self.step + 1 < STEPS.len() {
+        if usual_secs > LATE_SECS && self.step + 1 < STEPS.len() {
             // What had just been tried was too much.
-            if calm_secs < PATIENCE_SECS {
+            if self.tried && calm_secs < PATIENCE_SECS {
                 self.patience_secs *= 2.0;
             }
-            (self.step, self.changed_secs) = (self.step + 1, now_secs);
-        } else if mean_secs < EARLY_SECS && self.is_reduced() && calm_secs > self.patience_secs {
-            (self.step, self.changed_secs) = (self.step - 1, now_secs);
+            (self.step, self.changed_secs, self.tried) = (self.step + 1, now_secs, false);
+        } else if usual_secs < EARLY_SECS && self.is_reduced() && calm_secs > self.patience_secs {
+            (self.step, self.changed_secs, self.tried) = (self.step - 1, now_secs, true);
         }
     }
 }
@@ -125,21 +132,59 @@ mod tests {
         let (mut effort, mut now_secs) = (Effort::new(Samples::Four), 0.0);
         play(&mut effort, &mut now_secs, 3.0, 0.016);
         assert_eq!((effort.quality(), effort.is_reduced()), (Quality::STILL, false));
-        play(&mut effort, &mut now_secs, 1.2, 0.08);
+        play(&mut effort, &mut now_secs, 2.0, 0.08);
         assert_eq!(effort.quality(), Quality { samples: Samples::One, percent: 100 });
         play(&mut effort, &mut now_secs, 9.0, 0.08);
         assert_eq!((effort.quality().percent, effort.is_reduced()), (50, true));
         // Neither late nor early: it stays.
-        play(&mut effort, &mut now_secs, 60.0, 0.03);
+        play(&mut effort, &mut now_secs, 60.0, 0.04);
         assert_eq!(effort.quality().percent, 50);
-        play(&mut effort, &mut now_secs, 200.0, 0.016);
+        // Two steps down in a row were no attempt that failed: each step up waits six seconds.
+        play(&mut effort, &mut now_secs, 22.0, 0.016);
         assert_eq!(effort.quality(), Quality::STILL);
     }
 
     #[test]
-    fn pauses_are_not_late_frames_and_software_begins_with_one_sample() {
+    fn attempts_that_fail_become_rare() {
+        let (mut effort, mut now_secs, mut attempts) = (Effort::new(Samples::Four), 0.0, 0);
+        let end_secs = 120.0;
+        let mut before = effort.quality();
+        while now_secs < end_secs {
+            now_secs += if effort.quality().samples == Samples::Four { 0.08 } else { 0.016 };
+            effort.frame(now_secs);
+            attempts += u32::from(before != effort.quality() && effort.quality() == Quality::STILL);
+            before = effort.quality();
+        }
+        assert!((2..=5).contains(&attempts), "{attempts}");
+    }
+
+    #[test]
+    fn the_slowest_machine_draws_less_and_a_slow_screen_recovers() {
+        for frame_secs in [0.25, 0.5, 1.5] {
+            let (mut effort, mut now_secs) = (Effort::new(Samples::One), 0.0);
+            play(&mut effort, &mut now_secs, 12.0 * frame_secs + 3.0, frame_secs);
+            assert_eq!(effort.quality().percent, 50, "{frame_secs}");
+        }
+        for screen_hz in [30.0, 50.0] {
+            let (mut effort, mut now_secs) = (Effort::new(Samples::Four), 0.0);
+            play(&mut effort, &mut now_secs, 1.2, 0.08);
+            assert!(effort.is_reduced());
+            play(&mut effort, &mut now_secs, 10.0, 1.0 / screen_hz);
+            assert!(!effort.is_reduced(), "{screen_hz}");
+        }
+    }
+
+    #[test]
+    fn pauses_are_not_late_frames() {
         let (mut effort, mut now_secs) = (Effort::new(Samples::One), 0.0);
-        play(&mut effort, &mut now_secs, 60.0, 0.5);
+        for _ in 0..40 {
+            play(&mut effort, &mut now_secs, 0.03, 0.016);
+            effort.rest();
+            now_secs += 0.5;
+        }
+        // Hidden once: the window did not say that it rests.
+        now_secs += 100.0;
+        play(&mut effort, &mut now_secs, 5.0, 0.016);
         assert_eq!(effort.quality(), Quality { samples: Samples::One, percent: 100 });
         assert!(!effort.is_reduced());
     }

@@ -47,12 +47,12 @@ pub struct Viewport {
 }
 
 impl Viewport {
-    /// Compiles the pipelines on the window's own device.
+    /// A view drawn on the window's own device; pipelines are compiled when a picture needs them first.
     pub fn new(state: &RenderState) -> Self {
         Self::on(gpu_of(state))
     }
 
-    /// Compiles the pipelines on `gpu`.
+    /// A view drawn on `gpu`.
     pub fn on(gpu: Gpu) -> Self {
         let effort = Effort::new(gpu.live_samples());
         Self {
@@ -99,7 +99,7 @@ impl Viewport {
         scene: impl FnOnce(Rect) -> Vec<Cell<'a>>,
     ) -> Result<(), ViewError> {
         self.draw(ui, state, rect, scene)?;
-        self.paint(ui, rect, egui::Color32::WHITE);
+        self.paint(ui, rect);
         if self.moved_secs.is_some() && self.effort.is_reduced() {
             let text = format!("Frames were late: {} while it moves", self.effort.quality());
             let weak = egui::Color32::from_gray(150);
@@ -127,9 +127,12 @@ impl Viewport {
         let now_secs = ui.input(|input| input.time);
         let quality = if self.stale || resized || self.canvas.is_none() {
             self.effort.frame(now_secs);
+            // Whether the next one is late, or only long in coming, shows if it could come at once.
+            ui.ctx().request_repaint();
             self.moved_secs = (self.effort.quality() != Quality::STILL).then_some(now_secs);
             self.effort.quality()
         } else {
+            self.effort.rest();
             match self.moved_secs {
                 Some(moved_secs) if now_secs - moved_secs >= REST_SECS => Quality::STILL,
                 Some(moved_secs) => {
@@ -163,11 +166,11 @@ impl Viewport {
         Ok(())
     }
 
-    /// Shows the picture that was drawn last, times `tint`.
-    pub fn paint(&self, ui: &egui::Ui, rect: egui::Rect, tint: egui::Color32) {
+    /// Shows the picture that was drawn last.
+    pub fn paint(&self, ui: &egui::Ui, rect: egui::Rect) {
         if let Some((_, texture)) = &self.canvas {
             let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            ui.painter().image(*texture, rect, whole, tint);
+            ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
         }
     }
 

@@ -377,9 +377,9 @@ impl Concert {
         ui.painter().rect_filled(rect, 0.0, behind);
         let veil = if limited { self.veil(behind)? } else { Veil::Clear };
         match veil {
-            Veil::Clear => self.viewport.paint(ui, rect, Color32::WHITE),
+            Veil::Clear => self.viewport.paint(ui, rect),
             Veil::Black(opacity) | Veil::White(opacity) => {
-                self.viewport.paint(ui, rect, Color32::WHITE);
+                self.viewport.paint(ui, rect);
                 let black = matches!(veil, Veil::Black(_));
                 let film = if black { Color32::from_black_alpha } else { Color32::from_white_alpha };
                 ui.painter().rect_filled(rect, 0.0, film(opacity));
