@@ -35,6 +35,7 @@ mod error;
 mod laplacian;
 mod ldlt;
 mod operator;
+mod pages;
 mod settings;
 mod simd;
 mod sparse;

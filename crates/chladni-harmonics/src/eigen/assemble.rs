@@ -9,7 +9,7 @@ use super::problem::Problem;
 use super::slicing::{Found, not_certified};
 use super::tall::{BLOCK, Small, overlaps, residuals, subtract_products, upper_overlaps, write_columns};
 use crate::ldlt::Row;
-use crate::{Basis, Certificate, HarmonicsError, Operator};
+use crate::{Basis, Certificate, HarmonicsError, Operator, pages};
 
 /// Limits that a basis must keep to be handed out.
 const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
@@ -69,7 +69,7 @@ pub(super) fn assemble(
     }
     task.check()?;
     let n = operator.vertices();
-    let mut vectors = vec![0.0; n * keep];
+    let mut vectors: Vec<f64> = pages::zeroed(n * keep);
     let (constants, mut rest) = vectors.split_at_mut(n * zeros);
     for (c, h) in constants.chunks_exact_mut(n).enumerate() {
         h.iter_mut().zip(problem.constant(operator, c)).for_each(|(h, value)| *h = value);
@@ -114,7 +114,7 @@ fn used_blocks<'a>(found: &'a Found, own: &[Entry]) -> Vec<(&'a [Row], [Option<u
                 }
             }
             if columns.iter().any(Option::is_some) {
-                blocks.push((block.as_slice(), columns));
+                blocks.push((block, columns));
             }
         }
     }
@@ -135,11 +135,11 @@ fn separate_neighbors(slices: &mut [Found], ranges: &[&[Entry]]) -> Vec<f64> {
         }
         let (lower, upper) = slices.split_at_mut(s);
         let lower_blocks = used_blocks(&lower[s - 1], ranges[s - 1]);
-        for block in upper[0].runs.iter_mut().flat_map(|pairs| &mut pairs.blocks) {
+        for block in upper[0].runs.iter_mut().flat_map(|pairs| pairs.blocks.iter_mut()) {
             for (against, columns) in &lower_blocks {
-                let mut overlap = overlaps(&[against], &[block]);
+                let mut overlap = overlaps(&[against], &[&*block]);
                 overlap.iter_mut().for_each(|c| keep_rows(c, columns));
-                subtract_products(&mut [block], &[against], &overlap);
+                subtract_products(&mut [&mut *block], &[against], &overlap);
             }
         }
         shared[s] = with_lower(slices, s);

@@ -7,7 +7,7 @@ use faer::{Mat, Par};
 use super::dense::symmetric_eigen;
 use super::lanczos::{Pairs, Reach, Window};
 use super::problem::{Problem, Profile};
-use super::tall::{BLOCK, Block, Small, overlaps, subtract_products};
+use super::tall::{BLOCK, Blocks, Small, overlaps, subtract_products};
 use crate::ldlt::Row;
 
 /// Numbers of blocks at which Ritz vectors are selected, when about so many have converged,
@@ -26,7 +26,9 @@ const LOST: f64 = 1e-5;
 /// An orthonormal basis V of blocks and the block tridiagonal T = Vᵀ OP V.
 #[derive(Default)]
 pub(super) struct Krylov {
-    pub basis: Vec<Block>,
+    space: Vec<Blocks>,
+    /// How many of the blocks in `space` are V; the one after them is what comes next.
+    blocks: usize,
     /// V_jᵀ OP V_j.
     diagonal: Vec<Small>,
     /// The triangular factor of what OP V_j has outside V_0 … V_j.
@@ -36,7 +38,7 @@ pub(super) struct Krylov {
     /// How many blocks there will be, about.
     expected: usize,
     /// Ritz vectors of the largest |θ|, along which orthogonality is lost first.
-    selected: Vec<Block>,
+    selected: Vec<Blocks>,
     /// How many blocks there were when the whole space was last taken out of the newest two.
     swept_at: usize,
     /// How many steps to go without that.
@@ -61,7 +63,39 @@ impl Krylov {
         Self { selects, expected, ..Self::default() }
     }
 
-    /// Takes out of `image` = OP · (last block) what lies in the space, keeping the last
+    /// A space of no blocks yet, `first` to be the first one.
+    pub fn begin(&mut self, problem: &Problem, first: &[Row]) {
+        self.space.push(problem.spare_blocks());
+        self.split().1.copy_from_slice(first);
+    }
+
+    /// How many blocks V has.
+    pub fn len(&self) -> usize {
+        self.blocks
+    }
+
+    /// The blocks V, and the one that comes next.
+    pub fn split(&mut self) -> (Vec<&[Row]>, &mut [Row]) {
+        let blocks = self.space.iter_mut().flat_map(Blocks::iter_mut).take(self.blocks + 1);
+        let mut blocks: Vec<&mut [Row]> = blocks.collect();
+        let next = blocks.pop().unwrap_or_default();
+        (blocks.into_iter().map(|block| &*block).collect(), next)
+    }
+
+    /// Makes the next block one of V, with a copy of it in the place of the one after.
+    pub fn extend(&mut self, problem: &Problem) -> &mut [Row] {
+        self.blocks += 1;
+        if self.space.iter().flat_map(Blocks::iter).count() == self.blocks {
+            self.space.push(problem.spare_blocks());
+        }
+        let (basis, next) = self.split();
+        if let Some(last) = basis.last() {
+            next.copy_from_slice(last);
+        }
+        next
+    }
+
+    /// Takes out of the next block = OP · (last block) what lies in the space, keeping the last
     /// block's share as the next diagonal block of T. Returns the length of each column inside,
     /// or `None` where orthogonality has been lost.
     ///
@@ -74,29 +108,32 @@ impl Krylov {
     pub fn orthogonalize(
         &mut self,
         problem: &Problem,
-        image: &mut [Row],
         locked: &[&[Row]],
         profile: &mut Profile,
     ) -> Option<Row> {
         // Overlaps and what is subtracted, block by block.
         let products = |pairs: usize| (4 * problem.matrix.size() * BLOCK * BLOCK * pairs) as u64;
-        let recent: Vec<&[Row]> = self.basis.iter().rev().take(2).rev().map(Vec::as_slice).collect();
+        let blocks = self.blocks;
+        let mut basis: Vec<&mut [Row]> =
+            self.space.iter_mut().flat_map(Blocks::iter_mut).take(blocks + 1).collect();
+        let image = basis.pop()?;
+        let recent: Vec<&[Row]> = basis[blocks.saturating_sub(2)..].iter().map(|block| &**block).collect();
         let coefficients = overlaps(&recent, &[image]);
-        subtract_products(&mut [image], &recent, &coefficients);
+        subtract_products(&mut [&mut *image], &recent, &coefficients);
         self.diagonal.extend(coefficients.last());
         profile.orthogonalize_flops += products(recent.len());
-        let blocks = self.basis.len();
         if blocks.is_multiple_of(2)
-            && let Some((last, older)) = self.basis.split_last_mut()
+            && let Some((last, older)) = basis.split_last_mut()
         {
             let whole = blocks >= self.swept_at + self.period;
-            let taken = if whole { &*older } else { &self.selected };
-            let taken = taken.iter().map(Vec::as_slice);
-            let space: Vec<&[Row]> =
-                if whole { locked.iter().copied().chain(taken).collect() } else { taken.collect() };
+            let space: Vec<&[Row]> = if whole {
+                locked.iter().copied().chain(older.iter().map(|block| &**block)).collect()
+            } else {
+                self.selected.iter().flat_map(Blocks::iter).collect()
+            };
             profile.orthogonalize_flops += products(2 * space.len());
-            let rest = overlaps(&space, &[last, image]);
-            subtract_products(&mut [last, image], &space, &rest);
+            let rest = overlaps(&space, &[&**last, &*image]);
+            subtract_products(&mut [&mut **last, image], &space, &rest);
             if whole {
                 let of_last = rest.iter().step_by(2).flat_map(|c| c.as_flattened());
                 let loss = of_last.fold(0.0_f64, |most, c| most.max(c.abs()));
@@ -127,22 +164,21 @@ impl Krylov {
         let (thetas, coordinates) = symmetric_eigen(&self.projected(), Par::Seq)?;
         let mut order: Vec<usize> = (0..thetas.len()).collect();
         order.sort_by(|&a, &b| thetas[b].abs().total_cmp(&thetas[a].abs()));
-        let order = &order[self.selected.len() * BLOCK..];
-        let basis: Vec<&[Row]> = self.basis.iter().map(Vec::as_slice).collect();
+        let order = &order[self.selected.len() * SELECTED * BLOCK..];
+        let basis: Vec<&[Row]> = self.space.iter().flat_map(Blocks::iter).take(self.blocks).collect();
         let more =
             combine(problem, &basis, SELECTED * BLOCK, |row, column| coordinates[(row, order[column])]);
-        self.selected.extend(more);
+        self.selected.push(more);
         Some(())
     }
 
     pub fn give_back(self, problem: &Problem) {
-        problem.give_back(self.basis);
-        problem.give_back(self.selected);
+        problem.give_back(self.space);
     }
 
     /// T.
     fn projected(&self) -> Mat<f64> {
-        let blocks = self.basis.len();
+        let blocks = self.blocks;
         let mut t = Mat::<f64>::zeros(blocks * BLOCK, blocks * BLOCK);
         for block in 0..blocks {
             let first = block * BLOCK;
@@ -162,7 +198,7 @@ impl Krylov {
     }
 
     pub fn ritz(&self, shift: f64) -> Option<Ritz> {
-        let blocks = self.basis.len();
+        let blocks = self.blocks;
         let m = blocks * BLOCK;
         let (thetas, coordinates) = symmetric_eigen(&self.projected(), Par::Seq)?;
         let last = &self.below[blocks - 1];
@@ -192,9 +228,8 @@ impl Krylov {
 
     /// The chosen Ritz vectors with one step of inverse iteration that costs no solve: by the
     /// Lanczos relation OP V s / θ = V s + V_next R s_last / θ (Ericsson & Ruhe 1980).
-    pub fn vectors(&self, problem: &Problem, ritz: &Ritz, chosen: Range<usize>, next: &Block) -> Pairs {
-        let mut basis: Vec<&[Row]> = self.basis.iter().map(Vec::as_slice).collect();
-        basis.push(next);
+    pub fn vectors(&self, problem: &Problem, ritz: &Ritz, chosen: Range<usize>) -> Pairs {
+        let basis: Vec<&[Row]> = self.space.iter().flat_map(Blocks::iter).take(self.blocks + 1).collect();
         let scales: Vec<f64> = ritz.from[chosen.clone()]
             .iter()
             .map(|&(j, theta)| {
@@ -202,7 +237,7 @@ impl Krylov {
                 1.0 / (1.0 + extra).sqrt()
             })
             .collect();
-        let inside = self.basis.len() * BLOCK;
+        let inside = self.blocks * BLOCK;
         let blocks = combine(problem, &basis, chosen.len(), |row, column| {
             let (j, theta) = ritz.from[chosen.start + column];
             scales[column]
@@ -222,7 +257,7 @@ fn combine(
     basis: &[&[Row]],
     count: usize,
     coefficient: impl Fn(usize, usize) -> f64,
-) -> Vec<Block> {
+) -> Blocks {
     let groups = count.div_ceil(BLOCK);
     let mut coefficients = vec![[[0.0; 8]; BLOCK]; basis.len() * groups];
     for (block, c) in coefficients.chunks_exact_mut(groups).enumerate() {
@@ -233,9 +268,8 @@ fn combine(
             }
         }
     }
-    let mut blocks: Vec<Block> = (0..groups).map(|_| problem.spare_block()).collect();
-    blocks.iter_mut().for_each(|block| block.fill([0.0; 8]));
-    let mut views: Vec<&mut [Row]> = blocks.iter_mut().map(Vec::as_mut_slice).collect();
+    let mut blocks = Blocks::zeroed(problem.matrix.size(), groups);
+    let mut views: Vec<&mut [Row]> = blocks.iter_mut().collect();
     subtract_products(&mut views, basis, &coefficients);
     blocks
 }

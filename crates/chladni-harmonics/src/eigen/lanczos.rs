@@ -6,7 +6,7 @@ use chladni_task::{Cancelled, Task};
 
 use super::krylov::{Krylov, subtract_projections};
 use super::problem::{Problem, Profile};
-use super::tall::{BLOCK, Block, Dependence, Small, orthonormalize};
+use super::tall::{BLOCK, Blocks, Dependence, Small, orthonormalize};
 use crate::ldlt::{Factor, Row, Workspace};
 
 /// How far a run must go on one side of its shift.
@@ -38,7 +38,7 @@ pub(super) struct Pairs {
     pub values: Vec<f64>,
     /// Their orthonormal vectors, BLOCK to a block in the order of `values`; the last block
     /// is filled up with zeros.
-    pub blocks: Vec<Block>,
+    pub blocks: Blocks,
 }
 
 /// Why a run stopped without its pairs.
@@ -76,7 +76,7 @@ pub(super) fn run(
     task: &Task,
 ) -> Result<Pairs, Stopped> {
     let n = problem.matrix.size();
-    let locked: Vec<&[Row]> = locked.iter().flat_map(|p| p.blocks.iter().map(Vec::as_slice)).collect();
+    let locked: Vec<&[Row]> = locked.iter().flat_map(|p| p.blocks.iter()).collect();
     // Convergence comes at about twice the pairs and 16 blocks. Looking costs a dense solve,
     // which is more than a step or two where the mesh is small.
     let twice = (window.expected * 2).div_ceil(BLOCK);
@@ -90,37 +90,36 @@ pub(super) fn run(
             return Err(Stopped::BadShift);
         };
     }
+    krylov.begin(problem, &next);
+    drop(next);
     loop {
         task.check()?;
         let start = Instant::now();
-        let mut image = problem.spare_block();
-        image.copy_from_slice(&next);
-        factor.solve(&problem.symbolic, &mut image);
+        let image = krylov.extend(problem);
+        factor.solve(&problem.symbolic, image);
         profile.solve += start.elapsed().as_secs_f64();
         profile.solved_columns += BLOCK as u64;
         let start = Instant::now();
-        krylov.basis.push(next);
-        problem.remove_constants(window.from_zero, &mut image);
-        let sizes = krylov.orthogonalize(problem, &mut image, &locked, profile).ok_or(Stopped::BadShift)?;
-        let upper = match orthonormalize(&mut image, &sizes.map(|size| RANK * size)) {
+        problem.remove_constants(window.from_zero, image);
+        let sizes = krylov.orthogonalize(problem, &locked, profile).ok_or(Stopped::BadShift)?;
+        let (basis, image) = krylov.split();
+        let upper = match orthonormalize(image, &sizes.map(|size| RANK * size)) {
             Ok(upper) => upper,
             Err(Dependence::Spoiled) => return Err(Stopped::BadShift),
             Err(Dependence::Found) => {
                 // The space has become invariant in some direction: go on with a new one.
-                let seed = seed.wrapping_add(krylov.basis.len() as u64).rotate_left(17);
-                let all: Vec<&[Row]> =
-                    locked.iter().copied().chain(krylov.basis.iter().map(Vec::as_slice)).collect();
-                fill_up(problem, window, &mut image, &sizes, &all, seed).ok_or(Stopped::Exhausted)?
+                let seed = seed.wrapping_add(basis.len() as u64).rotate_left(17);
+                let all: Vec<&[Row]> = locked.iter().copied().chain(basis).collect();
+                fill_up(problem, window, image, &sizes, &all, seed).ok_or(Stopped::Exhausted)?
             }
         };
         krylov.below.push(upper);
         profile.orthogonalize += start.elapsed().as_secs_f64();
-        next = image;
-        let m = krylov.basis.len() * BLOCK;
+        let m = krylov.len() * BLOCK;
         if m + 2 * BLOCK > n || m > 8 * window.expected + 60 * BLOCK {
             return Err(Stopped::Exhausted);
         }
-        if krylov.basis.len() < look_at {
+        if krylov.len() < look_at {
             continue;
         }
         let start = Instant::now();
@@ -135,9 +134,8 @@ pub(super) fn run(
             }
         };
         let start = Instant::now();
-        let pairs = krylov.vectors(problem, &ritz, chosen, &next);
+        let pairs = krylov.vectors(problem, &ritz, chosen);
         profile.vectors += start.elapsed().as_secs_f64();
-        krylov.basis.push(next);
         krylov.give_back(problem);
         return Ok(pairs);
     }
@@ -153,7 +151,7 @@ const RANK: f64 = 1e-11;
 fn fill_up(
     problem: &Problem,
     window: &Window,
-    x: &mut Block,
+    x: &mut [Row],
     sizes: &Row,
     space: &[&[Row]],
     seed: u64,
@@ -165,7 +163,7 @@ fn fill_up(
         subtract_projections(&mut fresh, space);
     }
     subtract_projections(x, space);
-    let column = |x: &Block, j: usize| x.iter().map(|row| row[j]).collect::<Vec<f64>>();
+    let column = |x: &[Row], j: usize| x.iter().map(|row| row[j]).collect::<Vec<f64>>();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut done: Vec<Vec<f64>> = Vec::with_capacity(BLOCK);
     for j in 0..BLOCK {
@@ -202,7 +200,7 @@ fn fill_up(
 }
 
 /// Uniform in [-½, ½) by SplitMix64, the same for every number of threads.
-fn random_block(n: usize, seed: u64) -> Block {
+fn random_block(n: usize, seed: u64) -> Vec<Row> {
     let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x1405_7b7e_f767_814f;
     let mut random = || {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);

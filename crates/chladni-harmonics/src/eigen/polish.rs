@@ -1,27 +1,27 @@
 //! A last step of inverse iteration for the lowest pairs, from below the spectrum.
 
+use rayon::prelude::*;
+
 use super::lanczos::Pairs;
 use super::problem::{Problem, Profile};
-use super::tall::{BLOCK, Small, overlaps, subtract_products};
+use super::tall::{BLOCK, Blocks, Small, overlaps, subtract_products};
 use crate::ldlt::{Factor, Row, Workspace};
+
+/// Rows of the new pairs that one thread makes at a time.
+const ROWS: usize = 4096;
 
 /// The pairs after one step of (A − σI)⁻¹ with σ < 0 and a Rayleigh–Ritz projection.
 ///
 /// A shift inside the spectrum leaves errors of rounding times ‖A‖, which are rough and much
 /// larger than the smallest eigenvalues. Below the spectrum A − σI is positive definite; its
 /// factor is accurate, and rough errors shrink by λ over their own, large eigenvalue. Where
-/// that factor cannot be made, the pairs come back as they were. `factor` is spent.
-pub(super) fn polish(
-    problem: &Problem,
-    pairs: Pairs,
-    factor: &mut Factor,
-    workspace: &mut Workspace,
-    profile: &mut Profile,
-) -> Pairs {
+/// that factor cannot be made, the pairs come back as they were. `factor` only lends its memory.
+/// Threads without a slice help; what each computes does not depend on them.
+pub(super) fn polish(problem: &Problem, pairs: Pairs, mut factor: Factor, profile: &mut Profile) -> Pairs {
     let Some(&lowest) = pairs.values.first() else { return pairs };
     let sigma = -0.5 * lowest;
     let start = std::time::Instant::now();
-    let factored = factor.compute(&problem.symbolic, &problem.matrix, sigma, workspace);
+    let factored = factor.compute(&problem.symbolic, &problem.matrix, sigma, &mut Workspace::default());
     profile.factor += start.elapsed().as_secs_f64();
     profile.factored += 1;
     if factored.is_err() {
@@ -29,33 +29,34 @@ pub(super) fn polish(
     }
     let start = std::time::Instant::now();
     let mut images = pairs.blocks.clone();
-    for image in &mut images {
+    images.par_iter_mut().with_max_len(1).for_each(|image| {
         factor.solve(&problem.symbolic, image);
         problem.remove_constants(true, image);
-    }
+    });
     profile.solve += start.elapsed().as_secs_f64();
-    profile.solved_columns += (BLOCK * images.len()) as u64;
+    profile.solved_columns += (BLOCK * images.iter().count()) as u64;
     let start = std::time::Instant::now();
-    let polished = project(&pairs, &images, sigma);
+    let polished = project(problem, &pairs, &images, sigma);
     profile.vectors += start.elapsed().as_secs_f64();
     polished.unwrap_or(pairs)
 }
 
 /// Ritz pairs of OP = (A − σI)⁻¹ in the span of `pairs`, given their `images` under it: with
 /// XᵀOP X z = θ XᵀX z, λ = σ + 1/θ and the vector OP X z / θ.
-fn project(pairs: &Pairs, images: &[Vec<Row>], sigma: f64) -> Option<Pairs> {
+fn project(problem: &Problem, pairs: &Pairs, images: &Blocks, sigma: f64) -> Option<Pairs> {
     let count = pairs.values.len();
-    let (xs, ys): (Vec<&[Row]>, Vec<&[Row]>) =
-        (pairs.blocks.iter().map(Vec::as_slice).collect(), images.iter().map(Vec::as_slice).collect());
+    let (xs, ys): (Vec<&[Row]>, Vec<&[Row]>) = (pairs.blocks.iter().collect(), images.iter().collect());
     let symmetric = |products: &[Small]| {
         let entry = |i: usize, j: usize| products[i / BLOCK * ys.len() + j / BLOCK][i % BLOCK][j % BLOCK];
         faer::Mat::from_fn(count, count, |i, j| 0.5 * (entry(i, j) + entry(j, i)))
     };
     // XᵀX is 1 but for small errors, whose squares vanish: its inverse root is (3 − XᵀX) / 2.
-    let gram = symmetric(&overlaps(&xs, &xs));
+    let side_by_side =
+        |with: &[&[Row]]| -> Vec<Small> { xs.par_iter().flat_map_iter(|x| overlaps(&[x], with)).collect() };
+    let gram = symmetric(&side_by_side(&xs));
     let root =
         faer::Mat::from_fn(count, count, |i, j| 1.5 * f64::from(u8::from(i == j)) - 0.5 * gram[(i, j)]);
-    let projected = &root * symmetric(&overlaps(&xs, &ys)) * &root;
+    let projected = &root * symmetric(&side_by_side(&ys)) * &root;
     let (thetas, z) = super::dense::symmetric_eigen(&projected, faer::Par::Seq)?;
     let z = root * z;
     if thetas.iter().any(|theta| theta.is_nan() || *theta <= 0.0) {
@@ -71,9 +72,21 @@ fn project(pairs: &Pairs, images: &[Vec<Row>], sigma: f64) -> Option<Pairs> {
                 -z[(i, column(pair))] / thetas[column(pair)];
         }
     }
-    let mut blocks = vec![vec![[0.0; 8]; xs.first()?.len()]; ys.len()];
-    let mut views: Vec<&mut [Row]> = blocks.iter_mut().map(Vec::as_mut_slice).collect();
-    subtract_products(&mut views, &ys, &coefficients);
+    let mut blocks = Blocks::zeroed(problem.matrix.size(), ys.len());
+    let mut parts: Vec<Vec<&mut [Row]>> = Vec::new();
+    for block in blocks.iter_mut() {
+        for (part, rows) in block.chunks_mut(ROWS).enumerate() {
+            if part == parts.len() {
+                parts.push(Vec::new());
+            }
+            parts[part].push(rows);
+        }
+    }
+    parts.par_iter_mut().enumerate().for_each(|(part, rows)| {
+        let range = part * ROWS..part * ROWS + rows[0].len();
+        let ys: Vec<&[Row]> = ys.iter().map(|y| &y[range.clone()]).collect();
+        subtract_products(rows, &ys, &coefficients);
+    });
     let values = (0..count).map(|pair| sigma + thetas[column(pair)].recip()).collect();
     Some(Pairs { values, blocks })
 }

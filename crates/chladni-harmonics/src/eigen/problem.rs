@@ -3,9 +3,12 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::lanczos::Window;
-use super::tall::Block;
+use super::tall::Blocks;
 use crate::ldlt::{Row, Symbolic, nested_dissection};
 use crate::{Operator, SolveProfile, SymmetricSparse};
+
+/// Spare blocks that are given out at once.
+const AT_ONCE: usize = 8;
 
 /// What all slices share.
 pub(super) struct Problem {
@@ -22,8 +25,8 @@ pub(super) struct Problem {
     component_area: Vec<f64>,
     /// Σ a.
     pub area: f64,
-    /// Blocks that finished slices have no more use for: fresh memory costs a fault per page.
-    spare: Mutex<Vec<Block>>,
+    /// Blocks that finished slices have no more use for: fresh memory costs faults.
+    spare: Mutex<Vec<Blocks>>,
 }
 
 /// Seconds of one thread in each part of the work.
@@ -53,10 +56,10 @@ impl Problem {
         }
     }
 
-    /// A block of n rows with anything in it.
-    pub(super) fn spare_block(&self) -> Block {
+    /// A few blocks of n rows with anything in them.
+    pub(super) fn spare_blocks(&self) -> Blocks {
         let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        spare.unwrap_or_else(|| vec![[0.0; 8]; self.matrix.size()])
+        spare.unwrap_or_else(|| Blocks::untouched(self.matrix.size(), AT_ONCE))
     }
 
     /// Frees the spare blocks.
@@ -64,8 +67,8 @@ impl Problem {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
-    /// Takes blocks of n rows that are not needed any more.
-    pub(super) fn give_back(&self, blocks: Vec<Block>) {
+    /// Takes spare blocks that are not needed any more.
+    pub(super) fn give_back(&self, blocks: Vec<Blocks>) {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).extend(blocks);
     }
 

@@ -1,5 +1,7 @@
 //! All slices solved side by side, joined, and mended where their counts do not agree.
 
+use std::sync::{Mutex, PoisonError};
+
 use chladni_task::Task;
 use rayon::prelude::*;
 
@@ -53,17 +55,28 @@ pub(super) fn solve(
     // The lowest slice has the most to do, as a rule, and the top one comes next.
     let mut queue: Vec<_> = slices.into_iter().enumerate().collect();
     queue[1..].reverse();
-    type Solving = Result<(Found, Profile), Stopped>;
-    let mut found: Vec<(usize, Solving)> = queue
-        .into_iter()
-        .par_bridge()
-        .map(|(place, (slice, factor))| {
+    type Finished = Result<(Found, Profile), Stopped>;
+    let found: Mutex<Vec<(usize, Finished)>> = Mutex::default();
+    let store = |place: usize, finished: Finished| {
+        stage.advance(1);
+        found.lock().unwrap_or_else(PoisonError::into_inner).push((place, finished));
+    };
+    let (problem_ref, store) = (&problem, &store);
+    rayon::scope(|scope| {
+        queue.into_iter().par_bridge().for_each(|(place, (slice, factor))| {
             let mut profile = Profile::default();
-            let found = Found::new(&problem, slice, factor, harmonics, &mut profile, task);
-            stage.advance(1);
-            (place, found.map(|found| (found, profile)))
-        })
-        .collect();
+            let begun = Found::begin(problem_ref, slice, factor, harmonics, &mut profile, task);
+            let finish = move || {
+                let found = begun.and_then(|(found, tried)| {
+                    found.finish(problem_ref, tried, harmonics, &mut profile, task)
+                });
+                store(place, found.map(|found| (found, profile)));
+            };
+            // Polishing is left to the first thread that finds no slice to begin.
+            if place == 0 { scope.spawn(move |_| finish()) } else { finish() }
+        });
+    });
+    let mut found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
     found.sort_by_key(|(place, _)| *place);
     let mut slices = Vec::with_capacity(found.len());
     for (_, found) in found {
@@ -94,78 +107,130 @@ pub(super) fn not_certified(reason: impl Into<String>) -> HarmonicsError {
     HarmonicsError::NotCertified { reason: reason.into() }
 }
 
+/// A run around one shift, whose pairs are yet to be looked at.
+struct Tried {
+    attempt: u32,
+    pairs: Pairs,
+    /// Of the run's shift.
+    factor: Factor,
+    from_zero: bool,
+}
+
 impl Found {
-    fn new(
+    /// A slice with its first run made, if that came to something.
+    fn begin(
         problem: &Problem,
         slice: Slice,
         factor: Option<Factor>,
         harmonics: usize,
         profile: &mut Profile,
         task: &Task,
-    ) -> Result<Self, Stopped> {
+    ) -> Result<(Self, Option<Tried>), Stopped> {
         let next_seed = slice.shift.to_bits();
         let mut found = Self { slice, below_shift: 0, runs: Vec::new(), top_count: None, next_seed };
-        found.search(problem, factor, harmonics + 1, profile, task)?;
-        if let Some(gap) = found.gap_above(harmonics) {
-            found.top_count = Some(inertia(problem, gap, profile)?);
-        }
-        Ok(found)
+        let tried = found.attempt(problem, factor, 1, harmonics + 1, profile, task)?;
+        Ok((found, tried))
     }
 
-    /// Looks for pairs that no run has found yet. The top slice looks until it knows `count`
-    /// eigenvalues of the whole problem. `made` is the factor at the slice's shift, if there is one.
+    /// The slice with good pairs, after its first run.
+    fn finish(
+        mut self,
+        problem: &Problem,
+        tried: Option<Tried>,
+        harmonics: usize,
+        profile: &mut Profile,
+        task: &Task,
+    ) -> Result<Self, Stopped> {
+        if !tried.is_some_and(|tried| self.accept(problem, tried, profile)) {
+            self.search(problem, 2, harmonics + 1, profile, task)?;
+        }
+        if let Some(gap) = self.gap_above(harmonics) {
+            self.top_count = Some(inertia(problem, gap, profile)?);
+        }
+        Ok(self)
+    }
+
+    /// Looks for pairs that no run has found yet, beginning with the attempt of number `first`.
+    /// The top slice looks until it knows `count` eigenvalues of the whole problem.
     fn search(
         &mut self,
         problem: &Problem,
-        mut made: Option<Factor>,
+        first: u32,
         count: usize,
         profile: &mut Profile,
         task: &Task,
     ) -> Result<(), Stopped> {
-        let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
-        let width = self.slice.high - self.slice.low;
-        for attempt in 1..=ATTEMPTS {
-            let mut shift = self.slice.shift;
-            if let Some(made) = made.take() {
-                factor = made;
-            } else if !factor_near(problem, &mut shift, width * 1e-5, &mut factor, &mut workspace, profile) {
-                return Err(Stopped::BadShift);
-            }
-            if shift != self.slice.shift {
-                // Pairs are told apart by their side of the shift: a moved shift starts anew.
-                self.runs.clear();
-            }
-            self.slice.shift = shift;
-            self.below_shift = factor.below_shift;
-            let window = self.window(problem, count);
-            let locked: Vec<&Pairs> = self.runs.iter().collect();
-            self.next_seed = self.next_seed.wrapping_add(1);
-            let (seed, careful) = (self.next_seed, attempt > 1 || !locked.is_empty());
-            let found = lanczos::run(problem, &factor, shift, &window, &locked, seed, careful, profile, task);
-            match found {
-                Ok(mut pairs) => {
-                    let mut residual = largest_residual(problem, &pairs);
-                    if window.from_zero && residual > GOOD_RESIDUAL {
-                        pairs = polish(problem, pairs, &mut factor, &mut workspace, profile);
-                        residual = largest_residual(problem, &pairs);
-                    }
-                    if residual <= GOOD_RESIDUAL || attempt == ATTEMPTS {
-                        self.runs.push(pairs);
-                        return Ok(());
-                    }
-                    // A small pivot far from any eigenvalue costs digits: another shift has others.
-                    self.runs.clear();
-                    self.slice.shift += width * 0.011 * f64::from(attempt);
-                }
-                Err(Stopped::BadShift) => {
-                    // On or beside an eigenvalue: step aside and start anew.
-                    self.runs.clear();
-                    self.slice.shift += width * 0.003 * f64::from(attempt);
-                }
-                Err(other) => return Err(other),
+        for attempt in first..=ATTEMPTS {
+            if let Some(tried) = self.attempt(problem, None, attempt, count, profile, task)?
+                && self.accept(problem, tried, profile)
+            {
+                return Ok(());
             }
         }
         Err(Stopped::BadShift)
+    }
+
+    /// One run; `None` where the shift was bad, and is moved. `made` is the factor at the slice's
+    /// shift, if there is one.
+    fn attempt(
+        &mut self,
+        problem: &Problem,
+        made: Option<Factor>,
+        attempt: u32,
+        count: usize,
+        profile: &mut Profile,
+        task: &Task,
+    ) -> Result<Option<Tried>, Stopped> {
+        let width = self.slice.high - self.slice.low;
+        let mut shift = self.slice.shift;
+        let factor = if let Some(made) = made {
+            made
+        } else {
+            let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
+            if !factor_near(problem, &mut shift, width * 1e-5, &mut factor, &mut workspace, profile) {
+                return Err(Stopped::BadShift);
+            }
+            factor
+        };
+        if shift != self.slice.shift {
+            // Pairs are told apart by their side of the shift: a moved shift starts anew.
+            self.runs.clear();
+        }
+        self.slice.shift = shift;
+        self.below_shift = factor.below_shift;
+        let window = self.window(problem, count);
+        let locked: Vec<&Pairs> = self.runs.iter().collect();
+        self.next_seed = self.next_seed.wrapping_add(1);
+        let (seed, careful) = (self.next_seed, attempt > 1 || !locked.is_empty());
+        match lanczos::run(problem, &factor, shift, &window, &locked, seed, careful, profile, task) {
+            Ok(pairs) => Ok(Some(Tried { attempt, pairs, factor, from_zero: window.from_zero })),
+            Err(Stopped::BadShift) => {
+                // On or beside an eigenvalue: step aside and start anew.
+                self.runs.clear();
+                self.slice.shift += width * 0.003 * f64::from(attempt);
+                Ok(None)
+            }
+            Err(other) => Err(other),
+        }
+    }
+
+    /// Takes in the pairs of a run, polished where need be, if they are good enough or there is
+    /// no attempt left; else moves the shift.
+    fn accept(&mut self, problem: &Problem, tried: Tried, profile: &mut Profile) -> bool {
+        let Tried { attempt, mut pairs, factor, from_zero } = tried;
+        let mut residual = largest_residual(problem, &pairs);
+        if from_zero && residual > GOOD_RESIDUAL {
+            pairs = polish(problem, pairs, factor, profile);
+            residual = largest_residual(problem, &pairs);
+        }
+        if residual <= GOOD_RESIDUAL || attempt == ATTEMPTS {
+            self.runs.push(pairs);
+            return true;
+        }
+        // A small pivot far from any eigenvalue costs digits: another shift has others.
+        self.runs.clear();
+        self.slice.shift += (self.slice.high - self.slice.low) * 0.011 * f64::from(attempt);
+        false
     }
 
     fn window(&self, problem: &Problem, count: usize) -> Window {
@@ -226,14 +291,12 @@ fn mend(
             }
             Join::NeedsMore => {
                 let last = slices.len() - 1;
-                slices[last]
-                    .search(problem, None, harmonics + 8 * (repair + 1), profile, task)
-                    .map_err(told)?;
+                slices[last].search(problem, 1, harmonics + 8 * (repair + 1), profile, task).map_err(told)?;
             }
             Join::Missing(below, above) => {
                 // The two slices beside the place, in turn.
                 let which = if repair % 2 == 0 { below } else { above };
-                slices[which].search(problem, None, harmonics + 1, profile, task).map_err(told)?;
+                slices[which].search(problem, 1, harmonics + 1, profile, task).map_err(told)?;
                 top_count = None;
             }
         }

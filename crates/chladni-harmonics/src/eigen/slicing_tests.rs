@@ -33,7 +33,10 @@ fn solved(operator: &Operator, harmonics: usize) -> (Problem, Vec<Found>) {
     let slices = plan(&problem, harmonics, &mut profile, &task).unwrap();
     let found = slices
         .into_iter()
-        .map(|(s, factor)| Found::new(&problem, s, factor, harmonics, &mut profile, &task).unwrap())
+        .map(|(s, factor)| {
+            let (found, tried) = Found::begin(&problem, s, factor, harmonics, &mut profile, &task).unwrap();
+            found.finish(&problem, tried, harmonics, &mut profile, &task).unwrap()
+        })
         .collect();
     (problem, found)
 }
@@ -73,10 +76,11 @@ fn a_pair_that_is_missing_or_doubled_in_a_slice_is_noticed_and_mended() {
 fn forget_column(pairs: &mut Pairs, column: usize) {
     use super::super::tall::BLOCK;
     let count = pairs.values.len();
+    let mut blocks: Vec<_> = pairs.blocks.iter_mut().collect();
     for k in column..count {
-        for row in 0..pairs.blocks[0].len() {
-            let next = if k + 1 < count { pairs.blocks[(k + 1) / BLOCK][row][(k + 1) % BLOCK] } else { 0.0 };
-            pairs.blocks[k / BLOCK][row][k % BLOCK] = next;
+        for row in 0..blocks[0].len() {
+            let next = if k + 1 < count { blocks[(k + 1) / BLOCK][row][(k + 1) % BLOCK] } else { 0.0 };
+            blocks[k / BLOCK][row][k % BLOCK] = next;
         }
     }
     pairs.values.remove(column);
@@ -109,8 +113,7 @@ fn polishing_takes_rough_errors_out_of_the_lowest_pairs() {
         }
     }
     let rough = relative(&pairs);
-    let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
-    let polished = polish(&problem, pairs, &mut factor, &mut workspace, &mut Profile::default());
+    let polished = polish(&problem, pairs, Factor::default(), &mut Profile::default());
     assert!(relative(&polished) < rough / 50.0, "{rough} to {}", relative(&polished));
     for (polished, exact) in polished.values.iter().zip(&exact) {
         assert!((polished / exact - 1.0).abs() < 1e-12, "{polished} {exact}");

@@ -2,15 +2,49 @@
 
 use std::ops::Range;
 
-use crate::SymmetricSparse;
+use rayon::prelude::*;
+
 use crate::ldlt::Row;
 use crate::simd::{Kernel, Lanes, dispatch};
+use crate::{SymmetricSparse, pages};
 
 /// Columns of a block.
 pub(super) const BLOCK: usize = 8;
 
-/// A tall block of eight columns.
-pub(super) type Block = Vec<Row>;
+/// Tall blocks of eight columns, one after the other in memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Blocks {
+    rows: Vec<Row>,
+    /// Rows of a block.
+    n: usize,
+}
+
+impl Blocks {
+    /// `count` blocks of `n` rows, to be written before they are read.
+    pub(super) fn untouched(n: usize, count: usize) -> Self {
+        Self { rows: pages::zeroed(n * count), n }
+    }
+
+    /// `count` blocks of `n` rows of zeros, to be added to.
+    pub(super) fn zeroed(n: usize, count: usize) -> Self {
+        let mut blocks = Self::untouched(n, count);
+        // Fresh pages that are read first cost two faults, one more when they are written.
+        blocks.rows.fill([0.0; 8]);
+        blocks
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &[Row]> {
+        self.rows.chunks_exact(self.n.max(1))
+    }
+
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut [Row]> {
+        self.rows.chunks_exact_mut(self.n.max(1))
+    }
+
+    pub(super) fn par_iter_mut(&mut self) -> impl IndexedParallelIterator<Item = &mut [Row]> {
+        self.rows.par_chunks_exact_mut(self.n.max(1))
+    }
+}
 
 /// An 8×8 matrix, row after row.
 pub(super) type Small = [Row; BLOCK];
@@ -389,7 +423,7 @@ mod tests {
     use super::*;
     use crate::simd::{PROCESSORS, run_for};
 
-    fn block(n: usize, seed: usize) -> Block {
+    fn block(n: usize, seed: usize) -> Vec<Row> {
         (0..n)
             .map(|i| std::array::from_fn(|j| ((i * 31 + j * 17 + seed * 7) % 101) as f64 / 50.0 - 1.0))
             .collect()
@@ -398,8 +432,8 @@ mod tests {
     #[test]
     fn overlaps_and_products_are_right_for_all_sizes_on_every_kind_of_processor() {
         for (n, wide, deep) in [(1, 1, 1), (7, 2, 3), (64, 3, 1), (71, 4, 2), (200, 5, 4), (131, 7, 3)] {
-            let basis: Vec<Block> = (0..deep).map(|s| block(n, s)).collect();
-            let xs: Vec<Block> = (0..wide).map(|s| block(n, 50 + s)).collect();
+            let basis: Vec<Vec<Row>> = (0..deep).map(|s| block(n, s)).collect();
+            let xs: Vec<Vec<Row>> = (0..wide).map(|s| block(n, 50 + s)).collect();
             let v: Vec<&[Row]> = basis.iter().map(Vec::as_slice).collect();
             let x: Vec<&[Row]> = xs.iter().map(Vec::as_slice).collect();
             let c: Vec<Small> = (0..wide * deep).map(|s| *block(8, 90 + s).first_chunk().unwrap()).collect();

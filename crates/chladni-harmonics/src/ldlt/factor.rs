@@ -3,8 +3,8 @@
 use super::Symbolic;
 use super::front::{ZeroPivot, eliminate, stride};
 use super::panel::{diagonal_len, pack};
-use crate::SymmetricSparse;
 use crate::simd::{Kernel, Lanes, dispatch};
+use crate::{SymmetricSparse, pages};
 
 /// L and D of one shift.
 #[derive(Debug, Default)]
@@ -37,7 +37,9 @@ impl Factor {
         shift: f64,
         workspace: &mut Workspace,
     ) -> Result<(), ZeroPivot> {
-        self.values.resize(symbolic.values, 0.0);
+        if self.values.len() != symbolic.values {
+            self.values = pages::zeroed(symbolic.values);
+        }
         self.inverse_pivots.resize(symbolic.size(), 0.0);
         self.order.resize(symbolic.size(), 0);
         dispatch(Factorize { factor: self, symbolic, matrix, shift, workspace })

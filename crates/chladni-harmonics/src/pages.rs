@@ -1,0 +1,33 @@
+//! Large memory that is quick to touch for the first time.
+#![allow(unsafe_code, reason = "advice about pages, for which there is no safe interface")]
+
+/// From this many bytes on, advice pays.
+#[cfg(target_os = "linux")]
+const LARGE: usize = 4 << 20;
+
+/// `len` zeros. Fresh memory costs a fault per page, which adds up to a tenth of a solve with
+/// pages of 4 KiB; so the system is asked for large pages, which it may or may not give.
+pub(crate) fn zeroed<T: bytemuck::Zeroable + Clone>(len: usize) -> Vec<T> {
+    let memory = vec![T::zeroed(); len];
+    advise(&memory);
+    memory
+}
+
+#[cfg(target_os = "linux")]
+fn advise<T>(memory: &[T]) {
+    const PAGE: usize = 4096;
+    let bytes = size_of_val(memory);
+    let start = memory.as_ptr().cast::<u8>();
+    let skipped = start.align_offset(PAGE);
+    if bytes < LARGE || skipped > bytes {
+        return;
+    }
+    // SAFETY: the range lies inside of `memory` and starts at a page; MADV_HUGEPAGE changes how
+    // it is backed, never what is in it. Where the system has no large pages it only says so.
+    unsafe {
+        libc::madvise(start.add(skipped).cast_mut().cast(), bytes - skipped, libc::MADV_HUGEPAGE);
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn advise<T>(_: &[T]) {}
