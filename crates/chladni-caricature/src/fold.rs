@@ -36,7 +36,7 @@ pub fn flipped_triangles(surface: &Surface, base: &[Vec3], moved: &[Vec3]) -> Ve
         })
         .collect();
     let largest = pieces.iter().map(|piece| piece.0).fold(0.0, f64::max);
-    let smallest = largest * NEGLIGIBLE_AREA * NEGLIGIBLE_AREA;
+    let smallest = negligible(largest);
     let turned = pieces.into_iter().flat_map(|piece| piece.1);
     turned.filter(|(_, square)| *square > smallest).map(|(triangle, _)| triangle).collect()
 }
@@ -95,7 +95,12 @@ fn smallest_square(surface: &Surface, base: &[Vec3]) -> f64 {
         let n = area_normal(base, *t);
         dot(n, n)
     });
-    squares.reduce(|| 0.0, f64::max) * NEGLIGIBLE_AREA * NEGLIGIBLE_AREA
+    negligible(squares.reduce(|| 0.0, f64::max))
+}
+
+/// (2A)² of a triangle that is negligible beside one of `largest_square`.
+fn negligible(largest_square: f64) -> f64 {
+    largest_square * NEGLIGIBLE_AREA * NEGLIGIBLE_AREA
 }
 
 #[cfg(test)]

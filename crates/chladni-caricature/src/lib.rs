@@ -36,8 +36,9 @@
 //!
 //! Not guaranteed: that a result has no folds or self-intersections (the fold meter counts
 //! triangles that turned over, [`furthest`] says where they begin, [`Crossings`] finds triangles
-//! that pass through others); that a strong layer keeps volume; that a region carried to another mesh lies where its painter would have put it
-//! ([`Carried::report`] tells how well the meshes match).
+//! that pass through others); that a strong layer keeps volume; that a region carried to another
+//! mesh lies where its painter would have put it ([`Carried::report`] tells how well the meshes
+//! match).
 
 mod brush;
 mod carry;

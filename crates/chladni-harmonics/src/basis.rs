@@ -28,6 +28,30 @@ impl Certificate {
             && self.max_relative_residual <= Self::RESIDUAL
             && self.max_orthogonality_error <= Self::ORTHOGONALITY
     }
+
+    /// What of [`Self::is_precise`] fails, in words; `None` where nothing does.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        let mut failed = Vec::new();
+        if !self.inertia_counts_match {
+            failed.push("harmonics may be missing or double: the counts of eigenvalues do not agree".into());
+        }
+        if self.max_relative_residual > Self::RESIDUAL {
+            failed.push(format!(
+                "the harmonics solve their equation to {:.0e} only (sound meshes: {:.0e})",
+                self.max_relative_residual,
+                Self::RESIDUAL
+            ));
+        }
+        if self.max_orthogonality_error > Self::ORTHOGONALITY {
+            failed.push(format!(
+                "any two harmonics overlap by up to {:.0e} (sound meshes: {:.0e})",
+                self.max_orthogonality_error,
+                Self::ORTHOGONALITY
+            ));
+        }
+        (!failed.is_empty()).then(|| failed.join("; "))
+    }
 }
 
 /// The first K generalised eigenpairs S h = λ M h of a shape (core.md: H_k, λ_k, a).
@@ -121,5 +145,29 @@ impl Basis {
             }
         });
         signal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Certificate;
+
+    #[test]
+    fn a_warning_names_what_failed_and_nothing_else() {
+        let sound = Certificate {
+            inertia_counts_match: true,
+            max_relative_residual: 1e-11,
+            max_orthogonality_error: 1e-10,
+        };
+        assert!(sound.is_precise() && sound.warning().is_none());
+        let rough = Certificate { max_relative_residual: 3e-9, ..sound };
+        let slanted = Certificate { max_orthogonality_error: 2e-8, ..sound };
+        let (residual, overlap) = ("solve their equation to 3e-9", "overlap by up to 2e-8");
+        let warning = |certificate: Certificate| certificate.warning().unwrap();
+        assert!(warning(rough).contains(residual) && !warning(rough).contains("overlap"));
+        assert!(warning(slanted).contains(overlap) && !warning(slanted).contains("equation"));
+        let both = warning(Certificate { max_orthogonality_error: 2e-8, ..rough });
+        assert!(both.contains(residual) && both.contains(overlap));
+        assert!(warning(Certificate { inertia_counts_match: false, ..sound }).contains("missing"));
     }
 }

@@ -1,5 +1,7 @@
 //! What is asked of a basis, and what is told about it besides the numbers.
 
+use crate::Certificate;
+
 /// How a basis is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BasisSettings {
@@ -34,6 +36,14 @@ pub struct BuildReport {
     pub profile: SolveProfile,
     /// Why the cache could not be used or written; the basis itself is not affected.
     pub cache_warning: Option<String>,
+}
+
+impl BuildReport {
+    /// What whoever uses the basis should be told: that the cache failed, that `certificate` is not
+    /// that of a sound mesh.
+    pub fn warnings(&self, certificate: &Certificate) -> Vec<String> {
+        self.cache_warning.iter().cloned().chain(certificate.warning()).collect()
+    }
 }
 
 /// Wall-clock seconds of each part of a build.

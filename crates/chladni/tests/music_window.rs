@@ -236,8 +236,10 @@ fn the_room_fits_every_screen() {
         window.run_steps(3);
         window.get_by_label("Open Music").click();
         wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
-        // Until there is something to hear.
-        std::thread::sleep(std::time::Duration::from_millis(1500));
+        if takes_pictures() {
+            // Until there is something to hear.
+            std::thread::sleep(std::time::Duration::from_millis(1500));
+        }
         for dance in ["Dance 2", "Dance 7"] {
             click(&mut window, dance);
         }
@@ -248,8 +250,10 @@ fn the_room_fits_every_screen() {
         window.run_steps(8);
         let screen = egui::Rect::from_min_size(Pos2::ZERO, egui::Vec2::from(*size)).expand(0.5);
         for label in ["Dance 4", "Dance 12", "Play", "Knobs", "Remote", "Tap", "Gain"] {
-            let rect = window.query_all_by_label(label).last().or_else(|| window.query_by_label("Pause"));
-            let rect = rect.unwrap().rect();
+            // Where a song plays, the button is for a pause.
+            let label = if label == "Play" && shows(&window, "Pause") { "Pause" } else { label };
+            let found = window.query_all_by_label(label).last();
+            let rect = found.unwrap_or_else(|| panic!("{name}: there is no {label}")).rect();
             assert!(screen.contains_rect(rect), "{name}: {label} lies at {rect}");
         }
         let overlap = |a: &str, b: &str| {

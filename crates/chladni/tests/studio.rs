@@ -5,7 +5,11 @@
 mod driving;
 mod person;
 
-use chladni::studio::{FileWindow, Opening, Purpose, Request, Settings};
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use chladni::studio::{FileWindow, FirstPicture, Opening, Purpose, Request, Settings};
 use chladni_caricature::{Model, Painted, Project, ScaleCurve, Stack};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{load_mesh, save_mesh};
@@ -469,44 +473,102 @@ fn the_keyboard_reaches_what_is_common_and_crossings_are_counted() {
     assert_eq!((&layers[0].1.region.painted, &layers[1].1.region.painted), (&nowhere, &Painted::Everywhere));
 }
 
-/// The file window that comes where the system has none: a path is typed, completed, and chosen.
 #[test]
-fn a_path_is_typed_where_the_system_has_no_file_dialog() {
+fn whoever_waits_for_the_first_picture_is_told_why_there_is_none() {
     let desk = Desk::new();
+    let waits_for = |name: &str| {
+        let first_picture = Rc::new(FirstPicture::since(std::time::Instant::now()));
+        let opening = Opening { first_picture: Some(first_picture.clone()), ..desk.opening(&[name]) };
+        Person::new(opening).wait("an end", |_| first_picture.outcome().is_some());
+        first_picture.outcome().unwrap()
+    };
+    std::fs::write(desk.path("broken.chladni"), "no project").unwrap();
+    assert!(waits_for("shape.obj").unwrap() > 0.0);
+    for name in ["missing.obj", "broken.chladni"] {
+        assert!(waits_for(name).unwrap_err().contains(name));
+    }
+}
+
+/// The start screen offers what the rooms open, presets and sessions as well.
+#[test]
+fn the_start_screen_offers_all_that_can_be_opened() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&[]);
+    person.press_with(CTRL, Key::O);
+    let offered = desk.answers.offered();
+    for extension in ["obj", "mesh", "chladni", "wav", "toml"] {
+        assert!(offered.iter().any(|known| known == extension), "{extension} is not among {offered:?}");
+    }
+}
+
+/// The file window on a folder with two meshes and another in a folder of its own, and its answer.
+fn file_window(desk: &Desk, purpose: Purpose) -> (Harness<'static, FileWindow>, Rc<RefCell<Vec<PathBuf>>>) {
     std::fs::create_dir(desk.path("sculptures")).unwrap();
     std::fs::copy(desk.path("shape.obj"), desk.path("sculptures/bust.obj")).unwrap();
-    let answer = std::rc::Rc::new(std::cell::RefCell::new(Vec::new()));
+    let answer = Rc::new(RefCell::new(Vec::new()));
     let given = answer.clone();
     let kinds = vec![("Meshes".to_owned(), vec!["obj".to_owned()])];
-    let request = Request { purpose: Purpose::Open, kinds, start: desk.folder.path().to_owned() };
+    let request = Request { purpose, kinds, start: desk.folder.path().to_owned() };
     let mut window = Harness::builder().with_size([640.0, 520.0]).wgpu().build_eframe(move |creation| {
         FileWindow::new(&creation.egui_ctx, request, &Settings::default(), given)
     });
     window.run_steps(3);
+    (window, answer)
+}
+
+/// Clicks the line called `name`, after its icon.
+fn click_line(window: &mut Harness<'_, FileWindow>, name: &str, modifiers: Modifiers) {
+    window.query_all_by_label_contains(name).next().unwrap().click_modifiers(modifiers);
+    window.run_steps(6);
+}
+
+fn type_text(window: &mut Harness<'_, FileWindow>, text: &str) {
+    window.key_press_modifiers(CTRL, Key::A);
+    window.event(egui::Event::Text(text.into()));
+    window.run_steps(2);
+}
+
+/// The file window that comes where the system has none: a path is typed, completed, and chosen.
+#[test]
+fn a_path_is_typed_where_the_system_has_no_file_dialog() {
+    let desk = Desk::new();
+    let (mut window, answer) = file_window(&desk, Purpose::Open);
     assert!(window.query_all_by_label_contains("shape.obj").next().is_some());
     assert!(window.query_all_by_label_contains("settings.toml").next().is_none());
-    window.event(egui::Event::Text("nothing".into()));
-    window.run_steps(2);
+    type_text(&mut window, "nothing");
     window.key_press(Key::Enter);
     window.run_steps(2);
     assert!(window.query_all_by_label_contains("is not there").next().is_some());
-    window.key_press_modifiers(CTRL, Key::A);
-    window.event(egui::Event::Text("scu".into()));
-    window.run_steps(2);
+    type_text(&mut window, "scu");
     window.key_press(Key::Tab);
     window.run_steps(2);
     window.key_press(Key::Enter);
     window.run_steps(3);
-    let bust = window.query_all_by_label_contains("bust.obj").next().unwrap().rect().center();
     if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {
         window.render().unwrap().save(std::path::Path::new(&folder).join("studio-files.png")).unwrap();
     }
-    for pressed in [true, false] {
-        window.hover_at(bust);
-        let (button, modifiers) = (egui::PointerButton::Primary, Modifiers::NONE);
-        window.event(egui::Event::PointerButton { pos: bust, button, pressed, modifiers });
-        window.run_steps(1);
-    }
+    click_line(&mut window, "bust.obj", Modifiers::NONE);
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert_eq!(*answer.borrow(), [desk.path("sculptures/bust.obj")]);
+}
+
+#[test]
+fn what_is_typed_after_files_were_picked_counts_and_enter_on_cancel_is_no_answer() {
+    let desk = Desk::new();
+    let (mut window, answer) = file_window(&desk, Purpose::OpenSeveral);
+    click_line(&mut window, "shape.obj", Modifiers::NONE);
+    click_line(&mut window, "template.obj", CTRL);
+    assert_eq!(window.get_by_label("File name or path").value().as_deref(), Some("2 files"));
+    window.get_by_label("Cancel").focus();
+    window.run_steps(2);
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert!(answer.borrow().is_empty());
+
+    window.get_by_label("File name or path").click();
+    window.run_steps(2);
+    type_text(&mut window, "sculptures/bust.obj");
     window.key_press(Key::Enter);
     window.run_steps(2);
     assert_eq!(*answer.borrow(), [desk.path("sculptures/bust.obj")]);

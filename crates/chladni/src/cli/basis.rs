@@ -74,18 +74,11 @@ impl Args {
         let (body, report) = terminal
             .watch("harmonics", |task| Body::load_or_build(&loaded.mesh, &settings, cache.as_ref(), task))
             .map_err(named)?;
-        if let Some(warning) = &report.cache_warning {
+        for warning in report.warnings(&body.basis.certificate) {
             terminal.warn(warning);
         }
         if report.fell_back_to_dense {
             terminal.warn("the eigenvalues could not be counted in slices; solved as a dense matrix instead");
-        }
-        let certificate = body.basis.certificate;
-        if !certificate.is_precise() {
-            terminal.warn(format_args!(
-                "the triangles differ so much in size that the harmonics are exact to {:.0e} only, orthogonal to {:.0e}",
-                certificate.max_relative_residual, certificate.max_orthogonality_error
-            ));
         }
         if report.cuts_cluster {
             terminal.warn(format_args!(

@@ -71,8 +71,8 @@ pub fn build_body(
             HarmonicsError::Cancelled(_) => Failure::Cancelled,
             error => Failure::BadInput(format!("{name}: {error}")),
         })?;
-    if let Some(warning) = &report.cache_warning {
-        terminal.warn(warning);
+    for warning in report.warnings(&body.basis.certificate) {
+        terminal.warn(format_args!("{name}: {warning}"));
     }
     Ok((body, report))
 }

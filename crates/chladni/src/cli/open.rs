@@ -36,8 +36,9 @@ impl Open {
         let first_picture = self.until_picture.then(|| Rc::new(FirstPicture::since(Instant::now())));
         studio::open(self.files, measure.clone(), first_picture.clone()).map_err(Failure::other)?;
         if let Some(first_picture) = first_picture {
-            return match first_picture.secs() {
-                Some(first_picture_secs) => terminal.json(&Start { first_picture_secs }),
+            return match first_picture.outcome() {
+                Some(Ok(first_picture_secs)) => terminal.json(&Start { first_picture_secs }),
+                Some(Err(why)) => Err(Failure::BadInput(why)),
                 None => Err(Failure::other("the window was closed before a shape was seen")),
             };
         }

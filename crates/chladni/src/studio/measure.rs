@@ -1,6 +1,6 @@
 //! How the frames of the window came, and whether the sound went on beside them.
 
-use std::cell::Cell;
+use std::cell::RefCell;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -9,23 +9,32 @@ use serde::Serialize;
 #[derive(Debug)]
 pub struct FirstPicture {
     began: Instant,
-    secs: Cell<Option<f64>>,
+    outcome: RefCell<Option<Result<f64, String>>>,
 }
 
 impl FirstPicture {
     /// From now on.
     pub fn since(began: Instant) -> Self {
-        Self { began, secs: Cell::new(None) }
+        Self { began, outcome: RefCell::new(None) }
     }
 
     /// A picture is on screen.
     pub fn seen(&self, now: Instant) {
-        self.secs.set(self.secs.get().or(Some((now - self.began).as_secs_f64())));
+        self.settle(Ok((now - self.began).as_secs_f64()));
     }
 
-    /// How long it took.
-    pub fn secs(&self) -> Option<f64> {
-        self.secs.get()
+    /// There will be none, for this reason.
+    pub fn failed(&self, why: &str) {
+        self.settle(Err(why.to_owned()));
+    }
+
+    fn settle(&self, outcome: Result<f64, String>) {
+        self.outcome.borrow_mut().get_or_insert(outcome);
+    }
+
+    /// How many seconds it took, or why there is no picture; `None` before either is known.
+    pub fn outcome(&self) -> Option<Result<f64, String>> {
+        self.outcome.borrow().clone()
     }
 }
 

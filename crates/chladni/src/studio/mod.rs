@@ -293,11 +293,15 @@ impl Studio {
         }
     }
 
-    /// What the last frame drew is on screen now.
+    /// What the last frame drew is on screen now; after an error there may never be anything.
     fn look_for_picture(&self, ctx: &egui::Context) {
         let Some(first_picture) = &self.first_picture else { return };
-        if viewport::has_drawn(ctx) {
-            first_picture.seen(std::time::Instant::now());
+        match self.notices.first_error() {
+            Some(why) => first_picture.failed(why),
+            None if viewport::has_drawn(ctx) => first_picture.seen(std::time::Instant::now()),
+            None => {}
+        }
+        if first_picture.outcome().is_some() {
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
         ctx.request_repaint();

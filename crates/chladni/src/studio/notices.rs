@@ -45,6 +45,11 @@ impl Notices {
         self.push(Kind::Error, text.into());
     }
 
+    /// The oldest error on screen.
+    pub fn first_error(&self) -> Option<&str> {
+        self.shown.iter().find(|notice| notice.kind == Kind::Error).map(|notice| notice.text.as_str())
+    }
+
     fn push(&mut self, kind: Kind, text: String) {
         self.shown.retain(|notice| notice.text != text);
         self.shown.push(Notice { kind, text, since: Instant::now() });

@@ -31,7 +31,7 @@ pub trait Room {
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>);
 
     /// Extensions of the files that it opens, without dots.
-    fn extensions(&self) -> &'static [&'static str];
+    fn extensions(&self) -> Vec<&'static str>;
 
     /// Whether a file on the command line is meant for this room rather than for another.
     fn claims(&self, _path: &Path) -> bool {

@@ -95,7 +95,7 @@ impl Studio {
 
     /// Asks for files, and which room they are meant for.
     fn ask_for_files(&mut self) -> Option<Choice> {
-        let extensions: Vec<&str> = self.rooms.iter().flat_map(|room| room.extensions()).copied().collect();
+        let extensions: Vec<&str> = self.rooms.iter().flat_map(|room| room.extensions()).collect();
         let files = self.chooser.open_several(&[("Meshes, songs and projects", &extensions)]);
         let meant = self.rooms.iter().position(|room| files.iter().any(|path| room.claims(path)));
         (!files.is_empty()).then_some((meant.unwrap_or(0), files))

@@ -14,14 +14,20 @@ use egui_kittest::{Harness, HarnessBuilder};
 /// The window and what is on it.
 pub type Window = Harness<'static, Studio>;
 
-/// What the person will answer when asked for files, in turn.
+/// What the person will answer when asked for files, in turn, and what was offered last.
 #[derive(Clone, Default)]
-pub struct Answers(Rc<RefCell<VecDeque<PathBuf>>>);
+pub struct Answers(Rc<RefCell<VecDeque<PathBuf>>>, Rc<RefCell<Vec<String>>>);
 
 impl Answers {
     /// One more answer.
     pub fn add(&self, path: impl Into<PathBuf>) {
         self.0.borrow_mut().push_back(path.into());
+    }
+
+    /// Extensions that the person could choose from when last asked for several files.
+    #[allow(dead_code, reason = "each test program uses a part")]
+    pub fn offered(&self) -> Vec<String> {
+        self.1.borrow().clone()
     }
 }
 
@@ -30,7 +36,9 @@ impl Chooser for Answers {
         self.0.borrow_mut().pop_front()
     }
 
-    fn open_several(&mut self, _: &[Kind<'_>]) -> Vec<PathBuf> {
+    fn open_several(&mut self, kinds: &[Kind<'_>]) -> Vec<PathBuf> {
+        let extensions = kinds.iter().flat_map(|(_, extensions)| extensions.iter());
+        *self.1.borrow_mut() = extensions.map(|extension| (*extension).to_owned()).collect();
         self.0.borrow_mut().drain(..).collect()
     }
 

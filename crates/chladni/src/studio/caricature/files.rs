@@ -19,21 +19,13 @@ use super::shot::Shot;
 use super::single;
 use crate::studio::job::Job;
 use crate::studio::pictures;
-use crate::studio::room::Shared;
+use crate::studio::room::{Room, Shared};
 use crate::studio::theme;
 
 /// Extensions of meshes that can be read.
 pub const MESHES: [&str; 7] = ["obj", "ply", "off", "stl", "gltf", "glb", "mesh"];
 /// Extension of projects.
 pub const PROJECT: &str = "chladni";
-/// Extensions of all that this room opens.
-pub const ALL: [&str; 1 + MESHES.len()] = {
-    let mut all = [PROJECT; 1 + MESHES.len()];
-    let (_, meshes) = all.split_at_mut(1);
-    meshes.copy_from_slice(&MESHES);
-    all
-};
-
 /// A project that is to take the place of the open one.
 pub struct Candidate {
     /// The document.
@@ -64,7 +56,7 @@ pub fn is_project(path: &Path) -> bool {
 impl CaricatureRoom {
     /// Asks for meshes or a project and opens them.
     pub(super) fn choose_file(&mut self, shared: &mut Shared<'_>) {
-        let paths = shared.chooser.open_several(&[("Meshes and projects", &ALL)]);
+        let paths = shared.chooser.open_several(&[("Meshes and projects", &self.extensions())]);
         self.open_together(&paths, true, shared);
     }
 

@@ -13,12 +13,6 @@ use crate::studio::theme;
 
 /// Numbers of harmonics on offer.
 const CHOICES: [usize; 5] = [64, 128, 256, 512, 1024];
-/// Where the arithmetic ends and something is wrong: a relative residual of a good solve stays
-/// far below.
-const GOOD_RESIDUAL: f64 = 1e-6;
-/// The same for ⟨H_j, H_k⟩.
-const GOOD_ORTHOGONALITY: f64 = 1e-8;
-
 /// Draws it.
 pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut Edits) {
     let palette = theme::palette(ui);
@@ -32,7 +26,7 @@ pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut
         let vertices = format!("{} vertices", grouped(session.mesh.positions.len()));
         ui.label(RichText::new(vertices).small().color(palette.weak));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let good = is_good(&body.basis.certificate);
+            let good = body.basis.certificate.is_precise();
             let (mark, color) =
                 if good { (Icon::BadgeCheck, palette.good) } else { (Icon::TriangleAlert, palette.warning) };
             let label = icon::label(mark, &format!("{} harmonics", grouped(body.basis.harmonics())));
@@ -51,13 +45,6 @@ pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut
         });
     });
     ui.add_space(theme::GAP_SMALL);
-}
-
-/// Whether nothing about the harmonics is in doubt.
-fn is_good(certificate: &Certificate) -> bool {
-    certificate.inertia_counts_match
-        && certificate.max_relative_residual < GOOD_RESIDUAL
-        && certificate.max_orthogonality_error < GOOD_ORTHOGONALITY
 }
 
 /// The certificate in plain words.
@@ -84,12 +71,12 @@ fn certificate(ui: &mut Ui, basis: &Basis) {
     line(ui, inertia_counts_match, complete.into());
     line(
         ui,
-        max_relative_residual < GOOD_RESIDUAL,
+        max_relative_residual <= Certificate::RESIDUAL,
         format!("Exact: the worst solves its equation to {max_relative_residual:.0e} of its size."),
     );
     line(
         ui,
-        max_orthogonality_error < GOOD_ORTHOGONALITY,
+        max_orthogonality_error <= Certificate::ORTHOGONALITY,
         format!("Independent: any two overlap by at most {max_orthogonality_error:.0e}."),
     );
     ui.label(RichText::new("Click to take another number of them.").color(palette.weak));

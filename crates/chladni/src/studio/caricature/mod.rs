@@ -181,7 +181,10 @@ impl Room for CaricatureRoom {
             session.stack.prepare_models_of(models_of);
             match session.apply(requests) {
                 Ok(changed) => self.stale |= changed,
-                Err(why) => shared.notices.error(why),
+                Err(why) => {
+                    self.stale = true;
+                    shared.notices.error(why);
+                }
             }
         }
     }
@@ -192,8 +195,8 @@ impl Room for CaricatureRoom {
         self.open_together(paths, new_shape, shared);
     }
 
-    fn extensions(&self) -> &'static [&'static str] {
-        &files::ALL
+    fn extensions(&self) -> Vec<&'static str> {
+        [files::PROJECT].into_iter().chain(MESHES).collect()
     }
 
     fn claims(&self, path: &Path) -> bool {
@@ -240,7 +243,11 @@ impl CaricatureRoom {
         }
         if let Some(session) = &mut self.session {
             match session.pump_harmonics(&shared.ctx) {
-                Ok(changed) => self.stale |= changed,
+                Ok(None) => {}
+                Ok(Some(warnings)) => {
+                    self.stale = true;
+                    warnings.into_iter().for_each(|warning| shared.notices.warn(warning));
+                }
                 Err(why) => shared.notices.error(why),
             }
             let (message, changed) = session.pump_matches(&shared.ctx);
@@ -259,9 +266,6 @@ impl CaricatureRoom {
     /// Puts what was loaded in the place of what is open; an error leaves that as it is.
     fn take_in(&mut self, mut loaded: Loaded, shared: &mut Shared<'_>) -> Result<(), String> {
         for warning in &loaded.warnings {
-            shared.notices.warn(warning.clone());
-        }
-        if let Some(warning) = &loaded.report.cache_warning {
             shared.notices.warn(warning.clone());
         }
         let recovered = loaded.recovered.take();

@@ -9,7 +9,7 @@ use chladni_caricature::{
     Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Mirror,
     Project, Recovered, ShapeSource, Stack, Template, furthest,
 };
-use chladni_harmonics::{BasisSettings, Body, BuildReport};
+use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
@@ -34,9 +34,7 @@ pub struct Loaded {
     pub body: Arc<Body>,
     /// The colours that the file has.
     pub look: Option<OwnLook>,
-    /// How the basis was made.
-    pub report: BuildReport,
-    /// What was mended in the file.
+    /// What was mended in the file, and what is wrong with the harmonics.
     pub warnings: Vec<String>,
 }
 
@@ -55,18 +53,24 @@ pub fn load(candidate: Candidate, read: &Sender<Arc<TriMesh>>, task: &Task) -> R
         warnings.extend(carried.report.into_iter().flat_map(|report| report.warnings));
         project = carried.project;
     }
-    let (body, report) = solve(&mesh, project.harmonics, task)?;
+    let (body, doubts) = solve(&mesh, project.harmonics, task)?;
+    warnings.extend(doubts);
     let look = OwnLook::of(&mesh, &body, &mut warnings);
     let body = Arc::new(body);
-    Ok(Loaded { project, path, new, recovered, mesh, body, look, report, warnings })
+    Ok(Loaded { project, path, new, recovered, mesh, body, look, warnings })
 }
 
+/// A shape with its harmonics, and what a person should know of them; or why there are none.
+pub type Solved = Result<(Body, Vec<String>), String>;
+
 /// The first `harmonics` harmonics of `mesh`, or all it has where those are fewer.
-fn solve(mesh: &TriMesh, harmonics: usize, task: &Task) -> Result<(Body, BuildReport), String> {
+fn solve(mesh: &TriMesh, harmonics: usize, task: &Task) -> Solved {
     let harmonics = harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
     let cache = crate::cli::basis_cache();
-    Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
-        .map_err(|error| error.to_string())
+    let (body, report) = Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
+        .map_err(|error| error.to_string())?;
+    let warnings = report.warnings(&body.basis.certificate);
+    Ok((body, warnings))
 }
 
 /// A project with everything it needs to be drawn and changed.
@@ -91,7 +95,7 @@ pub struct Session {
     mirror: OnceCell<Option<Mirror>>,
     /// K that was last asked for, whether or not the shape has as many.
     harmonics: usize,
-    solving: Option<Job<Result<(Body, BuildReport), String>>>,
+    solving: Option<Job<Solved>>,
 }
 
 impl Session {
@@ -140,34 +144,36 @@ impl Session {
         self.evaluation.layers.iter().find(|layer| layer.id == selected)
     }
 
-    /// Does what the panels asked; true where something may look different.
+    /// Does what the panels asked, up to the first error; true where something may look different.
     pub fn apply(&mut self, edits: Vec<Edit>) -> Result<bool, String> {
         let mut changed = false;
-        for edit in edits {
-            let next = self.project().next_id();
-            let adds = matches!(&edit, Edit::Once(Action::Add { .. } | Action::Duplicate(_)));
-            let surface = Arc::clone(self.stack.surface());
-            match edit {
-                Edit::Once(action) => {
-                    self.history.apply(&action, Some(&surface)).map_err(|e| e.to_string())?
-                }
-                Edit::Live(action) => {
-                    self.history.apply_live(&action, Some(&surface)).map_err(|e| e.to_string())?
-                }
-                Edit::Finish => {
-                    self.history.finish();
-                    continue;
-                }
-            }
-            changed = true;
-            if adds {
-                self.selected = Some(next);
-            }
-        }
+        let outcome = edits.into_iter().try_for_each(|edit| {
+            changed |= self.take_up(&edit)?;
+            Ok(())
+        });
+        // What came before an error has been done.
         if changed {
             self.refresh();
         }
-        Ok(changed)
+        outcome.map(|()| changed)
+    }
+
+    /// Does one thing; true where the document has changed.
+    fn take_up(&mut self, edit: &Edit) -> Result<bool, String> {
+        let (next, surface) = (self.project().next_id(), Arc::clone(self.stack.surface()));
+        match edit {
+            Edit::Once(action) => self.history.apply(action, Some(&surface)),
+            Edit::Live(action) => self.history.apply_live(action, Some(&surface)),
+            Edit::Finish => {
+                self.history.finish();
+                return Ok(false);
+            }
+        }
+        .map_err(|error| error.to_string())?;
+        if matches!(edit, Edit::Once(Action::Add { .. } | Action::Duplicate(_))) {
+            self.selected = Some(next);
+        }
+        Ok(true)
     }
 
     /// Takes a step back or forth; its label, where there was one.
@@ -253,8 +259,8 @@ impl Session {
     }
 
     /// Solves for another number of harmonics where the project asks for one, and takes them in.
-    /// True where they have come; an error says why they did not.
-    pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<bool, String> {
+    /// Where they have come, what a person should know of them; an error says why they did not.
+    pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<Option<Vec<String>>, String> {
         let wanted = self.project().harmonics;
         if wanted != self.harmonics {
             self.harmonics = wanted;
@@ -263,18 +269,18 @@ impl Session {
             self.solving = Some(Job::start(format!("Solving for {wanted} harmonics"), ctx, work));
         }
         let outcome = match self.solving.as_ref().map(Job::poll) {
-            None | Some(Outcome::Running) => return Ok(false),
+            None | Some(Outcome::Running) => return Ok(None),
             Some(Outcome::Done(outcome)) => outcome,
             Some(Outcome::Lost) => Err("Solving broke off; this is a bug.".into()),
         };
         self.solving = None;
-        let (body, _) = outcome?;
+        let (body, warnings) = outcome?;
         // Targets belong to a basis: they are matched again.
         self.matching = None;
         self.stack = Stack::new(Arc::new(body)).map_err(|error| error.to_string())?;
         self.crossings = CrossingMeter::default();
         self.refresh();
-        Ok(true)
+        Ok(Some(warnings))
     }
 
     /// Counts where the result passes through itself, while the hand rests. True where the count
@@ -284,7 +290,7 @@ impl Session {
     }
 
     /// The harmonics that are being solved for.
-    pub fn solving(&self) -> Option<&Job<Result<(Body, BuildReport), String>>> {
+    pub fn solving(&self) -> Option<&Job<Solved>> {
         self.solving.as_ref()
     }
 
@@ -378,4 +384,26 @@ fn moves_alike(a: &EvaluatedLayer, b: &EvaluatedLayer) -> bool {
 
 fn failure(request: &MatchRequest, why: String) -> Error {
     Error::Template { template: request.template.to_string(), why }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_caricature::Layer;
+    use std::sync::mpsc::channel;
+
+    #[test]
+    fn what_came_before_an_error_is_done_and_seen() {
+        let project = Project::new(ShapeSource::Sample("head".into()), 16);
+        let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
+        let mut session = Session::new(loaded).unwrap();
+        let layer = || Box::new(Layer::new("Own size", Template::Scaled(0.5)));
+        let add = || Edit::Once(Action::Add { index: 0, layer: layer() });
+        let first = session.project().next_id();
+        let remove = || Edit::Once(Action::Remove(first));
+        // The second time it is not there any more.
+        assert!(session.apply(vec![add(), add(), remove(), remove()]).is_err());
+        assert_eq!((session.project().layers().len(), session.evaluation.layers.len()), (1, 1));
+        assert!(session.selected.is_some());
+    }
 }

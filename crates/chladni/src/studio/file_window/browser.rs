@@ -1,5 +1,7 @@
 //! What the file window knows: a folder, what is typed, and what comes of it.
 
+use std::fs::DirEntry;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -36,6 +38,15 @@ pub struct Entry {
     pub is_folder: bool,
 }
 
+/// What is shown of a folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Listing {
+    /// Folders and fitting files, folders first.
+    pub entries: Vec<Entry>,
+    /// Whether there are more.
+    pub is_cut: bool,
+}
+
 /// What comes of going ahead.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -49,19 +60,20 @@ pub enum Verdict {
     Refused(String),
 }
 
-/// Lines that are read of a folder.
-const MAX_ENTRIES: usize = 5000;
+/// Lines that are shown of a folder.
+pub const MAX_ENTRIES: usize = 5000;
 
 /// The state of the window.
 #[derive(Debug)]
 pub struct Browser {
     request: Request,
     folder: PathBuf,
-    /// What is typed: a name, or a path from the folder, from `~` or from the root.
+    /// What is typed: a name, or a path from the folder, from `~` or from the root. Whoever changes
+    /// it says so: see [`Self::retyped`].
     pub typed: String,
-    /// Names that were picked besides.
-    pub picked: Vec<String>,
-    entries: Result<Vec<Entry>, String>,
+    /// Names that were picked in the list.
+    picked: Vec<String>,
+    listing: Result<Listing, String>,
     agreed_to_replace: Option<PathBuf>,
 }
 
@@ -76,8 +88,8 @@ impl Browser {
             (start.parent().map_or_else(|| PathBuf::from("/"), Path::to_owned), name)
         };
         let typed = if request.purpose == Purpose::Save { typed } else { String::new() };
-        let (entries, picked) = (Ok(Vec::new()), Vec::new());
-        let mut browser = Self { request, folder, typed, picked, entries, agreed_to_replace: None };
+        let (listing, picked) = (Ok(Listing::default()), Vec::new());
+        let mut browser = Self { request, folder, typed, picked, listing, agreed_to_replace: None };
         browser.read();
         browser
     }
@@ -92,15 +104,15 @@ impl Browser {
         &self.folder
     }
 
-    /// Its folders and fitting files, folders first; or why it cannot be read.
-    pub fn entries(&self) -> Result<&[Entry], &str> {
-        self.entries.as_deref().map_err(String::as_str)
+    /// What is in it, or why it cannot be read.
+    pub fn listing(&self) -> Result<&Listing, &str> {
+        self.listing.as_ref().map_err(String::as_str)
     }
 
     /// Shows another folder.
     pub fn enter(&mut self, folder: &Path) {
         self.folder = folder.to_owned();
-        self.picked.clear();
+        self.retyped();
         if self.request.purpose != Purpose::Save {
             self.typed.clear();
         }
@@ -115,29 +127,69 @@ impl Browser {
     }
 
     fn read(&mut self) {
-        let fits = |name: &str| {
-            let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
-            let extensions = self.request.kinds.iter().flat_map(|(_, extensions)| extensions);
-            extensions.into_iter().any(|known| known.eq_ignore_ascii_case(extension))
-        };
-        let read = std::fs::read_dir(&self.folder).map(|found| {
-            let entry = |found: std::fs::DirEntry| {
-                let name = found.file_name().into_string().ok()?;
-                // Of links, what they lead to.
-                let is_folder = found.path().is_dir();
-                let shown = !name.starts_with('.') && (is_folder || fits(&name));
-                shown.then_some(Entry { name, is_folder })
-            };
-            let mut entries: Vec<Entry> = found.flatten().take(MAX_ENTRIES).filter_map(entry).collect();
-            entries.sort_by_cached_key(|entry| (!entry.is_folder, entry.name.to_lowercase()));
-            entries
-        });
-        self.entries = read.map_err(|error| format!("{}: {error}", self.folder.display()));
+        let listing = self.list(&self.folder, "", MAX_ENTRIES);
+        self.listing = listing.map_err(|error| format!("{}: {error}", self.folder.display()));
     }
 
-    /// The path that is typed.
-    fn target(&self) -> PathBuf {
-        let typed = self.typed.trim();
+    /// What in `folder` begins with `begun`; of more than `most`, as many of any.
+    fn list(&self, folder: &Path, begun: &str, most: usize) -> io::Result<Listing> {
+        let entry = |found: DirEntry| {
+            let name = found.file_name().into_string().ok()?;
+            if name.starts_with('.') || !name.starts_with(begun) {
+                return None;
+            }
+            let kind = found.file_type().ok()?;
+            // Of links, what they lead to.
+            let is_folder = kind.is_dir() || (kind.is_symlink() && found.path().is_dir());
+            (is_folder || self.fits(&name)).then_some(Entry { name, is_folder })
+        };
+        let found = std::fs::read_dir(folder)?.flatten().filter_map(entry);
+        let mut entries: Vec<Entry> = found.take(most + 1).collect();
+        let is_cut = entries.len() > most;
+        entries.truncate(most);
+        entries.sort_by_cached_key(|entry| (!entry.is_folder, entry.name.to_lowercase()));
+        Ok(Listing { entries, is_cut })
+    }
+
+    fn fits(&self, name: &str) -> bool {
+        let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
+        let mut extensions = self.request.kinds.iter().flat_map(|(_, extensions)| extensions);
+        extensions.any(|known| known.eq_ignore_ascii_case(extension))
+    }
+
+    /// Something else is typed: it alone counts, and nothing that was agreed to before.
+    pub fn retyped(&mut self) {
+        self.picked.clear();
+        self.agreed_to_replace = None;
+    }
+
+    /// Takes a file of the list, or one more of them; one that was taken `besides` is put back.
+    pub fn pick(&mut self, name: &str, besides: bool) {
+        let mut picked = std::mem::take(&mut self.picked);
+        self.retyped();
+        let besides = besides && self.request.purpose == Purpose::OpenSeveral;
+        if !besides {
+            picked.clear();
+        }
+        match picked.iter().position(|known| known == name) {
+            Some(known) => drop(picked.remove(known)),
+            None => picked.push(name.to_owned()),
+        }
+        self.typed = match &picked[..] {
+            [] => String::new(),
+            [one] => one.clone(),
+            more => format!("{} files", more.len()),
+        };
+        self.picked = picked;
+    }
+
+    /// Whether `name` in the list is among what will be chosen.
+    pub fn is_chosen(&self, name: &str) -> bool {
+        self.typed == name || self.picked.iter().any(|picked| picked == name)
+    }
+
+    /// The path that `typed` means.
+    fn path_of(&self, typed: &str) -> PathBuf {
         let home = directories::UserDirs::new().map(|user| user.home_dir().to_owned());
         match (typed.strip_prefix('~'), home) {
             (Some(rest), Some(home)) if rest.is_empty() || rest.starts_with('/') => {
@@ -150,35 +202,19 @@ impl Browser {
     /// Completes what is typed as far as all files that begin like it agree.
     pub fn complete(&mut self) {
         let (before, begun) = match self.typed.rsplit_once('/') {
-            Some((before, begun)) => (format!("{before}/"), begun.to_owned()),
-            None => (String::new(), self.typed.clone()),
+            Some((before, begun)) => (format!("{before}/"), begun),
+            None => (String::new(), self.typed.as_str()),
         };
-        let folder = Self { typed: before.clone(), entries: Ok(Vec::new()), ..self.like() }.target();
-        let mut inside = Self { folder, entries: Ok(Vec::new()), ..self.like() };
-        inside.read();
-        let all = inside.entries.unwrap_or_default();
-        let mut fitting = all.iter().filter(|entry| entry.name.starts_with(&begun));
-        let Some(first) = fitting.next() else { return };
+        let Ok(listing) = self.list(&self.path_of(before.trim()), begun, MAX_ENTRIES) else { return };
+        let Some((first, others)) = listing.entries.split_first() else { return };
         let mut agreed = first.name.clone();
-        let mut alone = true;
-        for other in fitting {
-            alone = false;
+        for other in others {
             let shared = agreed.chars().zip(other.name.chars()).take_while(|(a, b)| a == b);
             agreed = shared.map(|(a, _)| a).collect();
         }
-        let slash = if alone && first.is_folder { "/" } else { "" };
+        let slash = if others.is_empty() && first.is_folder { "/" } else { "" };
         self.typed = format!("{before}{agreed}{slash}");
-    }
-
-    fn like(&self) -> Self {
-        Self {
-            request: self.request.clone(),
-            folder: self.folder.clone(),
-            typed: String::new(),
-            picked: Vec::new(),
-            entries: Ok(Vec::new()),
-            agreed_to_replace: None,
-        }
+        self.retyped();
     }
 
     /// Goes ahead with what is typed and picked.
@@ -189,7 +225,7 @@ impl Browser {
         if self.typed.trim().is_empty() {
             return Verdict::Refused("Type a name or a path, or click a file.".into());
         }
-        let mut path = self.target();
+        let mut path = self.path_of(self.typed.trim());
         if path.is_dir() {
             self.typed.clear();
             self.enter(&path);
@@ -242,7 +278,7 @@ mod tests {
     fn folders_come_first_and_other_kinds_not_at_all() {
         let folder = folder();
         let names = |browser: &Browser| -> Vec<String> {
-            browser.entries().unwrap().iter().map(|entry| entry.name.clone()).collect()
+            browser.listing().unwrap().entries.iter().map(|entry| entry.name.clone()).collect()
         };
         let mut browser = browser(Purpose::Open, folder.path());
         assert_eq!(names(&browser), ["Heads", "heads-old", "igea-2.PLY", "igea.ply"]);
@@ -251,7 +287,7 @@ mod tests {
         browser.leave();
         assert_eq!(names(&browser).len(), 4);
         browser.enter(&folder.path().join("nowhere"));
-        assert!(browser.entries().unwrap_err().contains("nowhere"));
+        assert!(browser.listing().unwrap_err().contains("nowhere"));
     }
 
     #[test]
@@ -283,6 +319,40 @@ mod tests {
     }
 
     #[test]
+    fn what_does_not_fit_takes_no_place_and_a_cut_list_says_so() {
+        let folder = folder();
+        for index in 0..20 {
+            std::fs::write(folder.path().join(format!("a{index}.mp3")), "").unwrap();
+        }
+        let browser = browser(Purpose::Open, folder.path());
+        let whole = browser.list(folder.path(), "", 4).unwrap();
+        assert_eq!((whole.entries.len(), whole.is_cut), (4, false));
+        let cut = browser.list(folder.path(), "", 3).unwrap();
+        assert_eq!((cut.entries.len(), cut.is_cut), (3, true));
+        assert!(cut.entries.iter().all(|entry| whole.entries.contains(entry)));
+        let begun = browser.list(folder.path(), "ig", 2).unwrap();
+        assert_eq!((begun.entries.len(), begun.is_cut), (2, false));
+    }
+
+    #[test]
+    fn files_are_picked_put_back_and_forgotten_when_something_is_typed() {
+        let folder = folder();
+        let mut browser = browser(Purpose::OpenSeveral, folder.path());
+        browser.pick("igea.ply", false);
+        browser.pick("igea-2.PLY", true);
+        assert_eq!(browser.typed, "2 files");
+        let both = ["igea.ply", "igea-2.PLY"].map(|name| folder.path().join(name)).to_vec();
+        assert_eq!(browser.go_ahead(), Verdict::Done(both));
+        browser.pick("igea.ply", true);
+        assert_eq!(browser.typed, "igea-2.PLY");
+        browser.pick("igea.ply", true);
+        browser.typed = "Heads/max.obj".into();
+        browser.retyped();
+        assert!(!browser.is_chosen("igea.ply"));
+        assert_eq!(browser.go_ahead(), Verdict::Done(vec![folder.path().join("Heads/max.obj")]));
+    }
+
+    #[test]
     fn a_file_is_replaced_only_when_asked_twice() {
         let folder = folder();
         let mut browser = browser(Purpose::Save, &folder.path().join("new"));
@@ -293,6 +363,11 @@ mod tests {
         browser.typed = "Heads/max".into();
         assert_eq!(browser.go_ahead(), Verdict::Replaces(folder.path().join("Heads/max.obj")));
         assert_eq!(browser.go_ahead(), Verdict::Done(vec![folder.path().join("Heads/max.obj")]));
+        // Typed anew or looked for elsewhere, it is asked about again.
+        browser.retyped();
+        assert!(matches!(browser.go_ahead(), Verdict::Replaces(_)));
+        browser.enter(folder.path());
+        assert!(matches!(browser.go_ahead(), Verdict::Replaces(_)));
         browser.typed = "nowhere/x.obj".into();
         assert!(matches!(browser.go_ahead(), Verdict::Refused(_)));
     }

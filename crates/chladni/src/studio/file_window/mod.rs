@@ -17,7 +17,7 @@ pub use browser::{Purpose, Request};
 use super::icon::{self, Icon};
 use super::settings::Settings;
 use super::{Folders, StudioError, theme};
-use browser::{Browser, Entry, Verdict};
+use browser::{Browser, Entry, MAX_ENTRIES, Verdict};
 
 /// The name of the command that opens the window; see [`ask`].
 pub const COMMAND: &str = "choose-file";
@@ -123,7 +123,8 @@ impl FileWindow {
         }
     }
 
-    fn head(&mut self, ui: &mut Ui) {
+    /// The field; true where it was finished with Enter.
+    fn head(&mut self, ui: &mut Ui) -> bool {
         let palette = theme::palette(ui);
         ui.add_space(theme::GAP_SMALL);
         ui.horizontal(|ui| {
@@ -146,9 +147,12 @@ impl FileWindow {
         }
         if shown.response.changed() {
             (self.said, self.replaces) = (None, false);
+            self.browser.retyped();
         }
+        let entered = shown.response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         if shown.response.has_focus() && ui.input(|input| input.key_pressed(Key::Tab)) {
             self.browser.complete();
+            (self.said, self.replaces) = (None, false);
             let mut state = shown.state;
             let end = egui::text::CCursor::new(self.browser.typed.chars().count());
             state.cursor.set_char_range(Some(egui::text::CCursorRange::one(end)));
@@ -165,6 +169,7 @@ impl FileWindow {
                 ui.label(RichText::new(kinds.join(", ")).color(palette.weak).small())
             }
         };
+        entered
     }
 
     fn places(&mut self, ui: &mut Ui) {
@@ -185,55 +190,48 @@ impl FileWindow {
     /// The list; true where a file was double-clicked.
     fn list(&mut self, ui: &mut Ui) -> bool {
         let palette = theme::palette(ui);
-        let entries = match self.browser.entries() {
-            Ok(entries) => entries.to_vec(),
+        let listing = match self.browser.listing() {
+            Ok(listing) => listing,
             Err(why) => {
                 ui.label(RichText::new(why).color(palette.error));
                 return false;
             }
         };
-        if entries.is_empty() {
+        if listing.entries.is_empty() {
             ui.label(RichText::new("Nothing of this kind is here.").color(palette.weak));
         }
-        let (mut enter, mut go) = (None, false);
-        ui.with_layout(egui::Layout::top_down_justified(egui::Align::LEFT), |ui| {
-            for Entry { name, is_folder } in &entries {
-                let chosen = self.browser.typed == *name || self.browser.picked.contains(name);
-                let mark = if *is_folder { Icon::Folder } else { Icon::File };
-                let line = ui.add(egui::Button::selectable(chosen, icon::label(mark, name)).truncate());
-                if *is_folder {
+        if listing.is_cut {
+            let most = format!("There are more than these {MAX_ENTRIES}; type the name of any other.");
+            ui.label(RichText::new(most).color(palette.warning).small());
+        }
+        let row = ui.text_style_height(&egui::TextStyle::Button) + 2.0 * ui.spacing().button_padding.y;
+        let row = row.max(ui.spacing().interact_size.y);
+        let (mut enter, mut pick, mut go) = (None, None, false);
+        let lines = egui::ScrollArea::vertical().auto_shrink(false);
+        lines.show_rows(ui, row, listing.entries.len(), |ui, rows| {
+            ui.with_layout(egui::Layout::top_down_justified(egui::Align::LEFT), |ui| {
+                for Entry { name, is_folder } in listing.entries.get(rows).unwrap_or_default() {
+                    let mark = if *is_folder { Icon::Folder } else { Icon::File };
+                    let chosen = self.browser.is_chosen(name);
+                    let line = egui::Button::selectable(chosen, icon::label(mark, name)).truncate();
+                    let line = ui.add(line.min_size(egui::vec2(0.0, row)));
                     if line.clicked() {
-                        enter = Some(self.browser.folder().join(name));
+                        let chosen = if *is_folder { &mut enter } else { &mut pick };
+                        *chosen = Some(name.clone());
                     }
-                    continue;
+                    go |= !is_folder && line.double_clicked();
                 }
-                if line.clicked() {
-                    self.pick(name, ui.input(|input| input.modifiers.command));
-                }
-                go |= line.double_clicked();
-            }
+            });
         });
-        if let Some(folder) = enter {
+        if let Some(name) = enter {
+            let folder = self.browser.folder().join(name);
             self.browser.enter(&folder);
         }
+        if let Some(name) = pick {
+            (self.said, self.replaces) = (None, false);
+            self.browser.pick(&name, ui.input(|input| input.modifiers.command));
+        }
         go
-    }
-
-    fn pick(&mut self, name: &str, besides: bool) {
-        (self.said, self.replaces) = (None, false);
-        let several = besides && self.browser.request().purpose == Purpose::OpenSeveral;
-        if !several {
-            self.browser.picked.clear();
-        }
-        if several && self.browser.picked.iter().any(|known| known == name) {
-            self.browser.picked.retain(|known| known != name);
-        } else {
-            self.browser.picked.push(name.to_owned());
-        }
-        self.browser.typed = match self.browser.picked.len() {
-            0 | 1 => self.browser.picked.first().cloned().unwrap_or_default(),
-            more => format!("{more} files"),
-        };
     }
 
     fn foot(&mut self, ui: &mut Ui) -> bool {
@@ -269,14 +267,16 @@ impl eframe::App for FileWindow {
         if ctx.input(|input| input.key_pressed(Key::Escape)) {
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
-        let mut go = ctx.input(|input| input.key_pressed(Key::Enter));
-        egui::Panel::top("path").show(ui, |ui| self.head(ui));
+        // A button that has the focus takes Enter for itself.
+        let nothing_has_focus = ctx.memory(|memory| memory.focused().is_none());
+        let mut go = nothing_has_focus && ctx.input(|input| input.key_pressed(Key::Enter));
+        egui::Panel::top("path").show(ui, |ui| go |= self.head(ui));
         egui::Panel::bottom("answer").show(ui, |ui| go |= self.foot(ui));
         egui::Panel::left("places").exact_size(150.0).show(ui, |ui| {
             egui::ScrollArea::vertical().show(ui, |ui| self.places(ui));
         });
         egui::CentralPanel::default().show(ui, |ui| {
-            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| go |= self.list(ui));
+            go |= self.list(ui);
         });
         if go {
             self.go_ahead(&ctx);

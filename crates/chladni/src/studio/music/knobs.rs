@@ -160,9 +160,29 @@ fn knob(
     }
 }
 
-/// Shown times `factor`, with a unit; typed numbers are in it, too.
+/// Shown times `factor`, with a unit; typed numbers are in it, too, whether or not they name it.
 fn in_units<'a>(slider: Slider<'a>, factor: f64, decimals: usize, unit: &'static str) -> Slider<'a> {
     slider
         .custom_formatter(move |value, _| format!("{:.decimals$}{unit}", value * factor))
-        .custom_parser(move |text| Some(text.trim_end_matches(unit).trim().parse::<f64>().ok()? / factor))
+        .custom_parser(move |text| Some(number_before(text, unit)? / factor))
+}
+
+/// The number in `text`, which may end in `unit`.
+fn number_before(text: &str, unit: &str) -> Option<f64> {
+    text.trim().trim_end_matches(unit.trim()).trim_end().parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number_before;
+
+    #[test]
+    fn a_number_is_read_with_its_unit_near_or_far_or_without() {
+        for text in ["5", " 5 ", "5%", "5 %", "5.0  % "] {
+            assert_eq!(number_before(text, " %"), Some(5.0), "{text}");
+        }
+        assert_eq!(number_before("-90°", "°"), Some(-90.0));
+        assert_eq!(number_before("90 °", "°"), Some(90.0));
+        assert_eq!((number_before("5°", " %"), number_before("%", " %")), (None, None));
+    }
 }

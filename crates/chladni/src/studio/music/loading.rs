@@ -22,14 +22,15 @@ pub struct Ready {
     pub symmetry: Symmetry,
     /// The layers of a caricature, by name.
     pub voices: Vec<(String, Term)>,
-    /// What was mended in the file, and what could not act.
+    /// What was mended in the file, what the harmonics are worth less than usual, and what could not act.
     pub warnings: Vec<String>,
 }
 
 /// Loads a shape, its harmonics and their symmetry classes.
 pub fn shape(source: &ShapeSource, harmonics: usize, task: &Task) -> Result<Ready, String> {
-    let (mesh, warnings) = source::shape(source, None)?;
-    Ready::new(body(&mesh, harmonics, task)?, Vec::new(), warnings, task)
+    let (mesh, mut warnings) = source::shape(source, None)?;
+    let body = body(&mesh, harmonics, &mut warnings, task)?;
+    Ready::new(body, Vec::new(), warnings, task)
 }
 
 /// Loads a caricature's project: its shape is the body, each acting layer a voice.
@@ -37,11 +38,14 @@ pub fn caricature(path: &Path, harmonics: usize, task: &Task) -> Result<Ready, S
     let project = Project::load(path).map_err(|error| error.to_string())?;
     let folder = path.parent();
     let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
-    let layered = Arc::new(body(&mesh, project.harmonics, task)?);
+    let layered = Arc::new(body(&mesh, project.harmonics, &mut warnings, task)?);
     let voices = voices(&project, &mesh, &layered, folder, &mut warnings, task)?;
     // The layers are displacements: they do not depend on how many harmonics dance.
-    let body =
-        if project.harmonics <= harmonics { (*layered).clone() } else { body(&mesh, harmonics, task)? };
+    let body = if project.harmonics <= harmonics {
+        (*layered).clone()
+    } else {
+        body(&mesh, harmonics, &mut warnings, task)?
+    };
     Ready::new(body, voices, warnings, task)
 }
 
@@ -76,12 +80,13 @@ fn template(request: &MatchRequest, folder: Option<&Path>) -> Result<Option<TriM
     }
 }
 
-fn body(mesh: &TriMesh, harmonics: usize, task: &Task) -> Result<Body, String> {
+fn body(mesh: &TriMesh, harmonics: usize, warnings: &mut Vec<String>, task: &Task) -> Result<Body, String> {
     let harmonics = harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
     let cache = crate::cli::basis_cache();
-    Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
-        .map(|(body, _)| body)
-        .map_err(|error| error.to_string())
+    let (body, report) = Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
+        .map_err(|error| error.to_string())?;
+    warnings.extend(report.warnings(&body.basis.certificate));
+    Ok(body)
 }
 
 impl Ready {

@@ -98,6 +98,9 @@ const KEYS: [Shortcut; 23] = [
 /// Extensions of songs that can be heard.
 const SONGS: [&str; 10] = ["wav", "flac", "mp3", "ogg", "oga", "opus", "m4a", "aac", "aiff", "aif"];
 
+/// Extension of presets and sessions.
+const TEXT: &str = "toml";
+
 /// The most harmonics that dance live.
 const MOST_HARMONICS: usize = 512;
 
@@ -181,20 +184,20 @@ impl Room for MusicRoom {
         self.concert.as_ref().is_some_and(Concert::on_stage)
     }
 
-    fn extensions(&self) -> &'static [&'static str] {
-        &SONGS
+    fn extensions(&self) -> Vec<&'static str> {
+        [TEXT].into_iter().chain(SONGS).collect()
     }
 
     fn claims(&self, path: &Path) -> bool {
         let extension = extension(path);
-        extension == "toml" || SONGS.contains(&extension.as_str())
+        extension == TEXT || SONGS.contains(&extension.as_str())
     }
 
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
         let mut songs = Vec::new();
         for path in paths {
             match extension(path).as_str() {
-                "toml" => self.waiting.push(path.clone()),
+                TEXT => self.waiting.push(path.clone()),
                 "chladni" => self.load_caricature(path.clone(), shared),
                 song if SONGS.contains(&song) => songs.push(path.clone()),
                 _ => self.load(ShapeSource::File(path.clone()), shared),
@@ -440,8 +443,7 @@ impl MusicRoom {
 
     fn choose_files(&mut self, songs_only: bool, shared: &mut Shared<'_>) {
         let meshes = super::caricature::MESHES;
-        let texts = ["toml", "chladni"];
-        let all: Vec<&str> = meshes.iter().chain(&SONGS).chain(&texts).copied().collect();
+        let all: Vec<&str> = meshes.into_iter().chain(self.extensions()).chain(["chladni"]).collect();
         let kinds = [("All that dances or sounds", &all[..]), ("Meshes", &meshes), ("Songs", &SONGS)];
         let paths = shared.chooser.open_several(if songs_only { &kinds[2..] } else { &kinds });
         if !paths.is_empty() {
@@ -467,7 +469,7 @@ fn save_as(
     shared: &mut Shared<'_>,
     save: impl FnOnce(&Path) -> Result<(), String>,
 ) -> Result<(), String> {
-    if let Some(path) = shared.chooser.save(&[("Text", &["toml"])], Path::new(name)) {
+    if let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new(name)) {
         save(&path)?;
         shared.notices.done(format!("Saved {}", path.display()));
     }
