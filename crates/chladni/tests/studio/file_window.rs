@@ -1,0 +1,113 @@
+//! The file window that comes where the system has none.
+
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use chladni::studio::{FileWindow, Purpose, Request, Settings};
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use crate::CTRL;
+use crate::person::Desk;
+
+/// The file window on a folder with two meshes and another in a folder of its own, and its answer.
+fn file_window(desk: &Desk, purpose: Purpose) -> (Harness<'static, FileWindow>, Rc<RefCell<Vec<PathBuf>>>) {
+    std::fs::create_dir(desk.path("sculptures")).unwrap();
+    std::fs::copy(desk.path("shape.obj"), desk.path("sculptures/bust.obj")).unwrap();
+    let answer = Rc::new(RefCell::new(Vec::new()));
+    let given = answer.clone();
+    let kinds = vec![("Meshes".to_owned(), vec!["obj".to_owned()])];
+    let request = Request { purpose, kinds, start: desk.folder.path().to_owned() };
+    let mut window = Harness::builder().with_size([640.0, 520.0]).wgpu().build_eframe(move |creation| {
+        FileWindow::new(&creation.egui_ctx, request, &Settings::default(), given)
+    });
+    window.run_steps(3);
+    (window, answer)
+}
+
+/// Clicks the line called `name`, after its icon.
+fn click_line(window: &mut Harness<'_, FileWindow>, name: &str, modifiers: Modifiers) {
+    window.query_all_by_label_contains(name).next().unwrap().click_modifiers(modifiers);
+    window.run_steps(6);
+}
+
+fn type_text(window: &mut Harness<'_, FileWindow>, text: &str) {
+    window.key_press_modifiers(CTRL, Key::A);
+    window.event(egui::Event::Text(text.into()));
+    window.run_steps(2);
+}
+
+/// The file window that comes where the system has none: a path is typed, completed, and chosen.
+#[test]
+fn a_path_is_typed_where_the_system_has_no_file_dialog() {
+    let desk = Desk::new();
+    let (mut window, answer) = file_window(&desk, Purpose::Open);
+    assert!(window.query_all_by_label_contains("shape.obj").next().is_some());
+    assert!(window.query_all_by_label_contains("settings.toml").next().is_none());
+    type_text(&mut window, "nothing");
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert!(window.query_all_by_label_contains("is not there").next().is_some());
+    type_text(&mut window, "scu");
+    window.key_press(Key::Tab);
+    window.run_steps(2);
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {
+        window.render().unwrap().save(std::path::Path::new(&folder).join("studio-files.png")).unwrap();
+    }
+    click_line(&mut window, "bust.obj", Modifiers::NONE);
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert_eq!(*answer.borrow(), [desk.path("sculptures/bust.obj")]);
+}
+
+#[test]
+fn what_is_typed_after_files_were_picked_counts_and_enter_on_cancel_is_no_answer() {
+    let desk = Desk::new();
+    let (mut window, answer) = file_window(&desk, Purpose::OpenSeveral);
+    click_line(&mut window, "shape.obj", Modifiers::NONE);
+    click_line(&mut window, "template.obj", CTRL);
+    assert_eq!(window.get_by_label("File name or path").value().as_deref(), Some("2 files"));
+    window.get_by_label("Cancel").focus();
+    window.run_steps(2);
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert!(answer.borrow().is_empty());
+
+    window.get_by_label("File name or path").click();
+    window.run_steps(2);
+    type_text(&mut window, "sculptures/bust.obj");
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert_eq!(*answer.borrow(), [desk.path("sculptures/bust.obj")]);
+}
+
+#[test]
+fn of_a_long_folder_only_what_is_seen_is_laid_out_and_its_end_can_be_reached() {
+    let desk = Desk::new();
+    for index in 0..400 {
+        std::fs::write(desk.path(&format!("many-{index:03}.obj")), "").unwrap();
+    }
+    let (mut window, answer) = file_window(&desk, Purpose::Open);
+    let lines = |window: &Harness<'_, FileWindow>| window.query_all_by_label_contains("many-").count();
+    assert!((5..40).contains(&lines(&window)), "{}", lines(&window));
+    window.hover_at(egui::pos2(400.0, 300.0));
+    window.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Page,
+        source: egui::MouseWheelSource::Wheel,
+        delta: vec2(0.0, -1000.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    });
+    window.run_steps(60);
+    assert!((5..40).contains(&lines(&window)), "{}", lines(&window));
+    let last = window.get_all_by_label_contains("template.obj").last().unwrap().rect();
+    assert!(last.bottom() < 480.0, "the last line ends at {}", last.bottom());
+    click_line(&mut window, "template.obj", Modifiers::NONE);
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert_eq!(*answer.borrow(), [desk.path("template.obj")]);
+}

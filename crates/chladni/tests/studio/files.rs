@@ -1,0 +1,139 @@
+//! Opening, saving, and never losing work.
+
+use std::rc::Rc;
+
+use chladni::studio::{FirstPicture, Opening};
+use chladni_caricature::{Project, ShapeSource};
+use chladni_mesh::save_mesh;
+use egui::Key;
+
+use crate::CTRL;
+use crate::person::{self, Desk, HARMONICS, Person};
+
+#[test]
+fn work_survives_a_crash_and_is_asked_about_on_closing() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.click_button("Add");
+    person.click("Own size");
+    let copies = || std::fs::read_dir(desk.path("recovery")).into_iter().flatten().flatten();
+    let kept = || copies().any(|entry| entry.path().extension().is_some_and(|e| e == "chladni"));
+    person.wait("the recovery copy", |_| kept());
+    // Nobody tells the window that it ends: a crash.
+    drop(person);
+
+    let mut person = desk.sit_down(&[]);
+    assert!(person.sees("did not end well"));
+    person.wait("the picture of the recent shape", |_| desk.path("pictures").exists());
+    person.0.run_steps(20);
+    person.screenshot("studio-recover.png");
+    person.click("Recover");
+    person.wait_to_see("Own size 1");
+    person.wait("the old copy's end", |_| {
+        copies().filter(|entry| entry.path().extension().is_some_and(|e| e == "chladni")).count() == 1
+    });
+
+    person.close();
+    assert!(person.sees("Save before closing?"));
+    person.screenshot("studio-close.png");
+    person.click("Keep working");
+    assert!(!person.sees("Save before closing?"));
+    person.close();
+    desk.answers.add(desk.path("kept.chladni"));
+    person.click("Save and close");
+    assert_eq!(Project::load(&desk.path("kept.chladni")).unwrap().layers().len(), 1);
+    person.wait("the copy's end", |_| !kept());
+}
+
+#[test]
+fn opening_another_project_asks_about_unsaved_work() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.click_button("Add");
+    person.click("Own size");
+    let empty = Project::new(ShapeSource::File(desk.path("template.obj")), HARMONICS);
+    empty.save(&desk.path("other.chladni")).unwrap();
+    desk.answers.add(desk.path("other.chladni"));
+    person.press_with(CTRL, Key::O);
+    assert!(person.sees("Save before opening another?"));
+    person.click("Keep working");
+    assert!(person.sees("Own size 1"));
+    desk.answers.add(desk.path("other.chladni"));
+    person.press_with(CTRL, Key::O);
+    person.click("Lose changes");
+    person.wait_until_gone("Own size 1");
+}
+
+#[test]
+fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    let choose = |person: &mut Person, names: &[&str]| {
+        names.iter().for_each(|name| desk.answers.add(desk.path(name)));
+        person.press_with(CTRL, Key::O);
+        person.0.run_steps(4);
+    };
+    // What cannot be opened leaves the open shape as it is.
+    choose(&mut person, &["missing.obj", "template.obj"]);
+    person.wait_to_see("missing.obj");
+    person.wait_until_gone("Opening missing.obj");
+    person.0.run_steps(4);
+    assert!(!person.sees("Layer template"));
+    std::fs::write(desk.path("broken.chladni"), "no project").unwrap();
+    choose(&mut person, &["broken.chladni", "template.obj"]);
+    assert!(person.sees("broken.chladni") && !person.sees("Layer template"));
+
+    // Nor does what waits until it is known what becomes of unsaved work.
+    person.click_button("Add");
+    person.click("Own size");
+    save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
+    choose(&mut person, &["finer.obj", "template.obj"]);
+    assert!(person.sees("Save before opening another?") && !person.sees("Layer template"));
+    person.click("Keep working");
+    person.0.run_steps(4);
+    assert!(person.sees("Own size 1") && !person.sees("Layer template"));
+    choose(&mut person, &["finer.obj", "template.obj"]);
+    person.click("Lose changes");
+    person.wait_to_see("2\u{202f}562 vertices");
+    person.wait_to_see("Layer template");
+    assert!(!person.sees("Own size 1"));
+
+    // A project is the shape, wherever it stands among the files.
+    let project = Project::new(ShapeSource::File(desk.path("shape.obj")), HARMONICS);
+    project.save(&desk.path("z.chladni")).unwrap();
+    choose(&mut person, &["template.obj", "z.chladni"]);
+    person.click("Lose changes");
+    person.wait_to_see("642 vertices");
+    person.wait_to_see("Layer template");
+}
+
+#[test]
+fn whoever_waits_for_the_first_picture_is_told_why_there_is_none() {
+    let desk = Desk::new();
+    let waits_for = |name: &str| {
+        let first_picture = Rc::new(FirstPicture::since(std::time::Instant::now()));
+        let opening = Opening { first_picture: Some(first_picture.clone()), ..desk.opening(&[name]) };
+        Person::new(opening).wait("an end", |_| first_picture.outcome().is_some());
+        first_picture.outcome().unwrap()
+    };
+    std::fs::write(desk.path("broken.chladni"), "no project").unwrap();
+    assert!(waits_for("shape.obj").unwrap() > 0.0);
+    for name in ["missing.obj", "broken.chladni"] {
+        assert!(waits_for(name).unwrap_err().contains(name));
+    }
+}
+
+/// The start screen offers what the rooms open, presets and sessions as well.
+#[test]
+fn the_start_screen_offers_all_that_can_be_opened() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&[]);
+    person.press_with(CTRL, Key::O);
+    let offered = desk.answers.offered();
+    for extension in ["obj", "mesh", "chladni", "wav", "toml"] {
+        assert!(offered.iter().any(|known| known == extension), "{extension} is not among {offered:?}");
+    }
+}

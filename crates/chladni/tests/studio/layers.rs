@@ -1,0 +1,155 @@
+//! Layers and landmarks, by hand and by keys.
+
+use chladni_caricature::{Model, Painted, Project};
+use egui::{Key, Modifiers, pos2, vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
+
+use crate::CTRL;
+use crate::driving;
+use crate::person::{Desk, Person};
+
+#[test]
+fn landmarks_are_picked_moved_removed_saved_and_read() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
+    person.wait_to_see("Covered");
+    person.press(Key::L);
+    person.wait_to_see("Landmarks on the template");
+    let (left, right) =
+        (person.place_of("Landmarks on the shape"), person.place_of("Landmarks on the template"));
+    person.wait_to_see("Click a place on the shape");
+    person.wait_until_gone("Reading the template");
+    let places = [(0.0, 0.0), (0.1, -0.15), (-0.1, 0.15), (0.12, 0.1)];
+    for (x, y) in places {
+        for side in [left, right] {
+            person.click_at(side.center() + vec2(x * side.width(), y * side.height()));
+        }
+    }
+    person.wait_to_see("The match follows");
+    person.wait("the new match", |window| !driving::shows(window, "Matching"));
+    person.screenshot("studio-landmarks.png");
+
+    let landmarks = |name: &str| {
+        let project = Project::load(&desk.path(name)).unwrap();
+        project.layers()[0].1.matching.landmarks.clone()
+    };
+    desk.answers.add(desk.path("picked.chladni"));
+    person.press_with(CTRL, Key::S);
+    let picked = landmarks("picked.chladni");
+    assert_eq!(picked.len(), places.len());
+
+    // The first is dragged along the shape, the second removed, and both undone by one step each.
+    // Its vertex is drawn a little above where the click was.
+    let dot = left.center() + vec2(1.0, -15.0);
+    person.drag(&[dot, dot + vec2(20.0, 10.0), dot + vec2(60.0, 40.0)]);
+    person.screenshot("studio-dragged.png");
+    person.click("Remove landmark 2");
+    person.screenshot("studio-removed.png");
+    desk.answers.add(desk.path("changed.chladni"));
+    person.press_with(CTRL | Modifiers::SHIFT, Key::S);
+    let changed = landmarks("changed.chladni");
+    assert_eq!(changed.len(), places.len() - 1);
+    assert_ne!(changed[0].shape, picked[0].shape);
+    assert_eq!((changed[0].template, &changed[1..]), (picked[0].template, &picked[2..]));
+
+    desk.answers.add(desk.path("landmarks.txt"));
+    person.click("Write the landmarks to a text file");
+    let text = std::fs::read_to_string(desk.path("landmarks.txt")).unwrap();
+    assert_eq!(chladni_match::read_landmarks(&text).unwrap(), changed);
+    person.press_with(CTRL, Key::Z);
+    person.press_with(CTRL, Key::Z);
+    person.press_with(CTRL, Key::S);
+    assert_eq!(landmarks("changed.chladni"), picked);
+    desk.answers.add(desk.path("landmarks.txt"));
+    person.click("Read landmarks from a text file");
+    person.press_with(CTRL, Key::S);
+    assert_eq!(landmarks("changed.chladni"), changed);
+    person.press(Key::Escape);
+    assert!(!person.sees("Landmarks on the template"));
+}
+
+#[test]
+fn layers_are_named_hidden_soloed_and_moved_by_hand() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    for template in ["Own size", "Ellipsoid"] {
+        person.click_button("Add");
+        person.click(template);
+    }
+    person.wait("the match", |window| !driving::shows(window, "Matching"));
+    person.press(Key::F2);
+    person.0.run_steps(2);
+    person.press_with(CTRL, Key::A);
+    person.0.event(egui::Event::Text("Round".into()));
+    person.press(Key::Enter);
+    assert!(person.sees("Layer Round"));
+    let (top, below) = (person.place_of("Layer Round"), person.place_of("Layer Own size 1"));
+    assert!(top.top() < below.top());
+    let order =
+        |person: &Person| person.place_of("Layer Round").top() < person.place_of("Layer Own size 1").top();
+    person.drag(&[top.center(), top.center() + vec2(0.0, 20.0), below.center()]);
+    assert!(!order(&person), "dragged below the other");
+    person.press_with(CTRL, Key::Z);
+    assert!(order(&person));
+
+    // The eye and the headphones of the upper row, by the pointer.
+    person.click_at(pos2(top.left() + 14.0, top.center().y));
+    assert!(person.sees("Show this layer"));
+    person.click_at(pos2(top.right() - 14.0, top.center().y));
+    assert!(person.sees("Show the other layers again"));
+    person.wait("its pictures", |_| true);
+    person.0.run_steps(6);
+    person.screenshot("studio-layers.png");
+    person.press_with(CTRL, Key::D);
+    assert!(person.sees("Layer Round copy"));
+    person.press(Key::Delete);
+    assert!(!person.sees("Layer Round copy"));
+}
+
+/// Layers are added, chosen, bent and hidden without the mouse, and what passes through itself is
+/// counted and shown.
+#[test]
+fn the_keyboard_reaches_what_is_common_and_crossings_are_counted() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Compare with a mesh");
+    desk.answers.add(desk.path("template.obj"));
+    person.press_with(CTRL, Key::T);
+    person.wait_to_see("Covered");
+    person.wait_to_see("Nothing passes through itself");
+    person.press(Key::Comma);
+    person.press(Key::Comma);
+    person.press(Key::Period);
+    person.press(Key::M);
+    desk.answers.add(desk.path("keys.chladni"));
+    person.press_with(CTRL, Key::S);
+    let saved = |desk: &Desk| Project::load(&desk.path("keys.chladni")).unwrap().layers()[0].1.clone();
+    assert_eq!((saved(&desk).mu, saved(&desk).model), (-0.6, Model::Normal));
+
+    // So far that it goes through itself, and back.
+    person.0.get_all_by_role(egui::accesskit::Role::SpinButton).next().unwrap().click();
+    person.0.run_steps(2);
+    person.press_with(CTRL, Key::A);
+    person.0.event(egui::Event::Text("-30".into()));
+    person.press(Key::Enter);
+    let amount = person.0.get_all_by_role(egui::accesskit::Role::SpinButton).next().unwrap();
+    assert_eq!(amount.accesskit_node().numeric_value(), Some(-30.0), "beyond the slider's ends");
+    person.wait_to_see("crossing triangles");
+    person.click_button("crossing triangles");
+    person.0.run_steps(2);
+    person.screenshot("studio-crossings.png");
+    assert!(person.sees("folded triangles"));
+    person.press(Key::F);
+    person.wait_to_see("No folds");
+
+    person.press_with(CTRL, Key::D);
+    person.press(Key::H);
+    person.press(Key::PageDown);
+    person.press(Key::I);
+    person.press_with(CTRL, Key::S);
+    let layers = Project::load(&desk.path("keys.chladni")).unwrap().layers().to_vec();
+    assert!(layers[0].1.enabled && !layers[1].1.enabled);
+    let nowhere = Painted::Vertices(vec![0.0; 642].into());
+    assert_eq!((&layers[0].1.region.painted, &layers[1].1.region.painted), (&nowhere, &Painted::Everywhere));
+}

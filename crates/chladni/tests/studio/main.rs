@@ -1,0 +1,16 @@
+//! The caricature room, used as a person would.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+#[path = "../driving/mod.rs"]
+mod driving;
+mod export;
+mod file_window;
+mod files;
+mod layers;
+#[path = "../person/mod.rs"]
+mod person;
+mod screens;
+mod tour;
+
+const CTRL: egui::Modifiers = egui::Modifiers::COMMAND;
