@@ -132,6 +132,39 @@ fn a_caricature_of_the_sample_moves_it_and_keeps_its_connectivity() {
     assert!(moved > plain.len() / 2, "{moved} of {}", plain.len());
 }
 
+/// A sheet of 17 × 17 vertices whose every other column of triangles is a ten-millionth wide.
+fn slivers() -> String {
+    let n = 16;
+    let vertex = |i: usize, j: usize| {
+        let (x, y) = (i as f64 / 16.0, j as f64 / 16.0);
+        let beside = if i % 2 == 0 { x } else { x - 1.0 / 16.0 + 1e-7 };
+        format!("v {beside} {y} {}\n", 0.3 * (5.0 * x).sin() * y)
+    };
+    let square = |i: usize, j: usize| {
+        let [a, b, c, d] = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| i * (n + 1) + j + 1);
+        format!("f {a} {b} {c}\nf {c} {b} {d}\n")
+    };
+    let vertices = (0..=n).flat_map(|i| (0..=n).map(move |j| vertex(i, j)));
+    let squares = (0..n).flat_map(|i| (0..n).map(move |j| square(i, j)));
+    vertices.chain(squares).collect()
+}
+
+#[test]
+fn imprecise_harmonics_are_told_by_every_command_that_uses_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let (shape, out) = (folder.path().join("slivers.obj"), folder.path().join("out.obj"));
+    std::fs::write(&shape, slivers()).unwrap();
+    let shape = text(&shape);
+    let caricature =
+        ["caricature", shape, "self:scale=0.5", "--harmonics", "20", "--quiet", "-o", text(&out)];
+    for arguments in
+        [&caricature[..], &["basis", shape, "-k", "20"], &["symmetry", shape, "--harmonics", "20"]]
+    {
+        let run = Run::of(arguments).succeeded();
+        assert!(run.stderr().contains("solve their equation to"), "{}: {}", arguments[0], run.stderr());
+    }
+}
+
 #[test]
 fn harmonics_are_exported_for_numpy_and_cached() {
     let folder = tempfile::tempdir().unwrap();
