@@ -137,7 +137,7 @@ fn slivers() -> String {
     let n = 16;
     let vertex = |i: usize, j: usize| {
         let (x, y) = (i as f64 / 16.0, j as f64 / 16.0);
-        let beside = if i % 2 == 0 { x } else { x - 1.0 / 16.0 + 1e-7 };
+        let beside = if i.is_multiple_of(2) { x } else { x - 1.0 / 16.0 + 1e-7 };
         format!("v {beside} {y} {}\n", 0.3 * (5.0 * x).sin() * y)
     };
     let square = |i: usize, j: usize| {
