@@ -44,12 +44,13 @@ report["heard_secs"] = (loud[-1] - loud[0]) / 48000 if loud else 0
 report["longest_silence_secs"] = max((b - a for a, b in zip(loud, loud[1:])), default=0) / 48000
 print(json.dumps(report))
 
+stage = report["stage"]
 begin, end = "<!-- stage:begin -->", "<!-- stage:end -->"
 processor = next(l.split(":")[1].strip() for l in open("/proc/cpuinfo") if l.startswith("model name"))
 load = open("/proc/loadavg").read().split()[0]
 rows = [
     ("listened and drawn", f"{report['secs']:.1f} s"),
-    ("frames of twelve octopuses of 17,084 vertices", f"{report['frames']} ({report['frames'] / report['secs']:.1f} a second)"),
+    (f"frames of {stage['items']} shapes of {stage['vertices']:,} vertices, {stage['drawn_vertices']:,} of them drawn", f"{report['frames']} ({report['frames'] / report['secs']:.1f} a second)"),
     ("pause between two frames, median", f"{report['median_frame_secs']:.3f} s"),
     ("longest", f"{report['longest_frame_secs']:.3f} s"),
     ("the song went on by", f"{report['song_secs']:.3f} s"),

@@ -18,7 +18,7 @@ use shapes::{gpu, sphere};
 #[test]
 fn both_backends_are_drawn_without_a_copy_and_look_the_same() {
     let Some(gpu) = gpu() else { return };
-    let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).unwrap();
+    let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
     let (positions, triangles) = sphere(16);
     // Harmonic 0 swells the sphere, harmonic 1 shifts it along y.
     let rest: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
@@ -75,7 +75,7 @@ fn both_backends_are_drawn_without_a_copy_and_look_the_same() {
 #[test]
 fn a_lost_device_is_known_to_drawing_and_synthesis() {
     let Some(gpu) = gpu() else { return };
-    let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).unwrap();
+    let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
     assert!(gpu.check().is_ok() && context.lost().is_none());
     gpu.device.destroy();
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();

@@ -75,6 +75,25 @@ fn drag(window: &mut Window, points: &[Pos2]) {
     window.run_steps(2);
 }
 
+/// How long the window may wait for its next frame.
+fn pause(window: &Window) -> std::time::Duration {
+    window.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay
+}
+
+#[test]
+fn a_paused_song_lets_the_gallery_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    window.run_steps(20);
+    assert!(pause(&window).is_zero());
+    window.key_press(Key::Space);
+    wait(&mut window, "rest", |w| pause(w) >= std::time::Duration::from_millis(20));
+    window.run_steps(5);
+    assert!(!pause(&window).is_zero());
+    window.key_press(Key::Space);
+    wait(&mut window, "the dance", |w| pause(w).is_zero());
+}
+
 #[test]
 fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     let folder = tempfile::tempdir().unwrap();

@@ -119,6 +119,7 @@ pub struct SpectrumAnalyser {
     fresh: Spectrum,
     spectrum: Spectrum,
     follower: LevelFollower,
+    lag_secs: f64,
 }
 
 impl SpectrumAnalyser {
@@ -155,6 +156,7 @@ impl SpectrumAnalyser {
             fresh: silence.clone(),
             spectrum: silence,
             follower: LevelFollower::new(),
+            lag_secs: lag_secs(&settings),
             settings,
         })
     }
@@ -188,24 +190,7 @@ impl SpectrumAnalyser {
     /// How much later than a click the decay lets its spectrum be strongest, in seconds: a window
     /// placed so much later than the moment that is heard brings both together.
     pub fn lag_secs(&self) -> f64 {
-        if self.settings.decay <= 0.0 {
-            return 0.0;
-        }
-        // A click under a Hann window that moves on, followed as the decay follows it.
-        const STEPS: u32 = 1000;
-        let half_secs = 0.5 * self.settings.window_frames as f64 / f64::from(self.settings.rate_hz);
-        let step_secs = half_secs / f64::from(STEPS);
-        let left = f64::from(self.settings.decay).powf(step_secs / DECAY_INTERVAL_SECS);
-        let mut followed = 0.0;
-        for step in 0..2 * STEPS {
-            let heard = (std::f64::consts::PI * f64::from(step) / f64::from(2 * STEPS)).sin().powi(2);
-            followed = left * followed + (1.0 - left) * heard;
-            // It is strongest where the falling window meets it.
-            if step > STEPS && followed >= heard {
-                return f64::from(step - STEPS) * step_secs;
-            }
-        }
-        half_secs
+        self.lag_secs
     }
 
     /// Analyses the last [`window_frames`](Self::window_frames) of `left` and `right` (fewer are
@@ -265,4 +250,26 @@ impl SpectrumAnalyser {
             debug_assert!(done.is_ok(), "the buffers were made by this plan");
         }
     }
+}
+
+/// [`SpectrumAnalyser::lag_secs`].
+fn lag_secs(settings: &SpectrumSettings) -> f64 {
+    if settings.decay <= 0.0 {
+        return 0.0;
+    }
+    // A click under a Hann window that moves on, followed as the decay follows it.
+    const STEPS: u32 = 1000;
+    let half_secs = 0.5 * settings.window_frames as f64 / f64::from(settings.rate_hz);
+    let step_secs = half_secs / f64::from(STEPS);
+    let left = f64::from(settings.decay).powf(step_secs / DECAY_INTERVAL_SECS);
+    let mut followed = 0.0;
+    for step in 0..2 * STEPS {
+        let heard = (std::f64::consts::PI * f64::from(step) / f64::from(2 * STEPS)).sin().powi(2);
+        followed = left * followed + (1.0 - left) * heard;
+        // It is strongest where the falling window meets it.
+        if step > STEPS && followed >= heard {
+            return f64::from(step - STEPS) * step_secs;
+        }
+    }
+    half_secs
 }

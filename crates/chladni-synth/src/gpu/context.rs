@@ -8,6 +8,9 @@ use crate::SynthError;
 /// Columns that one thread sums, multiples of 4: narrow for few columns, wide to read the basis seldom.
 pub(super) const WIDTHS: [usize; 2] = [4, 12];
 
+/// Storage buffers of the shader that has most.
+const STORAGE_BUFFERS: u32 = 7;
+
 /// Threads of a workgroup, in every shader.
 pub(super) const WORKGROUP: u32 = 64;
 
@@ -36,26 +39,25 @@ pub(super) struct Pipelines {
 }
 
 impl GpuContext {
-    /// A context. `loss` is the device's own, from whoever opened it.
-    ///
-    /// Fails if the device has no compute shaders of the size needed.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, loss: &DeviceLoss) -> Result<Self, SynthError> {
-        let limits = device.limits();
-        if limits.max_compute_invocations_per_workgroup < WORKGROUP
-            || limits.max_storage_buffers_per_shader_stage < 7
-        {
-            return Err(SynthError::Device("it has no compute shaders of the size needed".into()));
-        }
+    /// A context. `loss` is the device's own, from whoever opened it. Whether the device can compute
+    /// shows when a [`GpuSynthesizer`](crate::GpuSynthesizer) is made.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, loss: &DeviceLoss) -> Self {
         let pipelines = Arc::default();
-        Ok(Self { device: device.clone(), queue: queue.clone(), pipelines, loss: loss.clone() })
+        Self { device: device.clone(), queue: queue.clone(), pipelines, loss: loss.clone() }
     }
 
     /// The pipelines; the first call compiles them, so that nobody waits who uses the CPU.
     ///
-    /// Fails if the device refuses our shaders.
+    /// Fails if the device has no compute shaders of the size needed, or refuses ours.
     pub(super) fn pipelines(&self) -> Result<&Pipelines, SynthError> {
         if let Some(pipelines) = self.pipelines.get() {
             return Ok(pipelines);
+        }
+        let limits = self.device.limits();
+        if limits.max_compute_invocations_per_workgroup < WORKGROUP
+            || limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS
+        {
+            return Err(SynthError::Device("it has no compute shaders of the size needed".into()));
         }
         let made = checked(&self.device, || Pipelines::new(&self.device))?;
         Ok(self.pipelines.get_or_init(|| made))

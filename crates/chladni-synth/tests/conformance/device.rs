@@ -16,7 +16,7 @@ fn shared() -> Option<&'static Device> {
     DEVICE
         .get_or_init(|| {
             let (device, queue) = open(|_| ())?;
-            let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device)).unwrap();
+            let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device));
             Some(Device { device, queue, context })
         })
         .as_ref()

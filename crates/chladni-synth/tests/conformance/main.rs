@@ -255,7 +255,7 @@ fn what_the_device_cannot_hold_is_synthesized_on_the_cpu() {
     else {
         return;
     };
-    let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device)).unwrap();
+    let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device));
     let settings = FrameSettings::default();
     for (rings, harmonics, fits) in [(20, 100, true), (4, 2000, false)] {
         let shape = cases::shape(11, rings, 16, harmonics);
@@ -271,9 +271,25 @@ fn what_the_device_cannot_hold_is_synthesized_on_the_cpu() {
 }
 
 #[test]
+fn a_device_that_cannot_compute_shows_what_the_cpu_makes() {
+    let Some((device, queue)) = device::open(|limits| limits.max_storage_buffers_per_shader_stage = 4) else {
+        return;
+    };
+    let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device));
+    let shape = cases::shape(21, 9, 9, 30);
+    let items = cases::items(22, &shape, 3);
+    let mut auto = AutoSynthesizer::new(&context, model(&shape), Backend::Gpu);
+    let fallback = auto.take_fallback().expect("it says so");
+    assert!(fallback.to_string().contains("compute shaders"), "{fallback}");
+    auto.synthesize(&items, &FrameSettings::default()).unwrap();
+    let found = device::read_buffer(&device, &queue, auto.frame().positions, &auto.frame());
+    check_positions(&auto.device_name(), &shape, &items, &found);
+}
+
+#[test]
 fn the_cpu_takes_over_when_the_device_is_lost() {
     let Some((device, queue)) = device::open(|_| ()) else { return };
-    let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device)).unwrap();
+    let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device));
     let shape = cases::shape(13, 9, 9, 30);
     let items = cases::items(14, &shape, 5);
     let mut auto = AutoSynthesizer::new(&context, model(&shape), Backend::Gpu);

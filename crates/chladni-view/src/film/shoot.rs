@@ -22,8 +22,8 @@ pub struct Waits {
 }
 
 /// Draws all frames of `film` and finishes it. `draw` gets the index of the frame and draws on
-/// the canvas it gets, which is `canvas` or one like it; while the device works on it, earlier frames are fetched and encoded. Progress
-/// counts frames.
+/// the canvas it gets, which is `canvas` or one like it; while the device works on it, earlier frames are
+/// fetched and encoded. Progress counts frames.
 ///
 /// # Errors
 /// Whatever `draw` returns, whatever stops the film, and [`ViewError::Cancelled`]; in each case no

@@ -46,6 +46,18 @@ pub struct Measure {
     /// When each frame came, and where in the song it was.
     frames: Vec<(f64, Option<f64>)>,
     underruns: u64,
+    stage: Option<Stage>,
+}
+
+/// What dances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Stage {
+    /// Deformed shapes.
+    pub items: usize,
+    /// Vertices of each.
+    pub vertices: usize,
+    /// Those of them that the gallery draws.
+    pub drawn_vertices: usize,
 }
 
 /// What came of it.
@@ -65,12 +77,14 @@ pub struct Report {
     pub largest_drift_secs: Option<f64>,
     /// How often the sound device was given silence.
     pub underruns: u64,
+    /// What danced.
+    pub stage: Option<Stage>,
 }
 
 impl Measure {
     /// Counts for so many seconds, from the first frame on that has a song.
     pub fn new(secs: f64) -> Self {
-        Self { secs, began: None, frames: Vec::new(), underruns: 0 }
+        Self { secs, began: None, frames: Vec::new(), underruns: 0, stage: None }
     }
 
     /// Counts a frame; `sound` is the position in the song and the underruns so far, where one
@@ -87,6 +101,11 @@ impl Measure {
         self.frames.push((at, sound.map(|sound| sound.0)));
         self.underruns = sound.map_or(self.underruns, |sound| sound.1);
         at >= self.secs
+    }
+
+    /// Notes what dances.
+    pub fn shows(&mut self, stage: Option<Stage>) {
+        self.stage = stage.or(self.stage);
     }
 
     /// The report; `None` where there were too few frames.
@@ -106,6 +125,7 @@ impl Measure {
             song_secs: last.1.zip(first.1).map(|(last, first)| last - first),
             largest_drift_secs: (!offsets.is_empty()).then_some(drift),
             underruns: self.underruns,
+            stage: self.stage,
         })
     }
 }

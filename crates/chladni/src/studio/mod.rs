@@ -308,10 +308,11 @@ impl Studio {
     }
 
     fn count_frame(&mut self, ctx: &egui::Context) {
-        let sound = self.current.and_then(|index| self.rooms.get(index)).and_then(|room| room.sound());
-        if let Some(measure) = &self.measure
-            && measure.borrow_mut().frame(std::time::Instant::now(), sound)
-        {
+        let Some(measure) = &self.measure else { return };
+        let room = self.current.and_then(|index| self.rooms.get(index));
+        let mut measure = measure.borrow_mut();
+        measure.shows(room.and_then(|room| room.stage()));
+        if measure.frame(std::time::Instant::now(), room.and_then(|room| room.sound())) {
             self.rooms.clear();
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::choose::Chooser;
 use super::folders::Folders;
 use super::icon::Icon;
+use super::measure::Stage;
 use super::notices::Notices;
 use super::pictures::Pictures;
 use super::settings::Settings;
@@ -51,6 +52,11 @@ pub trait Room {
 
     /// Position in the song that is heard, in seconds, and underruns so far; `None` where none is.
     fn sound(&self) -> Option<(f64, u64)> {
+        None
+    }
+
+    /// What dances; `None` where nothing does.
+    fn stage(&self) -> Option<Stage> {
         None
     }
 

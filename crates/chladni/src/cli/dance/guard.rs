@@ -30,8 +30,7 @@ impl FrameGuard {
     pub fn pass(&mut self, time_secs: f64, picture: &mut Picture) {
         self.histogram.clear();
         let pixels = picture.rgba.as_chunks().0;
-        // An odd step does not fall into the columns of a picture of even width.
-        let step = (pixels.len() / PIXELS) | 1;
+        let step = step(pixels.len(), picture.width as usize);
         for [r, g, b, _] in pixels.iter().step_by(step) {
             self.histogram.add([*r, *g, *b]);
         }
@@ -62,9 +61,32 @@ impl FrameGuard {
     }
 }
 
+/// About one of so many pixels is looked at. Coprime to the width: it falls into no columns.
+fn step(pixels: usize, width: usize) -> usize {
+    let coprime = |step: &usize| {
+        let (mut a, mut b) = (*step, width);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a == 1
+    };
+    ((pixels / PIXELS).max(1)..).find(coprime).unwrap_or(1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_column_is_looked_at() {
+        for (width, height) in [(1440, 1080), (1920, 1080), (3840, 2160), (1001, 999), (16, 16), (1, 500_000)] {
+            let (pixels, step) = (width * height, step(width * height, width));
+            let mut seen = vec![false; width];
+            (0..pixels).step_by(step).for_each(|i| seen[i % width] = true);
+            assert!(seen.iter().all(|seen| *seen), "{width}×{height}, each {step}");
+            assert!(pixels / step >= PIXELS.min(pixels) / 2);
+        }
+    }
 
     #[test]
     fn a_strobe_of_pictures_is_tamed_down_to_black() {

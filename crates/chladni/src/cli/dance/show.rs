@@ -211,7 +211,7 @@ struct Theatre {
 impl Theatre {
     fn new(gpu: &Gpu, show: &Show, synthesis: Backend) -> Result<Self, Failure> {
         let model = &show.model;
-        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).map_err(Failure::other)?;
+        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let topology = Topology::new(gpu, model.vertices(), &show.triangles).map_err(view_failure)?;
         Ok(Self {
             topology,

@@ -10,7 +10,6 @@ use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Ui};
 
 use super::close_up::{self, Draft};
-use super::coarse;
 use super::gallery;
 use super::glimpse::Glimpse;
 use super::harmonics::Harmonics;
@@ -18,6 +17,7 @@ use super::listening::Listening;
 use super::loading::Ready;
 use super::pace::Pace;
 use super::preferences::Look;
+use super::stillness::{self, Shown};
 use super::wish::Wish;
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -27,9 +27,6 @@ use crate::studio::viewport::{self, Viewport};
 const FIRST_SEED: u64 = 2012;
 /// How much of its cell the shape may fill where it is moved as far as the limit allows.
 const FILL: f32 = 0.96;
-
-/// Vertices of a gallery's item where the processor draws.
-const COARSE_VERTICES: usize = 3000;
 
 /// What the middle of the room shows while nothing is on stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,6 +66,10 @@ pub struct Concert {
     camera: Camera,
     glimpse: Glimpse,
     guard: FlashGuard,
+    /// The last picture; `None` where something else was shown.
+    shown: Option<Shown>,
+    moving: bool,
+    veil: Veil,
     seconds: f64,
     moment: Moment,
     /// The item that keys act on: under the pointer where it moves, else where arrows went.
@@ -93,13 +94,9 @@ impl Concert {
         let gpu = viewport.gpu();
         let topology =
             Topology::new(gpu, model.vertices(), &ready.body.triangles).map_err(|error| error.to_string())?;
-        let context =
-            GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).map_err(|error| error.to_string())?;
+        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
-        let many = model.vertices() > 2 * COARSE_VERTICES;
-        let coarse = (many && gpu.is_software())
-            .then(|| coarse_topology(gpu, &rest, &ready.body.triangles))
-            .transpose()?;
+        let coarse = ready.coarse.map(|triangles| coarse_topology(gpu, rest.len(), &triangles)).transpose()?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
         Ok(Self {
@@ -114,6 +111,9 @@ impl Concert {
             camera: Camera { pitch_rad: 0.14, ..Camera::default() },
             glimpse: Glimpse::default(),
             guard: FlashGuard::default(),
+            shown: None,
+            moving: true,
+            veil: Veil::Clear,
             seconds: 0.0,
             moment: Moment::default(),
             marked: None,
@@ -145,6 +145,11 @@ impl Concert {
     /// Who deforms the shapes, and how they are drawn, in words.
     pub fn means(&self) -> String {
         format!("Deformed by {}. Drawn with {}.", self.synthesizer.device_name(), self.viewport.drawn())
+    }
+
+    /// Whether the last frame showed something new.
+    pub fn is_moving(&self) -> bool {
+        self.moving
     }
 
     /// What keeps the frames coming.
@@ -255,6 +260,7 @@ impl Concert {
             let response = ui.allocate_rect(whole, egui::Sense::click_and_drag());
             viewport::navigate(ui, &response, &mut self.camera);
             let camera = self.camera;
+            (self.shown, self.moving) = (None, true);
             ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
             return self.harmonics.show(ui, shared, &mut self.viewport, &self.topology, camera, whole, first);
         }
@@ -266,26 +272,28 @@ impl Concert {
         .map_err(|error| error.to_string())?;
         // Full blending is the paper's: the mean of the exact and the rest normal.
         let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
-        self.synthesizer
-            .synthesize(items, &FrameSettings { normal_blending })
-            .map_err(|error| error.to_string())?;
         let count = items.len();
-        if let Some(told) = self.pace.frame(began, self.ensemble.dancer().harmonics()) {
-            self.ensemble.use_at_most(self.pace.harmonics());
-            shared.notices.warn(told);
+        let pose = stillness::pose(items, normal_blending);
+        if self.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
+            self.synthesizer
+                .synthesize(items, &FrameSettings { normal_blending })
+                .map_err(|error| error.to_string())?;
+            if let Some(told) = self.pace.frame(began, self.ensemble.dancer().harmonics()) {
+                self.ensemble.use_at_most(self.pace.harmonics());
+                shared.notices.warn(told);
+            }
         }
         // Once, and then the processor goes on.
         if let Some(fallback) = self.synthesizer.take_fallback() {
             shared.notices.warn(fallback.to_string());
         }
-        self.viewport.invalidate();
         let close_up = matches!(self.view, View::CloseUp(_)) && !on_stage;
         let (rect, bench) = if close_up { close_up::split(whole) } else { (whole, whole) };
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         viewport::navigate(ui, &response, &mut self.camera);
         let cells = self.cells(ui, rect, count);
         let look = shared.settings.music.look();
-        self.draw(ui, shared, rect, &cells, beat, look)?;
+        self.draw(ui, shared, rect, &cells, beat, look, pose)?;
         match self.view {
             View::CloseUp(item) if close_up => {
                 let heard = close_up::Heard {
@@ -335,6 +343,7 @@ impl Concert {
         cells: &[Rect],
         beat: Beat,
         look: Look,
+        pose: u64,
     ) -> Result<(), String> {
         let parameters = self.instrument.parameters();
         let reaction = react(beat, self.instrument.seed(), parameters);
@@ -351,11 +360,17 @@ impl Concert {
         let mut lights = look.lights.turned(reaction.light_turn_rad);
         lights.exposure *= reaction.light_gain;
         let limited = parameters.is_on(Switch::FlashLimit);
+        let Look { material, background, .. } = look;
+        let shown = Shown { pose, camera, lights, material, background, cells: cells.to_vec() };
+        self.moving = self.shown.as_ref() != Some(&shown);
+        if self.moving {
+            self.viewport.invalidate();
+        }
         let buffers = ItemBuffers::of_frame(&self.synthesizer.frame()).map_err(|error| error.to_string())?;
         let coarse = self.coarse.as_ref().filter(|_| cells.len() > 1).map(|(topology, _)| topology);
         let topology = coarse.unwrap_or(&self.topology);
         let figures: Vec<Figure<'_>> = (0..cells.len())
-            .map(|item| Figure { material: look.material, ..Figure::new(topology, &buffers, item) })
+            .map(|item| Figure { material, ..Figure::new(topology, &buffers, item) })
             .collect();
         self.viewport
             .draw(ui, shared.gpu, rect, |_| {
@@ -366,21 +381,26 @@ impl Concert {
                         viewport: *cell,
                         camera,
                         lights,
-                        background: look.background,
+                        background,
                         figures: std::slice::from_ref(figure),
                         markers: &[],
                     })
                     .collect()
             })
             .map_err(|error| error.to_string())?;
+        self.shown = Some(shown);
         let behind = theme::palette(ui).stage;
         ui.painter().rect_filled(rect, 0.0, behind);
-        let veil = if limited { self.veil(behind)? } else { Veil::Clear };
-        match veil {
+        // The same picture flashes no more once its veil is gone.
+        if self.moving || self.veil != Veil::Clear {
+            self.veil = if limited { self.veil(behind)? } else { Veil::Clear };
+            self.moving |= self.veil != Veil::Clear;
+        }
+        match self.veil {
             Veil::Clear => self.viewport.paint(ui, rect),
             Veil::Black(opacity) | Veil::White(opacity) => {
                 self.viewport.paint(ui, rect);
-                let black = matches!(veil, Veil::Black(_));
+                let black = matches!(self.veil, Veil::Black(_));
                 let film = if black { Color32::from_black_alpha } else { Color32::from_white_alpha };
                 ui.painter().rect_filled(rect, 0.0, film(opacity));
             }
@@ -398,11 +418,10 @@ impl Concert {
 
 fn coarse_topology(
     gpu: &Gpu,
-    rest: &[[f32; 3]],
+    vertices: usize,
     triangles: &[[u32; 3]],
 ) -> Result<(Topology, usize), String> {
-    let triangles = coarse::triangles(rest, triangles, COARSE_VERTICES);
     let named: std::collections::HashSet<u32> = triangles.iter().flatten().copied().collect();
-    let topology = Topology::new(gpu, rest.len(), &triangles).map_err(|error| error.to_string())?;
+    let topology = Topology::new(gpu, vertices, triangles).map_err(|error| error.to_string())?;
     Ok((topology, named.len()))
 }

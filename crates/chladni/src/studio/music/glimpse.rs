@@ -7,8 +7,11 @@ use egui::Color32;
 
 /// So many rows of the picture are fetched, spread evenly; all of a lower picture.
 const ROWS: u32 = 96;
-/// Every so-manieth pixel of a row is counted.
+/// Every fourth pixel of a row is counted.
 const STEP: usize = 4;
+
+/// A device that takes longer has failed: the window must not wait for it.
+const LONGEST: std::time::Duration = std::time::Duration::from_secs(1);
 
 /// A buffer that rows of a canvas come back through.
 #[derive(Default)]
@@ -53,8 +56,8 @@ impl Glimpse {
         // Waiting for the submission calls this; a failure shows as a range that is not mapped.
         buffer.map_async(wgpu::MapMode::Read, .., |_| {});
         gpu.device
-            .poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None })
-            .map_err(|error| error.to_string())?;
+            .poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(LONGEST) })
+            .map_err(|error| format!("the picture could not be looked at, and is not shown: {error}"))?;
         self.histogram.clear();
         {
             let bytes = buffer.get_mapped_range(..).map_err(|error| error.to_string())?;

@@ -10,7 +10,20 @@ use chladni_music::{Dancer, Symmetry};
 use chladni_synth::Term;
 use chladni_task::Task;
 
+use super::coarse;
 use crate::source;
+
+/// Vertices of a gallery's item where the processor draws.
+const COARSE_VERTICES: usize = 3000;
+
+/// How a shape is made ready.
+#[derive(Clone, Copy, Debug)]
+pub struct Means {
+    /// So many harmonics dance at most.
+    pub harmonics: usize,
+    /// The processor draws: a gallery of large shapes shows fewer triangles.
+    pub coarsely: bool,
+}
 
 /// What loading brings back.
 pub struct Ready {
@@ -22,31 +35,33 @@ pub struct Ready {
     pub symmetry: Symmetry,
     /// The layers of a caricature, by name.
     pub voices: Vec<(String, Term)>,
+    /// Triangles for cells of the gallery, where all would be too many.
+    pub coarse: Option<Vec<[u32; 3]>>,
     /// What was mended in the file, what the harmonics are worth less than usual, and what could not act.
     pub warnings: Vec<String>,
 }
 
 /// Loads a shape, its harmonics and their symmetry classes.
-pub fn shape(source: &ShapeSource, harmonics: usize, task: &Task) -> Result<Ready, String> {
+pub fn shape(source: &ShapeSource, means: Means, task: &Task) -> Result<Ready, String> {
     let (mesh, mut warnings) = source::shape(source, None)?;
-    let body = body(&mesh, harmonics, &mut warnings, task)?;
-    Ready::new(body, Vec::new(), warnings, task)
+    let body = body(&mesh, means.harmonics, &mut warnings, task)?;
+    Ready::new(body, means, Vec::new(), warnings, task)
 }
 
 /// Loads a caricature's project: its shape is the body, each acting layer a voice.
-pub fn caricature(path: &Path, harmonics: usize, task: &Task) -> Result<Ready, String> {
+pub fn caricature(path: &Path, means: Means, task: &Task) -> Result<Ready, String> {
     let project = Project::load(path).map_err(|error| error.to_string())?;
     let folder = path.parent();
     let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
     let layered = Arc::new(body(&mesh, project.harmonics, &mut warnings, task)?);
     let voices = voices(&project, &mesh, &layered, folder, &mut warnings, task)?;
     // The layers are displacements: they do not depend on how many harmonics dance.
-    let body = if project.harmonics <= harmonics {
+    let body = if project.harmonics <= means.harmonics {
         (*layered).clone()
     } else {
-        body(&mesh, harmonics, &mut warnings, task)?
+        body(&mesh, means.harmonics, &mut warnings, task)?
     };
-    Ready::new(body, voices, warnings, task)
+    Ready::new(body, means, voices, warnings, task)
 }
 
 /// The acting layers of a project on its body, each at its full strength.
@@ -92,6 +107,7 @@ fn body(mesh: &TriMesh, harmonics: usize, warnings: &mut Vec<String>, task: &Tas
 impl Ready {
     fn new(
         body: Body,
+        means: Means,
         voices: Vec<(String, Term)>,
         warnings: Vec<String>,
         task: &Task,
@@ -99,6 +115,10 @@ impl Ready {
         let symmetry = Symmetry::of(&body, task).map_err(|error| error.to_string())?;
         let body = symmetry.rotated(&body);
         let dancer = Dancer::new(&body, &symmetry.classes).map_err(|error| error.to_string())?;
-        Ok(Self { body, dancer: Arc::new(dancer), symmetry, voices, warnings })
+        let coarse = (means.coarsely && body.positions.len() > 2 * COARSE_VERTICES).then(|| {
+            let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+            coarse::triangles(&rest, &body.triangles, COARSE_VERTICES)
+        });
+        Ok(Self { body, dancer: Arc::new(dancer), symmetry, voices, coarse, warnings })
     }
 }

@@ -20,6 +20,7 @@ mod remote;
 mod shelf;
 mod songs;
 mod stage;
+mod stillness;
 mod transport;
 mod voices;
 mod wish;
@@ -43,6 +44,9 @@ use super::job::{self, Job, Outcome};
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::theme;
+
+/// So often a room at rest looks for sound and controllers.
+const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
 
 const OPEN: Shortcut = Shortcut::command(Key::O, "Open a shape, songs, a preset or a session");
 const SAVE: Shortcut = Shortcut::command(Key::S, "Save the session");
@@ -169,8 +173,12 @@ impl Room for MusicRoom {
                 shared.notices.warn(message);
             }
         }
-        // The shapes dance: every frame is a new one.
-        shared.ctx.request_repaint();
+        // While the shapes dance every frame is a new one; else something may begin by itself.
+        if self.concert.as_ref().is_some_and(Concert::is_moving) {
+            shared.ctx.request_repaint();
+        } else {
+            shared.ctx.request_repaint_after(LISTENING);
+        }
     }
 
     fn sound(&self) -> Option<(f64, u64)> {
@@ -178,6 +186,13 @@ impl Room for MusicRoom {
         self.concert.as_ref()?;
         let status = self.listening.as_ref()?.player().status();
         Some((status.position_secs, status.underruns))
+    }
+
+    fn stage(&self) -> Option<super::measure::Stage> {
+        let concert = self.concert.as_ref()?;
+        let (vertices, drawn_vertices) = concert.drawn_vertices();
+        let items = concert.instrument().gallery().items().len();
+        Some(super::measure::Stage { items, vertices, drawn_vertices })
     }
 
     fn hides_the_window(&self) -> bool {
@@ -220,18 +235,18 @@ impl MusicRoom {
     }
 
     fn load(&mut self, source: ShapeSource, shared: &mut Shared<'_>) {
-        let harmonics = shared.settings.harmonics.min(MOST_HARMONICS);
+        let means = means(shared);
         let label = format!("Opening {source}");
         self.loading =
-            Some(Job::start(label, &shared.ctx, move |task| loading::shape(&source, harmonics, task)));
+            Some(Job::start(label, &shared.ctx, move |task| loading::shape(&source, means, task)));
     }
 
     fn load_caricature(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
-        let harmonics = shared.settings.harmonics.min(MOST_HARMONICS);
+        let means = means(shared);
         let label = format!("Opening {}", path.display());
         self.drawers.open = Drawer::Body;
         self.loading =
-            Some(Job::start(label, &shared.ctx, move |task| loading::caricature(&path, harmonics, task)));
+            Some(Job::start(label, &shared.ctx, move |task| loading::caricature(&path, means, task)));
     }
 
     /// The ears, started when they are first needed; `None` where that failed.
@@ -449,6 +464,13 @@ impl MusicRoom {
         if !paths.is_empty() {
             self.open(&paths, shared);
         }
+    }
+}
+
+fn means(shared: &Shared<'_>) -> loading::Means {
+    loading::Means {
+        harmonics: shared.settings.harmonics.min(MOST_HARMONICS),
+        coarsely: super::viewport::gpu_of(shared.gpu).is_software(),
     }
 }
 

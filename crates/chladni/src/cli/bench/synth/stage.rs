@@ -24,7 +24,7 @@ impl Stage {
     /// Opens the device. Drawn is as films and windows are: with one sample a pixel where the processor draws.
     pub fn new() -> Result<Self, Failure> {
         let gpu = Gpu::headless().map_err(Failure::other)?;
-        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss()).map_err(Failure::other)?;
+        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let renderer = Renderer::new(&gpu);
         let canvas =
             Canvas::with_samples(&gpu, SIZE_PX.0, SIZE_PX.1, gpu.live_samples()).map_err(Failure::other)?;
