@@ -79,7 +79,8 @@ mod tests {
 
     #[test]
     fn every_column_is_looked_at() {
-        for (width, height) in [(1440, 1080), (1920, 1080), (3840, 2160), (1001, 999), (16, 16), (1, 500_000)] {
+        for (width, height) in [(1440, 1080), (1920, 1080), (3840, 2160), (1001, 999), (16, 16), (1, 500_000)]
+        {
             let (pixels, step) = (width * height, step(width * height, width));
             let mut seen = vec![false; width];
             (0..pixels).step_by(step).for_each(|i| seen[i % width] = true);

@@ -96,7 +96,8 @@ impl Concert {
             Topology::new(gpu, model.vertices(), &ready.body.triangles).map_err(|error| error.to_string())?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
-        let coarse = ready.coarse.map(|triangles| coarse_topology(gpu, rest.len(), &triangles)).transpose()?;
+        let coarse =
+            ready.coarse.map(|triangles| coarse_topology(gpu, rest.len(), &triangles)).transpose()?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
         Ok(Self {
@@ -416,11 +417,7 @@ impl Concert {
     }
 }
 
-fn coarse_topology(
-    gpu: &Gpu,
-    vertices: usize,
-    triangles: &[[u32; 3]],
-) -> Result<(Topology, usize), String> {
+fn coarse_topology(gpu: &Gpu, vertices: usize, triangles: &[[u32; 3]]) -> Result<(Topology, usize), String> {
     let named: std::collections::HashSet<u32> = triangles.iter().flatten().copied().collect();
     let topology = Topology::new(gpu, vertices, triangles).map_err(|error| error.to_string())?;
     Ok((topology, named.len()))

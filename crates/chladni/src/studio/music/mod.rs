@@ -237,8 +237,7 @@ impl MusicRoom {
     fn load(&mut self, source: ShapeSource, shared: &mut Shared<'_>) {
         let means = means(shared);
         let label = format!("Opening {source}");
-        self.loading =
-            Some(Job::start(label, &shared.ctx, move |task| loading::shape(&source, means, task)));
+        self.loading = Some(Job::start(label, &shared.ctx, move |task| loading::shape(&source, means, task)));
     }
 
     fn load_caricature(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
