@@ -19,7 +19,7 @@ use super::settings::Settings;
 use super::{Folders, StudioError, theme};
 use browser::{Browser, Entry, MAX_ENTRIES, Verdict};
 
-/// The name of the command that opens the window; see [`ask`].
+/// The name of the command that opens the window; see `ask`.
 pub const COMMAND: &str = "choose-file";
 
 /// Asks in a process of its own and waits; empty where the person thinks better of it.
