@@ -24,26 +24,25 @@ impl Certificate {
     /// in size by many orders of magnitude, rounding alone can forbid it.
     #[must_use]
     pub fn is_precise(&self) -> bool {
-        self.inertia_counts_match
-            && self.max_relative_residual <= Self::RESIDUAL
-            && self.max_orthogonality_error <= Self::ORTHOGONALITY
+        self.warning().is_none()
     }
 
     /// What of [`Self::is_precise`] fails, in words; `None` where nothing does.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
+        let exceeds = |error: f64, limit: f64| error.is_nan() || error > limit;
         let mut failed = Vec::new();
         if !self.inertia_counts_match {
             failed.push("harmonics may be missing or double: the counts of eigenvalues do not agree".into());
         }
-        if self.max_relative_residual > Self::RESIDUAL {
+        if exceeds(self.max_relative_residual, Self::RESIDUAL) {
             failed.push(format!(
                 "the harmonics solve their equation to {:.0e} only (sound meshes: {:.0e})",
                 self.max_relative_residual,
                 Self::RESIDUAL
             ));
         }
-        if self.max_orthogonality_error > Self::ORTHOGONALITY {
+        if exceeds(self.max_orthogonality_error, Self::ORTHOGONALITY) {
             failed.push(format!(
                 "any two harmonics overlap by up to {:.0e} (sound meshes: {:.0e})",
                 self.max_orthogonality_error,
@@ -54,7 +53,7 @@ impl Certificate {
     }
 }
 
-/// The first K generalised eigenpairs S h = λ M h of a shape (core.md: H_k, λ_k, a).
+/// The first K generalised eigenpairs S h = λ M h of a shape.
 ///
 /// Vertices are the N operator vertices: welded and referenced. Units are those of the
 /// frame it was solved in; see [`Body`](crate::Body).

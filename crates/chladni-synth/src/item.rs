@@ -13,7 +13,7 @@ pub struct Item {
 }
 
 /// χ(v) · ( Σ_k H_k(v) C_k + r(v) · g ), in vector form, or times the rest normal n(v), in
-/// normal form (core.md, "One formula"). Working frame.
+/// normal form (docs/synthesis.md). Working frame.
 #[derive(Clone, Debug)]
 pub struct Term {
     /// C_k or c_k for k < len ≤ K; missing ones are zero.

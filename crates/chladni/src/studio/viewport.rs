@@ -145,8 +145,6 @@ impl Viewport {
         };
         if quality == Quality::STILL {
             self.moved_secs = None;
-        } else {
-            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(REST_SECS));
         }
         let scaled = |length: u32| (u64::from(length) * u64::from(quality.percent) / 100) as u32;
         self.fit(state, scaled(shown.width).max(1), scaled(shown.height).max(1), quality.samples)?;
