@@ -144,6 +144,10 @@ impl Header {
                 b"element" => {
                     let name = String::from_utf8_lossy(parts.next().unwrap_or_default()).into_owned();
                     let count = number(parts.next().unwrap_or_default(), line, "a number of elements")?;
+                    if elements.iter().any(|known| known.name == name) {
+                        let name = quoted(name.as_bytes());
+                        return Err(Fault::line(line, format!("{name} is there a second time")));
+                    }
                     elements.push(Element { name, count, properties: Vec::new() });
                 }
                 b"property" => {
