@@ -217,3 +217,49 @@ fn what_does_not_belong_together_is_not_written() {
     assert!(write_mesh(&mesh, Format::Glb).is_err());
     assert!(write_mesh(&mesh, Format::Off).is_err());
 }
+
+/// Six triangles over one tetrahedron's vertices, each in a look of its own: OBJ tells materials
+/// apart by their names alone, and glTF files often have none.
+#[test]
+fn materials_stay_apart_in_obj_whatever_they_are_called() {
+    let names = ["", "", "skin #1", "skin #2", "back\\slash\\"];
+    let color = |i: usize| [0.1 + 0.15 * i as f32, 0.5, 1.0 - 0.15 * i as f32, 1.0];
+    let material = |(i, name): (usize, &&str)| Material { base_color: color(i), ..Material::named(name) };
+    let mut mesh = dressed();
+    mesh.triangles.extend([[0, 2, 1], [0, 1, 3]]);
+    mesh.appearance = Appearance {
+        materials: names.iter().enumerate().map(material).collect(),
+        face_materials: vec![Some(0), Some(1), Some(2), Some(3), Some(4), None],
+        ..Appearance::default()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.obj");
+    save_mesh(&mesh, &path).unwrap();
+    let back = load_mesh(&path).unwrap().mesh;
+    for (i, material) in back.triangle_materials().into_iter().enumerate() {
+        let found = material.map_or([1.0; 4], |m| back.appearance.materials[m as usize].base_color);
+        let expected = if i < names.len() { color(i) } else { [1.0; 4] };
+        let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(apart < 1e-5, "triangle {i}: {found:?} for {expected:?}");
+    }
+}
+
+#[test]
+fn a_picture_that_materials_share_is_stored_once() {
+    let mut mesh = dressed();
+    let picture = Texture {
+        name: "atlas.png".into(),
+        bytes: [&b"\x89PNG\r\n\x1a\n"[..], &[7; 100_000]].concat().into(),
+    };
+    let material = |i: usize| Material {
+        base_color_texture: Some(picture.clone()),
+        ..Material::named(&format!("part {i}"))
+    };
+    mesh.appearance.materials = (0..8).map(material).collect();
+    let bytes = write_mesh(&mesh, Format::Glb).unwrap();
+    assert!(bytes.len() < 110_000, "{} bytes", bytes.len());
+    let back = read_mesh(&bytes, Format::Glb).unwrap().mesh;
+    for material in &back.appearance.materials[..8] {
+        assert_eq!(material.base_color_texture.as_ref(), Some(&picture));
+    }
+}

@@ -202,13 +202,17 @@ fn primitives_by_material(mesh: &TriMesh, entries: &Entries, default: usize) -> 
 fn materials(file: &mut Glb, mesh: &TriMesh) -> (Vec<Value>, usize) {
     let look = &mesh.appearance;
     let mut materials = Vec::new();
+    // Many materials may share one picture.
+    let mut pictures = HashMap::new();
     for material in &look.materials {
         let mut pbr =
             json!({ "baseColorFactor": material.base_color, "metallicFactor": 0.0, "roughnessFactor": 0.8 });
         if let Some(texture) =
             material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
         {
-            pbr["baseColorTexture"] = json!({ "index": file.image(&texture.name, &texture.bytes) });
+            let picture = (&texture.name, texture.bytes.as_ptr());
+            let index = pictures.entry(picture).or_insert_with(|| file.image(&texture.name, &texture.bytes));
+            pbr["baseColorTexture"] = json!({ "index": index });
         }
         let mut entry = json!({ "name": material.name, "pbrMetallicRoughness": pbr, "doubleSided": true });
         if material.base_color[3] < 1.0 {

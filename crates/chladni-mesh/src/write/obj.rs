@@ -1,5 +1,6 @@
 //! Wavefront OBJ and its material library.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -31,11 +32,13 @@ pub(crate) fn write(mesh: &TriMesh, library: &str) -> Vec<u8> {
         point.iter().for_each(|&x| push_number(&mut text, x));
         text.push('\n');
     }
+    let names = names(&look.materials);
     let mut current = None;
     for f in 0..mesh.face_count() {
         let material = look.face_materials.get(f).copied().flatten();
-        if let Some(material) = material.filter(|_| material != current) {
-            line(&mut text, format_args!("usemtl {}", look.materials[material as usize].name));
+        if material != current {
+            let name = material.map_or(names.none.as_str(), |material| &names.materials[material as usize]);
+            line(&mut text, format_args!("usemtl {name}"));
         }
         current = material;
         text.push('f');
@@ -50,6 +53,35 @@ pub(crate) fn write(mesh: &TriMesh, library: &str) -> Vec<u8> {
         text.push('\n');
     }
     text.into_bytes()
+}
+
+/// What materials are called in the file.
+struct Names {
+    materials: Vec<String>,
+    /// For faces without a material after faces with one: OBJ cannot take a material back.
+    none: String,
+}
+
+/// The names of `materials`, each different and such as a reader takes them: OBJ tells materials
+/// apart by their names alone.
+fn names(materials: &[Material]) -> Names {
+    // How often a name was wanted; one that was never wanted is free.
+    let mut wanted: HashMap<String, usize> = HashMap::new();
+    let mut free = |name: &str| {
+        let plain = name.replace(['\n', '\r', '#'], " ");
+        let plain = plain.trim_end_matches(|c: char| c == '\\' || c.is_whitespace()).trim_start();
+        let plain = if plain.is_empty() { "material" } else { plain };
+        let mut candidate = plain.to_owned();
+        while wanted.contains_key(&candidate) {
+            let times = wanted.entry(plain.to_owned()).or_default();
+            *times += 1;
+            candidate = format!("{plain} {times}");
+        }
+        wanted.insert(candidate.clone(), 1);
+        candidate
+    };
+    let materials = materials.iter().map(|material| free(&material.name)).collect();
+    Names { materials, none: free("none") }
 }
 
 /// A blank and the shortest text that reads back as exactly `x`.
@@ -69,20 +101,24 @@ pub(crate) fn save_with_materials(mesh: &TriMesh, path: &Path) -> Result<(), Mes
     let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
     let library = format!("{stem}.mtl");
     let mut text = String::new();
-    for material in &mesh.appearance.materials {
+    let names = names(&mesh.appearance.materials);
+    for (material, name) in mesh.appearance.materials.iter().zip(&names.materials) {
         let picture = match &material.base_color_texture {
             Some(texture) if texture.bytes.is_empty() => Some(texture.name.clone()),
             Some(texture) => Some(save_picture(path, &stem, &texture.name, &texture.bytes)?),
             None => None,
         };
-        push_material(&mut text, material, picture.as_deref());
+        push_material(&mut text, name, material, picture.as_deref());
+    }
+    if mesh.appearance.face_materials.contains(&None) {
+        push_material(&mut text, &names.none, &Material::named(""), None);
     }
     write_atomic(&path.with_file_name(&library), text.as_bytes()).map_err(MeshError::Io)?;
     write_atomic(path, &write(mesh, &library)).map_err(MeshError::Io)
 }
 
-fn push_material(text: &mut String, material: &Material, picture: Option<&str>) {
-    line(text, format_args!("newmtl {}", material.name));
+fn push_material(text: &mut String, name: &str, material: &Material, picture: Option<&str>) {
+    line(text, format_args!("newmtl {name}"));
     let [r, g, b, opacity] = material.base_color.map(f64::from);
     let [r, g, b] = [r, g, b].map(|c| (srgb_from_linear(c) * 1e6).round() / 1e6);
     line(text, format_args!("Kd {r} {g} {b}"));
@@ -100,7 +136,10 @@ fn push_material(text: &mut String, material: &Material, picture: Option<&str>) 
 
 /// Puts a picture beside `path` unless the same is there already; returns its name.
 fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<String, MeshError> {
-    let own = Path::new(&name.replace('\\', "/")).file_name().map(|name| name.to_string_lossy().into_owned());
+    // What follows a # in a library is a comment.
+    let own = Path::new(&name.replace('\\', "/").replace('#', "_"))
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
     let mut own = own.unwrap_or_else(|| "texture".into());
     if Path::new(&own).extension().is_none() {
         own.push_str(if bytes.starts_with(b"\x89PNG") { ".png" } else { ".jpg" });
