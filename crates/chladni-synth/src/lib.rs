@@ -44,7 +44,7 @@ mod synthesizer;
 pub use auto::{AutoSynthesizer, Backend, Fallback};
 pub use cpu::{CpuPath, CpuSynthesizer};
 pub use error::SynthError;
-pub use gpu::{DeviceFrame, DeviceFrameBuffers, DeviceLoss, GpuContext, GpuSynthesizer};
+pub use gpu::{DeviceFrame, DeviceFrameBuffers, DeviceLoss, GpuContext, GpuSynthesizer, Tiles};
 pub use item::{Coefficients, Item, Residual, Term};
 pub use model::{SynthModel, displacements_f64};
 pub use normals::area_weighted_normals;

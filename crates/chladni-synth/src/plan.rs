@@ -71,27 +71,38 @@ pub(crate) fn columns_of(term: &Term) -> usize {
 ///
 /// Columns are split evenly into `blocks` of `width` (at most what a kernel holds in
 /// registers), the last padded with zeros. Buffers are kept from frame to frame.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Plan {
     /// Harmonics with weight, ascending.
     pub active: Vec<u32>,
-    /// blocks × active × width, already multiplied by the basis scales.
+    /// Their number, padded to whole batches.
+    pub rows: usize,
+    /// blocks × rows × width, already multiplied by the basis scales; zero in rows of padding.
     pub coefficients: Vec<f32>,
     pub blocks: usize,
     pub width: usize,
+    widths: &'static [usize],
+    batch: usize,
     weighted: Vec<bool>,
 }
 
 impl Plan {
-    /// Checks `items` and lays them out, in blocks of one of the `widths` (ascending). On an
-    /// error the plan is not to be used.
-    pub fn lay_out(
-        &mut self,
-        items: &[Item],
-        vertices: usize,
-        scales: &[f64],
-        widths: &[usize],
-    ) -> Result<(), SynthError> {
+    /// For kernels that sum one of `widths` (ascending) columns at once, and take harmonics in batches.
+    pub fn new(widths: &'static [usize], batch: usize) -> Self {
+        Self {
+            active: Vec::new(),
+            rows: 0,
+            coefficients: Vec::new(),
+            blocks: 0,
+            width: 0,
+            widths,
+            batch,
+            weighted: Vec::new(),
+        }
+    }
+
+    /// Checks `items` and lays them out. On an error the plan is not to be used.
+    pub fn lay_out(&mut self, items: &[Item], vertices: usize, scales: &[f64]) -> Result<(), SynthError> {
         if items.len().checked_mul(vertices).is_none_or(|n| u32::try_from(n).is_err()) {
             return Err(SynthError::TooLarge { items: items.len(), vertices });
         }
@@ -107,11 +118,12 @@ impl Plan {
         }
         self.active.clear();
         self.active.extend((0_u32..).zip(&self.weighted).filter(|(_, w)| **w).map(|(k, _)| k));
-        self.blocks = columns.div_ceil(widths.last().copied().unwrap_or(1));
+        self.rows = self.active.len().next_multiple_of(self.batch);
+        self.blocks = columns.div_ceil(self.widths.last().copied().unwrap_or(1));
         let width = if self.blocks > 0 { columns.div_ceil(self.blocks) } else { 0 };
-        self.width = widths.iter().copied().find(|&w| w >= width).unwrap_or(width);
+        self.width = self.widths.iter().copied().find(|&w| w >= width).unwrap_or(width);
         self.coefficients.clear();
-        self.coefficients.resize(self.blocks * self.active.len() * self.width, 0.0);
+        self.coefficients.resize(self.blocks * self.rows * self.width, 0.0);
         let mut column = 0;
         for term in items.iter().flat_map(|item| &item.terms) {
             match &term.coefficients {
@@ -130,9 +142,9 @@ impl Plan {
         self.blocks * self.width
     }
 
-    /// The active × width coefficients of one block.
+    /// The rows × width coefficients of one block.
     pub fn block(&self, block: usize) -> &[f32] {
-        let size = self.active.len() * self.width;
+        let size = self.rows * self.width;
         &self.coefficients[block * size..][..size]
     }
 
@@ -146,7 +158,7 @@ impl Plan {
 
     fn fill(&mut self, column: usize, scales: &[f64], len: usize, at: impl Fn(usize) -> f32) {
         let (block, lane) = (column / self.width, column % self.width);
-        let size = self.active.len() * self.width;
+        let size = self.rows * self.width;
         let rows = self.coefficients[block * size..][..size].chunks_exact_mut(self.width);
         for (row, &k) in rows.zip(&self.active).take_while(|(_, k)| (**k as usize) < len) {
             let k = k as usize;

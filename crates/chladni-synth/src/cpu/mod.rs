@@ -56,7 +56,7 @@ impl CpuSynthesizer {
         Self {
             model,
             path,
-            plan: Plan::default(),
+            plan: Plan::new(path.widths(), 1),
             items: 0,
             positions: Vec::new(),
             normals: Vec::new(),
@@ -116,7 +116,7 @@ impl Synthesizer for CpuSynthesizer {
     fn synthesize_positions(&mut self, items: &[Item]) -> Result<(), SynthError> {
         let Self { model, path, plan, positions, normals, scratch, .. } = self;
         let (basis, vertices) = (&*model.basis, model.vertices());
-        plan.lay_out(items, vertices, basis.scales(), path.widths())?;
+        plan.lay_out(items, vertices, basis.scales())?;
         self.items = items.len();
         // One more, so that four lanes may be read from the last vertex too.
         positions.resize(items.len() * vertices + 1, [0.0; 3]);

@@ -3,12 +3,11 @@
 use wgpu::BufferUsages as Usage;
 
 use super::buffer::filled;
-use super::context::{GpuContext, WIDTHS, WORKGROUP, bind};
+use super::context::{GpuContext, WORKGROUP};
+use super::pipelines::bind;
+use super::product::{TILES, Tile};
 use crate::packed_basis::PANEL;
 use crate::{SynthError, SynthModel};
-
-/// Threads that share a panel in the product, each with four vertices.
-const THREADS_PER_PANEL: usize = PANEL / 4;
 
 /// The model as bind groups; they keep their buffers alive.
 #[derive(Debug)]
@@ -23,10 +22,8 @@ pub(super) struct ShapeOnDevice {
 /// As many panels of the basis as one binding may hold.
 #[derive(Debug)]
 pub(super) struct Chunk {
-    /// One bind group per pipeline of the product.
-    pub groups: [wgpu::BindGroup; WIDTHS.len()],
-    /// Workgroups that cover its vertices.
-    pub workgroups: u32,
+    pub group: wgpu::BindGroup,
+    panels: usize,
 }
 
 impl ShapeOnDevice {
@@ -62,6 +59,13 @@ impl ShapeOnDevice {
     }
 }
 
+impl Chunk {
+    /// Workgroups that cover its vertices.
+    pub fn workgroups(&self, tile: &Tile) -> u32 {
+        (self.panels * tile.threads_per_panel()).div_ceil(WORKGROUP as usize) as u32
+    }
+}
+
 fn chunks(context: &GpuContext, model: &SynthModel) -> Result<Vec<Chunk>, SynthError> {
     let GpuContext { device, queue, .. } = context;
     let pipelines = context.pipelines()?;
@@ -69,7 +73,8 @@ fn chunks(context: &GpuContext, model: &SynthModel) -> Result<Vec<Chunk>, SynthE
     let panel_bytes = size_of::<crate::packed_basis::Line>() * model.harmonics().max(1);
     let binding = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
     let fit = usize::try_from(binding).unwrap_or(usize::MAX) / panel_bytes;
-    let reach = limits.max_compute_workgroups_per_dimension as usize * WORKGROUP as usize / THREADS_PER_PANEL;
+    let threads = limits.max_compute_workgroups_per_dimension as usize * WORKGROUP as usize;
+    let reach = threads / TILES.iter().map(Tile::threads_per_panel).max().unwrap_or(1);
     let per_chunk = fit.min(reach);
     if per_chunk == 0 {
         let needed = panel_bytes as u64;
@@ -84,12 +89,7 @@ fn chunks(context: &GpuContext, model: &SynthModel) -> Result<Vec<Chunk>, SynthE
             let basis = filled(device, queue, "basis", Usage::STORAGE, lines)?;
             let about: [u32; 4] = [first as u32, count as u32, 0, 0];
             let about = filled(device, queue, "chunk", Usage::UNIFORM, bytemuck::bytes_of(&about))?;
-            Ok(Chunk {
-                groups: std::array::from_fn(|w| {
-                    bind(device, &pipelines.product[w].groups[0], &[&basis, &about])
-                }),
-                workgroups: (count * THREADS_PER_PANEL).div_ceil(WORKGROUP as usize) as u32,
-            })
+            Ok(Chunk { group: bind(device, &pipelines.product.groups[0], &[&basis, &about]), panels: count })
         })
         .collect()
 }

@@ -4,8 +4,10 @@ use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use wgpu::BufferUsages as Usage;
 
 use super::buffer::GrowingBuffer;
-use super::context::{GpuContext, WIDTHS, WORKGROUP, bind, checked};
+use super::context::{GpuContext, WORKGROUP, checked};
 use super::frame::{DeviceFrame, DeviceFrameBuffers};
+use super::pipelines::bind;
+use super::product::{BATCH, TILES, Tiles};
 use super::shape::ShapeOnDevice;
 use super::signals::{Signal, SignalPool};
 use crate::plan::{Plan, columns_of};
@@ -23,8 +25,8 @@ const SHIFT: f64 = 65536.0;
 struct FrameUniform {
     harmonics: u32,
     active_harmonics: u32,
-    runs: u32,
     padded_vertices: u32,
+    padding: u32,
 }
 
 /// `Term` of place.wgsl.
@@ -41,7 +43,7 @@ struct TermOnDevice {
 /// The bind groups over buffers that grow.
 #[derive(Debug)]
 struct FrameGroups {
-    product: [wgpu::BindGroup; WIDTHS.len()],
+    product: wgpu::BindGroup,
     place: wgpu::BindGroup,
     normals: wgpu::BindGroup,
 }
@@ -57,14 +59,14 @@ pub struct GpuSynthesizer {
     frame: DeviceFrameBuffers,
     frame_uniform: GrowingBuffer,
     blending: GrowingBuffer,
-    runs: GrowingBuffer,
+    active_harmonics: GrowingBuffer,
     coefficients: GrowingBuffer,
     columns: GrowingBuffer,
     items: GrowingBuffer,
     terms: GrowingBuffer,
     signals: SignalPool,
     /// Kept for their memory.
-    run_list: Vec<[u32; 2]>,
+    active_list: Vec<u32>,
     item_list: Vec<[u32; 2]>,
     term_list: Vec<TermOnDevice>,
     scales: Vec<f64>,
@@ -76,6 +78,13 @@ impl GpuSynthesizer {
     ///
     /// Fails if the device is lost, out of memory, or its limits are too small.
     pub fn new(context: &GpuContext, model: SynthModel) -> Result<Self, SynthError> {
+        // A processor in disguise has too few registers for the wide tiles, and a cache for the basis.
+        let tiles = if context.is_software() { Tiles::Narrow } else { Tiles::Wide };
+        Self::with_tiles(context, model, tiles)
+    }
+
+    /// Like [`new`](Self::new), with the tiles of the product chosen by hand.
+    pub fn with_tiles(context: &GpuContext, model: SynthModel, tiles: Tiles) -> Result<Self, SynthError> {
         context.check_present()?;
         let device = &context.device;
         let shape = checked(device, || ShapeOnDevice::new(context, &model))??;
@@ -85,17 +94,17 @@ impl GpuSynthesizer {
             scales: device_scales(&model),
             shape,
             model,
-            plan: Plan::default(),
+            plan: Plan::new(tiles.widths(), BATCH),
             frame: DeviceFrameBuffers::new(device),
             frame_uniform: uniform("frame"),
             blending: uniform("normal blending"),
-            runs: storage("runs of harmonics"),
+            active_harmonics: storage("harmonics with weight"),
             coefficients: storage("coefficients"),
             columns: storage("columns"),
             items: storage("items"),
             terms: storage("terms"),
             signals: SignalPool::new(device),
-            run_list: Vec::new(),
+            active_list: Vec::new(),
             item_list: Vec::new(),
             term_list: Vec::new(),
             groups: None,
@@ -116,20 +125,23 @@ impl GpuSynthesizer {
     /// Writes the items to the device; `true` if a buffer was replaced.
     fn upload(&mut self, items: &[Item]) -> Result<bool, SynthError> {
         let mut replaced = self.upload_terms(items)?;
-        let Self { plan, shape, model, run_list, .. } = self;
-        list_runs(&plan.active, run_list);
+        let Self { plan, shape, model, active_list, .. } = self;
+        active_list.clear();
+        active_list.extend(&plan.active);
+        // Padding has no weight: any harmonic will do.
+        active_list.resize(plan.rows, 0);
         let queue = &self.context.queue;
         let columns = 4 * (plan.columns() * shape.padded_vertices) as u64;
         let frame = FrameUniform {
             harmonics: model.harmonics() as u32,
-            active_harmonics: plan.active.len() as u32,
-            runs: run_list.len() as u32,
+            active_harmonics: plan.rows as u32,
             padded_vertices: shape.padded_vertices as u32,
+            padding: 0,
         };
         replaced |= self.columns.reserve(columns)?;
         replaced |= self.frame.resize(items.len(), model.vertices())?;
         replaced |= self.frame_uniform.write(queue, bytes_of(&frame))?;
-        replaced |= self.runs.write(queue, cast_slice(run_list))?;
+        replaced |= self.active_harmonics.write(queue, cast_slice(active_list))?;
         replaced |= self.coefficients.write(queue, cast_slice(&plan.coefficients))?;
         replaced |= self.items.write(queue, cast_slice(&self.item_list))?;
         replaced |= self.terms.write(queue, cast_slice(&self.term_list))?;
@@ -174,12 +186,17 @@ impl GpuSynthesizer {
         let (device, pipelines) = (&self.context.device, self.context.pipelines()?);
         let frame = self.frame.frame();
         let columns = self.columns.buffer();
-        let product = [self.frame_uniform.buffer(), self.runs.buffer(), self.coefficients.buffer(), columns];
+        let product = [
+            self.frame_uniform.buffer(),
+            self.active_harmonics.buffer(),
+            self.coefficients.buffer(),
+            columns,
+        ];
         let place =
             [self.items.buffer(), self.terms.buffer(), self.signals.buffer(), columns, frame.positions];
         let normals = [self.blending.buffer(), frame.positions, frame.normals];
         Ok(FrameGroups {
-            product: std::array::from_fn(|w| bind(device, &pipelines.product[w].groups[1], &product)),
+            product: bind(device, &pipelines.product.groups[1], &product),
             place: bind(device, &pipelines.place.groups[1], &place),
             normals: bind(device, &pipelines.normals.groups[1], &normals),
         })
@@ -197,17 +214,6 @@ impl GpuSynthesizer {
     fn vertex_workgroups(&self) -> (u32, u32) {
         let frame = self.frame.frame();
         (frame.vertices.div_ceil(WORKGROUP), frame.items)
-    }
-}
-
-/// The runs, first and end, that ascending harmonics form.
-fn list_runs(active: &[u32], runs: &mut Vec<[u32; 2]>) {
-    runs.clear();
-    for &k in active {
-        match runs.last_mut() {
-            Some([_, end]) if *end == k => *end += 1,
-            _ => runs.push([k, k + 1]),
-        }
     }
 }
 
@@ -237,7 +243,7 @@ impl Synthesizer for GpuSynthesizer {
 
     fn synthesize_positions(&mut self, items: &[Item]) -> Result<(), SynthError> {
         self.context.check_present()?;
-        self.plan.lay_out(items, self.model.vertices(), &self.scales, &WIDTHS)?;
+        self.plan.lay_out(items, self.model.vertices(), &self.scales)?;
         let reach = self.context.device.limits().max_compute_workgroups_per_dimension;
         if items.len().max(self.plan.blocks) > reach as usize {
             return Err(SynthError::DeviceLimit {
@@ -251,14 +257,17 @@ impl Synthesizer for GpuSynthesizer {
         }
         let Some(groups) = &self.groups else { return Ok(()) };
         let pipelines = self.context.pipelines()?;
+        let tile = TILES.iter().position(|tile| tile.columns == self.plan.width);
+        let product = tile.map(|t| pipelines.product.tile(&self.context.device, t).map(|p| (&TILES[t], p)));
+        let product = product.transpose()?;
         let (workgroups, items) = self.vertex_workgroups();
         self.submit(|pass| {
-            if let Some(w) = WIDTHS.iter().position(|&width| width == self.plan.width) {
-                pass.set_pipeline(&pipelines.product[w].pipeline);
-                pass.set_bind_group(1, &groups.product[w], &[]);
+            if let Some((tile, pipeline)) = product {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(1, &groups.product, &[]);
                 for chunk in &self.shape.chunks {
-                    pass.set_bind_group(0, &chunk.groups[w], &[]);
-                    pass.dispatch_workgroups(self.plan.blocks as u32, chunk.workgroups, 1);
+                    pass.set_bind_group(0, &chunk.group, &[]);
+                    pass.dispatch_workgroups(self.plan.blocks as u32, chunk.workgroups(tile), 1);
                 }
             }
             pass.set_pipeline(&pipelines.place.pipeline);

@@ -15,7 +15,7 @@ use chladni_mesh::Frame;
 use chladni_synth::{
     AutoSynthesizer, Backend, Coefficients, CpuPath, CpuSynthesizer, DeviceFrameBuffers, DeviceLoss,
     FrameSettings, GpuContext, GpuSynthesizer, Item, Residual, SynthError, SynthModel, Synthesizer, Term,
-    displacements_f64,
+    Tiles, displacements_f64,
 };
 use proptest::prelude::*;
 use reference::{Shape, norm, sub};
@@ -53,9 +53,11 @@ fn backends(model: &SynthModel) -> Vec<Box<dyn Readable>> {
         let backend = CpuSynthesizer::with_path(model.clone(), path);
         Box::new(backend.expect("an available path")) as Box<dyn Readable>
     });
-    let gpu = device::context().map(|context| {
-        let backend = GpuSynthesizer::new(context, model.clone());
-        Box::new(backend.expect("the model fits the device")) as Box<dyn Readable>
+    let gpu = device::context().into_iter().flat_map(|context| {
+        [Tiles::Narrow, Tiles::Wide].map(|tiles| {
+            let backend = GpuSynthesizer::with_tiles(context, model.clone(), tiles);
+            Box::new(backend.expect("the model fits the device")) as Box<dyn Readable>
+        })
     });
     cpu.chain(gpu).collect()
 }
@@ -267,6 +269,15 @@ fn what_the_device_cannot_hold_is_synthesized_on_the_cpu() {
         assert_eq!(auto.cpu().is_none(), fits);
         let found = device::read_buffer(&device, &queue, auto.frame().positions, &auto.frame());
         check_positions(&auto.device_name(), &shape, &items, &found);
+        for tiles in [Tiles::Narrow, Tiles::Wide] {
+            let Ok(mut gpu) = GpuSynthesizer::with_tiles(&context, model(&shape), tiles) else {
+                assert!(!fits);
+                continue;
+            };
+            gpu.synthesize(&items, &settings).unwrap();
+            let found = device::read_buffer(&device, &queue, gpu.frame().positions, &gpu.frame());
+            check_positions(&format!("{tiles:?}"), &shape, &items, &found);
+        }
     }
 }
 

@@ -1,0 +1,109 @@
+//! The shader of the product, written out for each shape of tile.
+
+use crate::packed_basis::PANEL;
+
+/// What one thread sums in registers: some columns of a few neighbouring vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tile {
+    /// A multiple of four.
+    pub columns: usize,
+    /// Two or four.
+    vertices: usize,
+}
+
+/// Ascending.
+pub(super) const TILES: [Tile; 4] = [
+    Tile { columns: 4, vertices: 4 },
+    Tile { columns: 12, vertices: 4 },
+    Tile { columns: 24, vertices: 2 },
+    Tile { columns: 36, vertices: 2 },
+];
+
+/// Which tiles of the product a [`GpuSynthesizer`](crate::GpuSynthesizer) uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tiles {
+    /// Up to 12 columns of four vertices.
+    Narrow,
+    /// Up to 36 columns of two vertices, too: the basis is read once for twelve items in vector form.
+    Wide,
+}
+
+impl Tiles {
+    /// Columns of these of [`TILES`].
+    pub(super) fn widths(self) -> &'static [usize] {
+        match self {
+            Self::Narrow => &[4, 12],
+            Self::Wide => &[4, 12, 24, 36],
+        }
+    }
+}
+
+/// Harmonics whose values are all asked for before the first is used; a multiple of four. The memory of a
+/// graphics card answers late, and small shapes have too few threads to wait in turns.
+pub(super) const BATCH: usize = 8;
+
+impl Tile {
+    /// Threads that share a panel.
+    pub fn threads_per_panel(&self) -> usize {
+        PANEL / self.vertices
+    }
+
+    /// The shader. Sums are variables and not an array, which stays in registers only where the driver
+    /// unrolls every loop over it.
+    pub fn source(&self) -> String {
+        let Self { columns, vertices } = *self;
+        let (words, values) = if vertices == 2 { (PAIR, "vec2<f32>") } else { (QUAD, "vec4<f32>") };
+        let constants = format!(
+            "alias Values = {values};\n{words}\
+             const VERTICES = {vertices}u;\nconst THREADS_PER_PANEL = {}u;\n\
+             const WIDTH = {columns}u;\nconst BATCH = {BATCH}u;\n",
+            self.threads_per_panel()
+        );
+        let load = each(BATCH / 4, |i| format!("let ks{i} = active_harmonics[i + {i}u];"))
+            + &each(BATCH, |i| {
+                let k = format!("ks{}.{}", i / 4, lane(i));
+                format!("let words{i} = basis[line + {k} * THREADS_PER_PANEL];")
+            });
+        let add = each(BATCH, |i| {
+            let weights = each(columns / 4, |j| {
+                format!("let c{i}_{j} = coefficients[row + {}u];", i * columns / 4 + j)
+            });
+            let sums =
+                each(columns, |c| format!("sum{c} = fma(h{i}, Values(c{i}_{}.{}), sum{c});", c / 4, lane(c)));
+            format!("let h{i} = values(words{i});{weights}{sums}")
+        });
+        let template = include_str!("shaders/product.wgsl")
+            .replace("{sums = 0}", &each(columns, |c| format!("var sum{c} = Values();")))
+            .replace("{load the batch}", &load)
+            .replace("{add the batch}", &add)
+            .replace(
+                "{store the sums}",
+                &each(columns, |c| format!("columns[first + {c}u * stride] = sum{c};")),
+            );
+        constants + &template
+    }
+}
+
+/// Two values of the basis in a word, 65536 times too large: the coefficients have the reciprocal in them.
+const PAIR: &str = "alias Words = i32;
+fn values(words: Words) -> Values {
+    return Values(vec2<i32>(words << 16u, words & -65536));
+}
+";
+
+/// Four values in two words.
+const QUAD: &str = "alias Words = vec2<i32>;
+fn values(words: Words) -> Values {
+    let low = words << vec2<u32>(16u);
+    let high = words & vec2<i32>(-65536);
+    return Values(vec4<i32>(low.x, high.x, low.y, high.y));
+}
+";
+
+fn each(count: usize, line: impl Fn(usize) -> String) -> String {
+    (0..count).map(|i| line(i) + "\n").collect()
+}
+
+fn lane(index: usize) -> char {
+    ['x', 'y', 'z', 'w'][index % 4]
+}
