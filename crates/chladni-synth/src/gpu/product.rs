@@ -11,20 +11,25 @@ pub(super) struct Tile {
     vertices: usize,
 }
 
-/// Ascending.
-pub(super) const TILES: [Tile; 4] = [
+/// Ascending. Few columns take more vertices, so that a thread has enough to do for each value it asks for.
+pub(super) const TILES: [Tile; 9] = [
     Tile { columns: 4, vertices: 4 },
+    Tile { columns: 8, vertices: 4 },
     Tile { columns: 12, vertices: 4 },
+    Tile { columns: 16, vertices: 2 },
+    Tile { columns: 20, vertices: 2 },
     Tile { columns: 24, vertices: 2 },
+    Tile { columns: 28, vertices: 2 },
+    Tile { columns: 32, vertices: 2 },
     Tile { columns: 36, vertices: 2 },
 ];
 
 /// Which tiles of the product a [`GpuSynthesizer`](crate::GpuSynthesizer) uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tiles {
-    /// Up to 12 columns of four vertices.
+    /// Up to 12 columns, of four vertices.
     Narrow,
-    /// Up to 36 columns of two vertices, too: the basis is read once for twelve items in vector form.
+    /// Up to 36 columns, of two vertices, too: the basis is read once for twelve items in vector form.
     Wide,
 }
 
@@ -32,8 +37,8 @@ impl Tiles {
     /// Columns of these of [`TILES`].
     pub(super) fn widths(self) -> &'static [usize] {
         match self {
-            Self::Narrow => &[4, 12],
-            Self::Wide => &[4, 12, 24, 36],
+            Self::Narrow => &[4, 8, 12],
+            Self::Wide => &[4, 8, 12, 16, 20, 24, 28, 32, 36],
         }
     }
 }
