@@ -9,7 +9,7 @@ use chladni_caricature::{
     Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Mirror,
     Project, Recovered, ShapeSource, Stack, Template, furthest,
 };
-use chladni_harmonics::{BasisSettings, Body};
+use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
@@ -19,6 +19,7 @@ use super::export::named_after;
 use super::files::Candidate;
 use super::own_look::OwnLook;
 use crate::source;
+use crate::studio::bodies::{Solved, solve};
 use crate::studio::job::{Job, Outcome};
 
 /// What loading brings back.
@@ -58,19 +59,6 @@ pub fn load(candidate: Candidate, read: &Sender<Arc<TriMesh>>, task: &Task) -> R
     let look = OwnLook::of(&mesh, &body, &mut warnings);
     let body = Arc::new(body);
     Ok(Loaded { project, path, new, recovered, mesh, body, look, warnings })
-}
-
-/// A shape with its harmonics, and what a person should know of them; or why there are none.
-pub type Solved = Result<(Body, Vec<String>), String>;
-
-/// The first `harmonics` harmonics of `mesh`, or all it has where those are fewer.
-fn solve(mesh: &TriMesh, harmonics: usize, task: &Task) -> Solved {
-    let harmonics = harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
-    let cache = crate::cli::basis_cache();
-    let (body, report) = Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
-        .map_err(|error| error.to_string())?;
-    let warnings = report.warnings(&body.basis.certificate);
-    Ok((body, warnings))
 }
 
 /// A project with everything it needs to be drawn and changed.
@@ -391,6 +379,24 @@ mod tests {
     use super::*;
     use chladni_caricature::Layer;
     use std::sync::mpsc::channel;
+
+    #[test]
+    fn a_small_shape_of_many_seams_opens_with_as_many_harmonics_as_it_has() {
+        // Every triangle has corners of its own: 240 vertices in the file, 42 places.
+        let sphere = chladni_mesh::samples::icosphere(1);
+        let corners = sphere.triangles.iter().flatten().map(|v| sphere.positions[*v as usize]);
+        let soup = TriMesh {
+            positions: corners.collect(),
+            triangles: (0..80).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+            ..TriMesh::default()
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("soup.ply");
+        chladni_mesh::save_mesh(&soup, &path).unwrap();
+        let project = Project::new(ShapeSource::File(path), 100);
+        let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
+        assert_eq!((loaded.body.positions.len(), loaded.body.basis.harmonics()), (42, 42));
+    }
 
     #[test]
     fn what_came_before_an_error_is_done_and_seen() {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use chladni_caricature::{Error, MatchRequest, Project, ShapeSource, Stack, Template};
-use chladni_harmonics::{BasisSettings, Body};
+use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
 use chladni_music::{Dancer, Symmetry};
 use chladni_synth::Term;
@@ -12,6 +12,7 @@ use chladni_task::Task;
 
 use super::coarse;
 use crate::source;
+use crate::studio::bodies::solve;
 
 /// Vertices of a gallery's item where the processor draws.
 const COARSE_VERTICES: usize = 3000;
@@ -96,11 +97,8 @@ fn template(request: &MatchRequest, folder: Option<&Path>) -> Result<Option<TriM
 }
 
 fn body(mesh: &TriMesh, harmonics: usize, warnings: &mut Vec<String>, task: &Task) -> Result<Body, String> {
-    let harmonics = harmonics.min(mesh.positions.len().saturating_sub(1)).max(1);
-    let cache = crate::cli::basis_cache();
-    let (body, report) = Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
-        .map_err(|error| error.to_string())?;
-    warnings.extend(report.warnings(&body.basis.certificate));
+    let (body, doubts) = solve(mesh, harmonics, task)?;
+    warnings.extend(doubts);
     Ok(body)
 }
 

@@ -1,0 +1,22 @@
+//! Shapes with their harmonics, for all rooms.
+
+use chladni_harmonics::{BasisSettings, Body, HarmonicsError};
+use chladni_mesh::TriMesh;
+use chladni_task::Task;
+
+/// A shape with its harmonics, and what a person should know of them; or why there are none.
+pub type Solved = Result<(Body, Vec<String>), String>;
+
+/// The first `harmonics` harmonics of `mesh`, or all it has where those are fewer.
+pub fn solve(mesh: &TriMesh, harmonics: usize, task: &Task) -> Solved {
+    let cache = crate::cli::basis_cache();
+    let build = |harmonics| Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task);
+    let built = match build(harmonics.max(1)) {
+        // It has one for each vertex that is left when its seams are welded.
+        Err(HarmonicsError::BadHarmonicCount { vertices, .. }) => build(vertices),
+        built => built,
+    };
+    let (body, report) = built.map_err(|error| error.to_string())?;
+    let warnings = report.warnings(&body.basis.certificate);
+    Ok((body, warnings))
+}
