@@ -23,7 +23,7 @@ mod theme;
 mod viewport;
 
 use std::cell::RefCell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use eframe::egui_wgpu::RenderState;
@@ -195,10 +195,11 @@ impl Studio {
 
     /// Opens files in the room that they are meant for, else in the one on screen.
     fn open_files(&mut self, ctx: &egui::Context, files: &[PathBuf]) {
+        let files: Vec<PathBuf> = files.iter().map(|path| from_anywhere(path)).collect();
         let meant = self.rooms.iter().position(|room| files.iter().any(|path| room.claims(path)));
         let index = meant.or(self.current).unwrap_or(0);
         self.current = Some(index);
-        self.with_room(ctx, index, |room, shared| room.open(files, shared));
+        self.with_room(ctx, index, |room, shared| room.open(&files, shared));
     }
 
     fn with_room<R>(
@@ -382,6 +383,13 @@ impl eframe::App for Studio {
     fn on_exit(&mut self) {
         self.rooms.iter_mut().for_each(|room| room.leave());
     }
+}
+
+/// A file by a name that holds whatever folder a project comes to lie in; samples keep theirs.
+fn from_anywhere(path: &Path) -> PathBuf {
+    let sample = path.to_str().is_some_and(|name| name.starts_with("sample:"));
+    let absolute = if sample { None } else { std::path::absolute(path).ok() };
+    absolute.unwrap_or_else(|| path.to_owned())
 }
 
 /// eframe asks for default limits only; a basis of a large shape needs what the adapter has.

@@ -110,6 +110,33 @@ fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
     person.wait_to_see("Layer template");
 }
 
+/// `chladni open shape.obj template.obj` in a terminal, and the project saved elsewhere.
+#[test]
+fn files_named_from_the_current_folder_are_found_wherever_the_project_is_saved() {
+    let desk = Desk::new();
+    let here = std::env::current_dir().unwrap();
+    let up: std::path::PathBuf = here.components().skip(1).map(|_| std::path::Component::ParentDir).collect();
+    let relative = |name: &str| up.join(desk.path(name).strip_prefix("/").unwrap());
+    let files = vec![relative("shape.obj"), relative("template.obj")];
+    let mut person = Person::new(Opening { files, ..desk.opening(&[]) });
+    person.wait_to_see("Covered");
+    // So deep that the way up from here does not lead to the root from there.
+    let elsewhere = desk.path(&"elsewhere/".repeat(here.components().count()));
+    std::fs::create_dir_all(&elsewhere).unwrap();
+    desk.answers.add(elsewhere.join("p.chladni"));
+    person.press_with(CTRL, Key::S);
+    // Other harmonics are matched anew.
+    person.click_button("harmonics");
+    person.click("64 harmonics");
+    person.wait("another match", |window| {
+        crate::driving::shows(window, "Try again") || crate::driving::shows(window, "64 harmonics")
+    });
+    person.wait_until_gone("Solving");
+    person.wait_until_gone("Matching");
+    assert!(!person.sees("Try again"));
+    person.wait_to_see("Covered");
+}
+
 #[test]
 fn whoever_waits_for_the_first_picture_is_told_why_there_is_none() {
     let desk = Desk::new();
