@@ -91,12 +91,14 @@ impl Mirror {
 }
 
 impl PaintEdit {
-    /// The region after this edit. A first dab on a region that is everywhere starts from an
-    /// empty one: whoever paints wants to say where.
+    /// The region after this edit. A first dab or fill on a region that is everywhere starts from
+    /// an empty one, unless it erases: whoever paints wants to say where.
     pub fn apply(&self, painted: &Painted, surface: &Surface) -> Result<Painted, Error> {
         let mut values = match (painted, self) {
             (Painted::Everywhere, Self::Dab(dab)) if !dab.erase => vec![0.0; surface.vertices()],
-            (Painted::Everywhere, Self::FillComponent { .. }) => vec![0.0; surface.vertices()],
+            (Painted::Everywhere, Self::FillComponent { intensity, .. }) if *intensity > 0.0 => {
+                vec![0.0; surface.vertices()]
+            }
             (Painted::Spheres(_), _) => painted.values(&surface.file_positions()).to_vec(),
             (Painted::Everywhere, _) => vec![1.0; surface.vertices()],
             (Painted::Vertices(values), _) => values.to_vec(),
@@ -227,10 +229,14 @@ mod tests {
         let both: Vec<[u32; 3]> = triangles.iter().copied().chain(second).collect();
         let frame = chladni_mesh::Frame { center: [0.0; 3], scale: 1.0 };
         let surface = Surface::of(two, both, frame);
-        let fill = PaintEdit::FillComponent { at: dab(3).at, intensity: 1.0 };
-        let filled = fill.apply(&Painted::Everywhere, &surface).unwrap();
-        let values = filled.values(&surface.positions);
-        assert!(values.iter().enumerate().all(|(v, x)| *x == if v < n as usize { 1.0 } else { 0.0 }));
+        // Painted on, only the component is in the region; painted away, only it is not.
+        for intensity in [1.0, 0.0] {
+            let fill = PaintEdit::FillComponent { at: dab(3).at, intensity };
+            let filled = fill.apply(&Painted::Everywhere, &surface).unwrap();
+            let values = filled.values(&surface.positions);
+            let expected = |v: usize| if v < n as usize { intensity } else { 1.0 - intensity };
+            assert!(values.iter().enumerate().all(|(v, x)| *x == expected(v)), "{intensity}");
+        }
 
         let (plane, distance) = Mirror::of(&surface).unwrap();
         assert!(distance < 1e-9 && (plane.point[0] - 1.5).abs() < 1e-9);

@@ -1,6 +1,6 @@
 //! The brush that paints a layer's region.
 
-use chladni_caricature::{Action, Dab, LayerId, PaintEdit, Painted, SurfacePoint};
+use chladni_caricature::{Action, Dab, LayerId, PaintEdit, SurfacePoint};
 use egui::{RichText, Slider, Ui};
 
 use super::edits::Edits;
@@ -102,23 +102,16 @@ impl BrushTool {
         let pressed = response.dragged_by(primary) || response.clicked_by(primary);
         if let Some(touch) = touch.filter(|_| pressed) {
             let at = SurfacePoint { triangle: touch.triangle, weights: touch.barycentric.map(f64::from) };
-            // The first stroke on a layer that acts everywhere begins a region.
-            let everywhere = session
-                .project()
-                .layer(layer)
-                .is_some_and(|layer| layer.region.painted == Painted::Everywhere);
-            if everywhere && !self.erase {
-                edits.live(Action::Paint { layer, edit: PaintEdit::Clear });
-            }
+            let erase = self.erase ^ modifiers.ctrl;
             let edit = if self.fill {
-                PaintEdit::FillComponent { at, intensity: if self.erase { 0.0 } else { self.intensity } }
+                PaintEdit::FillComponent { at, intensity: if erase { 0.0 } else { self.intensity } }
             } else {
                 let mirror = self.mirror.then(|| session.mirror()).flatten();
                 PaintEdit::Dab(Dab {
                     at,
                     radius: f64::from(self.radius),
                     intensity: self.intensity,
-                    erase: self.erase ^ modifiers.ctrl,
+                    erase,
                     mirror,
                 })
             };
