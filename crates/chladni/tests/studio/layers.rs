@@ -6,7 +6,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
 use crate::driving;
-use crate::person::{Desk, Person};
+use crate::person::{Desk, Person, finer_lump};
 
 #[test]
 fn landmarks_are_picked_moved_removed_saved_and_read() {
@@ -66,6 +66,48 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     assert_eq!(landmarks("changed.chladni"), changed);
     person.press(Key::Escape);
     assert!(!person.sees("Landmarks on the template"));
+}
+
+#[test]
+fn picking_ends_where_another_shape_takes_the_place_of_the_one_picked_on() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
+    person.wait_to_see("Covered");
+    person.press(Key::L);
+    person.wait_to_see("Landmarks on the template");
+    chladni_mesh::save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
+    desk.answers.add(desk.path("finer.obj"));
+    person.click("Another shape");
+    // The layer is not saved anywhere.
+    person.click("Lose changes");
+    person.wait_to_see("2\u{202f}562 vertices");
+    assert!(!person.sees("Landmarks on the shape"), "the old shape is still picked on");
+    person.press(Key::L);
+    person.wait_to_see("Landmarks on the shape");
+}
+
+#[test]
+fn the_first_stroke_of_a_brush_is_one_step() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.click_button("Add");
+    person.click("Own size");
+    person.press(Key::B);
+    let middle = pos2(620.0, 420.0);
+    person.drag(&[middle, middle + vec2(10.0, 0.0), middle + vec2(20.0, 0.0)]);
+    desk.answers.add(desk.path("painted.chladni"));
+    person.press_with(CTRL, Key::S);
+    let painted = || {
+        let project = Project::load(&desk.path("painted.chladni")).unwrap();
+        project.layers()[0].1.region.painted.clone()
+    };
+    let Painted::Vertices(values) = painted() else { panic!("nothing was painted") };
+    let inside = values.iter().filter(|x| **x > 0.0).count();
+    assert!(inside > 3 && inside < 300, "{inside}");
+    person.press_with(CTRL, Key::Z);
+    person.press_with(CTRL, Key::S);
+    assert_eq!(painted(), Painted::Everywhere);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use egui::{Key, RichText, Ui};
 
 use super::brush::BrushTool;
 use super::edits::Edits;
-use super::heat::{Heat, Painting};
+use super::heat::{Heat, Painting, Quantity};
 use super::session::Session;
 use super::stage::{self, Look, Show, Shown, Stage};
 use super::{CaricatureRoom, single};
@@ -48,7 +48,8 @@ impl CaricatureRoom {
             self.heat.paint(self.brush.active.then_some(painting));
             self.picking.take_if(|picking| !picking.belongs_to(session));
             if let Some(picking) = &mut self.picking {
-                if let Err(why) = picking.show(ui, session, edits, self.look, shared) {
+                let confidence = self.heat.quantity() == Quantity::Confidence;
+                if let Err(why) = picking.show(ui, session, edits, (self.look, confidence), shared) {
                     shared.notices.error(why);
                     self.picking = None;
                 }

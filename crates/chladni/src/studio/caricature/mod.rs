@@ -277,6 +277,8 @@ impl CaricatureRoom {
             .map_err(|error| error.to_string())?;
         self.heat.start(stage.has_own_look());
         self.thumbnails.clear(shared.gpu);
+        // Layers of another project, or of this one on another shape, may have the same names.
+        (self.picking, self.layers) = (None, LayerList::default());
         self.stage = Some(stage);
         self.session = Some(session);
         self.stale = true;

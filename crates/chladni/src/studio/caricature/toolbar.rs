@@ -47,12 +47,14 @@ impl CaricatureRoom {
         if ui.button(icon::label(Icon::Share, "Export")).on_hover_text(EXPORT.tooltip(&ctx)).clicked() {
             self.export();
         }
+        // What is on its way takes the place of what is open.
+        let loading = self.loading.is_some();
         let Some(session) = &mut self.session else { return };
         for (back, mark, shortcut, label) in [
             (true, Icon::Undo2, UNDO, session.history.undo_label()),
             (false, Icon::Redo2, REDO, session.history.redo_label()),
         ] {
-            let button = ui.add_enabled(label.is_some(), egui::Button::new(icon::text(mark)));
+            let button = ui.add_enabled(label.is_some() && !loading, egui::Button::new(icon::text(mark)));
             let tip = format!("{}: {}", shortcut.tooltip(&ctx), label.unwrap_or("nothing"));
             if button.on_hover_text(tip).clicked() {
                 self.stale |= session.travel(back).is_some();

@@ -3,7 +3,9 @@
 mod list;
 mod side;
 
-use chladni_caricature::{LayerId, Property, Template};
+use std::sync::Arc;
+
+use chladni_caricature::{LayerId, Matched, Property, Template};
 use chladni_match::{Landmark, Settings};
 use chladni_mesh::TriMesh;
 use chladni_view::{Cell, Marker, Rect};
@@ -61,10 +63,8 @@ pub struct Picking {
     pending: Option<(Which, u32)>,
     /// The landmark that the pointer holds, and where it is now.
     held: Option<(Which, usize, u32)>,
-    /// Show the confidence of the match.
-    pub confidence: bool,
-    /// The match whose confidence is on the device.
-    shown_match: Option<usize>,
+    /// The match whose confidence is shown.
+    shown_match: Option<Arc<Matched>>,
 }
 
 /// What the person did on one of the shapes.
@@ -103,7 +103,6 @@ impl Picking {
             reading: Some(reading),
             pending: None,
             held: None,
-            confidence: false,
             shown_match: None,
         }))
     }
@@ -121,17 +120,18 @@ impl Picking {
         self.pending.take().is_some()
     }
 
-    /// Draws both shapes and handles the pointer.
+    /// Draws both shapes and handles the pointer; shows how far the match is to be trusted where
+    /// `confidence` is wanted.
     pub fn show(
         &mut self,
         ui: &mut Ui,
         session: &Session,
         edits: &mut Edits,
-        look: Look,
+        (look, confidence): (Look, bool),
         shared: &mut Shared<'_>,
     ) -> Result<(), String> {
         self.poll()?;
-        self.update_confidence(session)?;
+        self.update_confidence(session.selected_match().filter(|_| confidence))?;
         let Some(settings) = session.project().layer(self.layer).map(|layer| layer.matching.clone()) else {
             return Ok(());
         };
@@ -172,11 +172,9 @@ impl Picking {
         Ok(())
     }
 
-    fn update_confidence(&mut self, session: &Session) -> Result<(), String> {
-        let matched = session.selected_match().filter(|_| self.confidence);
-        let identity = matched.map(|matched| std::sync::Arc::as_ptr(matched).addr());
-        if identity != self.shown_match {
-            self.shown_match = identity;
+    fn update_confidence(&mut self, matched: Option<&Arc<Matched>>) -> Result<(), String> {
+        if matched.map(Arc::as_ptr) != self.shown_match.as_ref().map(Arc::as_ptr) {
+            self.shown_match = matched.cloned();
             let confidence = matched.map(|matched| matched.confidence.as_slice());
             let gpu = self.viewport.gpu();
             self.shape.set_confidence(gpu, confidence).map_err(|error| error.to_string())?;
