@@ -202,8 +202,36 @@ fn a_recipe_is_applied_to_a_folder() {
 }
 
 #[test]
+fn a_batch_gives_every_mesh_a_file_of_its_own_and_replaces_none() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    std::fs::create_dir(desk.path("many")).unwrap();
+    for name in ["head.v1.obj", "head.v2.obj"] {
+        save_mesh(&lump(1.0), &desk.path("many").join(name)).unwrap();
+    }
+    let written = desk.ok("caricature --recipe p.chladni --batch many -o out");
+    for name in ["head.v1.obj", "head.v2.obj"] {
+        assert!(desk.path("out").join(name).exists(), "{written}");
+    }
+    // Both would be written as PLY.
+    for (name, text) in [("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), ("a.ply", "")] {
+        std::fs::write(desk.path("many").join(name), text).unwrap();
+    }
+    let said = desk.refused("caricature --recipe p.chladni --batch many -o out2");
+    assert!(said.contains("a.off") && said.contains("a.ply"), "{said}");
+    assert!(!desk.path("out2").exists());
+    std::fs::remove_file(desk.path("many/a.ply")).unwrap();
+    let before = std::fs::read(desk.path("many/head.v1.obj")).unwrap();
+    let said = desk.refused("caricature --recipe p.chladni --batch many -o ./many");
+    assert!(said.contains("many"), "{said}");
+    assert_eq!(std::fs::read(desk.path("many/head.v1.obj")).unwrap(), before);
+}
+
+#[test]
 fn bad_arguments_are_told_apart() {
     let desk = Desk::new();
+    desk.ok("project new shape.obj -o good.chladni --harmonics 16");
     std::fs::write(desk.path("junk.chladni"), "format_version = 2\nshape = 3").unwrap();
     for (line, expected) in [
         ("caricature shape.obj ellipsoid -o out.xyz", "out.xyz"),
@@ -219,6 +247,7 @@ fn bad_arguments_are_told_apart() {
         ("caricature shape.obj ellipsoid -o out.obj --harmonics 0", "harmonics"),
         ("caricature --recipe absent.chladni -o out.obj", "absent.chladni"),
         ("caricature --recipe junk.chladni -o out.obj", "junk.chladni"),
+        ("caricature --recipe good.chladni --mu -2 -o out.obj", "--mu"),
         ("project new shape.obj -o p.txt", ".chladni"),
         ("project show junk.chladni", "junk.chladni"),
     ] {

@@ -1,6 +1,8 @@
 //! `chladni caricature SHAPE TEMPLATE -o OUT`: exaggerate what makes a shape differ from a
 //! template, or play a whole recipe on one or many shapes.
 
+use std::collections::HashMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::{DEFAULT_HARMONICS, Project, ShapeSource, Template};
@@ -36,7 +38,7 @@ pub struct Caricature {
     #[command(flatten)]
     portrait: Portrait,
     /// A project whose layers are applied instead.
-    #[arg(long, value_name = "P.chladni")]
+    #[arg(long, value_name = "P.chladni", conflicts_with = "LayerOptions")]
     recipe: Option<PathBuf>,
     /// Applies the recipe to every mesh in this folder.
     #[arg(long, value_name = "DIR", requires = "recipe", conflicts_with = "shape")]
@@ -91,21 +93,14 @@ impl Caricature {
     /// Every mesh of `folder`, in order of name. One that fails does not stop the others.
     fn batch(&self, project: &Project, folder: &Path, terminal: &Terminal) -> Result<(), Failure> {
         let shapes = meshes_in(folder)?;
+        let planned = self.planned(folder, &shapes)?;
         let from = open_mesh(&project.shape.to_string(), terminal)?;
         for out in [Some(&self.output), self.render.as_ref()].into_iter().flatten() {
             std::fs::create_dir_all(out).map_err(|error| Failure::writing(out, error))?;
         }
         let mut failed = 0;
-        for shape in &shapes {
+        for (shape, (output, render)) in shapes.iter().zip(planned) {
             terminal.task().check()?;
-            let stem = shape.file_stem().unwrap_or_default();
-            // A format that can be written is kept; the others become PLY, which keeps every digit.
-            let extension = match format_of(shape) {
-                Ok(_) => shape.extension().unwrap_or_default().to_owned(),
-                Err(_) => "ply".into(),
-            };
-            let output = self.output.join(stem).with_extension(extension);
-            let render = self.render.as_ref().map(|r| r.join(stem).with_extension("png"));
             let name = shape.display().to_string();
             match one(&name, project, Some(&from), &output, self.picture(render.as_deref()), terminal) {
                 Ok(()) => {}
@@ -121,6 +116,44 @@ impl Caricature {
             _ => Err(Failure::input(format_args!("{failed} of {} shapes failed", shapes.len()))),
         }
     }
+
+    /// The mesh and the picture that each of `shapes`, the meshes of `folder`, becomes; refused
+    /// where one would replace another or a shape.
+    fn planned(&self, folder: &Path, shapes: &[PathBuf]) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Failure> {
+        let real = |path: &Path| std::fs::canonicalize(path).ok();
+        if real(&self.output).is_some_and(|output| Some(output) == real(folder)) {
+            let folder = folder.display();
+            return Err(Failure::input(format_args!("{folder}: results there would replace the shapes")));
+        }
+        let mut owners: HashMap<PathBuf, &Path> = HashMap::new();
+        let mut planned = Vec::with_capacity(shapes.len());
+        for shape in shapes {
+            let stem = shape.file_stem().unwrap_or_default();
+            // A format that can be written is kept; the others become PLY, which keeps every digit.
+            let extension = match format_of(shape) {
+                Ok(_) => shape.extension().unwrap_or_default(),
+                Err(_) => "ply".as_ref(),
+            };
+            let output = named(&self.output, stem, extension);
+            let render = self.render.as_ref().map(|folder| named(folder, stem, "png".as_ref()));
+            for path in std::iter::once(&output).chain(&render) {
+                if let Some(other) = owners.insert(path.clone(), shape) {
+                    let (path, other, shape) = (path.display(), other.display(), shape.display());
+                    return Err(Failure::input(format_args!("{other} and {shape} would both become {path}")));
+                }
+            }
+            planned.push((output, render));
+        }
+        Ok(planned)
+    }
+}
+
+/// `STEM.EXTENSION` in `folder`; the stem may hold dots.
+fn named(folder: &Path, stem: &OsStr, extension: &OsStr) -> PathBuf {
+    let mut name = stem.to_owned();
+    name.push(".");
+    name.push(extension);
+    folder.join(name)
 }
 
 /// One shape, from its name to its files. `from` is the recipe's own shape where this is another:
