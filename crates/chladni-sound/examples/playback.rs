@@ -1,7 +1,9 @@
 //! Plays a song on the default device and tells how it went, as JSON lines.
 //!
 //! `playback check SONG SECS` records the PulseAudio monitor `null.monitor` meanwhile and compares
-//! what came out with what was decoded; `playback watch SONG SECS` prints device and position.
+//! what came out with what was decoded; `playback watch SONG SECS` prints device and position;
+//! `playback disturb SONG SECS` pauses, goes on and changes the device all the time, and says how the
+//! position took it.
 
 use std::error::Error;
 use std::io::{Read, Write};
@@ -16,9 +18,15 @@ const RATE_HZ: u32 = 48_000;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [mode, song, secs] = arguments.as_slice() else { return Err("check|watch SONG SECS".into()) };
+    let [mode, song, secs] = arguments.as_slice() else {
+        return Err("check|watch|disturb SONG SECS".into());
+    };
     let (song, secs) = (PathBuf::from(song), secs.parse()?);
-    if mode == "watch" { watch(song, secs) } else { check(&song, secs) }
+    match mode.as_str() {
+        "watch" => watch(song, secs),
+        "disturb" => disturb(song, secs),
+        _ => check(&song, secs),
+    }
 }
 
 fn watch(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
@@ -37,6 +45,41 @@ fn watch(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
         out.flush()?;
         std::thread::sleep(Duration::from_millis(50));
     }
+    Ok(())
+}
+
+/// A pause every half second, then a device that is not there and the usual one again, over and over.
+fn disturb(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
+    let player = Player::start(PlayerSettings::default())?;
+    player.play_list(vec![song]);
+    let position = || player.status().position_secs;
+    let wait = |secs: f64, note: &mut dyn FnMut(f64)| {
+        let start = Instant::now();
+        while start.elapsed().as_secs_f64() < secs {
+            std::thread::sleep(Duration::from_millis(2));
+            note(position());
+        }
+    };
+    wait(1.0, &mut |_| {});
+    let (start, mut last, mut back) = (Instant::now(), position(), 0.0f64);
+    while start.elapsed().as_secs_f64() < 0.5 * secs {
+        player.pause();
+        wait(0.25, &mut |_| {});
+        last = position().max(last);
+        player.play();
+        wait(0.25, &mut |now| {
+            back = back.max(last - now);
+            last = now;
+        });
+    }
+    let (start, from, mut off) = (Instant::now(), position(), 0.0f64);
+    while start.elapsed().as_secs_f64() < 0.5 * secs {
+        for device in [Some("alsa:nowhere".to_owned()), None] {
+            player.set_device(device);
+            wait(0.1, &mut |now| off = off.max((now - from - start.elapsed().as_secs_f64()).abs()));
+        }
+    }
+    writeln!(std::io::stdout(), "{{\"step_back_secs\": {back:.4}, \"off_secs\": {off:.3}}}")?;
     Ok(())
 }
 

@@ -3,8 +3,11 @@
 /// A stereo frame.
 pub(crate) type Frame = [f32; 2];
 
-/// Frames kept: 2.7 s at 48 kHz, more than a ring and the longest window together.
-const KEPT: usize = 1 << 17;
+/// The longest window that is asked for.
+const LONGEST_WINDOW: usize = 1 << 16;
+/// A ring that is written ahead of what is heard, and two seconds that were heard: a listener may
+/// come late.
+const KEPT_SECS: usize = 3;
 
 /// The last frames of a stream, by their number.
 pub(crate) struct History {
@@ -13,8 +16,9 @@ pub(crate) struct History {
 }
 
 impl History {
-    pub fn new() -> Self {
-        Self { frames: vec![[0.0; 2]; KEPT], written: 0 }
+    /// Of a stream at `rate_hz`.
+    pub fn new(rate_hz: u32) -> Self {
+        Self { frames: vec![[0.0; 2]; LONGEST_WINDOW + KEPT_SECS * rate_hz as usize], written: 0 }
     }
 
     /// How many frames there have been.
@@ -22,15 +26,14 @@ impl History {
         self.written
     }
 
-    /// Numbers begin at 0 again.
-    pub fn restart(&mut self) {
-        self.frames.fill([0.0; 2]);
-        self.written = 0;
+    pub fn push(&mut self, frame: Frame) {
+        let at = self.place(self.written);
+        self.frames[at] = frame;
+        self.written += 1;
     }
 
-    pub fn push(&mut self, frame: Frame) {
-        self.frames[(self.written % KEPT as u64) as usize] = frame;
-        self.written += 1;
+    fn place(&self, frame: u64) -> usize {
+        (frame % self.frames.len() as u64) as usize
     }
 
     /// Frames `end − left.len()` to `end`; silence where there is none (any more).
@@ -38,8 +41,32 @@ impl History {
         let start = end - left.len() as i64;
         for (i, (l, r)) in left.iter_mut().zip(right).enumerate() {
             let at = u64::try_from(start + i as i64).ok();
-            let known = at.filter(|&at| at < self.written && at + KEPT as u64 > self.written);
-            [*l, *r] = known.map_or([0.0; 2], |at| self.frames[(at % KEPT as u64) as usize]);
+            let kept = self.frames.len() as u64;
+            let known = at.filter(|&at| at < self.written && at + kept >= self.written);
+            [*l, *r] = known.map_or([0.0; 2], |at| self.frames[self.place(at)]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_seconds_are_there_while_a_whole_ring_lies_ahead_at_any_rate() {
+        for rate_hz in [8_000, 48_000, 192_000, 768_000] {
+            let mut history = History::new(rate_hz);
+            let second = rate_hz as usize;
+            for n in 0..5 * second {
+                history.push([n as f32, -(n as f32)]);
+            }
+            // What is heard is a ring behind what was written last.
+            let (mut left, mut right) = (vec![0.0; 2 * second], vec![0.0; 2 * second]);
+            history.window(4 * second as i64, &mut left, &mut right);
+            let first = 2 * second;
+            let known =
+                (0..2 * second).all(|i| [left[i], right[i]] == [(first + i) as f32, -((first + i) as f32)]);
+            assert!(known, "{rate_hz} Hz");
         }
     }
 }

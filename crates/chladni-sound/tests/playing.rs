@@ -186,6 +186,64 @@ fn a_device_that_goes_away_and_comes_back() {
 }
 
 #[test]
+fn pauses_and_other_devices_do_not_move_the_position() {
+    let Some(server) = pulse::Server::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let song = write_tone(folder.path(), "long.wav", 44_100, 60.0);
+    let output =
+        server.command(example("playback")).args(["disturb", song.to_str().unwrap(), "6"]).output().unwrap();
+    let report = String::from_utf8_lossy(&output.stdout).into_owned();
+    eprintln!("{report}");
+    assert!(output.status.success());
+    // Going on begins where the pause began.
+    assert!(number(&report, "step_back_secs") < 0.01);
+    // Each change of device takes a moment, none is a leap.
+    assert!(number(&report, "off_secs") < 1.5);
+}
+
+#[test]
+fn a_song_of_one_sample_that_repeats_leaves_the_player_time_to_obey() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("one.wav");
+    let song = Song { rate_hz: 44_100, left: vec![0.5], right: vec![0.5] };
+    write_wav(&path, &song, WavSample::Int16).unwrap();
+    let player = silent();
+    player.repeat(Repeat::List);
+    player.play_list(vec![path]);
+    std::thread::sleep(Duration::from_millis(300));
+    player.pause();
+    wait(0.5, "the pause", || player.status().state == PlayerState::Paused);
+    let before = player.events().count();
+    assert!(before < 2000, "{before} events");
+    let start = Instant::now();
+    drop(player);
+    assert!(start.elapsed() < Duration::from_millis(500));
+}
+
+#[test]
+fn a_pause_after_the_last_sample_was_decoded_goes_on_where_it_began() {
+    let folder = tempfile::tempdir().unwrap();
+    // All of it is ahead of the device at once.
+    let song = write_tone(folder.path(), "short.wav", 48_000, 0.35);
+    let player = silent();
+    player.play_list(vec![song]);
+    wait(2.0, "a tenth of a second", || player.status().position_secs > 0.1);
+    player.pause();
+    wait(1.0, "the pause", || player.status().state == PlayerState::Paused);
+    let paused = player.status().position_secs;
+    assert!((0.1..0.34).contains(&paused), "{paused}");
+    player.play();
+    wait(1.0, "going on", || player.status().state == PlayerState::Playing);
+    assert!(player.status().position_secs >= paused - 0.001, "{}", player.status().position_secs);
+    let mut events = Vec::new();
+    wait(1.0, "the end", || {
+        events.extend(player.events());
+        events.contains(&PlayerEvent::Finished)
+    });
+    assert_eq!(events, [PlayerEvent::SongStarted(0), PlayerEvent::Finished]);
+}
+
+#[test]
 fn what_the_machine_plays_can_be_captured() {
     let Some(server) = pulse::Server::start() else { return };
     let folder = tempfile::tempdir().unwrap();

@@ -131,7 +131,7 @@ impl Capture {
 
     fn new(rate_hz: u32, consumer: Consumer<Frame>, health: Arc<Health>, feed: Feed) -> Self {
         let level = CaptureLevel::default();
-        Self { rate_hz, consumer, history: History::new(), level, health, _feed: feed }
+        Self { rate_hz, consumer, history: History::new(rate_hz), level, health, _feed: feed }
     }
 
     /// Frames per second.

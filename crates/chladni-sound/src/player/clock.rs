@@ -13,6 +13,8 @@ pub(super) struct Clock {
     /// When the anchor's frame is heard, in nanoseconds after `origin`.
     anchor_nanos: AtomicU64,
     consumed: AtomicU64,
+    /// Where the sound began that has not paused since: nothing before it is still to be heard.
+    run_begin: AtomicU64,
     /// Frames before this one are to be thrown away unheard.
     flush_before: AtomicU64,
     underruns: AtomicU64,
@@ -34,6 +36,7 @@ impl Clock {
             anchor_frame: AtomicU64::new(0),
             anchor_nanos: AtomicU64::new(0),
             consumed: AtomicU64::new(0),
+            run_begin: AtomicU64::new(0),
             flush_before: AtomicU64::new(0),
             underruns: AtomicU64::new(0),
             asked: AtomicU64::new(0),
@@ -55,23 +58,26 @@ impl Clock {
         self.last_callback_nanos.store(self.nanos(now), Ordering::Relaxed);
     }
 
-    /// Callback: frame `frame` of the ring will be heard at `heard`; up to `consumed` are taken.
-    pub fn anchor(&self, frame: u64, heard: Instant, consumed: u64) {
+    /// Callback: frame `frame` of the ring will be heard at `heard`; up to `consumed` are taken, and
+    /// since `run_begin` without a pause.
+    pub fn anchor(&self, frame: u64, heard: Instant, consumed: u64, run_begin: u64) {
         self.sequence.fetch_add(1, Ordering::AcqRel);
         self.anchor_frame.store(frame, Ordering::Relaxed);
         self.anchor_nanos.store(self.nanos(heard), Ordering::Relaxed);
         self.consumed.store(consumed, Ordering::Relaxed);
+        self.run_begin.store(run_begin, Ordering::Relaxed);
         self.sequence.fetch_add(1, Ordering::Release);
     }
 
     /// The ring frame heard at `now`, between frames.
     pub fn heard_frame(&self, now: Instant, rate_hz: u32) -> f64 {
-        let (frame, nanos, consumed) = loop {
+        let (frame, nanos, consumed, run_begin) = loop {
             let before = self.sequence.load(Ordering::Acquire);
             let values = (
                 self.anchor_frame.load(Ordering::Acquire),
                 self.anchor_nanos.load(Ordering::Acquire),
                 self.consumed.load(Ordering::Acquire),
+                self.run_begin.load(Ordering::Acquire),
             );
             if before.is_multiple_of(2) && before == self.sequence.load(Ordering::Acquire) {
                 break values;
@@ -81,8 +87,9 @@ impl Clock {
         let since_secs = (self.nanos(now) as f64 - nanos as f64) * 1e-9;
         let heard = frame as f64 + since_secs * f64::from(rate_hz);
         let flushed = self.flush_before.load(Ordering::Acquire);
-        // What a seek threw away is not waited for; what was not taken cannot be heard.
-        heard.min(consumed as f64).max(if frame >= flushed { 0.0 } else { flushed as f64 })
+        // What a seek threw away is not waited for, nor again for what was heard before a pause;
+        // what was not taken cannot be heard.
+        heard.min(consumed as f64).max(if frame >= flushed { run_begin as f64 } else { flushed as f64 })
     }
 
     pub fn consumed(&self) -> u64 {
@@ -154,6 +161,6 @@ impl Clock {
         self.lost.store(false, Ordering::Release);
         self.asked.store(0, Ordering::Relaxed);
         self.tick(now, 0);
-        self.anchor(0, now, 0);
+        self.anchor(0, now, 0, 0);
     }
 }

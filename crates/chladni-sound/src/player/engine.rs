@@ -8,13 +8,16 @@ use std::time::{Duration, Instant};
 use super::handle::{PlayerSettings, Repeat, Shared};
 use super::output::Output;
 use super::queue::{Playlist, Stretch};
-use crate::history::Frame;
+use crate::history::{Frame, History};
 use crate::{SongReader, SoundError, StereoResampler};
 
 /// How far ahead of the device the ring is filled.
 const AHEAD_SECS: f64 = 0.4;
 /// How often the engine looks after the ring.
 const STEP: Duration = Duration::from_millis(5);
+/// So many songs may begin before the engine looks at its commands again: one of a few samples
+/// that repeats would take all its time.
+const MOST_STARTS: usize = 8;
 /// Pauses between attempts to find a device again: doubled up to the longest.
 const FIRST_RETRY: Duration = Duration::from_secs(1);
 const LONGEST_RETRY: Duration = Duration::from_secs(16);
@@ -86,14 +89,13 @@ impl Engine {
         events: Sender<PlayerEvent>,
         settings: PlayerSettings,
     ) -> Self {
-        let output = Output::silence(&shared.clock);
         let mut engine = Self {
             shared,
             commands,
             events,
             audible: settings.audible,
             device: settings.device,
-            output,
+            output: Output::silence(),
             list: Playlist::default(),
             song: None,
             written: 0,
@@ -125,15 +127,22 @@ impl Engine {
                 self.start(Some(0), 0.0, true);
             }
             Command::Songs(songs) => self.set_songs(songs),
-            Command::Play if self.song.is_some() => self.set_playing(true),
+            Command::Play if self.place().is_some() => self.set_playing(true),
             Command::Play => self.start(Some(self.list.current), 0.0, true),
             Command::Pause => self.set_playing(false),
             Command::Seek(secs) => {
                 let secs = if secs.is_finite() { secs.max(0.0) } else { 0.0 };
-                self.start(Some(self.heard().0), secs, self.playing);
+                let song = self.heard().map_or(self.list.current, |heard| heard.song);
+                self.start(Some(song), secs, self.playing);
             }
-            Command::Next => self.start(self.list.after(true), 0.0, true),
-            Command::Previous => self.start(self.list.before(), 0.0, true),
+            Command::Next => {
+                self.back_to_heard();
+                self.start(self.list.after(true), 0.0, true);
+            }
+            Command::Previous => {
+                self.back_to_heard();
+                self.start(self.list.before(), 0.0, true);
+            }
             Command::Select(song) => self.start(Some(song), 0.0, true),
             Command::Repeat(repeat) => self.list.repeat = repeat,
             Command::Device(device) => {
@@ -157,20 +166,33 @@ impl Engine {
         }
     }
 
-    /// Song and time that are heard now.
-    fn heard(&self) -> (usize, f64) {
+    /// What is heard now; `None` before the first song.
+    fn heard(&self) -> Option<Stretch> {
         let mut timeline = self.shared.timeline();
         let rate_hz = timeline.rate_hz.max(1);
         let frame = self.shared.clock.heard_frame(Instant::now(), rate_hz);
-        let place = timeline.stretches.at(frame, rate_hz);
-        place.map_or((self.list.current, 0.0), |(stretch, secs)| (stretch.song, secs))
+        let (stretch, song_secs) = timeline.stretches.at(frame, rate_hz)?;
+        Some(Stretch { song_secs, ..stretch })
+    }
+
+    /// The same, where something of the songs is still to be heard.
+    fn place(&self) -> Option<Stretch> {
+        let taken = self.shared.clock.consumed().max(self.shared.clock.flushed_before());
+        if self.song.is_some() || taken < self.written { self.heard() } else { None }
+    }
+
+    /// The song after or before is that of the song that is heard: the next may be in the ring already.
+    fn back_to_heard(&mut self) {
+        let heard = self.heard().map(|heard| heard.song);
+        self.list.current = heard.filter(|&song| song < self.list.songs.len()).unwrap_or(self.list.current);
     }
 
     fn set_playing(&mut self, playing: bool) {
         self.playing = playing;
+        let stopped = self.place().is_none();
         let mut timeline = self.shared.timeline();
         timeline.playing = playing;
-        timeline.stopped = self.song.is_none() && self.shared.clock.is_drained();
+        timeline.stopped = stopped;
         self.shared.clock.set_paused(!playing);
     }
 
@@ -221,26 +243,21 @@ impl Engine {
         // A flush may not have been carried out yet: what it will drop does not count.
         let clock = Arc::clone(&self.shared.clock);
         let taken = || clock.consumed().max(clock.flushed_before());
-        while self.song.is_some() && self.written < taken() + target {
-            let Some(song) = &mut self.song else { return };
+        let mut starts = 0;
+        while self.written < taken() + target && starts < MOST_STARTS {
+            let Some(song) = &mut self.song else { break };
             match song.refill() {
-                Ok(true) => {}
-                Ok(false) => {
-                    self.song = None;
-                    self.song_ended();
-                    continue;
-                }
+                Ok(true) if self.write_ready() => continue,
+                Ok(true) => return,
+                Ok(false) => {}
                 Err(error) => {
                     let reason = error.to_string();
                     self.tell(PlayerEvent::SongFailed { song: self.list.current, reason });
-                    self.song = None;
-                    self.song_ended();
-                    continue;
                 }
             }
-            if !self.write_ready() {
-                return;
-            }
+            self.song = None;
+            self.song_ended();
+            starts += 1;
         }
         if self.song.is_some() {
             // From here on silence would be an underrun; before the first filling it is not.
@@ -290,30 +307,38 @@ impl Engine {
 
     /// Tries the device and goes on where the song is; in silence where there is none.
     fn reopen(&mut self) {
+        let place = self.place();
         let was_silent = self.output.device.is_none();
-        let place = self.heard();
-        let tried = Output::device(self.device.as_deref(), &self.shared.clock);
-        match tried {
-            Ok(output) => self.go_on_with(output, place, true),
-            Err(error) if was_silent => {
-                // Still nothing: the silent output goes on undisturbed.
-                let output = Output::silence(&self.shared.clock);
-                self.go_on_with(output, place, false);
-                self.retry_later(&error);
+        if !was_silent {
+            // First of all: some devices are there for one stream only.
+            self.change_output(Output::silence(), place);
+        }
+        match Output::device(self.device.as_deref(), &self.shared.clock) {
+            Ok(output) => {
+                let place = self.place().or(place);
+                self.change_output(output, place);
+                self.retry_at = None;
+                self.retry_after = FIRST_RETRY;
+                if let Some(name) = self.output.device.clone() {
+                    self.tell(PlayerEvent::DeviceOpened(name));
+                }
+                self.go_on_at(place);
             }
             Err(error) => {
-                self.tell(PlayerEvent::DeviceLost(error.to_string()));
-                let output = Output::silence(&self.shared.clock);
-                self.go_on_with(output, place, false);
-                self.retry_later(&error);
+                // A silence that was there before goes on undisturbed.
+                if !was_silent {
+                    self.tell(PlayerEvent::DeviceLost(error.to_string()));
+                    self.go_on_at(place);
+                }
+                self.retry_at = Some(Instant::now() + self.retry_after);
+                self.retry_after = (2 * self.retry_after).min(LONGEST_RETRY);
             }
         }
     }
 
     fn open_output(&mut self) {
+        self.change_output(Output::silence(), None);
         if !self.audible {
-            let output = Output::silence(&self.shared.clock);
-            self.go_on_with(output, (0, 0.0), false);
             return;
         }
         self.reopen();
@@ -323,39 +348,32 @@ impl Engine {
     }
 
     fn fall_silent(&mut self) {
-        let place = self.heard();
-        let output = Output::silence(&self.shared.clock);
-        self.go_on_with(output, place, false);
+        let place = self.place();
+        self.change_output(Output::silence(), place);
+        self.go_on_at(place);
         self.retry_at = Some(Instant::now() + self.retry_after);
     }
 
-    fn retry_later(&mut self, _why: &SoundError) {
-        self.retry_at = Some(Instant::now() + self.retry_after);
-        self.retry_after = (2 * self.retry_after).min(LONGEST_RETRY);
-    }
-
-    /// Changes the output; the song goes on from where it was heard.
-    fn go_on_with(&mut self, output: Output, (song, secs): (usize, f64), opened: bool) {
-        let playing = self.playing;
-        let had_song = self.song.is_some() || !self.shared.clock.is_drained() || self.written > 0 && playing;
+    /// An empty ring, and time that stands still at `place`.
+    fn change_output(&mut self, output: Output, place: Option<Stretch>) {
+        // The old one goes here, and with it whatever else writes the clock.
         self.output = output;
         self.written = 0;
-        {
-            let mut timeline = self.shared.timeline();
-            timeline.rate_hz = self.output.rate_hz;
-            timeline.device = self.output.device.clone();
-            timeline.stretches.clear();
-            timeline.history.restart();
+        self.song = None;
+        let mut timeline = self.shared.timeline();
+        self.shared.clock.restart();
+        timeline.rate_hz = self.output.rate_hz;
+        timeline.device = self.output.device.clone();
+        timeline.history = History::new(self.output.rate_hz);
+        timeline.stretches.clear();
+        if let Some(place) = place {
+            timeline.stretches.begin(Stretch { ring_frame: 0, ..place });
         }
-        if opened {
-            self.retry_at = None;
-            self.retry_after = FIRST_RETRY;
-            if let Some(name) = self.output.device.clone() {
-                self.tell(PlayerEvent::DeviceOpened(name));
-            }
-        }
-        if had_song {
-            self.start(Some(song), secs, playing);
+    }
+
+    fn go_on_at(&mut self, place: Option<Stretch>) {
+        if let Some(place) = place {
+            self.start(Some(place.song), place.song_secs, self.playing);
         }
     }
 

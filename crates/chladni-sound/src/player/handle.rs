@@ -120,7 +120,7 @@ impl Player {
             clock,
             timeline: Mutex::new(Timeline {
                 stretches: Stretches::default(),
-                history: History::new(),
+                history: History::new(0),
                 rate_hz: 0,
                 device: None,
                 playing: false,

@@ -69,7 +69,8 @@ enum Sink {
 }
 
 impl Output {
-    /// Opens a device by its id, or the system's default.
+    /// Opens a device by its id, or the system's default. It leaves the clock as it is until it
+    /// is given samples.
     pub fn device(id: Option<&str>, clock: &Arc<Clock>) -> Result<Self, SoundError> {
         let failed = |what: String| SoundError::Device { what };
         let host = cpal::default_host();
@@ -104,15 +105,14 @@ impl Output {
         name: String,
     ) -> Result<Self, cpal::Error> {
         let (producer, consumer) = ring(config.sample_rate);
-        clock.restart();
-        let clock = Arc::clone(clock);
+        let told = Arc::clone(clock);
         let stream = match format {
-            SampleFormat::F32 => stream::<f32>(device, config, consumer, clock),
-            SampleFormat::I16 => stream::<i16>(device, config, consumer, clock),
-            SampleFormat::I32 => stream::<i32>(device, config, consumer, clock),
-            SampleFormat::U8 => stream::<u8>(device, config, consumer, clock),
-            SampleFormat::U16 => stream::<u16>(device, config, consumer, clock),
-            SampleFormat::F64 => stream::<f64>(device, config, consumer, clock),
+            SampleFormat::F32 => stream::<f32>(device, config, consumer, told),
+            SampleFormat::I16 => stream::<i16>(device, config, consumer, told),
+            SampleFormat::I32 => stream::<i32>(device, config, consumer, told),
+            SampleFormat::U8 => stream::<u8>(device, config, consumer, told),
+            SampleFormat::U16 => stream::<u16>(device, config, consumer, told),
+            SampleFormat::F64 => stream::<f64>(device, config, consumer, told),
             _ => Err(ErrorKind::UnsupportedConfig.into()),
         }?;
         stream.play()?;
@@ -126,9 +126,8 @@ impl Output {
     }
 
     /// Nobody hears it, but time passes.
-    pub fn silence(clock: &Clock) -> Self {
+    pub fn silence() -> Self {
         let (producer, consumer) = ring(SILENT_RATE_HZ);
-        clock.restart();
         let now = Instant::now();
         let sink = Sink::Silence { consumer, last: now, owed: 0.0 };
         Self { rate_hz: SILENT_RATE_HZ, producer, device: None, opened: now, sink }
@@ -151,7 +150,7 @@ impl Output {
         // What was not there to take is not owed: a pause in the song, not a leap.
         *owed = if consumer.is_empty() { owed.fract() } else { *owed - take as f64 };
         let consumed = consumed + take as u64;
-        clock.anchor(consumed, now, consumed);
+        clock.anchor(consumed, now, consumed, consumed);
     }
 
     /// Why the device can no longer be used, if so: it said so, it has stopped asking for
@@ -196,6 +195,8 @@ fn stream<T: SizedSample + FromSample<f32>>(
     let channels = usize::from(config.channels).max(1);
     let ramp = 1.0 / (RAMP_SECS * config.sample_rate as f32);
     let mut consumed = 0u64;
+    // Where the present sound began; none while there is silence.
+    let mut run_begin = None;
     let mut gain = 0.0f32;
     let told = Arc::clone(&clock);
     // No allocation, no lock and no log in here: a late callback is a click.
@@ -205,8 +206,11 @@ fn stream<T: SizedSample + FromSample<f32>>(
         clock.tick(now, wanted);
         let stamp = info.timestamp();
         let heard = now + stamp.playback.duration_since(stamp.callback);
-        consumed = drop_flushed(&mut consumer, &clock, consumed);
-        let first = consumed;
+        let first = drop_flushed(&mut consumer, &clock, consumed);
+        if first > consumed {
+            run_begin = None;
+        }
+        consumed = first;
         let target = if clock.is_paused() { 0.0 } else { clock.volume() };
         let mut played = 0;
         for frame in data.chunks_mut(channels) {
@@ -222,9 +226,13 @@ fn stream<T: SizedSample + FromSample<f32>>(
             clock.count_underrun();
         }
         if played > 0 {
-            clock.anchor(first, heard, consumed);
-        } else if first != clock.consumed() {
-            clock.anchor(first, now, first);
+            clock.anchor(first, heard, consumed, *run_begin.get_or_insert(first));
+            return;
+        }
+        run_begin = None;
+        // Before the first sample the clock may still be another output's.
+        if first > 0 && first != clock.consumed() {
+            clock.anchor(first, now, first, first);
         }
     };
     let on_error = move |error: cpal::Error| match error.kind() {
