@@ -175,7 +175,8 @@ impl Bindings {
     /// Takes a binding out of the list.
     pub fn forget(&mut self, binding: usize) {
         if binding < self.list.len() {
-            self.list.remove(binding);
+            let forgotten = self.list.remove(binding);
+            self.pressed.retain(|held| *held != forgotten.control);
         }
     }
 
@@ -187,8 +188,9 @@ impl Bindings {
         {
             self.bind(Binding { control: touch.control.clone(), target });
         }
-        let pressed = self.press(&touch.control, value);
         let target = self.list.iter().find(|binding| binding.control == touch.control)?.target;
+        // Only of controls that turn something: what else comes in must not fill the memory of those.
+        let pressed = self.press(&touch.control, value);
         match target {
             Target::Parameter(parameter) => {
                 Some(Cue::Do(Action::Set { parameter, value: parameter.at_share(value) }))
@@ -211,9 +213,7 @@ impl Bindings {
         let least = if matches!(control, Control::Note { .. }) { f32::MIN_POSITIVE } else { 0.5 };
         match (held, value >= least) {
             (None, true) => {
-                if self.pressed.len() < MOST_BINDINGS {
-                    self.pressed.push(control.clone());
-                }
+                self.pressed.push(control.clone());
                 true
             }
             (Some(at), false) => {
@@ -238,6 +238,9 @@ impl Bindings {
 /// `/chladni/tap` and `/chladni/play` press a button (a value of 0 is its release).
 pub fn osc_cue(address: &str, value: Option<f32>) -> Option<Cue> {
     let name = address.strip_prefix("/chladni/")?;
+    if value.is_some_and(f32::is_nan) {
+        return None;
+    }
     if let Some(parameter) = Parameter::ALL.into_iter().find(|p| p.name() == name) {
         let (low, high) = parameter.range();
         let value = value.filter(|value| value.is_finite())?.clamp(low, high);
@@ -319,6 +322,20 @@ mod tests {
     }
 
     #[test]
+    fn what_turns_nothing_does_not_make_a_held_pad_press_again() {
+        let pad = |number| Touch { control: Control::Note { channel: 0, number }, value: 1.0 };
+        let target = Target::Switch(Switch::BeatTurns);
+        let mut bindings = Bindings::new(vec![Binding { control: pad(7).control, target }]);
+        let parameters = Parameters::default();
+        for strange in 0..2 * MOST_BINDINGS {
+            let control = Control::Osc { address: format!("/{strange}") };
+            assert_eq!(bindings.touch(&Touch { control, value: 1.0 }, &parameters), None);
+        }
+        assert!(bindings.touch(&pad(7), &parameters).is_some());
+        assert_eq!(bindings.touch(&pad(7), &parameters), None);
+    }
+
+    #[test]
     fn own_addresses_need_no_learning() {
         let set = |parameter, value| Some(Cue::Do(Action::Set { parameter, value }));
         assert_eq!(osc_cue("/chladni/side-gain", Some(20.0)), set(Parameter::SideGain, 20.0));
@@ -326,6 +343,7 @@ mod tests {
         assert_eq!(osc_cue("/chladni/side-gain", Some(f32::NAN)), None);
         let off = Action::Switch { switch: Switch::FlashLimit, on: false };
         assert_eq!(osc_cue("/chladni/flash-limit", Some(0.0)), Some(Cue::Do(off)));
+        assert_eq!(osc_cue("/chladni/flash-limit", Some(f32::NAN)), None);
         assert_eq!(osc_cue("/chladni/breed", None), Some(Cue::Do(Action::Breed)));
         assert_eq!(osc_cue("/chladni/tap", Some(0.0)), None);
         for nothing in ["", "/", "/chladni", "/chladni/", "/other/gain", "chladni/gain"] {
