@@ -99,7 +99,12 @@ impl Project {
     /// Files of older formats are brought up to date in memory. Fails, naming line and column
     /// where it can, on anything that is not a valid project, and on a newer format.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.into(), source })?;
+        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.into(), source })?;
+        let no_text = || Error::ProjectFile {
+            path: path.into(),
+            why: "is no text, so it is not a Chladni project".into(),
+        };
+        let text = String::from_utf8(bytes).map_err(|_| no_text())?;
         Ok(Self::from_text(&text, path)?.0)
     }
 

@@ -45,7 +45,7 @@ pub enum Error {
         /// What was asked for.
         value: f64,
         /// What is allowed.
-        range: &'static str,
+        range: String,
     },
     /// A preset or session file of a newer format.
     #[error("{kind} format version {found} is newer than {known}, the newest this program reads")]

@@ -103,7 +103,7 @@ impl Gallery {
             return Err(Error::GallerySize(size));
         }
         if i64::try_from(seed).is_err() {
-            return Err(Error::OutOfRange { name: "seed", value: seed as f64, range: "[0, 2^63)" });
+            return Err(Error::OutOfRange { name: "seed", value: seed as f64, range: "[0, 2^63)".into() });
         }
         let mut gallery = Self { seed, draws: 0, next_id, generations: Vec::new(), current: 0 };
         let mu = initial_mu(size, &mut gallery.rng());
@@ -205,7 +205,7 @@ impl Gallery {
     /// A new generation in which one item is changed a little.
     pub(crate) fn mutate(&mut self, index: usize, amount: f32) -> Result<(), Error> {
         if !(0.0..=1.0).contains(&amount) {
-            return Err(Error::OutOfRange { name: "mutation", value: amount.into(), range: "[0, 1]" });
+            return Err(Error::OutOfRange { name: "mutation", value: amount.into(), range: "[0, 1]".into() });
         }
         let parent = self.item_mut(index)?.clone();
         let mapping = mutate(&parent.mapping, amount, &mut self.rng());

@@ -176,7 +176,7 @@ impl Parameters {
     pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), Error> {
         let (low, high) = parameter.range();
         if !(low..=high).contains(&value) {
-            let range = "the range of this parameter";
+            let range = format!("[{low}, {high}]");
             return Err(Error::OutOfRange { name: parameter.name(), value: value.into(), range });
         }
         self.values[parameter as usize] = value;

@@ -330,7 +330,11 @@ impl Playing {
     /// Checks the ranges that the fields state.
     pub fn validate(&self) -> Result<(), Error> {
         let check = |name, value: f32, ok: bool, range| {
-            if ok { Ok(()) } else { Err(Error::OutOfRange { name, value: value.into(), range }) }
+            if ok {
+                Ok(())
+            } else {
+                Err(Error::OutOfRange { name, value: value.into(), range: String::from(range) })
+            }
         };
         let share = |v: f32| v > 0.0 && v <= 1.0;
         check("gain", self.gain, (0.0..=20.0).contains(&self.gain), "[0, 20]")?;

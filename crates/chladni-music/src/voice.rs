@@ -74,7 +74,11 @@ impl VoiceSettings {
     pub fn validate(&self) -> Result<(), Error> {
         let check = |name, value: f32, low: f32, high: f32, range| {
             let ok = (low..=high).contains(&value);
-            if ok { Ok(()) } else { Err(Error::OutOfRange { name, value: value.into(), range }) }
+            if ok {
+                Ok(())
+            } else {
+                Err(Error::OutOfRange { name, value: value.into(), range: String::from(range) })
+            }
         };
         if let Driver::Band { from, to } = self.driver {
             check("voice band", from, 0.0, 1.0, "[0, 1]")?;
@@ -139,7 +143,7 @@ impl Voices {
     /// Another limit, (0, 1].
     pub fn set_limit(&mut self, limit: f32) -> Result<(), Error> {
         if !(limit > 0.0 && limit <= 1.0) {
-            return Err(Error::OutOfRange { name: "limit", value: limit.into(), range: "(0, 1]" });
+            return Err(Error::OutOfRange { name: "limit", value: limit.into(), range: "(0, 1]".into() });
         }
         self.limit = limit * self.box_diagonal;
         Ok(())

@@ -19,19 +19,7 @@ pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".chladni-");
-    #[cfg(unix)]
-    {
-        // A temporary file is private (0600) by default; what a user saves is theirs to share.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder)?;
+    let mut file = temporary_beside(path, "")?;
     {
         let mut buffered = BufWriter::with_capacity(1 << 16, file.as_file_mut());
         write(&mut buffered)?;
@@ -42,9 +30,45 @@ pub fn write_atomic_with(
     Ok(())
 }
 
+/// A temporary file in the folder of `path`, whose name ends in `ending`, to be renamed to `path` when
+/// it is complete.
+pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<tempfile::NamedTempFile> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".chladni-").suffix(ending);
+    #[cfg(unix)]
+    {
+        // A temporary file is private (0600) by default; what a user saves is theirs to share.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder).map_err(without_path)
+}
+
+/// The usual errors without the temporary file's name: whoever asked knows `path`.
+fn without_path(error: io::Error) -> io::Error {
+    use io::ErrorKind::{NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem, StorageFull};
+    match error.kind() {
+        NotFound => io::Error::new(NotFound, "its folder does not exist"),
+        kind @ (NotADirectory | PermissionDenied | ReadOnlyFilesystem | StorageFull) => kind.into(),
+        _ => error,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_folder_that_is_not_there_is_told_without_the_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = write_atomic(&folder.path().join("no/shape.obj"), b"").unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+        assert!(!error.to_string().contains(".chladni-"), "{error}");
+    }
 
     #[test]
     fn a_failed_write_keeps_the_old_file_and_leaves_nothing_beside_it() {

@@ -22,5 +22,5 @@
 mod atomic_file;
 mod progress;
 
-pub use atomic_file::{write_atomic, write_atomic_with};
+pub use atomic_file::{temporary_beside, write_atomic, write_atomic_with};
 pub use progress::{Cancelled, Progress, Stage, Task};

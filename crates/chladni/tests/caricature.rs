@@ -233,6 +233,8 @@ fn bad_arguments_are_told_apart() {
     let desk = Desk::new();
     desk.ok("project new shape.obj -o good.chladni --harmonics 16");
     std::fs::write(desk.path("junk.chladni"), "format_version = 2\nshape = 3").unwrap();
+    std::fs::write(desk.path("noise.chladni"), b"\xff\xfe\x00").unwrap();
+    std::fs::create_dir_all(desk.path("folder.obj")).unwrap();
     for (line, expected) in [
         ("caricature shape.obj ellipsoid -o out.xyz", "out.xyz"),
         ("caricature absent.obj ellipsoid -o out.obj", "absent.obj"),
@@ -248,12 +250,58 @@ fn bad_arguments_are_told_apart() {
         ("caricature --recipe absent.chladni -o out.obj", "absent.chladni"),
         ("caricature --recipe junk.chladni -o out.obj", "junk.chladni"),
         ("caricature --recipe good.chladni --mu -2 -o out.obj", "--mu"),
+        ("caricature shape.obj ellipsoid -o nowhere/out.obj", "nowhere/out.obj: its folder does not exist"),
+        ("caricature shape.obj ellipsoid -o folder.obj", "is a folder"),
+        ("caricature shape.obj ellipsoid -o out.obj --render out.jpg", "out.jpg: a picture ends in .png"),
+        ("basis shape.obj -o nowhere/b.npz", "its folder does not exist"),
+        ("match shape.obj shape.obj --method sphere", "neither a template"),
+        ("match shape.obj shape.obj --render out.jpg", ".png"),
+        ("spectrum sample:tune --render out.jpg", ".png"),
+        ("symmetry shape.obj --render nowhere/out.png", "its folder does not exist"),
+        ("dance shape.obj sample:tune -o nowhere/out.gif", "its folder does not exist"),
+        ("dance shape.obj sample:tune", "--output <FILM>|--frames <DIR>|--coefficients <C.npz>"),
+        (
+            "dance shape.obj sample:tune -o out.gif --lights moon",
+            "expected one of studio, soft, dramatic, stage",
+        ),
+        ("dance shape.obj sample:tune -o out.gif --gain 99 -k 9", "[0, 20]"),
+        ("project", "a subcommand is missing"),
         ("project new shape.obj -o p.txt", ".chladni"),
         ("project show junk.chladni", "junk.chladni"),
+        ("project show noise.chladni", "noise.chladni: is no text, so it is not a Chladni project"),
     ] {
         let said = desk.refused(line);
         assert!(said.contains(expected), "{line}: {said}");
     }
     let left: Vec<_> = std::fs::read_dir(desk.0.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert!(left.iter().all(|name| name != "out.obj" && name != "p.txt"), "{left:?}");
+}
+
+#[test]
+fn a_region_beside_the_shape_is_told() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj ellipsoid --harmonics 16 -o out.obj --region";
+    let beside = desk.run(&format!("{line} 0,0,0,0.1"));
+    let told = String::from_utf8(beside.stderr).unwrap();
+    assert!(beside.status.success() && told.contains("its region holds no vertex"), "{told}");
+    let on_it = desk.run(&format!("{line} 10,0,0,20"));
+    assert!(!String::from_utf8(on_it.stderr).unwrap().contains("its region"));
+}
+
+#[test]
+fn a_project_is_not_started_over_another() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni -k 16");
+    desk.ok("project add-layer p.chladni --template sphere");
+    assert!(desk.refused("project new shape.obj -o p.chladni").contains("exists already"));
+    assert!(desk.ok("project show p.chladni").contains("sphere"));
+}
+
+#[test]
+fn a_shape_with_few_vertices_dances_with_the_harmonics_it_has() {
+    let desk = Desk::new();
+    save_mesh(&samples::icosphere(0), &desk.path("few.obj")).unwrap();
+    let dance = desk.run("dance few.obj sample:tune --coefficients c.npz --duration 0.1");
+    let told = String::from_utf8(dance.stderr).unwrap();
+    assert!(dance.status.success() && told.contains("12 harmonics instead of 256"), "{told}");
 }

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
+use chladni_task::temporary_beside;
+
 use crate::{Picture, ViewError};
 
 pub use mp4::ffmpeg_is_there;
@@ -229,20 +231,8 @@ fn encode(
 
 /// A temporary file beside `path`, with its ending, that becomes `path` when it is complete.
 fn beside(path: &Path) -> Result<tempfile::NamedTempFile, ViewError> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
     let ending = path.extension().map(|e| format!(".{}", e.to_string_lossy())).unwrap_or_default();
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".chladni-").suffix(&ending);
-    #[cfg(unix)]
-    {
-        // A temporary file is private by default; what a user saves is theirs to share.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder).map_err(|source| ViewError::File { path: path.to_owned(), source })
+    temporary_beside(path, &ending).map_err(|source| ViewError::File { path: path.to_owned(), source })
 }
 
 /// Flushes a complete temporary file and gives it its name.

@@ -8,23 +8,24 @@ use serde::Serialize;
 
 use super::cache::basis_cache;
 use super::npz::{Npz, write_npz};
+use super::outputs::check_file;
 use super::{Failure, Terminal};
 use crate::source;
 
 /// Solve for the harmonics of a mesh and write them for NumPy.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: OBJ, PLY, OFF, STL, glTF/GLB or Medit .mesh.
+    /// A mesh file or sample:NAME.
     mesh: PathBuf,
     /// K, the number of harmonics.
-    #[arg(short = 'k', long, default_value_t = 256)]
+    #[arg(short = 'k', long, value_name = "K", default_value_t = 256)]
     harmonics: usize,
-    /// B.npz: `eigenvalues` (K), `eigenvectors` (N×K), `mass` (N) and `operator_vertex` (n:
+    /// Write `eigenvalues` (K), `eigenvectors` (N×K), `mass` (N) and `operator_vertex` (n:
     /// file vertex → row, −1 where no triangle uses it), in the file's own units.
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "B.npz")]
     output: Option<PathBuf>,
-    /// S.npz: the stiffness matrix as solved (N×N, for scipy.sparse.load_npz).
-    #[arg(long)]
+    /// Write the stiffness matrix as solved here (N×N, for scipy.sparse.load_npz).
+    #[arg(long, value_name = "S.npz")]
     operator: Option<PathBuf>,
     /// Print what was solved, how long it took and the certificate as JSON.
     #[arg(long)]
@@ -57,6 +58,7 @@ struct Summary {
 impl Args {
     /// Solves, writes what was asked for, and reports.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        [&self.output, &self.operator].into_iter().flatten().try_for_each(|path| check_file(path))?;
         let loaded = source::named(&self.mesh).map_err(Failure::BadInput)?;
         let named = |error: HarmonicsError| match error {
             HarmonicsError::Cancelled(cancelled) => Failure::from(cancelled),
@@ -120,7 +122,8 @@ impl Args {
             certificate.max_relative_residual,
             certificate.max_orthogonality_error,
             if certificate.inertia_counts_match { "match" } else { "do not match" },
-        ))
+        ))?;
+        [&self.output, &self.operator].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
     }
 }
 

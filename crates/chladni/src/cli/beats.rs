@@ -6,10 +6,10 @@ use clap::Args;
 use super::inputs::open_song;
 use super::{Failure, Terminal};
 
-/// Finds tempo and beats of a song.
+/// Find tempo and beats of a song.
 #[derive(Args)]
 pub struct Beats {
-    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis, Opus or M4A, or sample:tune.
+    /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF) or sample:tune.
     song: String,
     /// Print `tempo_bpm`, `beats_secs` and `confidence` as JSON.
     #[arg(long)]
@@ -29,6 +29,9 @@ impl Beats {
         let beats = found.map_err(sound_failure)?;
         if self.json {
             return terminal.json(&beats);
+        }
+        if beats.beats_secs.is_empty() {
+            return terminal.result("no beat found");
         }
         let [half, double] = beats.other_octaves_bpm;
         terminal.result(format_args!(

@@ -10,6 +10,7 @@ use chladni_mesh::{Format, TriMesh};
 
 use super::inputs::open_mesh;
 use super::layer_options::LayerOptions;
+use super::outputs::{check_file, check_picture};
 use super::sculpture::{Portrait, Sculpture, format_of};
 use super::{Failure, Terminal};
 
@@ -27,20 +28,20 @@ pub struct Caricature {
     /// folder.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// K, the number of harmonics.
-    #[arg(long, value_name = "K", conflicts_with = "recipe")]
+    /// K, the number of harmonics [default: 512].
+    #[arg(short = 'k', long, value_name = "K", conflicts_with = "recipe")]
     harmonics: Option<usize>,
     #[command(flatten)]
     layer: LayerOptions,
-    /// Draws the shape before and after, side by side. With --batch a folder.
-    #[arg(long, value_name = "OUT.png")]
+    /// Draw the shape before and after, side by side. With --batch a folder.
+    #[arg(long, value_name = "P.png")]
     render: Option<PathBuf>,
     #[command(flatten)]
     portrait: Portrait,
     /// A project whose layers are applied instead.
     #[arg(long, value_name = "P.chladni", conflicts_with = "LayerOptions")]
     recipe: Option<PathBuf>,
-    /// Applies the recipe to every mesh in this folder.
+    /// Apply the recipe to every mesh in this folder.
     #[arg(long, value_name = "DIR", requires = "recipe", conflicts_with = "shape")]
     batch: Option<PathBuf>,
 }
@@ -53,7 +54,7 @@ impl Caricature {
         match (&self.batch, &self.shape) {
             (Some(folder), _) => self.batch(&project, folder, terminal),
             (None, Some(shape)) => {
-                format_of(&self.output)?;
+                self.check()?;
                 let from = open_mesh(&project.shape.to_string(), terminal)?;
                 one(
                     shape,
@@ -65,11 +66,18 @@ impl Caricature {
                 )
             }
             (None, None) => {
-                format_of(&self.output)?;
+                self.check()?;
                 let shape = project.shape.to_string();
                 one(&shape, &project, None, &self.output, self.picture(self.render.as_deref()), terminal)
             }
         }
+    }
+
+    /// Before any work: can the results be written?
+    fn check(&self) -> Result<(), Failure> {
+        format_of(&self.output)?;
+        check_file(&self.output)?;
+        self.render.as_deref().map_or(Ok(()), check_picture)
     }
 
     fn picture<'a>(&'a self, path: Option<&'a Path>) -> Option<(&'a Path, &'a Portrait)> {
@@ -80,7 +88,7 @@ impl Caricature {
         let (Some(shape), Some(template)) = (&self.shape, &self.template) else {
             return Err(Failure::input("a shape and a template are needed"));
         };
-        format_of(&self.output)?;
+        self.check()?;
         if self.harmonics == Some(0) {
             return Err(Failure::input("the number of harmonics must be 1 or more"));
         }
@@ -107,7 +115,10 @@ impl Caricature {
                 Err(Failure::Cancelled) => return Err(Failure::Cancelled),
                 Err(failure) => {
                     failed += 1;
-                    terminal.warn(format_args!("{name}: {failure}"));
+                    match failure.to_string() {
+                        told if told.starts_with(&name) => terminal.warn(told),
+                        told => terminal.warn(format_args!("{name}: {told}")),
+                    }
                 }
             }
         }
@@ -171,10 +182,10 @@ fn one(
     let sculpture = Sculpture::make(shape, mesh, carried.as_ref().unwrap_or(project), terminal)?;
     sculpture.describe(terminal)?;
     sculpture.save(output)?;
-    terminal.result(format_args!("wrote {}", output.display()))?;
+    terminal.wrote(output)?;
     if let Some((path, portrait)) = picture {
         sculpture.render(path, portrait)?;
-        terminal.result(format_args!("wrote {}", path.display()))?;
+        terminal.wrote(path)?;
     }
     Ok(())
 }

@@ -14,7 +14,7 @@ pub enum Failure {
     #[error("{0}")]
     Other(String),
     /// The user pressed Ctrl-C. Exit code 1.
-    #[error("cancelled; nothing was written")]
+    #[error("cancelled; no unfinished file is left")]
     Cancelled,
 }
 

@@ -11,7 +11,7 @@ use crate::source;
 /// Report what a mesh file holds and how sound it is.
 #[derive(clap::Args)]
 pub struct Info {
-    /// An OBJ, PLY, OFF, STL, glTF, GLB or Medit file.
+    /// A mesh file (OBJ, PLY, OFF, STL, glTF, GLB or Medit) or sample:NAME.
     mesh: PathBuf,
     /// Print the report as JSON.
     #[arg(long)]
@@ -67,6 +67,9 @@ fn lines(report: &HealthReport) -> Vec<String> {
         row(name, count.to_string());
     }
     let [low, high] = [report.bounds_min, report.bounds_max];
+    for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        row(axis, format!("{:.6} to {:.6}", low[i], high[i]));
+    }
     let extent: Vec<String> = (0..3).map(|i| format!("{:.6}", high[i] - low[i])).collect();
     row("extent", format!("{} (diagonal {:.6})", extent.join(" × "), report.diagonal));
     row("area", format!("{:.6}", report.area));

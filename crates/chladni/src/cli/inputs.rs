@@ -55,7 +55,8 @@ fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<So
     })
 }
 
-/// The harmonics of a mesh, from the user's cache where they are there.
+/// As many harmonics of a mesh as asked for, or all there are where it has fewer vertices; from the
+/// user's cache where they are there.
 pub fn build_body(
     name: &str,
     mesh: &TriMesh,
@@ -63,6 +64,13 @@ pub fn build_body(
     terminal: &Terminal,
 ) -> Result<(Body, BuildReport), Failure> {
     let cache = basis_cache();
+    let vertices = chladni_mesh::weld(mesh).positions.len();
+    let all = vertices.max(1);
+    if harmonics > all {
+        terminal
+            .warn(format_args!("{name}: has {vertices} vertices; {all} harmonics instead of {harmonics}"));
+    }
+    let harmonics = harmonics.min(all);
     let (body, report) = terminal
         .watch("solving for harmonics", |task| {
             Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)

@@ -20,7 +20,7 @@ pub struct LayerOptions {
     /// A factor on μ from 0 to 1.
     #[arg(long, default_value_t = 1.0)]
     strength: f64,
-    /// Acts only within this ball, x,y,z,radius in the shape's own units; may be repeated.
+    /// Act only within this ball, x,y,z,radius in the shape's own units; may be repeated.
     #[arg(long, value_name = "X,Y,Z,RADIUS", allow_hyphen_values = true)]
     region: Vec<Sphere>,
     /// nχ: how many harmonics the region's soft edge has; fewer is softer.
@@ -29,7 +29,7 @@ pub struct LayerOptions {
     /// How the region's low-pass ends: gaussian, or sharp as in the paper.
     #[arg(long, default_value = "gaussian", value_parser = roll_off)]
     roll_off: RollOff,
-    /// Lets the smoothed region ring below 0 and above 1.
+    /// Let the smoothed region ring below 0 and above 1.
     #[arg(long)]
     no_clamp: bool,
     /// Which scales: flat, smooth, broad, mid, fine, or points frequency:gain,… and d:gain for all

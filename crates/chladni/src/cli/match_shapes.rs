@@ -15,15 +15,16 @@ use chladni_view::{ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, re
 use serde::Serialize;
 
 use super::npz::write_npz;
+use super::outputs::{check_file, check_picture};
 use super::{Failure, Terminal};
 use crate::source;
 
 /// Find the point of a template that belongs to each vertex of a shape, and say how good it is.
 #[derive(clap::Args)]
 pub struct MatchShapes {
-    /// The shape: an OBJ, PLY, OFF, STL, glTF, GLB or Medit file.
+    /// The shape: a mesh file or sample:NAME.
     shape: PathBuf,
-    /// The template mesh; not needed by ellipsoid, sphere and self.
+    /// The template: a mesh file or sample:NAME; none for ellipsoid, sphere and self.
     template: Option<PathBuf>,
     /// How: same (connectivity), icp, fit, map (through a sphere, led by landmarks), ellipsoid,
     /// sphere, self:scale=S, self:lowpass=K.
@@ -93,6 +94,7 @@ struct Printed<'a> {
 impl MatchShapes {
     /// Matches, writes what was asked for and prints the report.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        self.check()?;
         let shape = self.load(&self.shape, terminal)?;
         let start = Instant::now();
         let found = terminal.watch("matching", |task| self.find(&shape, terminal, task))?;
@@ -109,7 +111,17 @@ impl MatchShapes {
         if self.json {
             return terminal.json(&Printed { report: &found.report, seconds });
         }
-        lines(&found.report, seconds).into_iter().try_for_each(|line| terminal.result(line))
+        lines(&found.report, seconds).into_iter().try_for_each(|line| terminal.result(line))?;
+        [&self.output, &self.render].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
+    }
+
+    /// Before any work: is what was asked for possible, and can it be written?
+    fn check(&self) -> Result<(), Failure> {
+        if !matches!(self.method, How::Mesh(_)) && (self.template.is_some() || self.landmarks.is_some()) {
+            return Err(Failure::input("this method takes neither a template nor landmarks"));
+        }
+        self.output.as_deref().map_or(Ok(()), check_file)?;
+        self.render.as_deref().map_or(Ok(()), check_picture)
     }
 
     fn load(&self, path: &Path, terminal: &Terminal) -> Result<TriMesh, Failure> {

@@ -15,6 +15,7 @@ mod layer_options;
 mod match_shapes;
 mod npz;
 mod open;
+mod outputs;
 mod project;
 mod sculpture;
 mod spectrum;
@@ -36,27 +37,27 @@ struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
     /// Draw no progress bars.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = 900)]
     quiet: bool,
 }
 
 #[derive(Subcommand)]
 enum Command {
     Open(open::Open),
-    #[command(hide = true, name = crate::studio::CHOOSE_FILE)]
-    ChooseFile(choose_file::ChooseFile),
-    Basis(basis::Args),
-    Bench(bench::Bench),
-    Match(match_shapes::MatchShapes),
-    Info(info::Info),
     Demo(demo::Demo),
-    Beats(beats::Beats),
-    Spectrum(spectrum::Spectrum),
+    Info(info::Info),
     Caricature(Box<caricature::Caricature>),
-    Dance(Box<dance::Dance>),
-    Symmetry(symmetry::SymmetryCommand),
     #[command(subcommand)]
     Project(project::ProjectCommand),
+    Dance(Box<dance::Dance>),
+    Match(match_shapes::MatchShapes),
+    Basis(basis::Args),
+    Beats(beats::Beats),
+    Spectrum(spectrum::Spectrum),
+    Symmetry(symmetry::SymmetryCommand),
+    Bench(bench::Bench),
+    #[command(hide = true, name = crate::studio::CHOOSE_FILE)]
+    ChooseFile(choose_file::ChooseFile),
 }
 
 /// Runs the program with the process's own arguments.
@@ -99,14 +100,25 @@ where
 
 /// What is wrong with the arguments and what was perhaps meant, without the usage that follows.
 fn in_one_line(error: &clap::Error) -> String {
+    if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return "a subcommand is missing (--help lists what there is)".into();
+    }
     let text = error.to_string();
-    let said: Vec<&str> = text
+    let lines = text
         .lines()
         .map(str::trim)
         .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
-        .filter(|line| !line.is_empty())
-        .collect();
-    let said = said.join(" ");
+        .filter(|line| !line.is_empty());
+    let mut said = String::new();
+    for line in lines {
+        match said.chars().last() {
+            None => {}
+            Some(':') => said.push(' '),
+            Some(_) if line.starts_with("tip:") => said.push_str("; "),
+            Some(_) => said.push_str(", "),
+        }
+        said.push_str(line);
+    }
     format!("{} (--help lists what there is)", said.strip_prefix("error: ").unwrap_or(&said))
 }
 

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::inputs::open_mesh;
 use super::layer_options::LayerOptions;
+use super::outputs::check_file;
 use super::{Failure, Terminal};
 
 /// Make, change and read caricature projects.
@@ -25,11 +26,11 @@ pub enum ProjectCommand {
 pub struct New {
     /// The shape: a mesh file or sample:NAME.
     shape: String,
-    /// The project file; must end in .chladni.
+    /// The project file; must end in .chladni and not exist yet.
     #[arg(short, long, value_name = "P.chladni")]
     output: PathBuf,
     /// K, the number of harmonics.
-    #[arg(long, value_name = "K", default_value_t = DEFAULT_HARMONICS)]
+    #[arg(short = 'k', long, value_name = "K", default_value_t = DEFAULT_HARMONICS)]
     harmonics: usize,
 }
 
@@ -78,6 +79,11 @@ impl New {
                 self.output.display()
             )));
         }
+        if self.output.exists() {
+            // Hours of painting may be in it.
+            return Err(Failure::input(format_args!("{}: exists already", self.output.display())));
+        }
+        check_file(&self.output)?;
         if self.harmonics == 0 {
             return Err(Failure::input("the number of harmonics must be 1 or more"));
         }
@@ -85,7 +91,7 @@ impl New {
         open_mesh(&self.shape, terminal)?;
         let shape: ShapeSource = self.shape.parse().map_err(Failure::input)?;
         Project::new(shape, self.harmonics).save(&self.output).map_err(Failure::other)?;
-        terminal.result(format_args!("wrote {}", self.output.display()))
+        terminal.wrote(&self.output)
     }
 }
 

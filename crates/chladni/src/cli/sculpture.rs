@@ -40,6 +40,15 @@ impl Sculpture {
                 return Err(Failure::input(format_args!("layer {}: {why}", layer.name)));
             }
         }
+        for layer in &evaluation.layers {
+            if layer.mask.as_ref().is_some_and(|mask| mask.iter().all(|share| *share == 0.0)) {
+                terminal.warn(format_args!(
+                    "layer {}: its region holds no vertex, so it moves nothing; the shape reaches from {}",
+                    layer.name,
+                    reach(&mesh)
+                ));
+            }
+        }
         Ok(Self { mesh, stack, evaluation })
     }
 
@@ -150,19 +159,22 @@ pub fn format_of(path: &Path) -> Result<Format, Failure> {
     }
 }
 
-/// As many harmonics as asked for, or all there are where the shape has fewer vertices.
 fn harmonics(name: &str, mesh: &TriMesh, harmonics: usize, terminal: &Terminal) -> Result<Body, Failure> {
-    let vertices = chladni_mesh::weld(mesh).positions.len();
-    let all = vertices.max(1);
-    if harmonics > all {
-        terminal
-            .warn(format_args!("{name}: has {vertices} vertices; {all} harmonics instead of {harmonics}"));
-    }
-    let (body, _) = build_body(name, mesh, harmonics.min(all), terminal)?;
+    let (body, _) = build_body(name, mesh, harmonics, terminal)?;
     if !body.basis.certificate.inertia_counts_match {
         terminal.warn(format_args!("{name}: the harmonics are not certified complete"));
     }
     Ok(body)
+}
+
+/// From where to where a mesh goes, as one would write the centre of a region.
+fn reach(mesh: &TriMesh) -> String {
+    let extreme = |of: fn(f64, f64) -> f64| -> String {
+        let all = mesh.positions.iter().copied();
+        let corner = all.reduce(|a, b| std::array::from_fn(|i| of(a[i], b[i]))).unwrap_or_default();
+        corner.map(|c| format!("{c:.4}")).join(",")
+    };
+    format!("{} to {}", extreme(f64::min), extreme(f64::max))
 }
 
 fn matched(

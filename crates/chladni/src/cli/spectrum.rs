@@ -8,19 +8,20 @@ use clap::Args;
 
 use super::beats::sound_failure;
 use super::inputs::open_song;
+use super::outputs::check_picture;
 use super::{Failure, Terminal};
 
-/// Shows the middle and side spectra of a song over time.
+/// Show the middle and side spectra of a song over time.
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("form").required(true).args(["json", "render"])))]
 pub struct Spectrum {
-    /// WAV, AIFF, FLAC, MP3, Ogg Vorbis, Opus or M4A, or sample:tune.
+    /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF) or sample:tune.
     song: String,
     /// Print `rate_hz`, `bands_hz` and `frames` (`time_secs`, `mid`, `side`) as JSON.
     #[arg(long)]
     json: bool,
     /// Draw a spectrogram: the middle above, the side below, low notes at the bottom.
-    #[arg(long, value_name = "PNG")]
+    #[arg(long, value_name = "P.png")]
     render: Option<PathBuf>,
     /// Frames per second [default: 20 for numbers, as many as the picture is wide].
     #[arg(long)]
@@ -62,6 +63,7 @@ const PICTURE_COLUMNS: f64 = 1200.0;
 impl Spectrum {
     /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        self.render.as_deref().map_or(Ok(()), check_picture)?;
         let song = open_song(&self.song, self.start, self.duration, terminal)?;
         let settings = SpectrumSettings {
             bands: self.bands,
@@ -85,7 +87,7 @@ impl Spectrum {
             Some(path) => {
                 let picture = picture::spectrogram(&frames).map_err(Failure::other)?;
                 chladni_task::write_atomic(path, &picture).map_err(|error| Failure::writing(path, error))?;
-                terminal.result(path.display())
+                terminal.wrote(path)
             }
             None => print_json(terminal, &song, &analyser, &frames),
         }

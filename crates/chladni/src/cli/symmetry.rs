@@ -8,16 +8,17 @@ use chladni_view::{ColorMap, Gpu, Marker, PictureRequest, PictureShape, Scale, S
 use serde::Serialize;
 
 use super::inputs::{build_body, open_mesh};
+use super::outputs::check_picture;
 use super::{Failure, Terminal};
 use crate::symmetry_figure::figure_markers;
 
 /// Tell symmetric from antisymmetric harmonics.
 #[derive(clap::Args)]
 pub struct SymmetryCommand {
-    /// A mesh file, or sample:octopus, sample:head.
+    /// A mesh file or sample:NAME.
     mesh: String,
-    /// Harmonics K.
-    #[arg(short = 'k', long, default_value_t = 100)]
+    /// K, the number of harmonics.
+    #[arg(short = 'k', long, value_name = "K", default_value_t = 100)]
     harmonics: usize,
     /// Print classes and pairs as JSON.
     #[arg(long)]
@@ -50,6 +51,7 @@ struct Report {
 impl SymmetryCommand {
     /// Classifies and prints.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+        self.render.as_deref().map_or(Ok(()), check_picture)?;
         let mesh = open_mesh(&self.mesh, terminal)?;
         let (body, _) = build_body(&self.mesh, &mesh, self.harmonics, terminal)?;
         let symmetry =
@@ -80,7 +82,8 @@ impl SymmetryCommand {
                 100.0 * misfit
             )),
             _ => terminal.result("no mirror plane: classes by the vote of the extrema alone, which is rough"),
-        }
+        }?;
+        self.render.as_deref().map_or(Ok(()), |path| terminal.wrote(path))
     }
 }
 

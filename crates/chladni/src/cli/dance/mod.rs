@@ -23,6 +23,7 @@ use chladni_view::{
 use serde::Serialize;
 
 use super::inputs::open_song;
+use super::outputs::check_file;
 use super::{Failure, Terminal};
 use cast::Cast;
 use hearing::Hearing;
@@ -30,21 +31,22 @@ use show::{Look, Means, Show};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
+#[command(group(clap::ArgGroup::new("result").required(true).multiple(true).args(["output", "frames", "coefficients"])))]
 pub struct Dance {
-    /// A mesh file, or sample:octopus, sample:head; or a caricature (.chladni), whose layers become
+    /// A mesh file or sample:NAME; or a caricature (.chladni), whose layers become
     /// voices that the song drives: the bass, the beat, the side and the treble in turn, unless a
     /// session says otherwise.
     mesh: String,
-    /// A song (wav, flac, mp3, ogg, m4a, aiff …), or sample:tune.
+    /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF) or sample:tune.
     song: String,
     /// The film: .mp4 with sound (needs ffmpeg), .gif or .png (animated, silent).
-    #[arg(short, long, value_name = "FILM", required_unless_present_any = ["frames", "coefficients"])]
+    #[arg(short, long, value_name = "FILM")]
     output: Option<PathBuf>,
     /// Write PNG frames and sound.wav into this folder; needs no other program.
     #[arg(long, value_name = "DIR", conflicts_with = "output")]
     frames: Option<PathBuf>,
     /// Width and height in pixels.
-    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720")]
     size: Size,
     /// Frames per second: a number, or a fraction such as 30000/1001.
     #[arg(long, default_value = "30")]
@@ -75,20 +77,20 @@ pub struct Dance {
     /// How strongly it moves, 0 to 20.
     #[arg(long)]
     gain: Option<f32>,
-    /// Harmonics K.
-    #[arg(short = 'k', long, default_value_t = 256)]
+    /// K, the number of harmonics.
+    #[arg(short = 'k', long, value_name = "K", default_value_t = 256)]
     harmonics: usize,
     /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here.
     #[arg(long, value_name = "C.npz")]
     coefficients: Option<PathBuf>,
     /// Lights: studio, soft, dramatic, stage.
-    #[arg(long, default_value = "stage", value_parser = named(Lights::named))]
+    #[arg(long, default_value = "stage", value_parser = named(Lights::named, names(&Lights::PRESETS)))]
     lights: Lights,
     /// Material: clay, porcelain, bronze, pearl, dark.
-    #[arg(long, default_value = "pearl", value_parser = named(Material::named))]
+    #[arg(long, default_value = "pearl", value_parser = named(Material::named, names(&Material::PRESETS)))]
     material: Material,
     /// Background: paper, slate, night, white, transparent.
-    #[arg(long, default_value = "night", value_parser = named(Background::named))]
+    #[arg(long, default_value = "night", value_parser = named(Background::named, names(&Background::PRESETS)))]
     background: Background,
     /// Turn of the shape in degrees, to begin with.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
@@ -256,7 +258,7 @@ impl Dance {
             return terminal.json(report);
         }
         for path in [film, self.coefficients.as_deref()].into_iter().flatten() {
-            terminal.result(path.display())?;
+            terminal.wrote(path)?;
         }
         let s = &report.seconds;
         terminal.note(format_args!(
@@ -289,8 +291,9 @@ impl Dance {
                         .into(),
                 ));
             }
+            check_file(path)?;
         }
-        Ok(())
+        self.coefficients.as_deref().map_or(Ok(()), check_file)
     }
 
     /// The instrument as the film begins, and what will be done to it.
@@ -421,8 +424,13 @@ fn parse_form(text: &str) -> Result<Form, String> {
 
 fn named<T: Send + Sync + Clone + 'static>(
     find: fn(&str) -> Option<T>,
+    known: String,
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
-    move |name| find(name).ok_or_else(|| format!("there is no {name}"))
+    move |name| find(name).ok_or_else(|| format!("expected one of {known}"))
+}
+
+fn names<T>(presets: &[(&str, T)]) -> String {
+    presets.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
 }
 
 fn failure(error: chladni_music::Error) -> Failure {

@@ -22,7 +22,7 @@ pub struct BenchCaricature {
     #[arg(default_value = "sample:head")]
     shape: String,
     /// K, the number of harmonics.
-    #[arg(long, value_name = "K", default_value_t = 512)]
+    #[arg(short = 'k', long, value_name = "K", default_value_t = 512)]
     harmonics: usize,
     /// How often each thing is done; the median counts.
     #[arg(long, default_value_t = 15)]
