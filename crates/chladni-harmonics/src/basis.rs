@@ -20,6 +20,16 @@ impl Certificate {
     /// The largest orthogonality error of a sound mesh.
     pub const ORTHOGONALITY: f64 = 1e-8;
 
+    /// What can be said of both sets of pairs together, where they overlap nowhere.
+    pub(crate) fn and(&self, other: &Self) -> Self {
+        let larger = |a: f64, b: f64| if b.is_nan() { b } else { a.max(b) };
+        Self {
+            inertia_counts_match: self.inertia_counts_match && other.inertia_counts_match,
+            max_relative_residual: larger(self.max_relative_residual, other.max_relative_residual),
+            max_orthogonality_error: larger(self.max_orthogonality_error, other.max_orthogonality_error),
+        }
+    }
+
     /// Whether the pairs are as exact as those of a sound mesh. On meshes whose triangles differ
     /// in size by many orders of magnitude, rounding alone can forbid it.
     #[must_use]

@@ -57,8 +57,9 @@ pub struct BuildSeconds {
     pub total: f64,
 }
 
-/// Where the time of a solve went. `analyze`, `plan` and `assemble` are wall-clock seconds,
-/// the others seconds of one thread summed over all threads.
+/// Where the time of a solve went. `analyze`, `plan` and `assemble` are wall-clock seconds, of a
+/// shape of several components summed over them and what joins them; the others are seconds of
+/// one thread summed over all threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct SolveProfile {
     /// Elimination order and symbolic analysis (wall clock).
@@ -87,6 +88,9 @@ pub struct SolveProfile {
 
 impl SolveProfile {
     pub(crate) fn add(&mut self, other: &Self) {
+        self.analyze += other.analyze;
+        self.plan += other.plan;
+        self.assemble += other.assemble;
         self.factor += other.factor;
         self.solve += other.solve;
         self.orthogonalize += other.orthogonalize;

@@ -91,6 +91,25 @@ impl SymmetricSparse {
 }
 
 impl SymmetricSparse {
+    /// The largest diagonal value.
+    pub(crate) fn largest_diagonal(&self) -> f64 {
+        let diagonal = |j: usize| self.column(j).find(|(i, _)| *i == j).map_or(0.0, |(_, v)| v);
+        (0..self.size()).map(diagonal).fold(0.0, f64::max)
+    }
+
+    /// The rows and columns of `vertices`, which no entry joins to others; vertex v gets the
+    /// number `local[v]`.
+    pub(crate) fn block(&self, vertices: &[u32], local: &[u32]) -> Self {
+        let mut out = Self { column_starts: vec![0], ..Self::default() };
+        for &v in vertices {
+            let range = self.column_starts[v as usize]..self.column_starts[v as usize + 1];
+            out.rows.extend(self.rows[range.clone()].iter().map(|&i| local[i as usize]));
+            out.values.extend(&self.values[range]);
+            out.column_starts.push(out.rows.len());
+        }
+        out
+    }
+
     /// D P A Pᵀ D: row and column i are the old `old[i]`, each value times `scale` of its old
     /// row and column.
     pub(crate) fn permuted_and_scaled(&self, old: &[u32], scale: &[f64]) -> Self {

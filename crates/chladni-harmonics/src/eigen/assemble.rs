@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use super::fix_sign;
 use super::join::{Entry, Known};
-use super::problem::Problem;
+use super::problem::{Pencil, Problem, ZEROS};
 use super::slicing::{Found, not_certified};
 use super::tall::{BLOCK, Small, overlaps, residuals, subtract_products, upper_overlaps, write_columns};
 use crate::ldlt::Row;
-use crate::{Basis, Certificate, HarmonicsError, Operator, pages};
+use crate::{Basis, Certificate, HarmonicsError, pages};
 
 /// Limits that a basis must keep to be handed out.
 const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
@@ -32,13 +32,13 @@ struct Measured {
 /// The first `keep` pairs as a certified basis.
 pub(super) fn assemble(
     problem: &Problem,
-    operator: &Operator,
+    pencil: Pencil,
     mut slices: Vec<Found>,
     known: &Known,
     keep: usize,
     task: &Task,
 ) -> Result<Basis, HarmonicsError> {
-    let zeros = problem.components().min(keep);
+    let zeros = ZEROS.min(keep);
     let entries = &known.entries[..keep - zeros];
     let ranges: Vec<&[Entry]> = {
         let mut rest = entries;
@@ -58,7 +58,7 @@ pub(super) fn assemble(
         .zip(shared)
         .map(|((found, own), shared)| measure(problem, found, own, shared))
         .collect();
-    let certificate = certificate(problem, &measured);
+    let certificate = certificate(&measured);
     if certificate.max_relative_residual > MAX_RELATIVE_RESIDUAL
         || certificate.max_orthogonality_error > MAX_ORTHOGONALITY_ERROR
     {
@@ -68,12 +68,10 @@ pub(super) fn assemble(
         )));
     }
     task.check()?;
-    let n = operator.vertices();
+    let n = pencil.mass.len();
     let mut vectors: Vec<f64> = pages::zeroed(n * keep);
-    let (constants, mut rest) = vectors.split_at_mut(n * zeros);
-    for (c, h) in constants.chunks_exact_mut(n).enumerate() {
-        h.iter_mut().zip(problem.constant(operator, c)).for_each(|(h, value)| *h = value);
-    }
+    let (constant, mut rest) = vectors.split_at_mut(n * zeros);
+    constant.fill(problem.area.sqrt().recip());
     // Where each vertex's row is, and 1/√a.
     let mut places = vec![(0_u32, 0.0_f64); n];
     for (i, (&old, root)) in problem.symbolic.old.iter().zip(&problem.root_mass).enumerate() {
@@ -89,7 +87,7 @@ pub(super) fn assemble(
     jobs.into_par_iter().with_max_len(1).for_each(|(found, own, out)| write(&found, own, &places, out));
     let mut eigenvalues = vec![0.0; zeros];
     eigenvalues.extend(entries.iter().map(|e| e.value));
-    Ok(Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate })
+    Ok(Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate })
 }
 
 /// Writes one slice's pairs as columns of `out`.
@@ -202,9 +200,9 @@ fn measure(problem: &Problem, found: &Found, own: &[Entry], shared: f64) -> Opti
 }
 
 /// Inertia counts agree by construction of [`Known`]. Overlaps within a slice and with its
-/// neighbour are measured; further apart, and with the constants of λ = 0, they are bounded:
+/// neighbour are measured; further apart, and with the constant of λ = 0, they are bounded:
 /// |xᵀy| ≤ (‖r_x‖ + ‖r_y‖) / |λ_x − λ_y| for a symmetric A.
-fn certificate(problem: &Problem, measured: &[Option<Measured>]) -> Certificate {
+fn certificate(measured: &[Option<Measured>]) -> Certificate {
     let mut relative = 0.0_f64;
     let mut overlap = 0.0_f64;
     let present: Vec<(usize, &Measured)> =
@@ -217,7 +215,7 @@ fn certificate(problem: &Problem, measured: &[Option<Measured>]) -> Certificate 
                 overlap = overlap.max((m.absolute + l.absolute) / (m.low - l.high));
             }
         }
-        if *s > 0 && problem.components() > 0 {
+        if *s > 0 {
             overlap = overlap.max(m.absolute / m.low);
         }
     }

@@ -1,43 +1,39 @@
 //! All eigenpairs of a small operator at once.
 
-use chladni_task::Task;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Mat, Par};
 
-use super::slicing::CLUSTER;
-use super::{Solved, certify, fix_sign};
-use crate::{Basis, HarmonicsError, Operator, SolveProfile};
+use super::problem::Pencil;
+use super::{Solved, certify, cluster_end, fix_sign};
+use crate::{Basis, HarmonicsError, SolveProfile};
 
-/// Solves M^-½ S M^-½ as a dense matrix: every pair is there, so nothing can be missed.
+/// Solves M^-½ S M^-½ as a dense matrix, of which `zeros` eigenvalues are 0: every pair is there,
+/// so nothing can be missed.
 pub(super) fn solve(
-    operator: &Operator,
+    pencil: Pencil,
+    zeros: usize,
     harmonics: usize,
     whole_clusters: bool,
-    task: &Task,
 ) -> Result<Solved, HarmonicsError> {
-    let n = operator.vertices();
-    let stage = task.stage("harmonics", 1);
-    let symmetric = symmetrized(operator);
+    let n = pencil.mass.len();
+    let symmetric = symmetrized(pencil);
     let par = Par::rayon(rayon::current_num_threads());
-    let (values, coordinates) = symmetric_eigen(&symmetric, par)
+    let (mut eigenvalues, coordinates) = symmetric_eigen(&symmetric, par)
         .ok_or_else(|| HarmonicsError::NotCertified { reason: "the dense solver failed".into() })?;
-    let components = operator.components();
-    let exact = |k: usize| if k < components { 0.0 } else { values[k] };
-    let is_gap = |k: usize| k == n || exact(k) - exact(k - 1) > CLUSTER * exact(k);
-    let cluster_end = (harmonics..=n).find(|&k| is_gap(k)).unwrap_or(n);
+    eigenvalues[..zeros].fill(0.0);
+    let cluster_end = cluster_end(&eigenvalues, harmonics);
     let keep = if whole_clusters { cluster_end } else { harmonics };
-    let eigenvalues: Vec<f64> = (0..keep).map(exact).collect();
+    eigenvalues.truncate(keep);
     let mut vectors = vec![0.0; n * keep];
     for (k, h) in vectors.chunks_exact_mut(n).enumerate() {
         for v in 0..n {
-            h[v] = coordinates[(v, k)] / operator.mass[v].sqrt();
+            h[v] = coordinates[(v, k)] / pencil.mass[v].sqrt();
         }
         fix_sign(h);
     }
-    let certificate = certify(operator, &eigenvalues, &vectors, true);
-    stage.advance(1);
-    let basis = Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate };
+    let certificate = certify(pencil, zeros, &eigenvalues, &vectors, true);
+    let basis = Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate };
     Ok(Solved {
         basis,
         cuts_cluster: keep < cluster_end,
@@ -47,12 +43,12 @@ pub(super) fn solve(
 }
 
 /// M^-½ S M^-½.
-pub(super) fn symmetrized(operator: &Operator) -> Mat<f64> {
-    let n = operator.vertices();
-    let scale: Vec<f64> = operator.mass.iter().map(|a| a.sqrt().recip()).collect();
+pub(super) fn symmetrized(pencil: Pencil) -> Mat<f64> {
+    let n = pencil.mass.len();
+    let scale: Vec<f64> = pencil.mass.iter().map(|a| a.sqrt().recip()).collect();
     let mut matrix = Mat::<f64>::zeros(n, n);
     for j in 0..n {
-        for (i, value) in operator.stiffness.column(j) {
+        for (i, value) in pencil.stiffness.column(j) {
             matrix[(i, j)] = value * scale[i] * scale[j];
         }
     }
@@ -62,6 +58,11 @@ pub(super) fn symmetrized(operator: &Operator) -> Mat<f64> {
 /// All eigenvalues, ascending, and eigenvectors of a symmetric matrix (its lower triangle).
 pub(super) fn symmetric_eigen(matrix: &Mat<f64>, par: Par) -> Option<(Vec<f64>, Mat<f64>)> {
     let n = matrix.nrows();
+    // Faer 0.24 takes eigenvalues for equal by a measure in which 1 is the size of the matrix. A
+    // power of two rounds nothing.
+    let largest = (0..n).flat_map(|j| (j..n).map(move |i| matrix[(i, j)].abs())).fold(0.0, f64::max);
+    let unit = if largest.is_normal() { largest.log2().floor().exp2() } else { 1.0 };
+    let matrix = faer::Scale(unit.recip()) * matrix;
     let mut values = faer::diag::Diag::<f64>::zeros(n);
     let mut vectors = Mat::<f64>::zeros(n, n);
     let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Default::default());
@@ -69,5 +70,5 @@ pub(super) fn symmetric_eigen(matrix: &Mat<f64>, par: Par) -> Option<(Vec<f64>, 
     let stack = MemStack::new(&mut buffer);
     let (s, u) = (values.as_mut(), Some(vectors.as_mut()));
     self_adjoint_evd(matrix.as_ref(), s, u, par, stack, Default::default()).ok()?;
-    Some((values.column_vector().iter().copied().collect(), vectors))
+    Some((values.column_vector().iter().map(|value| value * unit).collect(), vectors))
 }

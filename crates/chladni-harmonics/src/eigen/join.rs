@@ -1,7 +1,8 @@
 //! One ascending list of pairs out of many slices, each place in it proven by inertia.
 
-use super::problem::Problem;
-use super::slicing::{CLUSTER, Found};
+use super::CLUSTER;
+use super::problem::ZEROS;
+use super::slicing::Found;
 
 /// A pair of one slice.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +13,7 @@ pub(super) struct Entry {
     pub column: usize,
 }
 
-/// The pairs number `components` … `cluster_end` − 1 of the whole problem.
+/// The pairs number 1 … `cluster_end` − 1 of the whole problem.
 #[derive(Debug)]
 pub(super) struct Known {
     pub entries: Vec<Entry>,
@@ -35,17 +36,11 @@ pub(super) enum Join {
 impl Join {
     /// Joins `slices`; `top` is a λ above all that is wanted and the number of eigenvalues
     /// below it, once it is known.
-    pub(super) fn of(
-        problem: &Problem,
-        slices: &[Found],
-        harmonics: usize,
-        top: Option<(f64, usize)>,
-    ) -> Self {
-        let zeros = problem.components();
+    pub(super) fn of(slices: &[Found], harmonics: usize, top: Option<(f64, usize)>) -> Self {
         let sides: Vec<(Vec<Entry>, Vec<Entry>)> =
             slices.iter().enumerate().map(|(s, found)| found.sides(s)).collect();
         let (Some(first), Some(last)) = (sides.first(), sides.last()) else { return Self::NeedsMore };
-        if zeros + first.0.len() != slices[0].below_shift {
+        if ZEROS + first.0.len() != slices[0].below_shift {
             return Self::Missing(0, 0);
         }
         let mut entries = first.0.clone();
@@ -62,8 +57,8 @@ impl Join {
             }
         }
         entries.extend(&last.1);
-        let value = |index: usize| index.checked_sub(zeros).map_or(0.0, |i| entries[i].value);
-        let known = zeros + entries.len();
+        let value = |index: usize| index.checked_sub(ZEROS).map_or(0.0, |i| entries[i].value);
+        let known = ZEROS + entries.len();
         let Some(cluster_end) = (harmonics..known).find(|&e| value(e) - value(e - 1) > CLUSTER * value(e))
         else {
             return Self::NeedsMore;
@@ -74,7 +69,7 @@ impl Join {
                 if count != cluster_end {
                     return Self::Missing(slices.len() - 1, slices.len() - 1);
                 }
-                entries.truncate(cluster_end - zeros);
+                entries.truncate(cluster_end - ZEROS);
                 Self::Whole(Known { entries, cluster_end })
             }
             _ => Self::NeedsCount(0.5 * (below + above)),

@@ -2,6 +2,7 @@
 
 mod assemble;
 mod certify;
+mod components;
 mod dense;
 mod join;
 mod krylov;
@@ -12,7 +13,11 @@ mod problem;
 mod slicing;
 mod tall;
 
-use chladni_task::Task;
+use std::time::Instant;
+
+use chladni_task::{Stage, Task};
+
+use problem::{Pencil, Problem, ZEROS};
 
 use crate::{Basis, Certificate, HarmonicsError, Operator, SolveProfile};
 
@@ -20,6 +25,8 @@ use crate::{Basis, Certificate, HarmonicsError, Operator, SolveProfile};
 const DENSE: usize = 300;
 /// Up to this many a dense solve is the way where a large share of all pairs is asked for.
 const DENSE_SHARE: usize = 4000;
+/// Two eigenvalues that agree to this share count as one that is multiple.
+const CLUSTER: f64 = 1e-7;
 
 /// Eigenpairs and what must be said about them.
 pub(crate) struct Solved {
@@ -42,35 +49,93 @@ pub(crate) fn solve(
         return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices: n });
     }
     task.check()?;
-    if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
-        dense::solve(operator, harmonics, whole_clusters, task)
+    let pencil = Pencil::of(operator);
+    let solved = if operator.components() > 1 {
+        components::solve(operator, harmonics, whole_clusters, task)
     } else {
-        match slicing::solve(operator, harmonics, whole_clusters, task) {
-            // Spectra of a few eigenvalues of huge multiplicity leave Krylov spaces without
-            // directions; the last mend, where it is affordable, is to solve for everything.
-            Err(HarmonicsError::NotCertified { .. }) if n <= DENSE_SHARE => {
-                let solved = dense::solve(operator, harmonics, whole_clusters, task)?;
-                Ok(Solved { fell_back_to_dense: true, ..solved })
-            }
-            solved => solved,
+        let stage = task.stage("harmonics", harmonics as u64);
+        solve_connected(pencil, None, harmonics, whole_clusters, &stage, task)
+    };
+    or_dense(solved, pencil, operator.components(), harmonics, whole_clusters)
+}
+
+/// The last mend where slices could not be certified and it is affordable: to solve for everything.
+fn or_dense(
+    solved: Result<Solved, HarmonicsError>,
+    pencil: Pencil,
+    zeros: usize,
+    harmonics: usize,
+    whole_clusters: bool,
+) -> Result<Solved, HarmonicsError> {
+    match solved {
+        Err(HarmonicsError::NotCertified { .. }) if pencil.mass.len() <= DENSE_SHARE => {
+            let solved = dense::solve(pencil, zeros, harmonics, whole_clusters)?;
+            Ok(Solved { fell_back_to_dense: true, ..solved })
         }
+        solved => solved,
     }
 }
 
-/// Measures pairs against the operator.
-fn certify(operator: &Operator, eigenvalues: &[f64], vectors: &[f64], inertia: bool) -> Certificate {
+/// Solves for the first `harmonics` pairs of a connected surface; `problem` is made if need be.
+/// The stage counts pairs.
+fn solve_connected(
+    pencil: Pencil,
+    problem: Option<Problem>,
+    harmonics: usize,
+    whole_clusters: bool,
+    stage: &Stage,
+    task: &Task,
+) -> Result<Solved, HarmonicsError> {
+    let n = pencil.mass.len();
+    task.check()?;
+    if harmonics == 1 {
+        stage.advance(1);
+        return Ok(constant(pencil));
+    }
+    if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
+        let solved = dense::solve(pencil, ZEROS, harmonics, whole_clusters)?;
+        // Where slivers make the largest eigenvalues huge, slices know the lowest better.
+        if n > DENSE || harmonics * 2 > n || solved.basis.certificate.is_precise() {
+            stage.advance(harmonics as u64);
+            return Ok(solved);
+        }
+    }
+    let start = Instant::now();
+    let problem = problem.unwrap_or_else(|| Problem::of(pencil));
+    let analyze = start.elapsed().as_secs_f64();
+    let mut solved = slicing::solve(&problem, pencil, harmonics, whole_clusters, stage, task)?;
+    solved.profile.analyze = analyze;
+    Ok(solved)
+}
+
+/// λ = 0 of a connected surface: h = 1 / √area.
+fn constant(pencil: Pencil) -> Solved {
+    let vectors = vec![pencil.mass.iter().sum::<f64>().sqrt().recip(); pencil.mass.len()];
+    let certificate = certify(pencil, ZEROS, &[0.0], &vectors, true);
+    let basis = Basis { eigenvalues: vec![0.0], vectors, mass: pencil.mass.to_vec(), certificate };
+    Solved { basis, cuts_cluster: false, fell_back_to_dense: false, profile: SolveProfile::default() }
+}
+
+/// The first place at or after K where neighbouring ones of all of `values` differ, or their end.
+fn cluster_end(values: &[f64], harmonics: usize) -> usize {
+    let is_gap = |k: &usize| values[*k] - values[*k - 1] > CLUSTER * values[*k];
+    (harmonics..values.len()).find(is_gap).unwrap_or(values.len())
+}
+
+/// Measures pairs of `pencil`, of which the first `zeros` have λ = 0.
+fn certify(pencil: Pencil, zeros: usize, eigenvalues: &[f64], vectors: &[f64], inertia: bool) -> Certificate {
     use faer::MatRef;
-    let (n, k) = (operator.vertices(), eigenvalues.len());
+    let (n, k) = (pencil.mass.len(), eigenvalues.len());
     let mut residual = 0.0_f64;
-    for (j, &lambda) in eigenvalues.iter().enumerate().skip(operator.components()) {
+    for (j, &lambda) in eigenvalues.iter().enumerate().skip(zeros) {
         let h = &vectors[j * n..(j + 1) * n];
-        let s = operator.stiffness.times(h);
+        let s = pencil.stiffness.times(h);
         let norm = s.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let error: f64 = (0..n).map(|v| (s[v] - lambda * operator.mass[v] * h[v]).powi(2)).sum();
+        let error: f64 = (0..n).map(|v| (s[v] - lambda * pencil.mass[v] * h[v]).powi(2)).sum();
         residual = residual.max(error.sqrt() / norm);
     }
     let h = MatRef::from_column_major_slice(vectors, n, k);
-    let weighted = faer::Mat::from_fn(n, k, |v, j| operator.mass[v] * h[(v, j)]);
+    let weighted = faer::Mat::from_fn(n, k, |v, j| pencil.mass[v] * h[(v, j)]);
     let gram = h.transpose() * &weighted;
     let mut orthogonality = 0.0_f64;
     for j in 0..k {

@@ -4,7 +4,7 @@ use chladni_task::Task;
 use rayon::prelude::*;
 
 use super::lanczos::Stopped;
-use super::problem::{Problem, Profile};
+use super::problem::{Problem, Profile, ZEROS};
 use crate::ldlt::{Factor, Workspace};
 
 /// Eigenpairs per slice that are aimed at.
@@ -38,13 +38,12 @@ pub(super) fn plan(
     profile: &mut Profile,
     task: &Task,
 ) -> Result<Vec<(Slice, Option<Factor>)>, Stopped> {
-    let zeros = problem.components();
     // Two more than asked for, so that the top slice has pairs on both sides of λ_K.
-    let wanted = (harmonics.max(zeros) + 2) as f64;
-    let slices = (harmonics.saturating_sub(zeros).div_ceil(PER_SLICE)).max(1);
+    let wanted = (harmonics.max(ZEROS) + 2) as f64;
+    let slices = (harmonics.saturating_sub(ZEROS).div_ceil(PER_SLICE)).max(1);
     let slices = if slices > 2 { slices.next_multiple_of(4) } else { slices };
-    let step = (wanted - zeros as f64) / slices as f64;
-    let mut counting = Counting(vec![(0.0, zeros as f64)]);
+    let step = (wanted - ZEROS as f64) / slices as f64;
+    let mut counting = Counting(vec![(0.0, ZEROS as f64)]);
     if slices <= KEPT {
         // Weyl's law is often so close that slices can start where it says.
         let shifts: Vec<f64> = (0..slices).map(|i| weyl(problem, step * (i as f64 + 0.5))).collect();
@@ -55,11 +54,11 @@ pub(super) fn plan(
     }
     count(problem, &mut counting, wanted, profile, task)?;
     let at = |count: f64| counting.inverse(count);
-    let bound = |i: usize| at(zeros as f64 + step * i as f64);
+    let bound = |i: usize| at(ZEROS as f64 + step * i as f64);
     Ok((0..slices)
         .map(|i| {
             let (low, high) = (if i == 0 { 0.0 } else { bound(i) }, bound(i + 1));
-            let shift = at(zeros as f64 + step * (i as f64 + 0.5));
+            let shift = at(ZEROS as f64 + step * (i as f64 + 0.5));
             (Slice { shift, low, high, expected: step.ceil() as usize, top: i + 1 == slices }, None)
         })
         .collect())

@@ -2,21 +2,19 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use chladni_task::Task;
+use chladni_task::{Stage, Task};
 use rayon::prelude::*;
 
 use super::join::{Join, Known};
 use super::lanczos::{self, Pairs, Reach, Stopped, Window, factor_near};
 use super::plan::{Slice, inertia, plan};
 use super::polish::polish;
-use super::problem::{Problem, Profile};
+use super::problem::{Pencil, Problem, Profile, ZEROS};
 use super::tall::{BLOCK, residuals};
 use super::{Solved, assemble};
 use crate::ldlt::{Factor, Workspace};
-use crate::{Certificate, HarmonicsError, Operator};
+use crate::{Certificate, HarmonicsError};
 
-/// Two eigenvalues that agree to this share count as one that is multiple.
-pub(super) const CLUSTER: f64 = 1e-7;
 /// Runs beyond the first that a slice gets before the solve is given up.
 const REPAIRS: usize = 100;
 
@@ -36,40 +34,38 @@ pub(super) struct Found {
     next_seed: u64,
 }
 
-/// Solves for the first `harmonics` pairs.
+/// Solves for the first `harmonics` pairs of `problem`, which is of `pencil`.
 pub(super) fn solve(
-    operator: &Operator,
+    problem: &Problem,
+    pencil: Pencil,
     harmonics: usize,
     whole_clusters: bool,
+    stage: &Stage,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     let mut profile = Profile::default();
-    task.stage("ordering", 0);
     let start = std::time::Instant::now();
-    let problem = Problem::of(operator);
-    profile.analyze = start.elapsed().as_secs_f64();
-    let start = std::time::Instant::now();
-    let slices = plan(&problem, harmonics, &mut profile, task).map_err(told)?;
+    let slices = plan(problem, harmonics, &mut profile, task).map_err(told)?;
     profile.plan = start.elapsed().as_secs_f64();
-    let stage = task.stage("harmonics", slices.len() as u64 + 1);
+    // Of the stage, so much for each slice and the rest for assembling.
+    let (share, count) = (harmonics / (slices.len() + 1), slices.len());
     // The lowest slice has the most to do, as a rule, and the top one comes next.
     let mut queue: Vec<_> = slices.into_iter().enumerate().collect();
     queue[1..].reverse();
     type Finished = Result<(Found, Profile), Stopped>;
     let found: Mutex<Vec<(usize, Finished)>> = Mutex::default();
     let store = |place: usize, finished: Finished| {
-        stage.advance(1);
+        stage.advance(share as u64);
         found.lock().unwrap_or_else(PoisonError::into_inner).push((place, finished));
     };
-    let (problem_ref, store) = (&problem, &store);
+    let store = &store;
     rayon::scope(|scope| {
         queue.into_iter().par_bridge().for_each(|(place, (slice, factor))| {
             let mut profile = Profile::default();
-            let begun = Found::begin(problem_ref, slice, factor, harmonics, &mut profile, task);
+            let begun = Found::begin(problem, slice, factor, harmonics, &mut profile, task);
             let finish = move || {
-                let found = begun.and_then(|(found, tried)| {
-                    found.finish(problem_ref, tried, harmonics, &mut profile, task)
-                });
+                let found = begun
+                    .and_then(|(found, tried)| found.finish(problem, tried, harmonics, &mut profile, task));
                 store(place, found.map(|found| (found, profile)));
             };
             // Polishing is left to the first thread that finds no slice to begin.
@@ -84,18 +80,18 @@ pub(super) fn solve(
         profile.add(&part);
         slices.push(found);
     }
-    let known = mend(&problem, &mut slices, harmonics, &mut profile, task)?;
+    let known = mend(problem, &mut slices, harmonics, &mut profile, task)?;
     problem.free_spare_blocks();
     let keep = if whole_clusters { known.cluster_end } else { harmonics };
     let cuts_cluster = keep < known.cluster_end;
     let start = std::time::Instant::now();
-    let basis = assemble::assemble(&problem, operator, slices, &known, keep, task)?;
+    let basis = assemble::assemble(problem, pencil, slices, &known, keep, task)?;
     profile.assemble = start.elapsed().as_secs_f64();
-    stage.advance(1);
+    stage.advance((harmonics - share * count) as u64);
     Ok(Solved { basis, cuts_cluster, fell_back_to_dense: false, profile })
 }
 
-fn told(stopped: Stopped) -> HarmonicsError {
+pub(super) fn told(stopped: Stopped) -> HarmonicsError {
     match stopped {
         Stopped::Cancelled => HarmonicsError::Cancelled(chladni_task::Cancelled),
         Stopped::BadShift => not_certified("no shift near the planned one could be factored"),
@@ -198,7 +194,7 @@ impl Found {
         }
         self.slice.shift = shift;
         self.below_shift = factor.below_shift;
-        let window = self.window(problem, count);
+        let window = self.window(count);
         let locked: Vec<&Pairs> = self.runs.iter().collect();
         self.next_seed = self.next_seed.wrapping_add(1);
         let (seed, careful) = (self.next_seed, attempt > 1 || !locked.is_empty());
@@ -233,7 +229,7 @@ impl Found {
         false
     }
 
-    fn window(&self, problem: &Problem, count: usize) -> Window {
+    fn window(&self, count: usize) -> Window {
         let slice = &self.slice;
         let known = |below: bool| {
             let values = self.runs.iter().flat_map(|r| &r.values);
@@ -242,7 +238,7 @@ impl Found {
         let from_zero = slice.low == 0.0;
         Window {
             below: if from_zero {
-                Reach::Count((self.below_shift).saturating_sub(problem.components() + known(true)))
+                Reach::Count((self.below_shift).saturating_sub(ZEROS + known(true)))
             } else {
                 Reach::Beyond(slice.low)
             },
@@ -284,7 +280,7 @@ fn mend(
     let mut top_count = slices.last().and_then(|top| top.top_count);
     for repair in 0..REPAIRS {
         task.check()?;
-        match Join::of(problem, slices, harmonics, top_count) {
+        match Join::of(slices, harmonics, top_count) {
             Join::Whole(known) => return Ok(known),
             Join::NeedsCount(at) => {
                 top_count = Some(inertia(problem, at, profile).map_err(told)?);

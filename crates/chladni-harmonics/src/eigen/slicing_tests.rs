@@ -29,7 +29,7 @@ fn torus(around: u32, across: u32) -> TriMesh {
 
 fn solved(operator: &Operator, harmonics: usize) -> (Problem, Vec<Found>) {
     let (task, mut profile) = (Task::new(), Profile::default());
-    let problem = Problem::of(operator);
+    let problem = Problem::of(Pencil::of(operator));
     let slices = plan(&problem, harmonics, &mut profile, &task).unwrap();
     let found = slices
         .into_iter()
@@ -54,7 +54,7 @@ fn a_pair_that_is_missing_or_doubled_in_a_slice_is_noticed_and_mended() {
         let (problem, mut found) = solved(&operator, harmonics);
         let (task, mut profile) = (Task::new(), Profile::default());
         plant(&mut found);
-        assert_eq!(mends, matches!(Join::of(&problem, &found, harmonics, None), Join::Missing(..)));
+        assert_eq!(mends, matches!(Join::of(&found, harmonics, None), Join::Missing(..)));
         let known = mend(&problem, &mut found, harmonics, &mut profile, &task).unwrap();
         for (value, exact) in values(&known).iter().zip(&exact[1..]) {
             assert!((value - exact).abs() < 1e-9 * exact, "{value} for {exact}");
@@ -93,7 +93,7 @@ fn a_doubled_pair_is_never_certified() {
     let pairs = &mut found[0].runs[0];
     let twice = pairs.values[3];
     pairs.values.insert(3, twice);
-    assert!(matches!(Join::of(&problem, &found, 100, None), Join::Missing(..)));
+    assert!(matches!(Join::of(&found, 100, None), Join::Missing(..)));
     let mended = mend(&problem, &mut found, 100, &mut Profile::default(), &Task::new());
     assert!(mended.is_err());
 }

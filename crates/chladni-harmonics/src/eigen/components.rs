@@ -1,0 +1,277 @@
+//! Shapes of several connected components: S is block-diagonal, and each block a problem of its own.
+
+use rayon::prelude::*;
+
+use chladni_task::Task;
+
+use super::plan::inertia;
+use super::problem::{Pencil, Problem, Profile, ZEROS};
+use super::slicing::{not_certified, told};
+use super::{Solved, cluster_end, or_dense, solve_connected};
+use crate::{Basis, Certificate, HarmonicsError, Operator, SymmetricSparse, pages};
+
+/// Share of the common shift beneath it in which no component has an eigenvalue.
+const GAP: f64 = 1e-6;
+/// Where the bracket of the common shift is as narrow as this, its upper end is taken.
+const NARROW: f64 = 1e-3;
+/// Rounds of counting in search of it.
+const ROUNDS: usize = 100;
+/// Counts resolve eigenvalues down to this share of ‖A‖.
+const RESOLVED: f64 = 1e-13;
+
+/// One connected component of a shape.
+struct Component {
+    /// Its vertices in the whole, ascending.
+    vertices: Vec<u32>,
+    stiffness: SymmetricSparse,
+    mass: Vec<f64>,
+    problem: Problem,
+}
+
+/// All of them.
+pub(super) struct Components(Vec<Component>);
+
+/// A shift below which every component knows how many eigenvalues it has.
+struct Shift {
+    sigma: f64,
+    counts: Vec<usize>,
+}
+
+/// Solves for the first `harmonics` pairs of a shape of several components: the pairs below one
+/// shift in each, and those of all merged.
+pub(super) fn solve(
+    operator: &Operator,
+    harmonics: usize,
+    whole_clusters: bool,
+    task: &Task,
+) -> Result<Solved, HarmonicsError> {
+    task.stage("harmonics", 0);
+    let mut profile = Profile::default();
+    let start = std::time::Instant::now();
+    let components = Components::of(operator);
+    profile.analyze = start.elapsed().as_secs_f64();
+    let start = std::time::Instant::now();
+    let shift = components.common_shift(harmonics, &mut profile, task)?;
+    profile.plan = start.elapsed().as_secs_f64();
+    let stage = task.stage("harmonics", shift.counts.iter().sum::<usize>() as u64);
+    // The largest first, so that the last to finish is a small one.
+    let mut queue: Vec<(usize, Component)> = components.0.into_iter().enumerate().collect();
+    queue.sort_by_key(|(c, component)| std::cmp::Reverse(component.mass.len() * shift.counts[*c]));
+    let mut parts = queue
+        .into_iter()
+        .par_bridge()
+        .map(|(c, component)| {
+            let Component { vertices, stiffness, mass, problem } = component;
+            let pencil = Pencil { stiffness: &stiffness, mass: &mass };
+            let count = shift.counts[c];
+            let solved = solve_connected(pencil, Some(problem), count, false, &stage, task);
+            let solved = or_dense(solved, pencil, ZEROS, count, false)?;
+            if solved.basis.eigenvalues.last().is_some_and(|last| *last > shift.sigma) {
+                return Err(not_certified(
+                    "a component has fewer eigenvalues below a shift than were counted",
+                ));
+            }
+            Ok((c, vertices, solved))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    parts.sort_by_key(|(c, ..)| *c);
+    let start = std::time::Instant::now();
+    let parts = parts.into_iter().map(|(_, vertices, solved)| (vertices, solved)).collect();
+    let mut merged = merge(operator, parts, harmonics, whole_clusters);
+    merged.profile.add(&profile);
+    merged.profile.assemble += start.elapsed().as_secs_f64();
+    Ok(merged)
+}
+
+impl Components {
+    pub(super) fn of(operator: &Operator) -> Self {
+        let mut vertices: Vec<Vec<u32>> = vec![Vec::new(); operator.components()];
+        // The number of each vertex in its component.
+        let mut local = vec![0; operator.vertices()];
+        for (v, &c) in operator.component.iter().enumerate() {
+            local[v] = vertices[c as usize].len() as u32;
+            vertices[c as usize].push(v as u32);
+        }
+        let component = |vertices: Vec<u32>| {
+            let stiffness = operator.stiffness.block(&vertices, &local);
+            let mass: Vec<f64> = vertices.iter().map(|&v| operator.mass[v as usize]).collect();
+            let problem = Problem::of(Pencil { stiffness: &stiffness, mass: &mass });
+            Component { vertices, stiffness, mass, problem }
+        };
+        Self(vertices.into_par_iter().map(component).collect())
+    }
+
+    /// The number of eigenvalues below `lambda` in each component.
+    fn counts(&self, lambda: f64, profile: &mut Profile) -> Result<Vec<usize>, HarmonicsError> {
+        let counted: Vec<_> = self
+            .0
+            .par_iter()
+            .map(|component| {
+                let mut profile = Profile::default();
+                component.count(lambda, &mut profile).map(|count| (count, profile))
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(counted
+            .into_iter()
+            .map(|(count, part)| {
+                profile.add(&part);
+                count
+            })
+            .collect())
+    }
+
+    /// The number of eigenvalues below `lambda`, or a little beside it where it is an eigenvalue.
+    pub(super) fn count(&self, lambda: f64) -> Result<usize, HarmonicsError> {
+        Ok(self.counts(lambda, &mut Profile::default())?.iter().sum())
+    }
+
+    /// A shift with at least `wanted` eigenvalues below it, few more unless a multiple one
+    /// forbids it, and none just beneath it: whatever cluster the K-th belongs to ends below it.
+    fn common_shift(
+        &self,
+        wanted: usize,
+        profile: &mut Profile,
+        task: &Task,
+    ) -> Result<Shift, HarmonicsError> {
+        let zeros = self.0.len();
+        if wanted <= zeros {
+            return Ok(Shift { sigma: 0.0, counts: vec![1; zeros] });
+        }
+        let slack = 2 + wanted / 32;
+        let target = (wanted + slack / 2) as f64;
+        let mut bracket = Bracket::of(&self.0);
+        // Weyl's law.
+        let area: f64 = self.0.iter().map(|c| c.problem.area).sum();
+        let mut sigma = (4.0 * std::f64::consts::PI * (target - zeros as f64) / area).min(bracket.bound);
+        for _ in 0..ROUNDS {
+            task.check()?;
+            let mut profile_beneath = Profile::default();
+            let (beneath, counts) = rayon::join(
+                || self.counts(sigma * (1.0 - GAP), &mut profile_beneath),
+                || self.counts(sigma, profile),
+            );
+            profile.add(&profile_beneath);
+            let (beneath, counts) = (beneath?, counts?);
+            let found: usize = counts.iter().sum();
+            let fits = found >= wanted && (found <= wanted + slack || bracket.is_narrow());
+            if fits && beneath == counts {
+                return Ok(Shift { sigma, counts });
+            }
+            sigma = if fits {
+                sigma * (1.0 + 3.0 * GAP)
+            } else {
+                bracket.narrow(sigma, found as f64, wanted as f64);
+                bracket.guess(target)
+            };
+        }
+        Err(not_certified("no shift was found that just the lowest eigenvalues lie below"))
+    }
+}
+
+/// Two λ and N(λ) there, between which a count is reached.
+struct Bracket {
+    low: (f64, f64),
+    /// Not known before a count was large enough.
+    high: Option<(f64, f64)>,
+    /// No eigenvalue is above this.
+    bound: f64,
+    /// Whether it came to at most half its width when it was narrowed last.
+    halved: bool,
+    /// How boldly to go beyond `low` while there is no `high`.
+    reach: f64,
+}
+
+impl Bracket {
+    fn of(components: &[Component]) -> Self {
+        // Gershgorin on M⁻¹ S: no eigenvalue is above twice the largest S_vv / a_v.
+        let bound = 2.02 * components.iter().map(|c| c.problem.largest).fold(0.0, f64::max);
+        Self { low: (0.0, components.len() as f64), high: None, bound, halved: true, reach: 1.0 }
+    }
+
+    fn is_narrow(&self) -> bool {
+        self.high.is_some_and(|high| high.0 - self.low.0 <= NARROW * high.0)
+    }
+
+    fn narrow(&mut self, lambda: f64, count: f64, wanted: f64) {
+        let width = |bracket: &Self| bracket.high.map_or(f64::INFINITY, |high| high.0 - bracket.low.0);
+        let before = width(self);
+        if count < wanted {
+            self.low = (lambda, count);
+        } else {
+            self.high = Some((lambda, count));
+        }
+        self.halved = width(self) <= 0.5 * before;
+    }
+
+    /// Where N might be `target`.
+    fn guess(&mut self, target: f64) -> f64 {
+        let low = self.low;
+        match self.high {
+            Some(high) if self.is_narrow() => high.0,
+            Some(high) if self.halved => {
+                low.0 + (high.0 - low.0) * ((target - low.1) / (high.1 - low.1)).min(1.0)
+            }
+            Some(high) => 0.5 * (low.0 + high.0),
+            None => {
+                // In proportion to what is missing, and further each time.
+                let ahead = self.reach * (target / low.1 - 1.0).clamp(0.02, 3.0);
+                self.reach *= 2.0;
+                (low.0 * (1.0 + ahead)).min(self.bound)
+            }
+        }
+    }
+}
+
+impl Component {
+    fn count(&self, lambda: f64, profile: &mut Profile) -> Result<usize, HarmonicsError> {
+        // That a speck of a component has nothing but its λ = 0 below is seen higher up as well.
+        let resolved = RESOLVED * self.problem.largest;
+        if lambda < resolved && inertia(&self.problem, resolved, profile).map_err(told)?.1 == 1 {
+            return Ok(1);
+        }
+        Ok(inertia(&self.problem, lambda, profile).map_err(told)?.1)
+    }
+}
+
+/// The lowest pairs of all components as pairs of the whole, zero outside their component.
+fn merge(
+    operator: &Operator,
+    parts: Vec<(Vec<u32>, Solved)>,
+    harmonics: usize,
+    whole_clusters: bool,
+) -> Solved {
+    let n = operator.vertices();
+    // (λ, component, number in it); the sort is stable, so that equal values keep their order.
+    let mut entries: Vec<(f64, usize, usize)> = Vec::new();
+    for (c, (_, solved)) in parts.iter().enumerate() {
+        entries.extend(solved.basis.eigenvalues.iter().enumerate().map(|(k, value)| (*value, c, k)));
+    }
+    entries.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut eigenvalues: Vec<f64> = entries.iter().map(|e| e.0).collect();
+    let cluster_end = cluster_end(&eigenvalues, harmonics);
+    let keep = if whole_clusters { cluster_end } else { harmonics };
+    eigenvalues.truncate(keep);
+    let mut vectors: Vec<f64> = pages::zeroed(n * keep);
+    let mut columns: Vec<Vec<&mut [f64]>> = parts.iter().map(|_| Vec::new()).collect();
+    // In each component the pairs are ascending: its columns come in their order.
+    for (column, &(_, c, _)) in vectors.chunks_exact_mut(n).zip(&entries) {
+        columns[c].push(column);
+    }
+    let mut certificate =
+        Certificate { inertia_counts_match: true, max_relative_residual: 0.0, max_orthogonality_error: 0.0 };
+    let mut profile = Profile::default();
+    let mut fell_back_to_dense = false;
+    for (_, solved) in &parts {
+        certificate = certificate.and(&solved.basis.certificate);
+        profile.add(&solved.profile);
+        fell_back_to_dense |= solved.fell_back_to_dense;
+    }
+    // Each component is given up as soon as it is written: the vectors are in memory once.
+    parts.into_par_iter().zip(columns).with_max_len(1).for_each(|((vertices, solved), columns)| {
+        for (column, h) in columns.into_iter().zip(solved.basis.vectors.chunks_exact(vertices.len())) {
+            vertices.iter().zip(h).for_each(|(&v, h)| column[v as usize] = *h);
+        }
+    });
+    let basis = Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate };
+    Solved { basis, cuts_cluster: keep < cluster_end, fell_back_to_dense, profile }
+}
