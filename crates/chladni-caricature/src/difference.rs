@@ -143,11 +143,13 @@ impl Target {
         Self { points, spectrum: OnceLock::new(), source: Source::Scaled(base, factor) }
     }
 
-    /// The base itself without its harmonics from `cutoff` on and without its residual.
+    /// The base itself without its harmonics from `cutoff` on and without its residual; the
+    /// constants of all its pieces count as one harmonic.
     pub fn low_passed(base: Arc<Base>, cutoff: usize) -> Self {
+        let cutoff = base.basis.harmonics_below(cutoff);
         let mut points = vec![[0.0; 3]; base.positions.len()];
         let spectrum = base.spectrum();
-        synthesise(&base.basis, &spectrum[..cutoff.min(spectrum.len())], &mut points, |_, low, p| *p = low);
+        synthesise(&base.basis, &spectrum[..cutoff], &mut points, |_, low, p| *p = low);
         Self { points, spectrum: OnceLock::new(), source: Source::LowPass(base, cutoff) }
     }
 

@@ -45,7 +45,8 @@ pub struct Sphere {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Smoothing {
     /// nχ: harmonics that are kept (sharp), or the harmonic that is halved (Gaussian). The
-    /// paper uses 32, 96 and 192 of 512.
+    /// paper uses 32, 96 and 192 of 512. Of a shape in several pieces each keeps its constant
+    /// harmonic; together they count as one.
     pub cutoff: usize,
     /// The shape of the low-pass.
     pub roll_off: RollOff,
@@ -136,10 +137,11 @@ impl Smoothing {
     /// The gain of each harmonic that passes.
     fn weights(&self, basis: &Basis) -> Vec<f64> {
         let harmonics = basis.harmonics();
+        let cutoff = basis.harmonics_below(self.cutoff);
         match self.roll_off {
-            RollOff::Sharp => vec![1.0; self.cutoff.clamp(1, harmonics.max(1))],
+            RollOff::Sharp => vec![1.0; cutoff.max(1)],
             RollOff::Gaussian => {
-                let cut = basis.eigenvalues.get(self.cutoff.clamp(1, harmonics.max(2) - 1));
+                let cut = basis.eigenvalues.get(cutoff.clamp(1, harmonics.max(2) - 1));
                 let cut = cut.copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
                 let gain = basis.eigenvalues.iter().map(|l| (-l.max(0.0) / cut).exp2());
                 // What is below a 500th no brush stroke shows.

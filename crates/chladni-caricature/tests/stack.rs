@@ -198,3 +198,66 @@ fn terms_and_side_by_side_models_agree_with_the_evaluation() {
         assert!(largest(&displacements_f64(&body, &item).unwrap(), &displacement) < 1e-5, "{model}");
     }
 }
+
+/// Six balls side by side. Of different sizes: harmonics of equal balls are mixtures over all of them.
+fn balls(ball: &chladni_mesh::TriMesh) -> chladni_mesh::TriMesh {
+    let (n, pieces) = (ball.positions.len() as u32, 6_u32);
+    let placed = |i: u32, p: &[f64; 3]| {
+        let size = 1.0 + 0.1 * f64::from(i);
+        [size * p[0] + 4.0 * f64::from(i), size * p[1], size * p[2]]
+    };
+    chladni_mesh::TriMesh {
+        positions: (0..pieces).flat_map(|i| ball.positions.iter().map(move |p| placed(i, p))).collect(),
+        triangles: (0..pieces)
+            .flat_map(|i| ball.triangles.iter().map(move |t| t.map(|v| v + i * n)))
+            .collect(),
+        ..Default::default()
+    }
+}
+
+#[test]
+fn of_many_pieces_each_stays_in_its_place_however_few_harmonics_a_template_keeps() {
+    let mesh = balls(&chladni_mesh::samples::icosphere(2));
+    let body = Arc::new(Body::build(&mesh, &BasisSettings::new(60), &Task::new()).unwrap());
+    let mut stack = Stack::new(body.clone()).unwrap();
+    let mut project = Project::new(ShapeSource::Sample("balls".into()), 60);
+    // Of a ball the three softest harmonics are all there is: no detail to exaggerate.
+    project.push(Layer { mu: -1.0, ..Layer::new("detail", Template::LowPass(1 + 6 * 3)) }).unwrap();
+    let result = stack.evaluate(&project).file_positions(&body, &mesh.positions);
+    assert!(largest(&result, &mesh.positions) < 0.05, "{}", largest(&result, &mesh.positions));
+    let alone = chladni_match::self_low_passed(&body, &mesh.positions, 1 + 6 * 3).unwrap();
+    assert!(largest(&alone.target, &mesh.positions) < 0.05);
+}
+
+#[test]
+fn of_many_pieces_each_keeps_its_own_region_however_soft() {
+    let ball = chladni_mesh::samples::icosphere(2);
+    let n = ball.positions.len();
+    let mesh = balls(&ball);
+    let body = Body::build(&mesh, &BasisSettings::new(60), &Task::new()).unwrap();
+    // The fifth ball, and half of the last.
+    let painted: Vec<f32> = (0..6 * n)
+        .map(|v| if v / n == 4 || (v / n == 5 && ball.positions[v % n][2] > 0.0) { 1.0 } else { 0.0 })
+        .collect();
+    // The constant and, of every ball, the three softest others: 1 + 6·3.
+    for (roll_off, cutoff) in
+        [(RollOff::Sharp, 4), (RollOff::Gaussian, 4), (RollOff::Sharp, 19), (RollOff::Gaussian, 19)]
+    {
+        let smoothing = Smoothing { cutoff, roll_off, clamp: false };
+        let chi = smoothing.apply(&body.basis, &painted);
+        for (v, x) in chi.iter().enumerate().take(5 * n) {
+            let expected = if v / n == 4 { 1.0 } else { 0.0 };
+            assert!((x - expected).abs() < 1e-4, "{smoothing:?}: {x} on ball {}", v / n);
+        }
+        if cutoff < 19 {
+            continue;
+        }
+        let half = |up: f64| {
+            let there = (0..n).filter(|v| up * ball.positions[*v][2] > 0.5);
+            there.map(|v| chi[5 * n + v]).collect::<Vec<f32>>()
+        };
+        let (painted, bare) =
+            (half(1.0).into_iter().fold(1.0, f32::min), half(-1.0).into_iter().fold(0.0, f32::max));
+        assert!(painted > 0.6 && bare < 0.4, "{smoothing:?}: {painted} and {bare}");
+    }
+}

@@ -90,6 +90,14 @@ impl Basis {
         self.eigenvalues.len()
     }
 
+    /// How many harmonics k < `cutoff` are where the constants of all pieces of the shape count as
+    /// one: a low-pass without some of the constants would tear the pieces apart. At most K.
+    pub fn harmonics_below(&self, cutoff: usize) -> usize {
+        let constants = self.eigenvalues.iter().take_while(|l| **l <= 0.0).count();
+        let further = if cutoff > 0 { constants.saturating_sub(1) } else { 0 };
+        cutoff.saturating_add(further).min(self.harmonics())
+    }
+
     /// H_k, N values. Panics if `k ≥ K`.
     pub fn harmonic(&self, k: usize) -> &[f64] {
         let n = self.vertices();

@@ -201,8 +201,8 @@ pub fn self_scaled(shape: &TriMesh, scale: f64) -> Result<Correspondence, MatchE
     Ok(Correspondence::direct(point, confidence))
 }
 
-/// Each vertex ↔ itself with only the harmonics k < `k0` kept: exaggerating against one's own
-/// smooth self brings out one's detail. `file_positions` are the n positions of the file that
+/// Each vertex ↔ itself with only the harmonics k < `k0` kept, where the constants of all pieces
+/// count as one: exaggerating against one's own smooth self brings out one's detail. `file_positions` are the n positions of the file that
 /// `body` was made from.
 ///
 /// # Errors
@@ -227,7 +227,7 @@ pub fn self_low_passed(
         });
     }
     let mut coefficients = body.basis.transform3(&body.positions);
-    coefficients.truncate(k0);
+    coefficients.truncate(body.basis.harmonics_below(k0));
     let smooth = body.basis.synthesize3(&coefficients);
     let displacement: Vec<[f64; 3]> =
         smooth.iter().zip(&body.positions).map(|(s, x)| std::array::from_fn(|i| s[i] - x[i])).collect();

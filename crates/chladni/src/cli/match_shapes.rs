@@ -9,7 +9,7 @@ use chladni_match::{
     Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, match_shapes, onto_ellipsoid,
     read_landmarks, self_low_passed, self_scaled,
 };
-use chladni_mesh::TriMesh;
+use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
 use chladni_view::{ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, render_picture};
 use serde::Serialize;
@@ -164,8 +164,11 @@ impl MatchShapes {
             How::Sphere => alone(Ellipsoid::fitted_sphere(shape).and_then(|e| onto_ellipsoid(shape, &e))),
             How::SelfScaled(scale) => alone(self_scaled(shape, scale)),
             How::SelfLowPassed(k0) => {
+                // The constants of all pieces count as one harmonic.
+                let pieces = HealthReport::of(shape).welded.topology.components;
+                let harmonics = k0.max(1).saturating_add(pieces.saturating_sub(1));
                 let body =
-                    Body::build(shape, &BasisSettings::new(k0.max(1)), task).map_err(Failure::input)?;
+                    Body::build(shape, &BasisSettings::new(harmonics), task).map_err(Failure::input)?;
                 alone(self_low_passed(&body, &shape.positions, k0))
             }
         }
