@@ -8,7 +8,7 @@ use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;
 
 use chladni::studio::{Folders, Opening};
-use chladni_music::Preset;
+use chladni_music::{Preset, Session};
 use chladni_sound::{Song, WavSample, write_wav};
 use driving::{Answers, Window, open, open_with, screenshot, shows, takes_pictures, wait};
 use egui::accesskit::{Role, Toggled};
@@ -315,6 +315,51 @@ fn a_fader_is_learned_over_osc_and_remembered() {
     assert!(window.query_all_by_value("5.00").next().is_some());
     let kept = std::fs::read_to_string(settings).unwrap();
     assert!(kept.contains("/1/f") && kept.contains("gain"), "{kept}");
+}
+
+#[test]
+fn looking_at_knobs_dances_and_voices_changes_none_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let project = path("wild.chladni");
+    let run = |arguments: &[&str]| chladni::cli::run(["chladni", "--quiet"].iter().chain(arguments));
+    let name = project.to_str().unwrap();
+    assert_eq!(run(&["project", "new", "sample:head", "-o", name, "--harmonics", "24"]), 0);
+    assert_eq!(run(&["project", "add-layer", name, "--template", "ellipsoid", "--mu", "-2"]), 0);
+    // Values that no slider of two decimals, or from -4 to 4, would have given.
+    let actions = [
+        "do = \"set\"\nparameter = \"gain\"\nvalue = 1.2345",
+        "do = \"set-item-gain\"\nitem = 0\ngain = 6.54321",
+        "do = \"set-voice\"\nvoice = 0\nsettings = { driver = \"side\", gain = 7.777 }",
+    ]
+    .map(|text| format!("[[actions]]\nat_secs = 0.0\nat_beat = 0.0\n{text}\n"))
+    .concat();
+    std::fs::write(path("before.toml"), format!("format_version = 1\nseed = 5\nsize = 6\n{actions}"))
+        .unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
+    answers.add(project);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the voice", |w| w.query_all_by_label("Beat").count() == 1);
+    answers.add(path("before.toml"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the session", |w| shows(w, "6 items"));
+    click(&mut window, "Knobs");
+    for dance in ["Dance 1", "Dance 2"] {
+        window.get_by_label(dance).hover();
+        window.run_steps(2);
+        window.key_press(Key::E);
+        window.run_steps(3);
+        assert!(!shows(&window, "Dance 3"));
+        window.key_press(Key::Escape);
+        window.run_steps(2);
+    }
+    answers.add(path("after.toml"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    let [before, after] = ["before.toml", "after.toml"].map(|name| Session::load(&path(name)).unwrap());
+    assert_eq!(before.actions, after.actions);
 }
 
 #[test]

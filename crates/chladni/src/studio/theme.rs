@@ -125,6 +125,15 @@ pub fn wide_row<R>(
     .inner
 }
 
+/// A slider that leaves its value as it is until it is moved: egui's own rounds and bounds what it only
+/// shows, and says that it has changed.
+pub fn slider<N: egui::emath::Numeric>(
+    value: &mut N,
+    range: std::ops::RangeInclusive<N>,
+) -> egui::Slider<'_> {
+    egui::Slider::new(value, range).clamping(egui::SliderClamping::Edits)
+}
+
 /// Names a control for screen readers, where its text does not.
 pub fn name(response: &egui::Response, name: &str) {
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));

@@ -47,6 +47,27 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
 }
 
 #[test]
+fn a_project_that_is_only_looked_at_has_nothing_to_save() {
+    let desk = Desk::new();
+    let path = |name: &str| desk.path(name).to_str().unwrap().to_owned();
+    let run = |arguments: &[&str]| chladni::cli::run(["chladni", "--quiet"].iter().chain(arguments));
+    let project = path("fine.chladni");
+    let new = ["project", "new", &path("shape.obj"), "-o", &project, "--harmonics", &HARMONICS.to_string()];
+    assert_eq!(run(&new), 0);
+    // Values that no slider would have given.
+    let region = ["--region", "0,0,0,3", "--cutoff", "3"];
+    let layer = ["project", "add-layer", &project, "--template", "ellipsoid", "--mu", "-0.12345"];
+    assert_eq!(run(&[&layer[..], &["--strength", "0.54321"], &region].concat()), 0);
+    let mut person = desk.sit_down(&[]);
+    desk.answers.add(&project);
+    person.press_with(CTRL, Key::O);
+    person.wait_to_see("Softness");
+    person.0.run_steps(5);
+    person.close();
+    assert!(!person.sees("Save before closing?"));
+}
+
+#[test]
 fn opening_another_project_asks_about_unsaved_work() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);

@@ -157,7 +157,7 @@ fn amount(
     });
     theme::row(ui, "Strength", "Fades the layer in and out without losing its μ", |ui| {
         let mut strength = layer.strength;
-        let slider = ui.add(Slider::new(&mut strength, 0.0..=1.0).fixed_decimals(2));
+        let slider = ui.add(theme::slider(&mut strength, 0.0..=1.0).fixed_decimals(2));
         edits.drag(id, &slider, || Property::Strength(strength));
     });
     ui.scope(|ui| {
@@ -244,7 +244,7 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut
     let smoothing = layer.region.smoothing;
     theme::row(ui, "Softness", "nχ, the harmonics that the region keeps: fewer is softer", |ui| {
         let mut cutoff = smoothing.cutoff.min(harmonics);
-        let slider = ui.add(Slider::new(&mut cutoff, 4..=harmonics.max(5)).logarithmic(true));
+        let slider = ui.add(theme::slider(&mut cutoff, 4..=harmonics.max(5)).logarithmic(true));
         edits.drag(id, &slider, || Property::Smoothing(Smoothing { cutoff, ..smoothing }));
     });
     ui.horizontal(|ui| {

@@ -1,7 +1,7 @@
 //! One item large: its name, its knobs, and t and a to be drawn by hand.
 
 use chladni_music::{Action, GalleryItem, Instrument, Mapping, direct_transfer};
-use egui::{Rect, RichText, Slider, TextEdit, Ui, UiBuilder, pos2, vec2};
+use egui::{Rect, RichText, TextEdit, Ui, UiBuilder, pos2, vec2};
 
 use super::concert::View;
 use super::curve::{self, Plot};
@@ -153,13 +153,13 @@ fn header(
     let mut stereo_mu = item.mapping.stereo_mu;
     ui.label(RichText::new("μ").color(weak));
     let tip = "0: the middle of the sound moves symmetric harmonics, its sides antisymmetric ones; 1 mixes";
-    let slider = Slider::new(&mut stereo_mu, 0.0..=1.0).fixed_decimals(2);
+    let slider = theme::slider(&mut stereo_mu, 0.0..=1.0).fixed_decimals(2);
     if ui.add(slider).on_hover_text(tip).changed() {
         wishes.push(Wish::Do(Action::SetStereoMu { item: index, stereo_mu }));
     }
     let mut gain = item.mapping.gain;
     ui.label(RichText::new("Gain").color(weak));
-    let slider = Slider::new(&mut gain, 0.0..=4.0).fixed_decimals(2);
+    let slider = theme::slider(&mut gain, 0.0..=4.0).fixed_decimals(2);
     if ui.add(slider).on_hover_text("This dance's own strength").changed() {
         wishes.push(Wish::Do(Action::SetItemGain { item: index, gain }));
     }

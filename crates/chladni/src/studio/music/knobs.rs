@@ -143,7 +143,7 @@ fn knob(
 ) {
     let mut value = instrument.parameters().get(parameter);
     let (low, high) = parameter.range();
-    let slider = Slider::new(&mut value, low..=high).logarithmic(high / low.max(1e-3) > 500.0);
+    let slider = theme::slider(&mut value, low..=high).logarithmic(high / low.max(1e-3) > 500.0);
     let slider = match parameter {
         Parameter::Bands | Parameter::BeatsPerStep => slider.fixed_decimals(0),
         Parameter::TransitionBeats => slider.fixed_decimals(1),

@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, names: &[String], wishes: &mut
             if let Driver::Band { from, to } = &mut settings.driver {
                 band(ui, from, to);
             }
-            let gain = Slider::new(&mut settings.gain, -4.0..=4.0).fixed_decimals(2).text("gain");
+            let gain = theme::slider(&mut settings.gain, -4.0..=4.0).fixed_decimals(2).text("gain");
             ui.add(gain).on_hover_text("1 is the layer as it was made; below 0 is its opposite");
         });
         if settings != before {
