@@ -21,6 +21,7 @@ mod shortcut;
 mod start;
 mod theme;
 mod viewport;
+mod window_painter;
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -42,6 +43,7 @@ use notices::Notices;
 use pictures::Pictures;
 use room::{Room, Shared};
 use shortcut::Shortcut;
+use window_painter::WindowPainter;
 
 /// Why the window did not open.
 #[derive(Debug, thiserror::Error)]
@@ -166,6 +168,7 @@ impl Studio {
             None => Settings::default(),
         };
         theme::install(&creation.egui_ctx);
+        WindowPainter::install(&creation.egui_ctx, &gpu);
         creation.egui_ctx.set_zoom_factor(settings.zoom);
         let device = chladni_view::Gpu::shared(gpu.device.clone(), gpu.queue.clone());
         let mut studio = Self {
