@@ -7,10 +7,12 @@ mod driving;
 use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;
 
-use chladni::studio::{Folders, Opening};
+use chladni::studio::{Folders, Handover, Opening};
 use chladni_music::{Preset, Session};
 use chladni_sound::{Song, WavSample, write_wav};
-use driving::{Answers, Window, open, open_with, screenshot, shows, takes_pictures, wait};
+use driving::{
+    Answers, Window, lose, open, open_with, open_with_device, screenshot, shows, takes_pictures, wait,
+};
 use egui::accesskit::{Role, Toggled};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
@@ -92,6 +94,37 @@ fn a_paused_song_lets_the_gallery_rest() {
     assert!(!pause(&window).is_zero());
     window.key_press(Key::Space);
     wait(&mut window, "the dance", |w| pause(w).is_zero());
+}
+
+#[test]
+fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let handover = Handover::default();
+    let opening = || Opening { folders: folders.clone(), handover: handover.clone(), ..Opening::default() };
+    let size = [1000.0, 640.0];
+    let (mut window, device) = open_with_device(opening(), size);
+    window.run_steps(3);
+    window.get_by_label("Open Music").click();
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+    window.run_steps(3);
+    click(&mut window, "Dance 2");
+    click(&mut window, "Dance 5");
+    click_containing(&mut window, "Breed 2");
+    click(&mut window, "Dance 5");
+    assert!(shows(&window, "2 / 2"));
+
+    lose(&device);
+    window.run_steps(2);
+    assert!(handover.reason().is_some());
+    drop(window);
+    let (mut window, _) = open_with_device(opening(), size);
+    window.run_steps(2);
+    assert!(shows(&window, "The graphics device was lost") && shows(&window, "2 / 2"));
+    assert!(is_chosen(&window, "Dance 5"));
+    window.run_steps(10);
+    screenshot(&mut window, "lost-device-music.png");
+    assert!(pause(&window).is_zero(), "it dances");
 }
 
 #[test]

@@ -13,8 +13,9 @@ impl DeviceLoss {
         let loss = Self::default();
         let word = Arc::clone(&loss.0);
         device.set_device_lost_callback(move |reason, message| {
+            let why = if message.is_empty() { format!("{reason:?}").to_lowercase() } else { message };
             // Only the first word of it counts.
-            let _ = word.set(format!("{reason:?}: {message}"));
+            let _ = word.set(why);
         });
         loss
     }

@@ -9,6 +9,7 @@ mod closing;
 mod effort;
 mod file_window;
 mod folders;
+mod handover;
 mod icon;
 mod job;
 mod measure;
@@ -26,7 +27,9 @@ mod window_painter;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::time::{Duration, Instant};
 
+use chladni_synth::DeviceLoss;
 use eframe::egui_wgpu::RenderState;
 use egui::Key;
 
@@ -34,6 +37,7 @@ pub use caricature::Rehearsal;
 pub use choose::{Chooser, Kind, SystemDialogs};
 pub use file_window::{COMMAND as CHOOSE_FILE, FileWindow, Purpose, Request, open as choose_file};
 pub use folders::Folders;
+pub use handover::Handover;
 pub use measure::{FirstPicture, Measure, Report};
 pub use settings::Settings;
 
@@ -51,6 +55,11 @@ pub enum StudioError {
     /// No display, no usable graphics driver, or the window system refused.
     #[error("the window cannot open: {0}; 'chladni --help' lists what works without one")]
     Window(#[from] eframe::Error),
+    /// It was lost again as soon as another window had opened.
+    #[error(
+        "the graphics device fails again and again ({0}); unsaved work is offered when 'chladni open' runs again"
+    )]
+    DeviceLost(String),
 }
 
 const SWITCH_ROOM: Shortcut = Shortcut::command(Key::Tab, "Next workspace");
@@ -65,31 +74,48 @@ const WINDOW: [f32; 2] = [1320.0, 820.0];
 /// Points across a screen on which those of usual size are too small to read.
 const MANY_POINTS: f32 = 3000.0;
 
+/// A device that is lost sooner than this after its window has opened will not do.
+const SHORTEST: Duration = Duration::from_secs(10);
+
 /// Opens the window on the start screen, or on `files` where some are given, and returns when
 /// it is closed. With a measure it closes by itself when all is counted.
-/// With a first picture it closes as soon as that is shown.
+/// With a first picture it closes as soon as that is shown. Where the graphics device is lost,
+/// another window goes on with what was open.
 pub fn open(
-    files: Vec<PathBuf>,
+    mut files: Vec<PathBuf>,
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
 ) -> Result<(), StudioError> {
+    let handover = Handover::default();
+    loop {
+        let began = Instant::now();
+        open_once(Opening {
+            folders: Folders::of_user(),
+            files: std::mem::take(&mut files),
+            measure: measure.clone(),
+            first_picture: first_picture.clone(),
+            handover: handover.clone(),
+            ..Opening::default()
+        })?;
+        match handover.reason() {
+            None => return Ok(()),
+            Some(why) if began.elapsed() < SHORTEST => return Err(StudioError::DeviceLost(why)),
+            Some(_) => {}
+        }
+    }
+}
+
+fn open_once(opening: Opening) -> Result<(), StudioError> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Chladni")
         .with_app_id("chladni")
         .with_inner_size(WINDOW)
         .with_min_inner_size([900.0, 600.0]);
     let options = eframe::NativeOptions { viewport, wgpu_options: wgpu_options(), ..Default::default() };
-    eframe::run_native(
-        "chladni",
-        options,
-        Box::new(move |creation| {
-            let folders = Folders::of_user();
-            Ok(Box::new(Studio::new(
-                creation,
-                Opening { folders, files, measure, first_picture, ..Opening::default() },
-            )?))
-        }),
-    )?;
+    let create = |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
+        Ok(Box::new(Studio::new(creation, opening)?))
+    };
+    eframe::run_native("chladni", options, Box::new(create))?;
     Ok(())
 }
 
@@ -107,6 +133,8 @@ pub struct Opening {
     pub first_picture: Option<Rc<FirstPicture>>,
     /// What the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
+    /// What a window before it has left, and where it leaves what is open should its device be lost.
+    pub handover: Handover,
 }
 
 impl Default for Opening {
@@ -118,6 +146,7 @@ impl Default for Opening {
             measure: None,
             first_picture: None,
             input: None,
+            handover: Handover::default(),
         }
     }
 }
@@ -125,6 +154,10 @@ impl Default for Opening {
 /// The whole window.
 pub struct Studio {
     gpu: RenderState,
+    loss: DeviceLoss,
+    handover: Handover,
+    /// Seconds on the clock when the window opened; it goes on with what another one has begun.
+    inherited_secs: Option<f64>,
     folders: Folders,
     chooser: Box<dyn Chooser>,
     measure: Option<Rc<RefCell<Measure>>>,
@@ -157,7 +190,7 @@ impl Studio {
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
         let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
         let mut notices = Notices::default();
-        let Opening { folders, chooser, files, measure, first_picture, input } = opening;
+        let Opening { folders, chooser, files, measure, first_picture, input, handover } = opening;
         let first_run = folders.settings.as_ref().is_some_and(|path| !path.exists());
         let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
@@ -171,9 +204,27 @@ impl Studio {
         WindowPainter::install(&creation.egui_ctx, &gpu);
         creation.egui_ctx.set_zoom_factor(settings.zoom);
         let device = chladni_view::Gpu::shared(gpu.device.clone(), gpu.queue.clone());
+        let left = handover.take();
+        let inherited_secs = left.as_ref().map(|left| left.at_secs);
+        let (rooms, current): (Vec<Box<dyn Room>>, _) = match left {
+            Some(left) => {
+                notices.warn(format!(
+                    "The graphics device was lost ({}); the window opened again with all that was open.",
+                    left.why
+                ));
+                (left.rooms, left.current)
+            }
+            None => {
+                let music = music::MusicRoom::listening_to(input);
+                (vec![Box::new(caricature::CaricatureRoom::default()), Box::new(music)], None)
+            }
+        };
         let mut studio = Self {
             pictures: Pictures::new(device, folders.pictures.clone()),
+            loss: DeviceLoss::watch(&gpu.device),
             gpu,
+            handover,
+            inherited_secs,
             saved_settings: settings.clone(),
             settings,
             folders,
@@ -181,15 +232,17 @@ impl Studio {
             measure,
             first_picture,
             notices,
-            rooms: vec![
-                Box::new(caricature::CaricatureRoom::default()),
-                Box::new(music::MusicRoom::listening_to(input)),
-            ],
-            current: None,
+            rooms,
+            current,
             cheat_sheet: false,
             closing: Closing::No,
             first_run,
         };
+        if inherited_secs.is_some() {
+            for index in 0..studio.rooms.len() {
+                studio.with_room(&creation.egui_ctx, index, |room, shared| room.change_device(shared));
+            }
+        }
         if !files.is_empty() {
             studio.open_files(&creation.egui_ctx, &files);
         }
@@ -303,7 +356,7 @@ impl Studio {
         let Some(first_picture) = &self.first_picture else { return };
         match self.notices.first_error() {
             Some(why) => first_picture.failed(why),
-            None if viewport::has_drawn(ctx) => first_picture.seen(std::time::Instant::now()),
+            None if viewport::has_drawn(ctx) => first_picture.seen(Instant::now()),
             None => {}
         }
         if first_picture.outcome().is_some() {
@@ -317,7 +370,7 @@ impl Studio {
         let room = self.current.and_then(|index| self.rooms.get(index));
         let mut measure = measure.borrow_mut();
         measure.shows(room.and_then(|room| room.stage()));
-        if measure.frame(std::time::Instant::now(), room.and_then(|room| room.sound())) {
+        if measure.frame(Instant::now(), room.and_then(|room| room.sound())) {
             self.rooms.clear();
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
@@ -339,6 +392,9 @@ impl Studio {
 impl eframe::App for Studio {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
+        if self.hand_over(&ctx) {
+            return;
+        }
         self.look_for_picture(&ctx);
         self.handle_keys(&ctx);
         let theme = if self.settings.light { egui::Theme::Light } else { egui::Theme::Dark };
@@ -381,6 +437,17 @@ impl eframe::App for Studio {
         self.save_settings();
         self.count_frame(&ctx);
         self.handle_close(&ctx);
+        self.hand_over(&ctx);
+        if self.inherited_secs.is_some() {
+            // What began in the window before wakes that one when it is done.
+            ctx.request_repaint_after(Duration::from_millis(500));
+        }
+    }
+
+    fn raw_input_hook(&mut self, _ctx: &egui::Context, raw_input: &mut egui::RawInput) {
+        if let (Some(inherited_secs), Some(time)) = (self.inherited_secs, &mut raw_input.time) {
+            *time += inherited_secs;
+        }
     }
 
     fn on_exit(&mut self) {

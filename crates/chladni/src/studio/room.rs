@@ -71,6 +71,9 @@ pub trait Room {
         true
     }
 
+    /// Puts what it shows on the device of another window: its own was lost, with all that was on it.
+    fn change_device(&mut self, shared: &mut Shared<'_>);
+
     /// The window closes, and all that matters is saved or given up.
     fn leave(&mut self) {}
 }

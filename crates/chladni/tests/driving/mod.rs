@@ -8,6 +8,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use chladni::studio::{Chooser, Kind, Opening, Studio};
+use eframe::wgpu;
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, HarnessBuilder};
 
@@ -60,6 +61,27 @@ pub fn open(opening: Opening, size: [f32; 2]) -> Window {
 /// Opens the window on a screen of one's own, or with steps of another length.
 pub fn open_with(opening: Opening, builder: HarnessBuilder<Studio>) -> Window {
     builder.wgpu().build_eframe(|creation| Studio::new(creation, opening).expect("a graphics device"))
+}
+
+/// Opens the window, and tells which device it draws with.
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn open_with_device(opening: Opening, size: [f32; 2]) -> (Window, wgpu::Device) {
+    let device = Rc::new(RefCell::new(None));
+    let seen = Rc::clone(&device);
+    let builder = Harness::builder().with_size(size).with_accessibility_check(false).wgpu();
+    let window = builder.build_eframe(move |creation| {
+        *seen.borrow_mut() = creation.wgpu_render_state.as_ref().map(|state| state.device.clone());
+        Studio::new(creation, opening).expect("a graphics device")
+    });
+    let device = device.borrow_mut().take().expect("a graphics device");
+    (window, device)
+}
+
+/// Does to `device` what a driver does that restarts.
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn lose(device: &wgpu::Device) {
+    device.destroy();
+    device.poll(wgpu::PollType::wait_indefinitely()).expect("the device");
 }
 
 /// Whether something whose name contains `text` is there.

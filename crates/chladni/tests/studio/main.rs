@@ -8,6 +8,7 @@ mod export;
 mod file_window;
 mod files;
 mod layers;
+mod lost_device;
 #[path = "../person/mod.rs"]
 mod person;
 mod screens;

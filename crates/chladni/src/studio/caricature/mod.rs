@@ -218,6 +218,21 @@ impl Room for CaricatureRoom {
         !self.has_unsaved_work() || self.save(false, shared)
     }
 
+    fn change_device(&mut self, shared: &mut Shared<'_>) {
+        (self.preview, self.thumbnails, self.stale) = (None, Thumbnails::default(), true);
+        let stage = self.stage.take().map(|stage| stage.on(viewport::gpu_of(shared.gpu)));
+        match stage.transpose() {
+            Ok(stage) => self.stage = stage,
+            Err(error) => shared.notices.error(error.to_string()),
+        }
+        // Half a pair is lost, and what is picked is in the project.
+        if self.picking.take().is_some()
+            && let Some(session) = &self.session
+        {
+            toggle_picking(&mut self.picking, session, shared);
+        }
+    }
+
     fn leave(&mut self) {
         if let Some(Ok(autosave)) = self.autosave.take() {
             autosave.finish();
@@ -273,7 +288,7 @@ impl CaricatureRoom {
         let session = Session::new(loaded)?;
         let body = session.stack.body();
         let positions = single(&body.positions);
-        let stage = Stage::new(viewport::gpu_of(shared.gpu), &positions, &body.triangles, look.as_ref())
+        let stage = Stage::new(viewport::gpu_of(shared.gpu), &positions, &body.triangles, look)
             .map_err(|error| error.to_string())?;
         self.heat.start(stage.has_own_look());
         self.thumbnails.clear(shared.gpu);

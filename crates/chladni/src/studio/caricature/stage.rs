@@ -109,6 +109,7 @@ pub struct Stage {
     /// What `values` holds where the coat is a heat map.
     heat: Vec<f32>,
     own: Option<Coat>,
+    own_look: Option<OwnLook>,
     poses: Vec<Pose>,
     triangles: Vec<[u32; 3]>,
     pick: Option<(usize, PickTree)>,
@@ -123,16 +124,16 @@ impl Stage {
         gpu: Gpu,
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
-        look: Option<&OwnLook>,
+        own_look: Option<OwnLook>,
     ) -> Result<Self, ViewError> {
         let viewport = Viewport::on(gpu);
         let gpu = viewport.gpu();
         let n = positions.len();
-        let topology = match look {
+        let topology = match &own_look {
             Some(OwnLook::Image { corner_uvs, .. }) => Topology::with_uvs(gpu, n, triangles, corner_uvs)?,
             _ => Topology::new(gpu, n, triangles)?,
         };
-        let own = match look {
+        let own = match &own_look {
             Some(OwnLook::Image { picture, .. }) => {
                 Some(Coat::Skin(Skin::new(gpu, picture.width, picture.height, &picture.rgba)?))
             }
@@ -156,6 +157,7 @@ impl Stage {
             coat: Coat::Material,
             heat: Vec::new(),
             own,
+            own_look,
             poses: vec![(positions.to_vec(), normals.clone()); FIGURES],
             triangles: triangles.to_vec(),
             pick: None,
@@ -166,6 +168,13 @@ impl Stage {
             stage.set_figure(figure, positions, &normals)?;
         }
         Ok(stage)
+    }
+
+    /// The same shape on another device, seen from the same place; all figures are at rest.
+    pub fn on(self, gpu: Gpu) -> Result<Self, ViewError> {
+        let (original, _) = &self.poses[ORIGINAL];
+        let stage = Self::new(gpu, original, &self.triangles, self.own_look)?;
+        Ok(Self { camera: self.camera, fitted: self.fitted, ..stage })
     }
 
     /// Replaces one figure.

@@ -2,7 +2,24 @@
 
 use std::collections::{HashMap, HashSet};
 
-use chladni_view::smooth_normals;
+use chladni_view::{Gpu, Topology, smooth_normals};
+
+/// Such triangles on the device.
+pub struct Coarse {
+    pub topology: Topology,
+    pub triangles: Vec<[u32; 3]>,
+    /// How many vertices they name.
+    pub vertices: usize,
+}
+
+impl Coarse {
+    /// Of a shape that has `all` vertices.
+    pub fn new(gpu: &Gpu, all: usize, triangles: Vec<[u32; 3]>) -> Result<Self, String> {
+        let named: HashSet<u32> = triangles.iter().flatten().copied().collect();
+        let topology = Topology::new(gpu, all, &triangles).map_err(|error| error.to_string())?;
+        Ok(Self { topology, triangles, vertices: named.len() })
+    }
+}
 
 /// Triangles that name about `wanted` of the vertices, each for a cluster of neighbours that face
 /// the same way (vertex clustering: Rossignac and Borrel 1993). What is drawn through them moves

@@ -5,11 +5,12 @@ use chladni_music::{
     Switch, Veil, react,
 };
 use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, GpuContext, SynthModel, Synthesizer};
-use chladni_view::{Camera, Cell, Figure, Gpu, ItemBuffers, Rect, Topology, layout};
+use chladni_view::{Camera, Cell, Figure, ItemBuffers, Rect, Topology, layout};
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Ui};
 
 use super::close_up::{self, Draft};
+use super::coarse::Coarse;
 use super::gallery;
 use super::glimpse::Glimpse;
 use super::harmonics::Harmonics;
@@ -58,8 +59,8 @@ pub struct Concert {
     synthesizer: AutoSynthesizer,
     viewport: Viewport,
     topology: Topology,
-    /// For cells of the gallery where the processor draws, and how many vertices it names.
-    coarse: Option<(Topology, usize)>,
+    /// For cells of the gallery where the processor draws.
+    coarse: Option<Coarse>,
     rest: Vec<[f32; 3]>,
     /// What has to fit into a cell, for a limit of displacement.
     room: (f32, Vec<[f32; 3]>),
@@ -96,8 +97,7 @@ impl Concert {
             Topology::new(gpu, model.vertices(), &ready.body.triangles).map_err(|error| error.to_string())?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
-        let coarse =
-            ready.coarse.map(|triangles| coarse_topology(gpu, rest.len(), &triangles)).transpose()?;
+        let coarse = ready.coarse.map(|triangles| Coarse::new(gpu, rest.len(), triangles)).transpose()?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
         Ok(Self {
@@ -126,6 +126,23 @@ impl Concert {
             pace: Pace::default(),
             voice_names,
         })
+    }
+
+    /// Goes on on another device, with the same dances.
+    pub fn change_device(&mut self, state: &RenderState) -> Result<(), String> {
+        let viewport = Viewport::new(state);
+        let (gpu, vertices) = (viewport.gpu(), self.rest.len());
+        self.topology =
+            Topology::new(gpu, vertices, self.harmonics.triangles()).map_err(|error| error.to_string())?;
+        if let Some(coarse) = self.coarse.take() {
+            self.coarse = Some(Coarse::new(gpu, vertices, coarse.triangles)?);
+        }
+        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
+        self.synthesizer = AutoSynthesizer::new(&context, self.synthesizer.model().clone(), Backend::Auto);
+        self.harmonics.forget_device();
+        (self.glimpse, self.shown) = (Glimpse::default(), None);
+        self.viewport = viewport;
+        Ok(())
     }
 
     /// The state that the panels read.
@@ -161,7 +178,7 @@ impl Concert {
     /// Vertices of the shape, and how many of them the gallery draws.
     pub fn drawn_vertices(&self) -> (usize, usize) {
         let all = self.rest.len();
-        (all, self.coarse.as_ref().map_or(all, |(_, drawn)| *drawn))
+        (all, self.coarse.as_ref().map_or(all, |coarse| coarse.vertices))
     }
 
     /// Does what the user asked, at the moment that is heard. A stage that would open and close
@@ -368,7 +385,7 @@ impl Concert {
             self.viewport.invalidate();
         }
         let buffers = ItemBuffers::of_frame(&self.synthesizer.frame()).map_err(|error| error.to_string())?;
-        let coarse = self.coarse.as_ref().filter(|_| cells.len() > 1).map(|(topology, _)| topology);
+        let coarse = self.coarse.as_ref().filter(|_| cells.len() > 1).map(|coarse| &coarse.topology);
         let topology = coarse.unwrap_or(&self.topology);
         let figures: Vec<Figure<'_>> = (0..cells.len())
             .map(|item| Figure { material, ..Figure::new(topology, &buffers, item) })
@@ -415,10 +432,4 @@ impl Concert {
         let picture = self.glimpse.of(self.viewport.gpu(), canvas, behind)?;
         Ok(self.guard.veil(self.seconds, picture))
     }
-}
-
-fn coarse_topology(gpu: &Gpu, vertices: usize, triangles: &[[u32; 3]]) -> Result<(Topology, usize), String> {
-    let named: std::collections::HashSet<u32> = triangles.iter().flatten().copied().collect();
-    let topology = Topology::new(gpu, vertices, triangles).map_err(|error| error.to_string())?;
-    Ok((topology, named.len()))
 }

@@ -37,6 +37,16 @@ impl Harmonics {
         Self { body, symmetry, figure_markers, drawn: None }
     }
 
+    /// Of the body, by its vertices.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.body.triangles
+    }
+
+    /// What was put on the device is gone with it.
+    pub fn forget_device(&mut self) {
+        self.drawn = None;
+    }
+
     /// How many there are.
     pub fn count(&self) -> usize {
         self.symmetry.classes.len()

@@ -208,6 +208,17 @@ impl Room for MusicRoom {
         extension == TEXT || SONGS.contains(&extension.as_str())
     }
 
+    fn change_device(&mut self, shared: &mut Shared<'_>) {
+        // The new window has to fill the screen again.
+        self.curtain = Curtain::default();
+        if let Some(concert) = &mut self.concert
+            && let Err(why) = concert.change_device(shared.gpu)
+        {
+            self.concert = None;
+            self.refuse(why, shared);
+        }
+    }
+
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
         let mut songs = Vec::new();
         for path in paths {

@@ -1,0 +1,57 @@
+//! When the graphics device is lost, the window goes and what is open in it stays.
+//!
+//! A driver that restarts takes all that was on the card with it, and egui's painter cannot change devices. So
+//! the window closes, and another opens with the same rooms, which put themselves on its device.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use super::Studio;
+use super::room::Room;
+
+/// What a window leaves to the next one.
+pub struct Left {
+    /// The rooms, with all that is open in them.
+    pub rooms: Vec<Box<dyn Room>>,
+    /// The room that was on screen.
+    pub current: Option<usize>,
+    /// What became of the device.
+    pub why: String,
+    /// The clock of the window; the next one's goes on from here.
+    pub at_secs: f64,
+}
+
+/// Where a window that has lost its device leaves what was open in it, and the next one finds it.
+#[derive(Clone, Default)]
+pub struct Handover(Rc<RefCell<Option<Left>>>);
+
+impl Handover {
+    /// Why the last window had to close; `None` where it did not have to.
+    pub fn reason(&self) -> Option<String> {
+        self.0.borrow().as_ref().map(|left| left.why.clone())
+    }
+
+    pub(super) fn leave(&self, left: Left) {
+        *self.0.borrow_mut() = Some(left);
+    }
+
+    pub(super) fn take(&self) -> Option<Left> {
+        self.0.borrow_mut().take()
+    }
+}
+
+impl Studio {
+    /// Once the device is lost: leaves what is open to the next window, and closes. True from then on.
+    pub(super) fn hand_over(&mut self, ctx: &egui::Context) -> bool {
+        let Some(why) = self.loss.reason() else { return false };
+        if !self.rooms.is_empty() {
+            let (rooms, current) = (std::mem::take(&mut self.rooms), self.current.take());
+            let at_secs = ctx.input(|input| input.time);
+            self.handover.leave(Left { rooms, current, why: why.to_owned(), at_secs });
+        }
+        // egui's painter panics where it has something to paint and no device.
+        ctx.graphics_mut(|graphics| *graphics = egui::layers::GraphicLayers::default());
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        true
+    }
+}
