@@ -49,7 +49,8 @@ pub enum Error {
         /// What went wrong.
         why: String,
     },
-    /// The match that a layer needs failed before; the text is that failure's.
+    /// The match that a layer needs failed before, or its template cannot be read; the text is that
+    /// failure's and says which file.
     #[error("{0}")]
     Unmatched(String),
     /// What was painted or picked on one shape has no place on another.

@@ -87,10 +87,8 @@ pub fn show_progress<T>(ui: &mut egui::Ui, job: &Job<T>) {
             ui.add(egui::Label::new(job.label()).truncate());
         });
     });
-    let bar = match progress.fraction() {
-        Some(share) => egui::ProgressBar::new(share as f32).text(progress.stage),
-        None => egui::ProgressBar::new(0.0).text(progress.stage),
-    };
-    ui.add(bar.desired_height(14.0));
+    let share = progress.fraction().unwrap_or(0.0) as f32;
+    let stage = egui::RichText::new(progress.stage).small();
+    ui.add(egui::ProgressBar::new(share).text(stage).desired_height(18.0));
     ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
 }

@@ -281,6 +281,9 @@ impl Studio {
         if HELP.pressed(ctx) {
             self.cheat_sheet = !self.cheat_sheet;
         }
+        if self.cheat_sheet && ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape)) {
+            self.cheat_sheet = false;
+        }
         if SWITCH_ROOM.pressed(ctx) && !self.rooms.is_empty() {
             self.current = Some(self.current.map_or(0, |room| (room + 1) % self.rooms.len()));
         }

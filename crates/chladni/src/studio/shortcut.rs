@@ -38,10 +38,15 @@ impl Shortcut {
 
     /// "Ctrl+S", or "[".
     pub fn text(&self, ctx: &egui::Context) -> String {
-        if self.keys.modifiers == Modifiers::NONE {
-            return self.keys.logical_key.symbol_or_name().to_owned();
+        if self.keys.modifiers != Modifiers::NONE {
+            return ctx.format_shortcut(&self.keys);
         }
-        ctx.format_shortcut(&self.keys)
+        let key = self.keys.logical_key;
+        match key {
+            // The font of the cheat sheet has no symbols for these.
+            Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown => key.name().to_owned(),
+            _ => key.symbol_or_name().to_owned(),
+        }
     }
 
     /// "action (Ctrl+S)", for a tooltip.
@@ -115,4 +120,29 @@ fn show_column(ui: &mut egui::Ui, index: usize, lines: &[(String, &str)]) {
             ui.end_row();
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_written_in_letters_that_the_font_has() {
+        let ctx = egui::Context::default();
+        theme::install(&ctx);
+        let _ = ctx.run_ui(egui::RawInput::default(), |_| {});
+        for key in [
+            Key::ArrowLeft,
+            Key::ArrowRight,
+            Key::ArrowUp,
+            Key::ArrowDown,
+            Key::OpenBracket,
+            Key::Comma,
+            Key::PageUp,
+        ] {
+            let text = Shortcut::key(key, "").text(&ctx);
+            let font = egui::FontId::monospace(13.0);
+            assert!(ctx.fonts_mut(|fonts| fonts.has_glyphs(&font, &text)), "{text}");
+        }
+    }
 }

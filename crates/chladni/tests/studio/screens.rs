@@ -75,3 +75,12 @@ fn all_inside(person: &Person, size: [f32; 2], screen: &str) {
         assert!(scrolled || window.contains_rect(rect), "{screen}: “{label}” at {rect:?}");
     }
 }
+
+#[test]
+fn escape_closes_the_keys() {
+    let mut person = Desk::new().sit_down(&[]);
+    person.press(Key::F1);
+    assert!(person.sees("Keyboard and mouse"));
+    person.press(Key::Escape);
+    person.wait_until_gone("Keyboard and mouse");
+}

@@ -294,7 +294,7 @@ impl Session {
                 Template::Sample(name) => source::sample(name).map(Some),
                 _ => Ok(None),
             };
-            let mesh = mesh.map_err(|why| failure(&request, why))?;
+            let mesh = mesh.map_err(Error::Unmatched)?;
             request.run(&shape, &body, mesh.as_ref(), task)
         })
     }

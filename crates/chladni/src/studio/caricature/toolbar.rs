@@ -81,7 +81,8 @@ impl CaricatureRoom {
             (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
         let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);
         let choice =
-            egui::ComboBox::from_id_salt("heat").width(136.0).selected_text(name).show_ui(ui, |ui| {
+            // As high as all that it offers, which no scroll bar would tell of.
+            egui::ComboBox::from_id_salt("heat").width(136.0).height(480.0).selected_text(name).show_ui(ui, |ui| {
                 let has_own = self.stage.as_ref().is_some_and(Stage::has_own_look);
                 for (choice, name) in Quantity::ALL.into_iter().filter(|q| q.0 != Quantity::Own || has_own) {
                     ui.selectable_value(&mut quantity, choice, name);
@@ -100,12 +101,12 @@ impl CaricatureRoom {
         ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
             ui.label(egui::RichText::new("Material").color(theme::palette(ui).weak));
             for (index, (name, _)) in Material::PRESETS.iter().enumerate() {
-                ui.selectable_value(&mut self.look.material, index, *name);
+                ui.selectable_value(&mut self.look.material, index, theme::capitalised(name));
             }
             ui.separator();
             ui.label(egui::RichText::new("Light").color(theme::palette(ui).weak));
             for (index, (name, _)) in Lights::PRESETS.iter().enumerate() {
-                ui.selectable_value(&mut self.look.lights, index, *name);
+                ui.selectable_value(&mut self.look.lights, index, theme::capitalised(name));
             }
         });
         if ui.button(icon::text(Icon::Maximize)).on_hover_text("Show all of it (Home)").clicked()

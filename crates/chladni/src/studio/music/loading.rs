@@ -88,10 +88,11 @@ pub fn voices(
 }
 
 fn template(request: &MatchRequest, folder: Option<&Path>) -> Result<Option<TriMesh>, Error> {
-    let failed = |why| Error::Template { template: request.template.to_string(), why };
     match &request.template {
-        Template::File(path) => source::mesh_file(path, folder).map(|(mesh, _)| Some(mesh)).map_err(failed),
-        Template::Sample(name) => source::sample(name).map(Some).map_err(failed),
+        Template::File(path) => {
+            source::mesh_file(path, folder).map(|(mesh, _)| Some(mesh)).map_err(Error::Unmatched)
+        }
+        Template::Sample(name) => source::sample(name).map(Some).map_err(Error::Unmatched),
         _ => Ok(None),
     }
 }

@@ -32,11 +32,7 @@ fn choose(ui: &mut Ui, heading: &str, chosen: &mut String, names: &[&str]) {
     ui.label(RichText::new(heading).strong());
     ui.horizontal_wrapped(|ui| {
         for name in names {
-            let mut title = (*name).to_owned();
-            if let Some(first) = title.get_mut(..1) {
-                first.make_ascii_uppercase();
-            }
-            if ui.selectable_label(chosen == name, title).clicked() {
+            if ui.selectable_label(chosen == name, theme::capitalised(name)).clicked() {
                 *chosen = (*name).to_owned();
             }
         }
