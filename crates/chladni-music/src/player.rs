@@ -20,6 +20,13 @@ pub enum Form {
     HalfMask,
 }
 
+impl Form {
+    /// How many terms of an item its mapping takes; voices come after them.
+    pub fn terms(self) -> usize {
+        if self == Self::HalfMask { 2 } else { 1 }
+    }
+}
+
 /// Which harmonics may sound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -198,7 +205,7 @@ impl Player {
 
     /// How many terms its items have.
     pub fn terms(&self) -> usize {
-        if self.playing.form == Form::HalfMask { 2 } else { 1 }
+        self.playing.form.terms()
     }
 
     /// An item at rest, with room for all that [`play`](Self::play) writes.

@@ -184,6 +184,23 @@ fn the_layers_of_a_caricature_dance_along() {
     let differences = still.iter().zip(&moved).map(|(a, b)| (a - b).abs());
     let largest = differences.fold(0.0, f32::max);
     assert!(largest > 0.03, "the layer changes the picture by {largest}");
+
+    // What is recorded is the mapping's own movement, with layers or without.
+    for form in ["filter", "modal", "half-mask"] {
+        let record = |name: &str, mesh: &str| {
+            let out = folder.path().join(name);
+            let rest = ["-k", "24", "--duration", "0.5", "--form", form, "--coefficients"];
+            assert_eq!(run(&[&["dance", mesh, wav][..], &rest, &[out.to_str().unwrap()]].concat()), 0);
+            out
+        };
+        let (plain, voiced) = (record("plain.npz", mesh), record("voiced.npz", path));
+        assert_eq!(array(&plain, "coefficients"), array(&voiced, "coefficients"));
+        let right = |path: &Path| {
+            let mut npz = npyz::npz::NpzArchive::open(path).unwrap();
+            npz.by_name("coefficients_right").unwrap().is_some()
+        };
+        assert_eq!((right(&plain), right(&voiced)), (form == "half-mask", form == "half-mask"));
+    }
 }
 
 /// A film drawn from the device's own buffers shows what one drawn from the processor's shows.

@@ -1,7 +1,8 @@
-//! The coefficients of every frame, for scripts.
+//! The coefficients of every frame, for scripts: those of the mapping, without voices.
 
 use std::path::Path;
 
+use chladni_music::Form;
 use chladni_synth::{Coefficients, Item};
 
 use crate::cli::npz::write_npz;
@@ -16,11 +17,12 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Adds the frame of `time_secs`.
-    pub fn push(&mut self, time_secs: f64, item: &Item) {
+    /// Adds the frame of `time_secs`, played in `form`.
+    pub fn push(&mut self, time_secs: f64, form: Form, item: &Item) {
         self.times_secs.push(time_secs);
-        self.terms.resize(item.terms.len().max(self.terms.len()), Vec::new());
-        for (values, term) in self.terms.iter_mut().zip(&item.terms) {
+        let own = &item.terms[..form.terms().min(item.terms.len())];
+        self.terms.resize(own.len().max(self.terms.len()), Vec::new());
+        for (values, term) in self.terms.iter_mut().zip(own) {
             match &term.coefficients {
                 Coefficients::Vector(c) => {
                     self.channels = 3;

@@ -132,7 +132,8 @@ impl Show {
         for frame in 0..frames {
             task.check()?;
             let (time_secs, _, items) = self.play(frame, seconds)?;
-            done.recording.push(time_secs, items.first().unwrap_or(&Item::default()));
+            let first = items.first().cloned().unwrap_or_default();
+            done.recording.push(time_secs, self.instrument.parameters().form, &first);
             stage.advance(1);
         }
         Ok(done)
@@ -159,10 +160,10 @@ impl Show {
         let mut guarding = 0.0;
         let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Failure> {
             let (time_secs, beat, items) = self.play(frame, seconds)?;
-            if recording {
-                done.recording.push(time_secs, items.first().unwrap_or(&Item::default()));
-            }
             let items = items.to_vec();
+            if let Some(first) = items.first().filter(|_| recording) {
+                done.recording.push(time_secs, self.instrument.parameters().form, first);
+            }
             // Full blending is the paper's: the mean of the exact and the rest normal.
             let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
             theatre.synthesize(&items, &FrameSettings { normal_blending }, seconds)?;
