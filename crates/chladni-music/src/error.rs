@@ -37,6 +37,9 @@ pub enum Error {
     /// Breeding needs two parents.
     #[error("breeding needs at least 2 chosen items: {0} chosen")]
     NotEnoughParents(usize),
+    /// More generations would not fit into memory.
+    #[error("no more than these {0} generations are kept: begin another gallery")]
+    TooManyGenerations(usize),
     /// A parameter out of its range.
     #[error("{name} = {value} is outside {range}")]
     OutOfRange {

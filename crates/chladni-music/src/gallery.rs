@@ -11,6 +11,10 @@ use crate::{Error, Mapping, direct_transfer};
 /// The sizes S a gallery may have.
 pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
 
+/// Curve values that all generations together may hold: half a gigabyte, weeks of breeding by hand.
+/// A session file or a controller breeds faster.
+const MOST_GENES: usize = 1 << 27;
+
 /// Names one item for good: no two items of a session share it.
 pub type ItemId = u32;
 
@@ -88,6 +92,8 @@ pub struct Gallery {
     next_id: ItemId,
     generations: Vec<Generation>,
     current: usize,
+    /// Curve values of all generations.
+    genes: usize,
 }
 
 impl Gallery {
@@ -105,7 +111,7 @@ impl Gallery {
         if i64::try_from(seed).is_err() {
             return Err(Error::OutOfRange { name: "seed", value: seed as f64, range: "[0, 2^63)".into() });
         }
-        let mut gallery = Self { seed, draws: 0, next_id, generations: Vec::new(), current: 0 };
+        let mut gallery = Self { seed, draws: 0, next_id, generations: Vec::new(), current: 0, genes: 0 };
         let mu = initial_mu(size, &mut gallery.rng());
         let items = initial_mappings(size, shape)
             .into_iter()
@@ -174,6 +180,7 @@ impl Gallery {
 
     /// A new generation: S children of random pairs of distinct chosen items; locked items stay.
     pub(crate) fn breed(&mut self) -> Result<(), Error> {
+        self.check_room()?;
         let parents: Vec<GalleryItem> = self.items().iter().filter(|i| i.chosen).cloned().collect();
         if parents.len() < 2 {
             return Err(Error::NotEnoughParents(parents.len()));
@@ -207,6 +214,7 @@ impl Gallery {
         if !(0.0..=1.0).contains(&amount) {
             return Err(Error::OutOfRange { name: "mutation", value: amount.into(), range: "[0, 1]".into() });
         }
+        self.check_room()?;
         let parent = self.item_mut(index)?.clone();
         let mapping = mutate(&parent.mapping, amount, &mut self.rng());
         let child = self.item(mapping, Origin::Mutated { parent: parent.id });
@@ -217,6 +225,7 @@ impl Gallery {
     /// A new generation in which one item is replaced by a mapping from elsewhere.
     pub(crate) fn load(&mut self, index: usize, name: &str, mapping: Mapping) -> Result<(), Error> {
         mapping.validate()?;
+        self.check_room()?;
         self.item_mut(index)?;
         let mut item = self.item(mapping, Origin::Loaded { name: name.to_owned() });
         item.name = name.to_owned();
@@ -230,7 +239,13 @@ impl Gallery {
         self.show_new(items);
     }
 
+    fn check_room(&self) -> Result<(), Error> {
+        if self.genes < MOST_GENES { Ok(()) } else { Err(Error::TooManyGenerations(self.generations.len())) }
+    }
+
     fn show_new(&mut self, items: Vec<GalleryItem>) {
+        let genes = |item: &GalleryItem| item.mapping.transfer.len() + item.mapping.amplification.len();
+        self.genes += items.iter().map(genes).sum::<usize>();
         self.generations.push(Generation { items, from: Some(self.current) });
         self.current = self.generations.len() - 1;
     }
@@ -365,6 +380,23 @@ mod tests {
             assert!(mu.contains(&0.0) && mu.contains(&1.0));
         }
         assert!(Gallery::new(3, 7, &shape()).is_err());
+    }
+
+    #[test]
+    fn generations_end_where_memory_would_and_begin_again_with_another_gallery() {
+        let mut gallery = Gallery::new(9, 6, &shape()).unwrap();
+        for genes in [6 * 384, 2 * 6 * 384] {
+            gallery.mutate(0, 0.5).unwrap();
+            assert_eq!(gallery.genes, genes);
+        }
+        gallery.genes = MOST_GENES;
+        let before = gallery.clone();
+        (0..3).for_each(|i| gallery.item_mut(i).unwrap().chosen = false);
+        assert!(matches!(gallery.breed(), Err(Error::TooManyGenerations(3))));
+        assert!(gallery.mutate(0, 0.5).is_err() && gallery.load(0, "", Mapping::rest(1, 1)).is_err());
+        assert_eq!(gallery, before);
+        gallery.go_to(1).unwrap();
+        assert!(gallery.restart(9, 6, &shape()).unwrap().mutate(0, 0.5).is_ok());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Presets and sessions as small text files.
 
+use std::io::Read;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
@@ -98,7 +99,7 @@ impl Preset {
 
     /// Reads a preset file of at most 16 MiB.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        Self::from_text(&read(path)?)
+        Self::from_text(&read(path, 16)?)
     }
 
     /// Writes a preset file whole or not at all.
@@ -160,9 +161,9 @@ impl Session {
         print("session", self)
     }
 
-    /// Reads a session file of at most 16 MiB.
+    /// Reads a session file of at most 64 MiB: hours of knobs that are turned all the time.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        Self::from_text(&read(path)?)
+        Self::from_text(&read(path, 64)?)
     }
 
     /// Writes a session file whole or not at all.
@@ -194,16 +195,18 @@ fn print<T: Serialize>(kind: &'static str, value: &T) -> Result<String, Error> {
     toml::to_string(value).map_err(|error| Error::Parse { kind, why: error.to_string() })
 }
 
-const MAX_BYTES: u64 = 16 << 20;
-
-fn read(path: &Path) -> Result<String, Error> {
+fn read(path: &Path, most_mib: u64) -> Result<String, Error> {
     let file = |why| Error::File { path: path.to_owned(), why };
-    let size = std::fs::metadata(path).map_err(file)?.len();
-    if size > MAX_BYTES {
-        let why = std::io::Error::new(std::io::ErrorKind::InvalidData, "larger than 16 MiB");
-        return Err(file(why));
+    let most = most_mib << 20;
+    let mut text = String::new();
+    // Not by what the system says of its size: a device or a pipe has none.
+    let source = std::fs::File::open(path).map_err(file)?;
+    source.take(most + 1).read_to_string(&mut text).map_err(file)?;
+    if text.len() as u64 > most {
+        let why = format!("larger than {most_mib} MiB");
+        return Err(file(std::io::Error::new(std::io::ErrorKind::InvalidData, why)));
     }
-    std::fs::read_to_string(path).map_err(file)
+    Ok(text)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Error> {

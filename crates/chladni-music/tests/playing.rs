@@ -261,3 +261,19 @@ fn the_limit_holds_where_it_is_not_probed() {
         assert!((0.1..0.18 * 1.3).contains(&share), "{form:?}: {share}");
     }
 }
+
+#[test]
+fn a_long_evening_is_read_again_and_what_never_ends_is_refused() {
+    let path = std::env::temp_dir().join(format!("chladni-evening-{}.toml", std::process::id()));
+    // More than 16 MiB: a knob that is turned 60 times a second for almost an hour.
+    let turn = "[[actions]]\nat_secs = 0.0\nat_beat = 0.0\ndo = \"set\"\nparameter = \"gain\"\nvalue = 1.5\n";
+    let text = format!("format_version = 1\nseed = 5\nsize = 6\n{}", turn.repeat((17 << 20) / turn.len()));
+    std::fs::write(&path, &text).unwrap();
+    assert!(Session::load(&path).unwrap().actions.len() > 190_000);
+    std::fs::write(&path, text.repeat(4)).unwrap();
+    assert!(Session::load(&path).unwrap_err().to_string().contains("larger than 64 MiB"));
+    std::fs::remove_file(&path).unwrap();
+    if cfg!(target_os = "linux") {
+        assert!(Preset::load(std::path::Path::new("/dev/zero")).is_err());
+    }
+}

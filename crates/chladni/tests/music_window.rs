@@ -266,6 +266,46 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     screenshot(&mut window, "window-music-reopened.png");
 }
 
+#[test]
+fn what_was_bred_goes_on_on_another_shape_and_favourites_are_asked_about_on_closing() {
+    let folder = tempfile::tempdir().unwrap();
+    let ball = folder.path().join("ball.obj");
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &ball).unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
+    let close = |window: &mut Window| {
+        for close in [true, false] {
+            let viewport = window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+            viewport.events.clear();
+            viewport.events.extend(close.then_some(egui::ViewportEvent::Close));
+            window.run_steps(2);
+        }
+        shows(window, "Save before closing?")
+    };
+    click(&mut window, "Dance 2");
+    click(&mut window, "Dance 5");
+    click_containing(&mut window, "Breed 2");
+    assert!(!close(&mut window), "nothing was marked");
+    window.get_by_label("Dance 3").hover();
+    window.run_steps(2);
+    window.key_press(Key::F);
+    window.run_steps(2);
+
+    answers.add(ball);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    window.run_steps(2);
+    wait(&mut window, "the ball", |w| !shows(w, "Opening"));
+    window.run_steps(2);
+    assert!(shows(&window, "2 / 2"));
+
+    assert!(close(&mut window) && shows(&window, "with one favourite"));
+    let session = folder.path().join("evening.toml");
+    answers.add(session.clone());
+    click(&mut window, "Save and close");
+    assert!(Session::load(&session).unwrap().actions.len() == 4);
+}
+
 /// Pictures of the room on usual screens, and that nothing on them hangs over their edge.
 #[test]
 fn the_room_fits_every_screen() {
@@ -404,6 +444,9 @@ fn what_cannot_be_opened_is_told_and_the_dance_goes_on() {
     std::fs::write(path("broken.mp3"), b"no music at all").unwrap();
     std::fs::write(path("broken.toml"), "format_version = 1\nname = 3\n").unwrap();
     std::fs::write(path("newer.toml"), "format_version = 99\n").unwrap();
+    let strange = "[[actions]]\nat_secs = 0.0\nat_beat = 0.0\ndo = \"dive\"\n";
+    std::fs::write(path("strange.toml"), format!("format_version = 1\nseed = 3\nsize = 6\n{strange}"))
+        .unwrap();
     std::fs::write(path("broken.obj"), "v 0 0 nan\nf 1 2 3\n").unwrap();
     let answers = Answers::default();
     let chooser = Box::new(answers.clone());
@@ -418,6 +461,7 @@ fn what_cannot_be_opened_is_told_and_the_dance_goes_on() {
         ("broken.mp3", "broken.mp3"),
         ("broken.toml", "broken.toml"),
         ("newer.toml", "99"),
+        ("strange.toml", "dive"),
         ("broken.obj", "broken.obj"),
         ("missing.obj", "missing.obj"),
     ] {

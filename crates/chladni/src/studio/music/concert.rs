@@ -55,6 +55,8 @@ pub struct Marks {
 /// Everything that moves on screen.
 pub struct Concert {
     instrument: Instrument,
+    /// So many lines of its log are in a file.
+    saved: usize,
     ensemble: Ensemble,
     synthesizer: AutoSynthesizer,
     viewport: Viewport,
@@ -102,6 +104,7 @@ impl Concert {
         let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
         Ok(Self {
             instrument,
+            saved: 0,
             ensemble,
             synthesizer: AutoSynthesizer::new(&context, model, Backend::Auto),
             topology,
@@ -198,8 +201,37 @@ impl Concert {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: self.ensemble.dancer().eigenvalues.clone(), bands };
         self.instrument = session.replay(shape).map_err(|error| error.to_string())?;
+        self.saved = self.instrument.log().len();
         self.view = View::Gallery;
         Ok(())
+    }
+
+    /// Does on this body all that was done on another.
+    pub fn go_on_from(&mut self, before: &Self) -> Result<(), String> {
+        self.replay(&Session::of(&before.instrument, ""))?;
+        self.saved = before.saved;
+        Ok(())
+    }
+
+    /// All that was done is in a file now.
+    pub fn is_saved(&mut self) {
+        self.saved = self.instrument.log().len();
+    }
+
+    /// Whether dances that were marked, named or drawn by hand are in no file.
+    pub fn has_unsaved_work(&self) -> bool {
+        let by_hand = |action: &Action| {
+            matches!(
+                action,
+                Action::Favourite { .. }
+                    | Action::Rename { .. }
+                    | Action::SetTransfer { .. }
+                    | Action::SetAmplification { .. }
+                    | Action::SetStereoMu { .. }
+                    | Action::SetItemGain { .. }
+            )
+        };
+        self.instrument.log().iter().skip(self.saved).any(|line| by_hand(&line.action))
     }
 
     /// The item that keys act on.

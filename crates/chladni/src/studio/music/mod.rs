@@ -199,6 +199,26 @@ impl Room for MusicRoom {
         self.concert.as_ref().is_some_and(Concert::on_stage)
     }
 
+    fn unsaved(&self) -> Option<String> {
+        let concert = self.concert.as_ref().filter(|concert| concert.has_unsaved_work())?;
+        let favourites = match concert.instrument().favourites().len() {
+            0 => "dances that were changed by hand".to_owned(),
+            1 => "one favourite".to_owned(),
+            count => format!("{count} favourites"),
+        };
+        Some(format!("The session of the music room, with {favourites}, is not saved."))
+    }
+
+    fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
+        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return true };
+        let saved =
+            if concert.has_unsaved_work() { save_session(concert, listening, shared) } else { Ok(true) };
+        saved.unwrap_or_else(|why| {
+            shared.notices.error(why);
+            false
+        })
+    }
+
     fn extensions(&self) -> Vec<&'static str> {
         [TEXT].into_iter().chain(SONGS).collect()
     }
@@ -285,7 +305,11 @@ impl MusicRoom {
             Ok(preset) => take(concert, preset),
             Err(not_preset) => match Session::load(path) {
                 Ok(session) => concert.replay(&session),
-                Err(_) => Err(format!("{}: {not_preset}", path.display())),
+                Err(not_session) => {
+                    let unread = matches!(not_preset, chladni_music::Error::File { .. });
+                    let why = if !unread && is_like_a_session(path) { not_session } else { not_preset };
+                    Err(format!("{}: {why}", path.display()))
+                }
             },
         };
         if let Err(why) = opened {
@@ -300,7 +324,12 @@ impl MusicRoom {
                 for warning in &ready.warnings {
                     shared.notices.warn(warning.clone());
                 }
-                match Concert::new(shared.gpu, ready) {
+                let concert = Concert::new(shared.gpu, ready).and_then(|mut concert| {
+                    // Another shape dances what was bred on the one before.
+                    self.concert.as_ref().map_or(Ok(()), |before| concert.go_on_from(before))?;
+                    Ok(concert)
+                });
+                match concert {
                     Ok(concert) => self.concert = Some(concert),
                     Err(why) => self.refuse(why, shared),
                 }
@@ -451,14 +480,12 @@ impl MusicRoom {
             Wish::SavePreset(item) => match concert.instrument().item(item) {
                 Some(item) => {
                     let preset = Preset::of(concert.instrument(), item, Vec::new());
-                    save_as("dance.toml", shared, |path| preset.save(path).map_err(|why| why.to_string()))
+                    let save = |path: &Path| preset.save(path).map_err(|why| why.to_string());
+                    save_as("dance.toml", shared, save).map(drop)
                 }
                 None => Ok(()),
             },
-            Wish::SaveSession => {
-                let session = Session::of(concert.instrument(), &listening.session_song());
-                save_as("session.toml", shared, |path| session.save(path).map_err(|why| why.to_string()))
-            }
+            Wish::SaveSession => save_session(concert, listening, shared).map(drop),
             Wish::Open | Wish::AddSongs => Ok(()),
         };
         if let Err(why) = done {
@@ -484,6 +511,12 @@ fn means(shared: &Shared<'_>) -> loading::Means {
     }
 }
 
+/// Whether a text that is neither a preset nor a session was rather meant as the latter.
+fn is_like_a_session(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("actions") || table.contains_key("size"))
+}
+
 /// A preset goes where nothing is lost that was chosen or loved: the last such place. The
 /// generation before stays as it was.
 fn take(concert: &mut Concert, preset: Preset) -> Result<(), String> {
@@ -496,16 +529,31 @@ fn take(concert: &mut Concert, preset: Preset) -> Result<(), String> {
     concert.act(Action::Load { item, name: preset.name, mapping: preset.mapping })
 }
 
+/// False where the person thinks better of it.
+fn save_session(
+    concert: &mut Concert,
+    listening: &Listening,
+    shared: &mut Shared<'_>,
+) -> Result<bool, String> {
+    let session = Session::of(concert.instrument(), &listening.session_song());
+    let save = |path: &Path| session.save(path).map_err(|why| why.to_string());
+    let saved = save_as("session.toml", shared, save)?;
+    if saved {
+        concert.is_saved();
+    }
+    Ok(saved)
+}
+
+/// False where the person thinks better of it.
 fn save_as(
     name: &str,
     shared: &mut Shared<'_>,
     save: impl FnOnce(&Path) -> Result<(), String>,
-) -> Result<(), String> {
-    if let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new(name)) {
-        save(&path)?;
-        shared.notices.done(format!("Saved {}", path.display()));
-    }
-    Ok(())
+) -> Result<bool, String> {
+    let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new(name)) else { return Ok(false) };
+    save(&path)?;
+    shared.notices.done(format!("Saved {}", path.display()));
+    Ok(true)
 }
 
 fn extension(path: &Path) -> String {
