@@ -29,7 +29,7 @@ pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &[Bar]) -> 
     let size = vec2(ui.available_width(), 150.0);
     let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve"));
-    let plot = Rect::from_min_max(rect.min + vec2(26.0, 10.0), rect.max - vec2(10.0, 20.0));
+    let plot = plot_in(rect);
     let before = curve.clone();
     match pen {
         Pen::Points => drag_points(ui, &response, plot, curve),
@@ -50,6 +50,11 @@ pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &[Bar]) -> 
     response
 }
 
+/// The curve's own place, without its scales.
+fn plot_in(rect: Rect) -> Rect {
+    Rect::from_min_max(rect.min + vec2(26.0, 10.0), rect.max - vec2(10.0, 20.0))
+}
+
 fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve) {
     let held_id = response.id.with("held");
     let nearest = |curve: &ScaleCurve, at: Pos2| {
@@ -66,6 +71,8 @@ fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve)
         return;
     }
     if response.drag_started_by(egui::PointerButton::Primary) || response.clicked() {
+        // A drag is noticed some way from where it began.
+        let at = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
         let [u, gain] = from_screen(plot, at);
         let held = nearest(curve, at).unwrap_or_else(|| curve.set_point(u, gain, 0.0));
         ui.data_mut(|data| data.insert_temp(held_id, held));
@@ -74,13 +81,20 @@ fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve)
         && let Some(held) = ui.data(|data| data.get_temp::<usize>(held_id))
         && held < curve.points.len()
     {
-        // A point stays between its neighbours, so that the curve remains a function.
-        let gap = 1e-3;
-        let low = if held > 0 { curve.points[held - 1][0] + gap } else { 0.0 };
-        let high = curve.points.get(held + 1).map_or(1.0, |next| next[0] - gap);
         let [u, gain] = from_screen(plot, at);
-        curve.points[held] = [u.clamp(low, high.max(low)), gain];
+        curve.points[held] = [between_neighbours(&curve.points, held, u), gain];
     }
+}
+
+/// How near two points may come.
+const GAP: f64 = 1e-3;
+
+/// `u` for point `held`, kept between its neighbours so that the curve remains a function; where
+/// they leave no room it stays.
+fn between_neighbours(points: &[[f64; 2]], held: usize, u: f64) -> f64 {
+    let low = if held > 0 { points[held - 1][0] + GAP } else { 0.0 };
+    let high = points.get(held + 1).map_or(1.0, |next| next[0] - GAP);
+    if low <= high { u.clamp(low, high) } else { points[held][0] }
 }
 
 fn draw_freely(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve) {
@@ -184,6 +198,8 @@ fn from_screen(plot: Rect, at: Pos2) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
 
     #[test]
     fn screen_and_curve_agree() {
@@ -192,5 +208,50 @@ mod tests {
             let back = from_screen(plot, to_screen(plot, point));
             assert!((back[0] - point[0]).abs() < 1e-6 && (back[1] - point[1]).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn a_quick_hand_moves_the_point_it_took_hold_of() {
+        let panel = |ui: &mut Ui, curve: &mut ScaleCurve| drop(edit(ui, curve, Pen::Points, &[]));
+        let mut window =
+            Harness::builder().with_size(vec2(340.0, 190.0)).build_ui_state(panel, ScaleCurve::mid());
+        let plot = plot_in(window.get_by_label("Scale curve").rect());
+        let button = |pos, pressed| egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        };
+        let grip = to_screen(plot, ScaleCurve::mid().points[2]);
+        let there = grip + vec2(20.0, 30.0);
+        window.hover_at(grip);
+        window.run_steps(1);
+        window.event(button(grip, true));
+        window.run_steps(1);
+        for at in [there, there] {
+            window.hover_at(at);
+            window.run_steps(1);
+        }
+        window.event(button(there, false));
+        window.run_steps(1);
+        let (before, after) = (ScaleCurve::mid().points, &window.state().points);
+        assert_eq!(after.len(), before.len());
+        assert_eq!((&after[..2], &after[3..]), (&before[..2], &before[3..]));
+        assert!(to_screen(plot, after[2]).distance(there) < 0.01);
+    }
+
+    #[test]
+    fn a_point_stays_where_its_neighbours_leave_no_room() {
+        let mut curve = ScaleCurve { points: vec![[0.0, 1.0], [0.9995, 1.0], [1.0, 1.0]], residual: 1.0 };
+        for held in 0..3 {
+            for u in [0.0, 0.5, 1.0] {
+                curve.points[held][0] = between_neighbours(&curve.points, held, u);
+                curve.validate().unwrap();
+            }
+        }
+        let wide = [[0.2, 1.0], [0.5, 1.0], [0.8, 1.0]];
+        assert_eq!(between_neighbours(&wide, 1, 0.6), 0.6);
+        assert_eq!(between_neighbours(&wide, 1, 0.1), 0.2 + GAP);
+        assert_eq!(between_neighbours(&wide, 2, 2.0), 1.0);
     }
 }
