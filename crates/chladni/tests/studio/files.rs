@@ -131,6 +131,24 @@ fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
     person.wait_to_see("Layer template");
 }
 
+#[test]
+fn a_project_is_saved_under_a_name_that_opens_again() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.click_button("Add");
+    person.click("Own size");
+    desk.answers.add(desk.path("igea 1.2"));
+    person.press_with(CTRL, Key::S);
+    assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 1);
+    // Saved again, it keeps its name.
+    person.click_button("Add");
+    person.click("Own size");
+    person.press_with(CTRL, Key::S);
+    assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 2);
+    assert!(!desk.path("igea 1.2").exists());
+}
+
 /// `chladni open shape.obj template.obj` in a terminal, and the project saved elsewhere.
 #[test]
 fn files_named_from_the_current_folder_are_found_wherever_the_project_is_saved() {

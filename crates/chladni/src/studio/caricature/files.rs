@@ -50,7 +50,19 @@ impl Candidate {
 
 /// Whether `path` is named like a project.
 pub fn is_project(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == PROJECT)
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PROJECT))
+}
+
+/// `path` named like a project, else it could not be opened again: `igea 1.2` has an extension,
+/// but not ours.
+fn as_project(path: PathBuf) -> PathBuf {
+    if is_project(&path) {
+        return path;
+    }
+    let mut name = path.into_os_string();
+    name.push(".");
+    name.push(PROJECT);
+    name.into()
 }
 
 impl CaricatureRoom {
@@ -174,7 +186,7 @@ impl CaricatureRoom {
         let known = session.path.clone().filter(|_| !ask);
         let suggested = session.beside(PROJECT);
         let path = known.or_else(|| shared.chooser.save(&[("Chladni project", &[PROJECT])], &suggested));
-        let Some(path) = path else { return false };
+        let Some(path) = path.map(as_project) else { return false };
         match save_to(session, &path) {
             Ok(()) => {
                 shared.settings.remember(&path);
