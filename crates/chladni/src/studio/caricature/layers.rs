@@ -57,9 +57,12 @@ impl LayerList {
             row.dnd_set_drag_payload(*id);
             if let Some(dragged) = row.dnd_release_payload::<LayerId>() {
                 dropped = Some((*dragged, index));
-            } else if row.dnd_hover_payload::<LayerId>().is_some() {
+            } else if let Some(dragged) = row.dnd_hover_payload::<LayerId>() {
+                // What comes from above goes below this row.
+                let from_above = project.layers()[index..].iter().any(|(id, _)| id == &*dragged);
+                let y = if from_above { row.rect.bottom() + 3.0 } else { row.rect.top() - 3.0 };
                 let line = egui::Stroke::new(2.0, theme::palette(ui).accent);
-                ui.painter().hline(row.rect.x_range(), row.rect.top() - 3.0, line);
+                ui.painter().hline(row.rect.x_range(), y, line);
             }
         }
         if let Some((layer, index)) = dropped {
