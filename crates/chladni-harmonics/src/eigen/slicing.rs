@@ -223,9 +223,11 @@ impl Found {
             self.runs.push(pairs);
             return true;
         }
-        // A small pivot far from any eigenvalue costs digits: another shift has others.
+        // A shift beside many eigenvalues, or a small pivot far from any, costs digits.
         self.runs.clear();
-        self.slice.shift += (self.slice.high - self.slice.low) * 0.011 * f64::from(attempt);
+        let (shift, width) = (self.slice.shift, self.slice.high - self.slice.low);
+        self.slice.shift = quiet_place(&pairs.values, shift, 0.25 * width, attempt as usize)
+            .unwrap_or(shift + width * 0.011 * f64::from(attempt));
         false
     }
 
@@ -236,22 +238,41 @@ impl Found {
             values.filter(|l| (**l < slice.shift) == below).count()
         };
         let from_zero = slice.low == 0.0;
-        Window {
-            below: if from_zero {
-                Reach::Count((self.below_shift).saturating_sub(ZEROS + known(true)))
-            } else {
-                Reach::Beyond(slice.low)
-            },
-            above: if slice.top {
-                Reach::Count(count.saturating_sub(self.below_shift + known(false)))
-            } else {
-                Reach::Beyond(slice.high)
-            },
-            from_zero,
-            width: slice.high - slice.low,
-            expected: if self.runs.is_empty() { slice.expected } else { slice.expected / 2 },
-        }
+        // Whoever looks for what another run has missed looks beyond the ends.
+        let ends = slice.ends.filter(|_| self.runs.is_empty());
+        let below = if from_zero {
+            Reach::Count(self.below_shift.saturating_sub(ZEROS + known(true)))
+        } else {
+            ends.map_or(Reach::Beyond(slice.low), |(low, _)| {
+                Reach::Count(self.below_shift.saturating_sub(low).max(1))
+            })
+        };
+        let above = if slice.top {
+            Reach::Count(count.saturating_sub(self.below_shift + known(false)))
+        } else {
+            ends.map_or(Reach::Beyond(slice.high), |(_, high)| {
+                Reach::Count(high.saturating_sub(self.below_shift).max(1))
+            })
+        };
+        let expected = if self.runs.is_empty() { slice.expected } else { slice.expected / 2 };
+        Window { below, above, from_zero, width: slice.high - slice.low, expected }
     }
+}
+
+/// The place nearest to `shift` in the middle half of the widest gap between `values`, or, by its
+/// `number` from 1, of another one in order of width. Gaps further than `reach`, and the one that
+/// `shift` is in the middle of, do not count.
+fn quiet_place(values: &[f64], shift: f64, reach: f64, number: usize) -> Option<f64> {
+    let mut gaps: Vec<(f64, f64)> = values
+        .windows(2)
+        .map(|pair| {
+            let width = pair[1] - pair[0];
+            (width, shift.max(pair[0] + 0.25 * width).min(pair[1] - 0.25 * width))
+        })
+        .filter(|(_, place)| *place != shift && (place - shift).abs() <= reach)
+        .collect();
+    gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
+    gaps.get(number.checked_sub(1)?).map(|gap| gap.1)
 }
 
 /// Largest ‖S h − λ M h‖ / ‖S h‖, as measured rather than estimated.

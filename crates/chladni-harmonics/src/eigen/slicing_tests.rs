@@ -4,6 +4,9 @@ use super::*;
 use crate::Operator;
 use chladni_mesh::TriMesh;
 
+#[path = "../../tests/shapes/mod.rs"]
+mod shapes;
+
 /// A bumpy torus: no symmetry, one component.
 fn torus(around: u32, across: u32) -> TriMesh {
     use std::f64::consts::TAU;
@@ -118,4 +121,36 @@ fn polishing_takes_rough_errors_out_of_the_lowest_pairs() {
     for (polished, exact) in polished.values.iter().zip(&exact) {
         assert!((polished / exact - 1.0).abs() < 1e-12, "{polished} {exact}");
     }
+}
+
+#[test]
+fn where_eigenvalues_come_in_clumps_slices_know_how_many_are_theirs() {
+    let ends = |mesh: &TriMesh| {
+        let operator = Operator::of(mesh).unwrap();
+        let problem = Problem::of(Pencil::of(&operator));
+        let exact = operator.dense_eigenvalues().unwrap();
+        let slices = plan(&problem, 200, &mut Profile::default(), &Task::new()).unwrap();
+        for (slice, _) in &slices {
+            let below = |lambda: f64| exact[1..].partition_point(|l| *l < lambda) + 1;
+            if let Some((low, high)) = slice.ends {
+                assert_eq!(low, below(slice.low));
+                assert!(slice.top || high == below(slice.high));
+            }
+        }
+        slices.iter().all(|(slice, _)| slice.ends.is_some())
+    };
+    // Clumps of 2 l + 1, and a shape that has none.
+    assert!(ends(&shapes::icosphere(3)));
+    assert!(!ends(&torus(40, 20)));
+}
+
+#[test]
+fn a_shift_that_has_to_move_moves_to_a_wide_gap() {
+    let values = [1.0, 2.0, 2.125, 2.25, 3.0, 3.125, 5.125];
+    assert_eq!(quiet_place(&values, 2.12, 1.0, 1), Some(1.75));
+    assert_eq!(quiet_place(&values, 2.12, 1.0, 2), Some(2.4375));
+    // The middle of the widest gap is where it is already, or there is none so near.
+    assert_eq!(quiet_place(&values, 4.0, 0.5, 1), None);
+    assert_eq!(quiet_place(&values, 4.0, 1.5, 1), Some(2.8125));
+    assert_eq!(quiet_place(&[], 4.0, 1.5, 1), None);
 }
