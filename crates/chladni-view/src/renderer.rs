@@ -176,7 +176,8 @@ impl Renderer {
             pass.set_viewport(x as f32, y as f32, size as f32, size as f32, 0.0, 1.0);
             pass.set_scissor_rect(x, y, size, size);
             pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
-            for (i, figure) in cell.figures.iter().enumerate().filter(|(_, figure)| figure.opacity >= 1.0) {
+            let solid = |figure: &Figure<'_>| figure.opacity >= 1.0 && figure.topology.triangles > 0;
+            for (i, figure) in cell.figures.iter().enumerate().filter(|(_, figure)| solid(figure)) {
                 let shadow = Kind::new(Part::Shadow, Samples::One);
                 pass.set_pipeline(self.pipelines.get(&self.gpu.device, shadow));
                 pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
@@ -196,6 +197,10 @@ impl Renderer {
     ) {
         let Figure { topology, buffers, .. } = figure;
         let corners = 3 * topology.triangles as u32;
+        // No part of a buffer may be empty.
+        if corners == 0 {
+            return;
+        }
         let coat = match figure.paint {
             _ if figure.wire.is_some() => Coat::Corners,
             Paint::Skin(_) => Coat::Corners,

@@ -5,8 +5,8 @@ use std::str::FromStr;
 /// How often a pixel is sampled, and with it how edges become smooth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Samples {
-    /// Once. Edges are found in the finished picture and smoothed there (Lottes, FXAA, 2009), and
-    /// shapes that are closed are drawn from outside only. Several times faster on a software device.
+    /// Once. Edges are found in the finished picture and smoothed there (Lottes, FXAA, 2009).
+    /// Several times faster on a software device.
     One,
     /// Four times, by the device.
     #[default]

@@ -280,6 +280,7 @@ fn what_does_not_fit_is_an_error() {
     // No triangle, no extent, no number: a picture of the background all the same.
     assert!(ask(shape(&[]), 8).is_ok());
     assert!(ask(shape(&[[0, 1, 2]]), 8).is_ok());
+    assert!(ask(PictureShape::default(), 8).is_ok());
     let broken = [[f32::NAN, 0.0, 0.0], [f32::INFINITY; 3], [0.0; 3]];
     assert!(ask(PictureShape { positions: &broken, ..shape(&[[0, 1, 2]]) }, 8).is_ok());
     gpu.check().unwrap();

@@ -1,6 +1,6 @@
 //! The playlist, and which stretch of the ring is which stretch of which song.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
 
 use super::handle::Repeat;
@@ -28,9 +28,12 @@ impl Playlist {
     /// Where each song lies in another list: in its old place if it is still there, else in the
     /// first place of the same file.
     pub fn places_in(&self, songs: &[PathBuf]) -> Vec<Option<usize>> {
+        // A list may be long, and the sound waits for this.
+        let mut first = HashMap::new();
+        songs.iter().enumerate().rev().for_each(|(i, song)| drop(first.insert(song, i)));
         let place = |(i, old): (usize, &PathBuf)| match songs.get(i) {
             Some(same) if same == old => Some(i),
-            _ => songs.iter().position(|new| new == old),
+            _ => first.get(old).copied(),
         };
         self.songs.iter().enumerate().map(place).collect()
     }

@@ -26,7 +26,7 @@ pub struct Listening {
     right: Vec<f32>,
     last_secs: f64,
     last_position_secs: f64,
-    beats_gone: f64,
+    beats: BeatCount,
     levels: [Level; 2],
     songs: Vec<PathBuf>,
     repeat: Repeat,
@@ -52,6 +52,22 @@ impl Level {
         let fallen = before.peak * 0.1f32.powf(dt_secs as f32);
         let rms = (square / samples.len().max(1) as f32).sqrt();
         Self { peak: peak.max(if fallen > 1e-3 { fallen } else { 0.0 }), rms }
+    }
+}
+
+/// Beats gone by. A tracker thinks better of a phase now and then; what the beat has moved must not
+/// fly back for that.
+#[derive(Clone, Copy, Debug, Default)]
+struct BeatCount {
+    gone: f64,
+    shown: f64,
+}
+
+impl BeatCount {
+    /// With the place within the present beat; never less than before.
+    fn at(&mut self, phase: f64) -> f64 {
+        self.shown = self.shown.max(self.gone + phase.clamp(0.0, 1.0));
+        self.shown
     }
 }
 
@@ -92,7 +108,7 @@ impl Listening {
             right: Vec::new(),
             last_secs: 0.0,
             last_position_secs: 0.0,
-            beats_gone: 0.0,
+            beats: BeatCount::default(),
             levels: [Level::default(); 2],
             songs: vec![tune.clone()],
             repeat: Repeat::Off,
@@ -276,7 +292,7 @@ impl Listening {
         self.levels = std::array::from_fn(|side| Level::of(heard[side], self.levels[side], dt_secs));
         let moment = self.follower.moment();
         let beat = Beat {
-            count: self.beats_gone + moment.phase.clamp(0.0, 1.0),
+            count: self.beats.at(moment.phase),
             confidence: if playing { moment.confidence as f32 } else { 0.0 },
         };
         let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
@@ -355,12 +371,26 @@ impl Listening {
 
     fn count_beats(&mut self) {
         while self.follower.take_beat().is_some() {
-            self.beats_gone += 1.0;
+            self.beats.gone += 1.0;
         }
     }
 
     /// After a seek the old beat means nothing; a tracker that cannot start over goes on as it is.
     fn forget_beat(&mut self) {
         let _ = self.follower.reset();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beats_never_go_back() {
+        let mut beats = BeatCount::default();
+        // The tracker takes a beat back that it had not announced yet.
+        assert_eq!([0.5, 0.99, 0.02, 0.6].map(|phase| beats.at(phase)), [0.5, 0.99, 0.99, 0.99]);
+        beats.gone += 1.0;
+        assert_eq!([0.05, 0.5].map(|phase| beats.at(phase)), [1.05, 1.5]);
     }
 }
