@@ -29,8 +29,7 @@ impl Playlist {
     /// first place of the same file.
     pub fn places_in(&self, songs: &[PathBuf]) -> Vec<Option<usize>> {
         // A list may be long, and the sound waits for this.
-        let mut first = HashMap::new();
-        songs.iter().enumerate().rev().for_each(|(i, song)| drop(first.insert(song, i)));
+        let first: HashMap<&PathBuf, usize> = (0..songs.len()).rev().map(|i| (&songs[i], i)).collect();
         let place = |(i, old): (usize, &PathBuf)| match songs.get(i) {
             Some(same) if same == old => Some(i),
             _ => first.get(old).copied(),
