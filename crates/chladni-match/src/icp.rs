@@ -7,12 +7,12 @@
 use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
+use crate::Similarity;
 use crate::eigen::solve_small;
 use crate::field::Field;
 use crate::relief::{Correlation, RADIUS, Relief};
 use crate::samples::Sample;
 use crate::surface::Surface;
-use crate::{Scaling, Similarity};
 
 /// A surface to align, what is sampled of it, and its coarse look-up.
 pub(crate) struct Sampled<'a> {
@@ -89,7 +89,6 @@ pub(crate) struct Schedule {
     /// Weight of the point-to-point part of the residual.
     pub point_weight: f64,
     pub look: Look,
-    pub scaling: Scaling,
 }
 
 /// A template point (template coordinates), the shape point it is drawn to, both normals.
@@ -187,16 +186,13 @@ fn improve(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Optio
     for i in 0..7 {
         system.matrix[i][i] += size * 1e-9;
     }
-    if schedule.scaling == Scaling::Rigid {
-        system.matrix[6][6] += size * 1e9;
-    }
     let x = solve_small(system.matrix, system.right)?;
     let mut turn = DVec3::new(x[0], x[1], x[2]);
     turn *= (0.5 / turn.length()).min(1.0); // no more than half a radian at once
     let shift = DVec3::new(x[3], x[4], x[5]);
     let growth = x[6].clamp(-0.25, 0.25);
     let rotation = DMat3::from_quat(DQuat::from_scaled_axis(turn));
-    let scale = if schedule.scaling == Scaling::Rigid { 1.0 } else { growth.exp() };
+    let scale = growth.exp();
     let about = Similarity::new(scale, rotation, center + shift - rotation * center * scale);
     let moved = turn.length() + shift.length() + growth.abs();
     let next = orthonormal(&pose.then(&about));

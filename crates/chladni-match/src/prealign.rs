@@ -41,7 +41,7 @@ const fn sieve(
     point_weight: f64,
     judge: (usize, f64),
 ) -> Sieve {
-    let schedule = Schedule { samples, iterations, reach, point_weight, look, scaling: Scaling::Free };
+    let schedule = Schedule { samples, iterations, reach, point_weight, look };
     Sieve { keep, schedule, judge }
 }
 

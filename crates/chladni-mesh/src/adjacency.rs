@@ -78,20 +78,6 @@ pub fn vertex_neighbors(vertex_count: usize, triangles: &[[u32; 3]]) -> Rows {
     rows
 }
 
-/// For each triangle its neighbour across the edges (0,1), (1,2), (2,0): `None` where the edge
-/// is a boundary or where more than two triangles meet.
-pub fn triangle_neighbors(triangles: &[[u32; 3]]) -> Vec<[Option<u32>; 3]> {
-    let mut neighbors = vec![[None; 3]; triangles.len()];
-    let sides = sorted_half_edges(triangles.iter().map(|t| &t[..]));
-    for edge in sides.chunk_by(|a, b| a.ends == b.ends) {
-        if let [a, b] = edge {
-            neighbors[a.face as usize][a.side as usize] = Some(b.face);
-            neighbors[b.face as usize][b.side as usize] = Some(a.face);
-        }
-    }
-    neighbors
-}
-
 /// One side of one face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct HalfEdge {
@@ -99,8 +85,6 @@ pub(crate) struct HalfEdge {
     pub ends: [u32; 2],
     /// The face it belongs to.
     pub face: u32,
-    /// Which side of the face: from corner `side` to the next.
-    pub side: u32,
     /// Whether the face runs from the lesser to the greater vertex.
     pub forward: bool,
 }
@@ -111,9 +95,9 @@ pub(crate) fn sorted_half_edges<'a>(faces: impl Iterator<Item = &'a [u32]>) -> V
     let mut sides = Vec::new();
     for (corners, face) in faces.zip(0_u32..) {
         let next = corners.iter().cycle().skip(1);
-        for ((&a, &b), side) in corners.iter().zip(next).zip(0_u32..) {
+        for (&a, &b) in corners.iter().zip(next) {
             if a != b {
-                sides.push(HalfEdge { ends: [a.min(b), a.max(b)], face, side, forward: a < b });
+                sides.push(HalfEdge { ends: [a.min(b), a.max(b)], face, forward: a < b });
             }
         }
     }
@@ -126,16 +110,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_triangles_and_a_third_on_their_edge() {
+    fn two_triangles_touch_along_an_edge() {
         let pair = [[0, 1, 2], [2, 1, 3]];
-        assert_eq!(triangle_neighbors(&pair), [[None, Some(1), None], [Some(0), None, None]]);
         let rows = vertex_neighbors(4, &pair);
         assert_eq!(rows.row(0), [1, 2]);
         assert_eq!(rows.row(1), [0, 2, 3]);
         let around = vertex_triangles(5, &pair);
         assert_eq!(around.row(2), [0, 1]);
         assert_eq!(around.row(4), [0_u32; 0]);
-        let fan = [[0, 1, 2], [2, 1, 3], [1, 2, 4]];
-        assert!(triangle_neighbors(&fan).iter().flatten().all(Option::is_none));
     }
 }

@@ -50,37 +50,14 @@ pub fn total_area(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     triangles.iter().map(|t| 0.5 * length(doubled_area_normal(corners(positions, t)))).sum()
 }
 
-/// Unit normal of each vertex: the mean of its triangles' normals weighted by their areas;
-/// zero where a vertex has no triangle with an area.
-///
-/// # Panics
-/// If a triangle names a vertex that is not there.
-pub fn vertex_normals(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
-    let mut normals = vec![[0.0; 3]; positions.len()];
-    for triangle in triangles {
-        let n = doubled_area_normal(corners(positions, triangle));
-        for &v in triangle {
-            normals[v as usize] = add(normals[v as usize], n);
-        }
-    }
-    for n in &mut normals {
-        *n = unit(*n);
-    }
-    normals
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_tetrahedron_corner_looks_outward() {
+    fn a_tetrahedron_has_its_area() {
         let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [7.0; 3]];
         let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         assert!((total_area(&positions, &triangles) - (1.5 + 0.75_f64.sqrt())).abs() < 1e-15);
-        let normals = vertex_normals(&positions, &triangles);
-        let s = -(1.0 / 3.0_f64).sqrt();
-        assert!((0..3).all(|i| (normals[0][i] - s).abs() < 1e-15));
-        assert_eq!(normals[4], [0.0; 3]);
     }
 }

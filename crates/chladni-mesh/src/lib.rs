@@ -44,12 +44,12 @@ pub mod samples;
 mod weld;
 mod write;
 
-pub use adjacency::{Rows, triangle_neighbors, vertex_neighbors, vertex_triangles};
+pub use adjacency::{Rows, vertex_neighbors, vertex_triangles};
 pub use appearance::{Appearance, CornerUvs, Material, Texture};
 pub use error::{MeshError, Place};
 pub use format::Format;
 pub use frame::Frame;
-pub use geometry::{total_area, vertex_normals};
+pub use geometry::total_area;
 pub use health::{HealthReport, Topology, Welded};
 pub use mesh::TriMesh;
 pub use read::{Loaded, Mended, load_mesh, read_mesh};

@@ -42,30 +42,6 @@ impl SynthModel {
         Ok(Self { rest_positions, rest_normals, rings, basis })
     }
 
-    /// The same harmonics and triangles on other rest positions (N, working frame), as when a
-    /// result becomes the new shape. Shares the packed basis.
-    ///
-    /// Fails if the number of positions differs or one is NaN or infinite.
-    pub fn with_rest_positions(
-        &self,
-        positions: &[[f64; 3]],
-        triangles: &[[u32; 3]],
-    ) -> Result<Self, SynthError> {
-        let vertices = self.vertices();
-        if positions.len() != vertices {
-            return Err(SynthError::SignalLength {
-                item: 0,
-                term: 0,
-                what: "rest shape",
-                found: positions.len(),
-                vertices,
-            });
-        }
-        let rings = Arc::new(Rings::new(vertices, triangles)?);
-        let (rest_positions, rest_normals) = rest(positions, triangles)?;
-        Ok(Self { rest_positions, rest_normals, rings, basis: Arc::clone(&self.basis) })
-    }
-
     /// N, the number of vertices of every item.
     pub fn vertices(&self) -> usize {
         self.rest_positions.len()
