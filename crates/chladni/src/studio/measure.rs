@@ -56,7 +56,7 @@ pub struct Stage {
     pub items: usize,
     /// Vertices of each.
     pub vertices: usize,
-    /// Those of them that the gallery draws.
+    /// How many of them were drawn, in the mean of all shapes.
     pub drawn_vertices: usize,
 }
 

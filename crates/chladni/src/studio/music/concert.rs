@@ -5,12 +5,12 @@ use chladni_music::{
     Switch, Veil, react,
 };
 use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, GpuContext, SynthModel, Synthesizer};
-use chladni_view::{Camera, Cell, Figure, ItemBuffers, Rect, Topology, layout};
+use chladni_view::{Camera, Cell, Figure, Gpu, ItemBuffers, Rect, Topology, layout};
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Ui};
 
 use super::close_up::{self, Draft};
-use super::coarse::Coarse;
+use super::coarse::{self, Level};
 use super::gallery;
 use super::glimpse::Glimpse;
 use super::harmonics::Harmonics;
@@ -61,8 +61,12 @@ pub struct Concert {
     synthesizer: AutoSynthesizer,
     viewport: Viewport,
     topology: Topology,
-    /// For cells of the gallery where the processor draws.
-    coarse: Option<Coarse>,
+    /// For small cells where the processor draws, from fine to coarse.
+    levels: Vec<(Level, Topology)>,
+    /// How many harmonics of each item are seen, where there are levels.
+    seen: Vec<usize>,
+    /// Vertices that were drawn of a shape, in the mean.
+    drawn_vertices: usize,
     rest: Vec<[f32; 3]>,
     /// What has to fit into a cell, for a limit of displacement.
     room: (f32, Vec<[f32; 3]>),
@@ -99,7 +103,7 @@ impl Concert {
             Topology::new(gpu, model.vertices(), &ready.body.triangles).map_err(|error| error.to_string())?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
-        let coarse = ready.coarse.map(|triangles| Coarse::new(gpu, rest.len(), triangles)).transpose()?;
+        let levels = on_device(gpu, rest.len(), ready.levels)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
         Ok(Self {
@@ -108,7 +112,9 @@ impl Concert {
             ensemble,
             synthesizer: AutoSynthesizer::new(&context, model, Backend::Auto),
             topology,
-            coarse,
+            levels,
+            seen: Vec::new(),
+            drawn_vertices: rest.len(),
             rest,
             room: (0.0, Vec::new()),
             viewport,
@@ -137,9 +143,8 @@ impl Concert {
         let (gpu, vertices) = (viewport.gpu(), self.rest.len());
         self.topology =
             Topology::new(gpu, vertices, self.harmonics.triangles()).map_err(|error| error.to_string())?;
-        if let Some(coarse) = self.coarse.take() {
-            self.coarse = Some(Coarse::new(gpu, vertices, coarse.triangles)?);
-        }
+        let levels = std::mem::take(&mut self.levels).into_iter().map(|(level, _)| level);
+        self.levels = on_device(gpu, vertices, levels)?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         self.synthesizer = AutoSynthesizer::new(&context, self.synthesizer.model().clone(), Backend::Auto);
         self.harmonics.forget_device();
@@ -178,10 +183,9 @@ impl Concert {
         &self.pace
     }
 
-    /// Vertices of the shape, and how many of them the gallery draws.
+    /// Vertices of the shape, and how many of them were drawn last, in the mean.
     pub fn drawn_vertices(&self) -> (usize, usize) {
-        let all = self.rest.len();
-        (all, self.coarse.as_ref().map_or(all, |coarse| coarse.vertices))
+        (self.rest.len(), self.drawn_vertices)
     }
 
     /// Does what the user asked, at the moment that is heard. A stage that would open and close
@@ -328,6 +332,10 @@ impl Concert {
             self.synthesizer
                 .synthesize(items, &FrameSettings { normal_blending })
                 .map_err(|error| error.to_string())?;
+            self.seen.clear();
+            if !self.levels.is_empty() {
+                self.seen.extend(items.iter().map(coarse::harmonics_seen));
+            }
             if let Some(told) = self.pace.frame(began, self.ensemble.dancer().harmonics()) {
                 self.ensemble.use_at_most(self.pace.harmonics());
                 shared.notices.warn(told);
@@ -417,11 +425,20 @@ impl Concert {
             self.viewport.invalidate();
         }
         let buffers = ItemBuffers::of_frame(&self.synthesizer.frame()).map_err(|error| error.to_string())?;
-        let coarse = self.coarse.as_ref().filter(|_| cells.len() > 1).map(|coarse| &coarse.topology);
-        let topology = coarse.unwrap_or(&self.topology);
-        let figures: Vec<Figure<'_>> = (0..cells.len())
-            .map(|item| Figure { material, ..Figure::new(topology, &buffers, item) })
+        let mut drawn_vertices = 0;
+        let figures: Vec<Figure<'_>> = (0..)
+            .zip(cells)
+            .map(|(item, cell)| {
+                let pixels = cell.width as usize * cell.height as usize;
+                let seen = self.seen.get(item).copied().unwrap_or(0);
+                let needed = coarse::vertices_needed(seen, pixels);
+                let level = self.levels.iter().rev().find(|(level, _)| level.vertices >= needed);
+                drawn_vertices += level.map_or(self.rest.len(), |(level, _)| level.vertices);
+                let topology = level.map_or(&self.topology, |(_, topology)| topology);
+                Figure { material, ..Figure::new(topology, &buffers, item) }
+            })
             .collect();
+        self.drawn_vertices = drawn_vertices / cells.len().max(1);
         self.viewport
             .draw(ui, shared.gpu, rect, |_| {
                 cells
@@ -464,4 +481,15 @@ impl Concert {
         let picture = self.glimpse.of(self.viewport.gpu(), canvas, behind)?;
         Ok(self.guard.veil(self.seconds, picture))
     }
+}
+
+/// Levels of a shape of `vertices` vertices, with their triangles on the device.
+fn on_device(
+    gpu: &Gpu,
+    vertices: usize,
+    levels: impl IntoIterator<Item = Level>,
+) -> Result<Vec<(Level, Topology)>, String> {
+    let upload =
+        |level: Level| Topology::new(gpu, vertices, &level.triangles).map(|topology| (level, topology));
+    levels.into_iter().map(upload).collect::<Result<_, _>>().map_err(|error| error.to_string())
 }

@@ -10,19 +10,21 @@ use chladni_music::{Dancer, Symmetry};
 use chladni_synth::Term;
 use chladni_task::Task;
 
-use super::coarse;
+use super::coarse::{self, Level};
 use crate::source;
 use crate::studio::bodies::solve;
 
-/// Vertices of a gallery's item where the processor draws.
-const COARSE_VERTICES: usize = 3000;
+/// Vertices of the smallest level of detail where the processor draws, and how many times as many the next
+/// larger one has.
+const FEWEST_VERTICES: usize = 600;
+const LEVEL_RATIO: f64 = 1.5;
 
 /// How a shape is made ready.
 #[derive(Clone, Copy, Debug)]
 pub struct Means {
     /// So many harmonics dance at most.
     pub harmonics: usize,
-    /// The processor draws: a gallery of large shapes shows fewer triangles.
+    /// The processor draws: small pictures of large shapes show fewer triangles.
     pub coarsely: bool,
 }
 
@@ -36,8 +38,8 @@ pub struct Ready {
     pub symmetry: Symmetry,
     /// The layers of a caricature, by name.
     pub voices: Vec<(String, Term)>,
-    /// Triangles for cells of the gallery, where all would be too many.
-    pub coarse: Option<Vec<[u32; 3]>>,
+    /// The shape with fewer vertices for small pictures, from fine to coarse, where all would be too many.
+    pub levels: Vec<Level>,
     /// What was mended in the file, what the harmonics are worth less than usual, and what could not act.
     pub warnings: Vec<String>,
 }
@@ -111,13 +113,23 @@ impl Ready {
         warnings: Vec<String>,
         task: &Task,
     ) -> Result<Self, String> {
-        let symmetry = Symmetry::of(&body, task).map_err(|error| error.to_string())?;
+        let (symmetry, levels) = rayon::join(
+            || Symmetry::of(&body, task),
+            || if means.coarsely { levels(&body) } else { Vec::new() },
+        );
+        let symmetry = symmetry.map_err(|error| error.to_string())?;
         let body = symmetry.rotated(&body);
         let dancer = Dancer::new(&body, &symmetry.classes).map_err(|error| error.to_string())?;
-        let coarse = (means.coarsely && body.positions.len() > 2 * COARSE_VERTICES).then(|| {
-            let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
-            coarse::triangles(&rest, &body.triangles, COARSE_VERTICES)
-        });
-        Ok(Self { body, dancer: Arc::new(dancer), symmetry, voices, coarse, warnings })
+        Ok(Self { body, dancer: Arc::new(dancer), symmetry, voices, levels, warnings })
     }
+}
+
+fn levels(body: &Body) -> Vec<Level> {
+    let sizes = std::iter::successors(Some(FEWEST_VERTICES as f64), |size| Some(LEVEL_RATIO * size));
+    // A level that saves little is none.
+    let most = body.positions.len() as f64 / LEVEL_RATIO;
+    let mut wanted: Vec<usize> = sizes.take_while(|size| *size <= most).map(|size| size as usize).collect();
+    wanted.reverse();
+    let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+    coarse::levels(&rest, &body.triangles, &wanted)
 }
