@@ -139,8 +139,9 @@ fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     ui.label(RichText::new(concert.means()).small().color(theme::palette(ui).weak));
     let (all, drawn) = concert.drawn_vertices();
     if drawn < all {
+        let about = 100 * drawn.div_ceil(100);
         let text = format!(
-            "The processor draws here: the gallery shows {drawn} of {all} vertices, the stage and a single dance all."
+            "The processor draws here: of {all} vertices it shows as many as a picture needs, now about {about}."
         );
         ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
     }
