@@ -18,9 +18,9 @@ pub struct Demo {
 
 /// Sizes and lengths that a software driver on four cores draws in seconds.
 const CLIP: [&str; 10] =
-    ["--form", "modal", "--gain", "0.8", "--size", "480x360", "--fps", "15", "--duration", "4"];
+    ["--form", "half-mask", "--gain", "1.5", "--size", "480x360", "--fps", "15", "--duration", "4"];
 const FILM: [&str; 10] =
-    ["--form", "modal", "--gain", "0.8", "--size", "640x480", "--fps", "24", "--duration", "6"];
+    ["--form", "half-mask", "--gain", "1.5", "--size", "640x480", "--fps", "24", "--duration", "6"];
 
 impl Demo {
     /// Makes everything and says what it made.
