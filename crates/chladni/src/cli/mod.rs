@@ -122,6 +122,13 @@ fn in_one_line(error: &clap::Error) -> String {
     format!("{} (--help lists what there is)", said.strip_prefix("error: ").unwrap_or(&said))
 }
 
+/// Runs the words of a command beside the window, watched and cancelled through `task`; its warnings.
+pub fn beside(words: &[std::ffi::OsString], task: &chladni_task::Task) -> Result<Vec<String>, Failure> {
+    let terminal = Terminal::nobodys(task);
+    follow(words, &terminal)?;
+    Ok(terminal.unheard())
+}
+
 /// Runs the words of another command as if they were typed: for commands made of others.
 fn follow(words: &[std::ffi::OsString], terminal: &Terminal) -> Result<(), Failure> {
     let name = std::ffi::OsString::from("chladni");

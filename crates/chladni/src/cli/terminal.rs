@@ -18,6 +18,8 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub struct Terminal {
     quiet: bool,
     task: Task,
+    /// The warnings, where nobody sits before it.
+    unheard: Option<Mutex<Vec<String>>>,
 }
 
 /// What Ctrl-C cancels: the task of the command that runs.
@@ -40,7 +42,18 @@ impl Terminal {
                 }
             });
         }
-        Self { quiet, task }
+        Self { quiet, task, unheard: None }
+    }
+
+    /// Nobody's terminal: nothing is printed, `task` is watched and cancelled elsewhere, and
+    /// [`unheard`](Self::unheard) has the warnings.
+    pub fn nobodys(task: &Task) -> Self {
+        Self { quiet: true, task: task.clone(), unheard: Some(Mutex::default()) }
+    }
+
+    /// What nobody was warned of.
+    pub fn unheard(self) -> Vec<String> {
+        self.unheard.map_or_else(Vec::new, |lines| lines.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// The task of this command: hand it to long work.
@@ -52,7 +65,10 @@ impl Terminal {
     ///
     /// Fails where standard output is closed, such as a pipe into `head`.
     pub fn result(&self, line: impl Display) -> Result<(), Failure> {
-        writeln!(std::io::stdout().lock(), "{line}").map_err(Failure::other)
+        match &self.unheard {
+            Some(_) => Ok(()),
+            None => writeln!(std::io::stdout().lock(), "{line}").map_err(Failure::other),
+        }
     }
 
     /// Prints a JSON value to standard output.
@@ -63,13 +79,18 @@ impl Terminal {
 
     /// A line for the person at the terminal, on standard error.
     pub fn note(&self, line: impl Display) {
-        // A closed standard error leaves nobody to tell.
-        let _ = writeln!(std::io::stderr().lock(), "{line}");
+        if self.unheard.is_none() {
+            // A closed standard error leaves nobody to tell.
+            let _ = writeln!(std::io::stderr().lock(), "{line}");
+        }
     }
 
     /// Something was mended or is not as asked, but work goes on.
     pub fn warn(&self, line: impl Display) {
-        self.note(format_args!("warning: {line}"));
+        match &self.unheard {
+            Some(lines) => lines.lock().unwrap_or_else(PoisonError::into_inner).push(line.to_string()),
+            None => self.note(format_args!("warning: {line}")),
+        }
     }
 
     /// The one line with which a command fails.

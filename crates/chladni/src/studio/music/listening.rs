@@ -1,6 +1,7 @@
 //! The ears of the room: the song that plays or what a microphone hears, its spectrum and its beat,
 //! at the moment that is heard.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use chladni_music::{Bands, Beat, Parameter, Parameters, Switch};
@@ -213,6 +214,12 @@ impl Listening {
         let song = self.songs.get(self.player.status().song).filter(|_| self.live.is_none());
         let song = song.filter(|song| **song != self.tune);
         song.map_or_else(String::new, |path| path.display().to_string())
+    }
+
+    /// The song as the command line calls it; none of live input.
+    pub fn song_name(&self) -> Option<OsString> {
+        let song = self.songs.get(self.player.status().song).filter(|_| self.live.is_none())?;
+        Some(if *song == self.tune { "sample:tune".into() } else { song.clone().into_os_string() })
     }
 
     /// The player.

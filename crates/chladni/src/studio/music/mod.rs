@@ -5,6 +5,7 @@ mod coarse;
 mod concert;
 mod curve;
 mod drawer;
+mod film;
 mod gallery;
 mod glimpse;
 mod harmonics;
@@ -25,6 +26,7 @@ mod transport;
 mod voices;
 mod wish;
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::ShapeSource;
@@ -34,6 +36,7 @@ use egui::{Key, Ui};
 
 use self::concert::{Concert, View};
 use self::drawer::{Drawer, Drawers};
+use self::film::{Filming, Scene};
 use self::listening::Listening;
 use self::loading::Ready;
 pub use self::preferences::Preferences;
@@ -50,6 +53,7 @@ const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
 
 const OPEN: Shortcut = Shortcut::command(Key::O, "Open a shape, songs, a preset or a session");
 const SAVE: Shortcut = Shortcut::command(Key::S, "Save the session");
+const FILM: Shortcut = Shortcut::command(Key::E, "Film what dances");
 const PLAY: Shortcut = Shortcut::key(Key::Space, "Play or pause");
 const NEXT_SONG: Shortcut = Shortcut::key(Key::PageDown, "The next song");
 const PREVIOUS_SONG: Shortcut = Shortcut::key(Key::PageUp, "The song before");
@@ -73,9 +77,10 @@ const DRAW: Shortcut = Shortcut::key(Key::E, "Name it and draw its curves");
 const STAGE: Shortcut = Shortcut::key(Key::S, "Put it on stage");
 const SHOW: Shortcut = Shortcut::key(Key::G, "Put the favourites on stage");
 const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave the stage, or back to the gallery");
-const KEYS: [Shortcut; 23] = [
+const KEYS: [Shortcut; 24] = [
     OPEN,
     SAVE,
+    FILM,
     PLAY,
     NEXT_SONG,
     PREVIOUS_SONG,
@@ -112,6 +117,9 @@ const MOST_HARMONICS: usize = 512;
 #[derive(Default)]
 pub struct MusicRoom {
     loading: Option<Job<Result<Ready, String>>>,
+    /// What is being loaded and what dances, as the command line calls them.
+    names: Names,
+    filming: Filming,
     concert: Option<Concert>,
     listening: Option<Listening>,
     /// What to listen to once there are ears.
@@ -121,6 +129,13 @@ pub struct MusicRoom {
     /// Presets and sessions that wait for a shape.
     waiting: Vec<PathBuf>,
     refused: bool,
+}
+
+/// Bodies by the names that the command line knows them by.
+#[derive(Default)]
+struct Names {
+    loading: OsString,
+    dancing: OsString,
 }
 
 impl Room for MusicRoom {
@@ -146,6 +161,7 @@ impl Room for MusicRoom {
         }
         self.listening(shared);
         self.poll(shared);
+        self.filming.poll(shared);
         let mut wishes = self.keys(&shared.ctx);
         self.follow_remote(shared, &mut wishes);
         let on_stage = self.concert.as_ref().is_some_and(Concert::on_stage);
@@ -268,6 +284,10 @@ impl MusicRoom {
     fn load(&mut self, source: ShapeSource, shared: &mut Shared<'_>) {
         let means = means(shared);
         let label = format!("Opening {source}");
+        self.names.loading = match &source {
+            ShapeSource::File(path) => path.clone().into_os_string(),
+            sample @ ShapeSource::Sample(_) => sample.to_string().into(),
+        };
         self.loading = Some(Job::start(label, &shared.ctx, move |task| loading::shape(&source, means, task)));
     }
 
@@ -275,6 +295,7 @@ impl MusicRoom {
         let means = means(shared);
         let label = format!("Opening {}", path.display());
         self.drawers.open = Drawer::Body;
+        self.names.loading = path.clone().into_os_string();
         self.loading =
             Some(Job::start(label, &shared.ctx, move |task| loading::caricature(&path, means, task)));
     }
@@ -330,7 +351,10 @@ impl MusicRoom {
                     Ok(concert)
                 });
                 match concert {
-                    Ok(concert) => self.concert = Some(concert),
+                    Ok(concert) => {
+                        self.concert = Some(concert);
+                        self.names.dancing = std::mem::take(&mut self.names.loading);
+                    }
                     Err(why) => self.refuse(why, shared),
                 }
             }
@@ -383,6 +407,7 @@ impl MusicRoom {
         }
         when(&mut wishes, OPEN, Wish::Open);
         when(&mut wishes, SAVE, Wish::SaveSession);
+        when(&mut wishes, FILM, Wish::Film);
         when(&mut wishes, BREED, Wish::Do(Action::Breed));
         let gallery = concert.instrument().gallery();
         // With Shift first: the key without it would answer, too.
@@ -441,6 +466,7 @@ impl MusicRoom {
         egui::Panel::right("drawer").exact_size(theme::PANEL_WIDTH - 24.0).show(ui, |ui| {
             self.drawers.show(ui, concert, listening, shared, wishes);
         });
+        self.filming.show(ui);
         egui::Panel::bottom("meters").exact_size(meters::HEIGHT).show(ui, |ui| meters::show(ui, listening));
     }
 
@@ -486,6 +512,19 @@ impl MusicRoom {
                 None => Ok(()),
             },
             Wish::SaveSession => save_session(concert, listening, shared).map(drop),
+            Wish::Film => match listening.song_name() {
+                Some(song) => {
+                    let scene = Scene {
+                        body: self.names.dancing.clone(),
+                        song,
+                        harmonics: shared.settings.harmonics.min(MOST_HARMONICS),
+                        instrument: concert.instrument(),
+                        view: concert.view(),
+                    };
+                    self.filming.begin(scene, shared)
+                }
+                None => Err("Live input cannot be filmed: choose a song.".into()),
+            },
             Wish::Open | Wish::AddSongs => Ok(()),
         };
         if let Err(why) = done {

@@ -5,9 +5,10 @@ use chladni_sound::PlayerState;
 use egui::{RichText, ScrollArea, Slider, Ui};
 
 use super::concert::{Concert, View};
+use super::film;
 use super::listening::Listening;
 use super::wish::Wish;
-use super::{BACK, BREED, FORTH, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW};
+use super::{BACK, BREED, FILM, FORTH, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW};
 use crate::studio::icon::{self, Icon};
 use crate::studio::theme;
 
@@ -40,6 +41,7 @@ fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
                 format!("{}: all that was done, to go on with or to film later", SAVE.tooltip(ui.ctx())),
                 Wish::SaveSession,
             ),
+            (Icon::Clapperboard, "Film …", format!("{} ({})", film::TIP, FILM.text(ui.ctx())), Wish::Film),
         ] {
             if ui.button(icon::label(mark, name)).on_hover_text(tip).clicked() {
                 wishes.push(wish);

@@ -17,6 +17,8 @@ pub enum Wish {
     AddSongs,
     /// Save the session as a file.
     SaveSession,
+    /// Film what dances.
+    Film,
     /// Show the gallery, one item or the harmonics.
     Show(View),
     /// Plays this mapping in the gallery's place for one frame, to try it out.
