@@ -551,7 +551,7 @@ fn what_dances_is_filmed_beside_the_window() {
     assert_eq!(&std::fs::read(path("film.gif")).unwrap()[..6], b"GIF89a");
 
     // A long one can be stopped, and leaves nothing.
-    answers.add(song(600, "long.wav"));
+    answers.add(song(40, "long.wav"));
     window.key_press_modifiers(Modifiers::COMMAND, Key::O);
     wait(&mut window, "the long song", |w| w.query_by_label("long").is_some());
     answers.add(path("stopped.gif"));
