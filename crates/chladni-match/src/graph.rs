@@ -7,6 +7,7 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
+use rayon::prelude::*;
 
 use crate::surface::Surface;
 
@@ -151,15 +152,21 @@ fn edges(surface: &Surface, nodes: &[u32], blend: &[Vec<(u32, f64)>]) -> Vec<(u3
         nodes.iter().for_each(|v| size[surface.component[*v as usize] as usize] += 1);
         let largest = (0..components).max_by_key(|c| size[*c]).unwrap_or(0) as u32;
         let place = |j: usize| (surface.points[nodes[j] as usize], surface.component[nodes[j] as usize]);
-        for i in (0..nodes.len()).filter(|i| place(*i).1 != largest) {
+        let beside = (0..nodes.len()).into_par_iter().filter(|i| place(*i).1 != largest);
+        let ties = beside.flat_map_iter(|i| {
             let (p, component) = place(i);
-            let mut others: Vec<(f64, u32)> = (0..nodes.len())
-                .filter(|j| place(*j).1 != component)
-                .map(|j| (place(j).0.distance_squared(p), j as u32))
-                .collect();
-            others.sort_by(|a, b| a.0.total_cmp(&b.0));
-            edges.extend(others.iter().take(3).map(|(_, j)| (i as u32, *j, 1.0)));
-        }
+            let mut nearest = [(f64::INFINITY, u32::MAX); 3];
+            for j in (0..nodes.len()).filter(|j| place(*j).1 != component) {
+                let distance = place(j).0.distance_squared(p);
+                let after = nearest.partition_point(|(known, _)| *known <= distance);
+                if after < nearest.len() {
+                    nearest[after..].rotate_right(1);
+                    nearest[after] = (distance, j as u32);
+                }
+            }
+            nearest.into_iter().filter(|(_, j)| *j != u32::MAX).map(move |(_, j)| (i as u32, j, 1.0))
+        });
+        edges.par_extend(ties);
     }
     edges
 }
@@ -170,7 +177,6 @@ pub(crate) type NodeMap = [[f64; 4]; 3];
 impl Graph {
     /// The bent position of each vertex.
     pub fn apply(&self, surface: &Surface, maps: &[NodeMap]) -> Vec<DVec3> {
-        use rayon::prelude::*;
         surface
             .points
             .par_iter()
