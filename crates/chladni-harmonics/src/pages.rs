@@ -2,8 +2,7 @@
 #![allow(unsafe_code, reason = "advice about pages, for which there is no safe interface")]
 
 /// From this many bytes on, advice pays.
-#[cfg(target_os = "linux")]
-const LARGE: usize = 4 << 20;
+pub(crate) const LARGE: usize = 4 << 20;
 
 /// `len` zeros. Fresh memory costs a fault per page, which adds up to a tenth of a solve with
 /// pages of 4 KiB; so the system is asked for large pages, which it may or may not give.

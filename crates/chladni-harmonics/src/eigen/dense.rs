@@ -1,12 +1,18 @@
 //! All eigenpairs of a small operator at once.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
-use faer::{Mat, Par};
+use faer::linalg::evd::{
+    ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch,
+};
+use faer::{Auto, Mat, Par, Spec};
 
 use super::problem::Pencil;
 use super::{Solved, certify, cluster_end, fix_sign};
 use crate::{Basis, HarmonicsError, SolveProfile};
+
+/// Parts that faer's divide and conquer leaves to QR iterations; its own 128 makes the spaces of
+/// Lanczos, 200 to 350 wide, a twentieth slower.
+const LEAF: usize = 64;
 
 /// Solves M^-½ S M^-½ as a dense matrix, of which `zeros` eigenvalues are 0: every pair is there,
 /// so nothing can be missed.
@@ -65,10 +71,12 @@ pub(super) fn symmetric_eigen(matrix: &Mat<f64>, par: Par) -> Option<(Vec<f64>, 
     let matrix = faer::Scale(unit.recip()) * matrix;
     let mut values = faer::diag::Diag::<f64>::zeros(n);
     let mut vectors = Mat::<f64>::zeros(n, n);
-    let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Default::default());
+    let auto = <SelfAdjointEvdParams as Auto<f64>>::auto();
+    let params = Spec::new(SelfAdjointEvdParams { recursion_threshold: LEAF, ..auto });
+    let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, params);
     let mut buffer = MemBuffer::try_new(scratch).ok()?;
     let stack = MemStack::new(&mut buffer);
     let (s, u) = (values.as_mut(), Some(vectors.as_mut()));
-    self_adjoint_evd(matrix.as_ref(), s, u, par, stack, Default::default()).ok()?;
+    self_adjoint_evd(matrix.as_ref(), s, u, par, stack, params).ok()?;
     Some((values.column_vector().iter().map(|value| value * unit).collect(), vectors))
 }
