@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes `bytes` to `path` so that readers see the old file or the whole new one.
 ///
@@ -13,21 +13,39 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 
 /// Lets `write` fill a temporary file beside `path`, flushes it to the disk and renames it.
 ///
-/// If `write` fails or the process dies, `path` keeps what it held before. The folder of
+/// If `write` fails or the process dies, `path` keeps what it held before. Where it is a link, the
+/// file that it leads to is replaced; on Unix a file keeps who may read it. The folder of
 /// `path` must exist. Errors are those of creating, writing and renaming the file.
 pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> io::Result<()> {
+    let path = &where_it_leads(path);
     let mut file = temporary_beside(path, "")?;
     {
         let mut buffered = BufWriter::with_capacity(1 << 16, file.as_file_mut());
         write(&mut buffered)?;
         buffered.flush()?;
     }
+    #[cfg(unix)]
+    if let Ok(known) = std::fs::metadata(path) {
+        file.as_file().set_permissions(known.permissions())?;
+    }
     file.as_file().sync_all()?;
     file.persist(path).map_err(|failure| failure.error)?;
     Ok(())
+}
+
+/// The end of the links at `path`; `path` itself where there is none, or no end.
+fn where_it_leads(path: &Path) -> PathBuf {
+    let mut end = path.to_owned();
+    for _ in 0..40 {
+        match std::fs::read_link(&end) {
+            Ok(target) => end = end.parent().unwrap_or(Path::new("")).join(target),
+            Err(_) => return end,
+        }
+    }
+    path.to_owned()
 }
 
 /// A temporary file in the folder of `path`, whose name ends in `ending`, to be renamed to `path` when
@@ -82,5 +100,26 @@ mod tests {
         assert!(failed.is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link_and_what_was_private_stays_private() {
+        use std::fs::Permissions;
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("elsewhere")).unwrap();
+        let (file, link) = (folder.path().join("elsewhere/p.chladni"), folder.path().join("p.chladni"));
+        std::fs::write(&file, "old").unwrap();
+        std::fs::set_permissions(&file, Permissions::from_mode(0o600)).unwrap();
+        symlink("elsewhere/p.chladni", &link).unwrap();
+        write_atomic(&link, b"new").unwrap();
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+        assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+        // A link to nothing is where the file is wanted.
+        symlink("elsewhere/q.chladni", folder.path().join("q")).unwrap();
+        write_atomic(&folder.path().join("q"), b"first").unwrap();
+        assert_eq!(std::fs::read(folder.path().join("q")).unwrap(), b"first");
     }
 }
