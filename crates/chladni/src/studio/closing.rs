@@ -57,9 +57,7 @@ impl Studio {
 
 fn ask(ctx: &egui::Context, unsaved: &[String]) -> Option<Answer> {
     let mut answer = None;
-    let ((), dismissed) = theme::modal(ctx, "close", 420.0, |ui| {
-        ui.heading("Save before closing?");
-        ui.add_space(theme::GAP);
+    let ((), dismissed) = theme::modal(ctx, "Save before closing?", 420.0, |ui| {
         for line in unsaved {
             ui.label(line);
         }

@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use super::icon::{self, Icon};
+use egui::accesskit::Live;
 
+use super::icon::{self, Icon};
 use super::theme;
 
 /// How long a message that is no error stays.
@@ -90,9 +91,16 @@ fn show_notice(ui: &mut egui::Ui, notice: &Notice) -> bool {
         Kind::Warning => (Icon::TriangleAlert, palette.warning),
         Kind::Error => (Icon::OctagonAlert, palette.error),
     };
-    egui::Frame::popup(ui.style())
-        .fill(palette.card)
-        .show(ui, |ui| {
+    // Read aloud as soon as it is there: errors at once, others when there is a pause.
+    let (role, live) = match notice.kind {
+        Kind::Error => (egui::Role::Alert, Live::Assertive),
+        Kind::Done | Kind::Warning => (egui::Role::Status, Live::Polite),
+    };
+    let said = egui::UiBuilder::new().accessibility_role(role).accessibility_label(&notice.text);
+    ui.scope_builder(said, |ui| {
+        ui.ctx().accesskit_node_builder(ui.unique_id(), |node| node.set_live(live));
+        let frame = egui::Frame::popup(ui.style()).fill(palette.card);
+        frame.show(ui, |ui| {
             ui.set_max_width(420.0);
             ui.horizontal(|ui| {
                 ui.label(egui::RichText::new(icon::text(mark)).color(color).size(18.0));
@@ -102,4 +110,6 @@ fn show_notice(ui: &mut egui::Ui, notice: &Notice) -> bool {
             .inner
         })
         .inner
+    })
+    .inner
 }

@@ -72,24 +72,29 @@ pub fn title() -> TextStyle {
 /// click beside it dismissed it.
 pub fn modal<R>(
     ctx: &egui::Context,
-    id: &'static str,
+    title: &str,
     width: f32,
     content: impl FnOnce(&mut egui::Ui) -> R,
 ) -> (R, bool) {
     let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(22.0).corner_radius(12.0);
-    let shown = egui::Modal::new(egui::Id::unique(id)).frame(frame).show(ctx, |ui| {
+    let id = egui::Id::unique(title);
+    let area = egui::Modal::default_area(id).accessible_name(title);
+    let shown = egui::Modal::new(id).area(area).frame(frame).show(ctx, |ui| {
         ui.set_width(width);
+        ui.heading(title);
+        ui.add_space(GAP);
         content(ui)
     });
     let dismissed = shown.should_close();
     (shown.inner, dismissed)
 }
 
-/// Begins a group of controls: a line and a heading.
-pub fn section(ui: &mut egui::Ui, name: &str) {
+/// A group of controls below a line and a heading.
+pub fn section<R>(ui: &mut egui::Ui, name: &str, content: impl FnOnce(&mut egui::Ui) -> R) -> R {
     ui.add_space(GAP);
     ui.separator();
     heading(ui, name);
+    group(ui, name, content)
 }
 
 /// The heading of a group of controls.
@@ -98,7 +103,7 @@ pub fn heading(ui: &mut egui::Ui, name: &str) {
 }
 
 /// One line of a form: a label of fixed width, its tooltip, and controls. Sliders in it end where
-/// those of the other lines do.
+/// those of the other lines do; those that have no name of their own are called as the label.
 pub fn row<R>(ui: &mut egui::Ui, label: &str, tip: &str, controls: impl FnOnce(&mut egui::Ui) -> R) -> R {
     wide_row(ui, 66.0, label, tip, controls)
 }
@@ -115,12 +120,13 @@ pub fn wide_row<R>(
     ui.horizontal(|ui| {
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         let label = egui::Label::new(label).selectable(false);
-        ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let label = ui.allocate_ui_with_layout(size, layout, |ui| {
             ui.set_min_width(width);
-            ui.add(label).on_hover_text(tip);
+            ui.add(label).on_hover_text(tip).id
         });
         ui.spacing_mut().slider_width = (ui.available_width() - VALUE - GAP).max(40.0);
-        controls(ui)
+        ui.label_inputs_by(label.inner, controls)
     })
     .inner
 }
@@ -134,9 +140,11 @@ pub fn slider<N: egui::emath::Numeric>(
     egui::Slider::new(value, range).clamping(egui::SliderClamping::Edits)
 }
 
-/// Names a control for screen readers, where its text does not.
-pub fn name(response: &egui::Response, name: &str) {
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+/// Controls that belong together and are called `name` by screen readers: what is in it may be called as
+/// what is in another.
+pub fn group<R>(ui: &mut egui::Ui, name: &str, content: impl FnOnce(&mut egui::Ui) -> R) -> R {
+    let builder = egui::UiBuilder::new().accessibility_role(egui::Role::Group).accessibility_label(name);
+    ui.scope_builder(builder, content).inner
 }
 
 /// A name as it begins a label.
@@ -157,6 +165,7 @@ pub fn install(ctx: &egui::Context) {
     let mut fonts = egui::FontDefinitions::default();
     super::icon::install(&mut fonts);
     ctx.set_fonts(fonts);
+    ctx.add_plugin(super::icon::Unspoken);
     ctx.all_styles_mut(|style| {
         style.text_styles = [
             (title(), FontId::new(30.0, FontFamily::Proportional)),

@@ -1,6 +1,8 @@
 //! The real window, driven as a person would, drawn without a display. Needs any Vulkan driver;
 //! lavapipe will do.
 
+mod names;
+
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -68,7 +70,7 @@ pub fn open_with(opening: Opening, builder: HarnessBuilder<Studio>) -> Window {
 pub fn open_with_device(opening: Opening, size: [f32; 2]) -> (Window, wgpu::Device) {
     let device = Rc::new(RefCell::new(None));
     let seen = Rc::clone(&device);
-    let builder = Harness::builder().with_size(size).with_accessibility_check(false).wgpu();
+    let builder = Harness::builder().with_size(size).wgpu();
     let window = builder.build_eframe(move |creation| {
         *seen.borrow_mut() = creation.wgpu_render_state.as_ref().map(|state| state.device.clone());
         Studio::new(creation, opening).expect("a graphics device")
@@ -94,7 +96,7 @@ pub fn wait(window: &mut Window, what: &str, ready: impl Fn(&Window) -> bool) {
     let start = Instant::now();
     while !ready(window) {
         if start.elapsed() > Duration::from_secs(60) {
-            screenshot(window, "failed.png");
+            picture(window, "failed.png");
             panic!("{what} did not happen within a minute");
         }
         std::thread::sleep(Duration::from_millis(15));
@@ -102,9 +104,15 @@ pub fn wait(window: &mut Window, what: &str, ready: impl Fn(&Window) -> bool) {
     }
 }
 
-/// Writes what the window shows, for a person to look at, where CHLADNI_SCREENSHOTS names a folder.
-pub fn screenshot(window: &mut Window, name: &str) {
+/// Shows the window to a person: as a picture where CHLADNI_SCREENSHOTS names a folder for them, and, to
+/// one who does not see, by names. Fails where a control has none of its own.
+pub fn screenshot<State>(window: &mut Harness<'_, State>, name: &str) {
     window.run_steps(2);
+    names::check(window, name);
+    picture(window, name);
+}
+
+fn picture<State>(window: &mut Harness<'_, State>, name: &str) {
     if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {
         let picture = window.render().expect("the window can be drawn");
         picture.save(Path::new(&folder).join(name)).expect("the folder is there");

@@ -10,6 +10,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
+use crate::driving::screenshot;
 use crate::person::Desk;
 
 /// The file window on a folder with two meshes and another in a folder of its own, and its answer.
@@ -55,9 +56,7 @@ fn a_path_is_typed_where_the_system_has_no_file_dialog() {
     window.run_steps(2);
     window.key_press(Key::Enter);
     window.run_steps(3);
-    if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {
-        window.render().unwrap().save(std::path::Path::new(&folder).join("studio-files.png")).unwrap();
-    }
+    screenshot(&mut window, "studio-files.png");
     click_line(&mut window, "bust.obj", Modifiers::NONE);
     window.key_press(Key::Enter);
     window.run_steps(2);

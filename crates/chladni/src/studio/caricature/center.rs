@@ -19,7 +19,7 @@ impl CaricatureRoom {
         let stage_fill = egui::Frame::new().fill(theme::palette(ui).stage);
         egui::CentralPanel::default().frame(stage_fill).show(ui, |ui| {
             if let Some(loading) = &self.loading {
-                egui::Panel::bottom("loading").show(ui, |ui| {
+                egui::Panel::bottom("loading").resizable(false).show(ui, |ui| {
                     ui.add_space(theme::GAP_SMALL);
                     job::show_progress(ui, loading);
                     ui.add_space(theme::GAP_SMALL);

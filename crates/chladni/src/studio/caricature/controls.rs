@@ -53,13 +53,14 @@ impl Controls {
         edits: &mut Edits,
     ) -> Option<Wish> {
         ui.add_space(theme::GAP);
-        model_buttons(ui, id, layer, edits);
-        let wish = amount(ui, id, layer, measured, edits);
-        theme::section(ui, "Region");
-        region(ui, id, layer, measured.harmonics, edits);
-        brush.show(ui);
-        theme::section(ui, "Scale");
-        self.scale(ui, id, layer, measured.spectrum, edits);
+        theme::heading(ui, "Model");
+        theme::group(ui, "Model", |ui| model_buttons(ui, id, layer, edits));
+        let wish = theme::section(ui, "Amount", |ui| amount(ui, id, layer, measured, edits));
+        theme::section(ui, "Region", |ui| {
+            region(ui, id, layer, measured.harmonics, edits);
+            brush.show(ui);
+        });
+        theme::section(ui, "Scale", |ui| self.scale(ui, id, layer, measured.spectrum, edits));
         wish
     }
 
@@ -105,7 +106,6 @@ impl Controls {
 }
 
 fn model_buttons(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
-    theme::heading(ui, "Model");
     ui.horizontal(|ui| {
         for (model, name, tip) in [
             (
@@ -136,7 +136,6 @@ fn amount(
     edits: &mut Edits,
 ) -> Option<Wish> {
     let mut wish = None;
-    theme::section(ui, "Amount");
     let [more, less] = [super::STRONGER, super::WEAKER].map(|key| key.text(ui.ctx()));
     let tip = format!("Below 0 exaggerates, 0 is the shape, 1 is the template; {more} and {less} change it");
     theme::row(ui, "μ", &tip, |ui| {
@@ -227,9 +226,7 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut
             paint(PaintEdit::Invert);
         }
         let tool = |ui: &mut Ui, mark, name, tip| {
-            let button = ui.button(icon::text(mark)).on_hover_text(tip);
-            theme::name(&button, name);
-            button.clicked()
+            ui.button(icon::text(mark)).accessible_name(name).on_hover_text(tip).clicked()
         };
         if tool(ui, Icon::CirclePlus, "Grow", "Grow: one ring of vertices more") {
             paint(PaintEdit::Grow);

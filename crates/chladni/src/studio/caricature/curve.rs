@@ -28,7 +28,10 @@ pub type Bar = [f64; 2];
 pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &[Bar]) -> Response {
     let size = vec2(ui.available_width(), 150.0);
     let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve"));
+    response.widget_info(|| egui::WidgetInfo {
+        current_text_value: Some(told(curve)),
+        ..egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve")
+    });
     let plot = plot_in(rect);
     let before = curve.clone();
     match pen {
@@ -53,6 +56,15 @@ pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &[Bar]) -> 
 /// The curve's own place, without its scales.
 fn plot_in(rect: Rect) -> Rect {
     Rect::from_min_max(rect.min + vec2(26.0, 10.0), rect.max - vec2(10.0, 20.0))
+}
+
+/// Its points in words; of one that was drawn freely only some.
+fn told(curve: &ScaleCurve) -> String {
+    let step = curve.points.len().div_ceil(8).max(1);
+    let points = curve.points.iter().step_by(step);
+    let words: Vec<_> =
+        points.map(|[u, gain]| format!("at {:.0} % ×{gain:.2}", 100.0 * u)).collect();
+    words.join(", ")
 }
 
 fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve) {

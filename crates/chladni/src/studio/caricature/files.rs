@@ -234,9 +234,7 @@ impl CaricatureRoom {
         }
         let name = self.session.as_ref().map(Session::name).unwrap_or_default();
         let (mut save, mut discard, mut stay) = (false, false, false);
-        let ((), dismissed) = theme::modal(&shared.ctx, "replace", 420.0, |ui| {
-            ui.heading("Save before opening another?");
-            ui.add_space(theme::GAP);
+        let ((), dismissed) = theme::modal(&shared.ctx, "Save before opening another?", 420.0, |ui| {
             ui.label(format!("“{name}” has changes that are not saved."));
             ui.add_space(theme::GAP_LARGE);
             ui.horizontal(|ui| {

@@ -90,7 +90,10 @@ impl LayerList {
             egui::WidgetInfo::selected(egui::Role::Button, true, chosen, format!("Layer {}", layer.name))
         });
         ui.painter().rect_filled(rect, 6.0, fill);
-        let inside = egui::UiBuilder::new().max_rect(rect.shrink2(egui::vec2(8.0, 5.0)));
+        let inside = egui::UiBuilder::new()
+            .max_rect(rect.shrink2(egui::vec2(8.0, 5.0)))
+            .accessibility_role(egui::Role::Group)
+            .accessibility_label(&layer.name);
         ui.scope_builder(inside, |ui| {
             ui.horizontal(|ui| {
                 ui.set_min_height(THUMBNAIL);
@@ -219,7 +222,7 @@ impl LayerList {
             return;
         };
         let field = ui.add(egui::TextEdit::singleline(draft).desired_width(130.0));
-        theme::name(&field, "Name of the layer");
+        let field = field.accessible_name("Name of the layer");
         field.request_focus();
         let (enter, escape) =
             ui.input(|input| (input.key_pressed(egui::Key::Enter), input.key_pressed(egui::Key::Escape)));

@@ -1,6 +1,6 @@
 //! The match panel: which template the selected layer uses, how well it fits, and how to help it.
 
-use chladni_caricature::{Action, MatchRequest, Property, Template};
+use chladni_caricature::{Action, Layer, LayerId, MatchRequest, Property, Template};
 use chladni_match::Method;
 use egui::{RichText, Ui};
 
@@ -26,7 +26,18 @@ pub fn show(
     else {
         return;
     };
-    theme::section(ui, "Template");
+    theme::section(ui, "Template", |ui| template(ui, session, id, &layer, picking, edits, shared));
+}
+
+fn template(
+    ui: &mut Ui,
+    session: &mut Session,
+    id: LayerId,
+    layer: &Layer,
+    picking: &mut bool,
+    edits: &mut Edits,
+    shared: &mut Shared<'_>,
+) {
     ui.horizontal(|ui| {
         ui.add(egui::Label::new(template_name(&layer.template)).truncate());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -44,7 +55,7 @@ pub fn show(
             shared.ctx.request_repaint();
         }
     }
-    if MatchRequest::of(&layer)
+    if MatchRequest::of(layer)
         .is_some_and(|request| layer.template.is_mesh() && request.template == layer.template)
     {
         method(ui, session, id, edits);
@@ -59,7 +70,7 @@ pub fn show(
     }
 }
 
-fn method(ui: &mut Ui, session: &Session, id: chladni_caricature::LayerId, edits: &mut Edits) {
+fn method(ui: &mut Ui, session: &Session, id: LayerId, edits: &mut Edits) {
     let Some(layer) = session.project().layer(id) else { return };
     let mut matching = layer.matching.clone();
     let chosen = describe(matching.method).0;
@@ -69,7 +80,7 @@ fn method(ui: &mut Ui, session: &Session, id: chladni_caricature::LayerId, edits
             ui.selectable_value(&mut matching.method, method, name).on_hover_text(tip);
         }
     });
-    theme::name(&choice.response, "How to match");
+    choice.response.accessible_name("How to match");
     if matching != layer.matching {
         edits.set(id, Property::Matching(matching));
     }

@@ -310,7 +310,9 @@ impl CaricatureRoom {
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         let mut wants_mesh = false;
         egui::Panel::left("layers").exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {
-            egui::Panel::bottom("shape").show(ui, |ui| footer::show(ui, session, shared.settings, edits));
+            egui::Panel::bottom("shape")
+                .resizable(false)
+                .show(ui, |ui| footer::show(ui, session, shared.settings, edits));
             egui::ScrollArea::vertical().show(ui, |ui| {
                 let mut selected = session.selected;
                 self.layers.show(ui, session.project(), &self.thumbnails, &mut selected, edits);

@@ -22,8 +22,7 @@ impl Offer {
             return None;
         }
         let mut answer = None;
-        theme::modal(&shared.ctx, "recover", 460.0, |ui| {
-            ui.heading("The last session did not end well");
+        let ((), dismissed) = theme::modal(&shared.ctx, "The last session did not end well", 460.0, |ui| {
             ui.label(
                 RichText::new("Your work is still there. Recover it, or throw it away.")
                     .color(theme::palette(ui).weak),
@@ -32,15 +31,18 @@ impl Offer {
             egui::ScrollArea::vertical().max_height(280.0).show(ui, |ui| {
                 for (index, recovered) in found.iter().enumerate() {
                     ui.separator();
-                    ui.label(RichText::new(name(recovered)).strong());
+                    let name = name(recovered);
+                    ui.label(RichText::new(&name).strong());
                     ui.label(RichText::new(describe(recovered)).color(theme::palette(ui).weak));
-                    ui.horizontal(|ui| {
-                        if theme::primary_button(ui, "Recover").clicked() {
-                            answer = Some((index, true));
-                        }
-                        if ui.button("Throw away").clicked() {
-                            answer = Some((index, false));
-                        }
+                    theme::group(ui, &name, |ui| {
+                        ui.horizontal(|ui| {
+                            if theme::primary_button(ui, "Recover").clicked() {
+                                answer = Some((index, true));
+                            }
+                            if ui.button("Throw away").clicked() {
+                                answer = Some((index, false));
+                            }
+                        });
                     });
                 }
             });
@@ -49,6 +51,9 @@ impl Offer {
                 answer = Some((usize::MAX, false));
             }
         });
+        if dismissed {
+            answer.get_or_insert((usize::MAX, false));
+        }
         match answer {
             None => None,
             Some((index, wanted)) if index < found.len() => {

@@ -13,7 +13,7 @@ use crate::studio::theme;
 impl CaricatureRoom {
     /// Draws the bar.
     pub(super) fn toolbar(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
-        egui::Panel::top("caricature toolbar").show(ui, |ui| {
+        egui::Panel::top("caricature toolbar").resizable(false).show(ui, |ui| {
             ui.add_space(2.0);
             // In a narrow window a second row is better than buttons out of reach.
             ui.horizontal_wrapped(|ui| {
@@ -34,9 +34,8 @@ impl CaricatureRoom {
             self.choose_file(shared);
         }
         let change = ui.add_enabled(self.session.is_some(), egui::Button::new(icon::text(Icon::Replace)));
-        theme::name(&change, "Another shape");
         let tip = "The same layers on another shape: regions and landmarks are carried over";
-        if change.on_hover_text(tip).clicked() {
+        if change.accessible_name("Another shape").on_hover_text(tip).clicked() {
             self.change_shape(shared);
         }
         let modified = self.session.as_ref().is_some_and(|session| session.history.is_modified());
@@ -92,10 +91,11 @@ impl CaricatureRoom {
                     ui.selectable_value(&mut map, choice, choice.name());
                 }
             });
-        theme::name(&choice.response, "What colours show");
+        choice.response.accessible_name("What colours show");
         if quantity == Quantity::Harmonic {
             let top = self.session.as_ref().map_or(1, |session| session.stack.body().basis.harmonics()) - 1;
-            ui.add(egui::DragValue::new(&mut harmonic).range(0..=top).prefix("H "));
+            let number = egui::DragValue::new(&mut harmonic).range(0..=top).prefix("H ");
+            ui.add(number).accessible_name("Harmonic");
         }
         self.heat.choose(quantity, harmonic, map);
         ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {

@@ -128,9 +128,8 @@ impl FileWindow {
         let palette = theme::palette(ui);
         ui.add_space(theme::GAP_SMALL);
         ui.horizontal(|ui| {
-            let up = ui.button(icon::text(Icon::ArrowUp)).on_hover_text("The folder around this one");
-            theme::name(&up, "Folder above");
-            if up.clicked() {
+            let up = ui.button(icon::text(Icon::ArrowUp)).accessible_name("Folder above");
+            if up.on_hover_text("The folder around this one").clicked() {
                 self.browser.leave();
             }
             ui.add(egui::Label::new(self.browser.folder().display().to_string()).truncate());
@@ -140,8 +139,8 @@ impl FileWindow {
             .desired_width(f32::INFINITY)
             .lock_focus(true)
             .margin(egui::vec2(8.0, 6.0));
-        let shown = field.show(ui);
-        theme::name(&shown.response, "File name or path");
+        let mut shown = field.show(ui);
+        shown.response.response = shown.response.response.accessible_name("File name or path");
         if !std::mem::replace(&mut self.begun, true) {
             shown.response.request_focus();
         }
@@ -270,8 +269,8 @@ impl eframe::App for FileWindow {
         // A button that has the focus takes Enter for itself.
         let nothing_has_focus = ctx.memory(|memory| memory.focused().is_none());
         let mut go = nothing_has_focus && ctx.input(|input| input.key_pressed(Key::Enter));
-        egui::Panel::top("path").show(ui, |ui| go |= self.head(ui));
-        egui::Panel::bottom("answer").show(ui, |ui| go |= self.foot(ui));
+        egui::Panel::top("path").resizable(false).show(ui, |ui| go |= self.head(ui));
+        egui::Panel::bottom("answer").resizable(false).show(ui, |ui| go |= self.foot(ui));
         egui::Panel::left("places").exact_size(150.0).show(ui, |ui| {
             egui::ScrollArea::vertical().show(ui, |ui| self.places(ui));
         });

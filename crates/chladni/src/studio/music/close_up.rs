@@ -62,7 +62,9 @@ pub fn show(
     let inside = rect.shrink2(vec2(12.0, 8.0));
     let head = Rect::from_min_size(inside.min, vec2(inside.width(), HEAD));
     let mut row = ui.new_child(UiBuilder::new().max_rect(head).layout(*ui.layout()));
-    row.horizontal_centered(|ui| header(ui, instrument, item, index, heard, wishes));
+    theme::group(&mut row, "This dance", |ui| {
+        ui.horizontal_centered(|ui| header(ui, instrument, item, index, heard, wishes));
+    });
     let plots = Rect::from_min_max(pos2(inside.left(), head.bottom() + 4.0), inside.max);
     let width = (plots.width() - theme::GAP) / 2.0;
     let left = Rect::from_min_size(plots.min, vec2(width, plots.height()));
@@ -127,8 +129,8 @@ fn header(
     }
     let mut name = item.name.clone();
     let hint = format!("Name of dance {}", index + 1);
-    let edit = ui.add(TextEdit::singleline(&mut name).hint_text(hint).desired_width(120.0));
-    edit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Name"));
+    let edit = TextEdit::singleline(&mut name).hint_text(hint).desired_width(120.0);
+    let edit = ui.add(edit).accessible_name("Name");
     if edit.changed() {
         wishes.push(Wish::Do(Action::Rename { item: index, name }));
     }
@@ -151,16 +153,16 @@ fn header(
     let weak = theme::palette(ui).weak;
     ui.spacing_mut().slider_width = 70.0;
     let mut stereo_mu = item.mapping.stereo_mu;
-    ui.label(RichText::new("μ").color(weak));
+    let label = ui.label(RichText::new("μ").color(weak)).id;
     let tip = "0: the middle of the sound moves symmetric harmonics, its sides antisymmetric ones; 1 mixes";
     let slider = theme::slider(&mut stereo_mu, 0.0..=1.0).fixed_decimals(2);
-    if ui.add(slider).on_hover_text(tip).changed() {
+    if ui.add(slider).labelled_by(label).on_hover_text(tip).changed() {
         wishes.push(Wish::Do(Action::SetStereoMu { item: index, stereo_mu }));
     }
     let mut gain = item.mapping.gain;
-    ui.label(RichText::new("Gain").color(weak));
+    let label = ui.label(RichText::new("Gain").color(weak)).id;
     let slider = theme::slider(&mut gain, 0.0..=4.0).fixed_decimals(2);
-    if ui.add(slider).on_hover_text("This dance's own strength").changed() {
+    if ui.add(slider).labelled_by(label).on_hover_text("This dance's own strength").changed() {
         wishes.push(Wish::Do(Action::SetItemGain { item: index, gain }));
     }
     shapes_menu(ui, item, index, heard, wishes);
@@ -172,9 +174,7 @@ pub fn text(ui: &Ui, mark: Icon, name: &str) -> String {
 }
 
 fn button(ui: &mut Ui, button: egui::Button<'_>, name: &str, tip: String) -> bool {
-    let response = ui.add(button).on_hover_text(tip);
-    theme::name(&response, name);
-    response.clicked()
+    ui.add(button).on_hover_text(tip).accessible_name(name).clicked()
 }
 
 /// Ready-made curves, to begin from.
@@ -211,8 +211,7 @@ fn shapes_menu(ui: &mut Ui, item: &GalleryItem, index: usize, heard: &Heard<'_>,
             amplification(values)
         });
     });
-    theme::name(&button.response, "Curves");
-    button.response.on_hover_text("Ready-made curves, to begin from");
+    button.response.accessible_name("Curves").on_hover_text("Ready-made curves, to begin from");
 }
 
 /// What arrives at each harmonic now, coarsely: the background of a.

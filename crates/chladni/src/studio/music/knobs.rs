@@ -1,6 +1,6 @@
 //! The knobs and switches of the instrument.
 
-use chladni_music::{Action, Choir, Form, Instrument, Parameter, Switch};
+use chladni_music::{Action, Choir, Form, Instrument, Parameter, Parameters, Switch};
 use egui::{RichText, Slider, Ui};
 
 use super::wish::Wish;
@@ -12,7 +12,27 @@ const LABEL: f32 = 98.0;
 /// Draws them all and collects what was turned.
 pub fn show(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
     let parameters = instrument.parameters();
-    heading(ui, "Form");
+    group(ui, "Form", |ui| form(ui, parameters, wishes));
+    for (name, rows) in GROUPS {
+        group(ui, name, |ui| {
+            for (parameter, name, tip) in *rows {
+                knob(ui, instrument, *parameter, name, tip, wishes);
+            }
+        });
+    }
+    for (name, switches) in SWITCHES {
+        group(ui, name, |ui| {
+            for (switch, name, tip) in *switches {
+                let mut on = parameters.is_on(*switch);
+                if ui.checkbox(&mut on, *name).on_hover_text(*tip).changed() {
+                    wishes.push(Wish::Do(Action::Switch { switch: *switch, on }));
+                }
+            }
+        });
+    }
+}
+
+fn form(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
     ui.horizontal(|ui| {
         for (form, name, tip) in [
             (
@@ -38,21 +58,6 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
             }
         }
     });
-    for (name, rows) in GROUPS {
-        heading(ui, name);
-        for (parameter, name, tip) in *rows {
-            knob(ui, instrument, *parameter, name, tip, wishes);
-        }
-    }
-    for (name, switches) in SWITCHES {
-        heading(ui, name);
-        for (switch, name, tip) in *switches {
-            let mut on = parameters.is_on(*switch);
-            if ui.checkbox(&mut on, *name).on_hover_text(*tip).changed() {
-                wishes.push(Wish::Do(Action::Switch { switch: *switch, on }));
-            }
-        }
-    }
 }
 
 type Row = (Parameter, &'static str, &'static str);
@@ -128,9 +133,10 @@ pub fn switch_name(switch: Switch) -> &'static str {
     rows.find(|row| row.0 == switch).map_or(switch.name(), |row| row.1)
 }
 
-fn heading(ui: &mut Ui, name: &str) {
+fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     ui.add_space(theme::GAP);
     ui.label(RichText::new(name).strong());
+    theme::group(ui, name, content);
 }
 
 fn knob(
@@ -153,9 +159,8 @@ fn knob(
         }
         _ => slider.fixed_decimals(2),
     };
-    let slider = theme::wide_row(ui, LABEL, name, tip, |ui| ui.add(slider).on_hover_text(tip));
-    theme::name(&slider, name);
-    if slider.changed() {
+    let slider = theme::wide_row(ui, LABEL, name, tip, |ui| ui.add(slider));
+    if slider.on_hover_text(tip).changed() {
         wishes.push(Wish::Do(Action::Set { parameter, value }));
     }
 }

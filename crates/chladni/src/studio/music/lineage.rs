@@ -32,8 +32,7 @@ pub fn menu(ui: &mut Ui, label: &str, instrument: &Instrument, item: &GalleryIte
             }
         });
     });
-    theme::name(&button.response, "Lineage");
-    button.response.on_hover_text("Where it comes from");
+    button.response.accessible_name("Lineage").on_hover_text("Where it comes from");
 }
 
 /// "Squid", or "3 of generation 2".

@@ -30,12 +30,13 @@ pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
 
 fn choose(ui: &mut Ui, heading: &str, chosen: &mut String, names: &[&str]) {
     ui.label(RichText::new(heading).strong());
-    ui.horizontal_wrapped(|ui| {
+    let choices = |ui: &mut Ui| {
         for name in names {
             if ui.selectable_label(chosen == name, theme::capitalised(name)).clicked() {
                 *chosen = (*name).to_owned();
             }
         }
-    });
+    };
+    theme::group(ui, heading, |ui| ui.horizontal_wrapped(choices));
     ui.add_space(theme::GAP);
 }

@@ -20,6 +20,7 @@ pub fn show(ui: &mut Ui, listening: &mut Listening) {
     ui.horizontal(|ui| {
         let width = (ui.available_width() - LEVELS - BEAT - 3.0 * theme::GAP).max(120.0);
         let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Spectrum"));
         spectrum(ui, rect, listening);
         response.on_hover_text("What the middle of the sound holds (above), and its sides (below)");
         ui.add_space(theme::GAP_SMALL);
@@ -77,17 +78,21 @@ fn bars(painter: &egui::Painter, rect: Rect, values: &[f32], color: Color32, dow
 fn levels(ui: &mut Ui, listening: &Listening) {
     ui.vertical(|ui| {
         ui.label(RichText::new("Level").small().color(theme::palette(ui).weak));
-        for (name, of) in ["L", "R"].into_iter().zip(listening.levels()) {
+        for (channel, of) in CHANNELS.into_iter().zip(listening.levels()) {
             ui.horizontal(|ui| {
-                ui.add_sized([10.0, 14.0], egui::Label::new(RichText::new(name).small()).selectable(false));
-                level(ui, of);
+                let letter = RichText::new(&channel[..1]).small();
+                ui.add_sized([10.0, 14.0], egui::Label::new(letter).selectable(false));
+                level(ui, channel, of);
             });
         }
     });
 }
 
+/// The channels of [`Listening::levels`].
+pub const CHANNELS: [&str; 2] = ["Left", "Right"];
+
 /// A bar of the root mean square with a line at the peak, from −60 dB to full scale.
-pub fn level(ui: &mut Ui, level: Level) {
+pub fn level(ui: &mut Ui, channel: &str, level: Level) {
     let palette = theme::palette(ui);
     let share = |amplitude: f32| (1.0 + 20.0 * amplitude.max(1e-6).log10() / 60.0).clamp(0.0, 1.0);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 12.0), Sense::hover());
@@ -103,6 +108,10 @@ pub fn level(ui: &mut Ui, level: Level) {
     }
     let decibels = |amplitude: f32| 20.0 * amplitude.max(1e-6).log10();
     let text = format!("Mean {:.0} dB, peak {:.0} dB", decibels(level.rms), decibels(level.peak));
+    response.widget_info(|| egui::WidgetInfo {
+        current_text_value: Some(text.clone()),
+        ..egui::WidgetInfo::labeled(egui::Role::Meter, true, format!("{channel} level"))
+    });
     response.on_hover_text(text);
 }
 
@@ -111,6 +120,7 @@ fn beat(ui: &mut Ui, listening: &mut Listening) {
     let moment = listening.beat_moment();
     let (phase, sure) = (moment.phase.clamp(0.0, 1.0) as f32, moment.confidence.clamp(0.0, 1.0) as f32);
     let (rect, response) = ui.allocate_exact_size(vec2(48.0, 48.0), Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Beat dial"));
     dial(ui, rect, phase, sure);
     response.on_hover_text("The beat: the ring goes round once a beat, and is as bright as it is sure");
     ui.vertical(|ui| {

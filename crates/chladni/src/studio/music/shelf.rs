@@ -173,18 +173,19 @@ fn favourites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
         weak(ui, "None yet: point at a dance and press F.");
     }
     for (index, item) in instrument.favourites().iter().enumerate() {
+        let name = if item.name.is_empty() { format!("Dance {}", item.id + 1) } else { item.name.clone() };
         ui.horizontal(|ui| {
             thumbnail(ui, &item.mapping);
-            let name =
-                if item.name.is_empty() { format!("Dance {}", item.id + 1) } else { item.name.clone() };
-            ui.label(name);
+            ui.label(&name);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let keep = ui.small_button(icon::text(Icon::BookmarkPlus)).on_hover_text("Keep on the shelf");
-                if keep.clicked() {
+                let mut button = |mark, does: &str| {
+                    let button = ui.small_button(icon::text(mark)).on_hover_text(does);
+                    button.accessible_name(format!("{does}: {name}")).clicked()
+                };
+                if button(Icon::BookmarkPlus, "Keep on the shelf") {
                     wishes.push(Wish::Keep(item.id));
                 }
-                let stage = ui.small_button(icon::text(Icon::Presentation)).on_hover_text("Put on stage");
-                if stage.clicked() {
+                if button(Icon::Presentation, "Put on stage") {
                     wishes.push(Wish::Do(Action::PerformFavourites { first: index }));
                 }
             });

@@ -70,10 +70,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
                 play = Some(song);
             }
             let out = ui.small_button(icon::text(Icon::X));
-            out.widget_info(|| {
-                let label = format!("Remove {}", listening.name_of(song));
-                egui::WidgetInfo::labeled(egui::Role::Button, true, label)
-            });
+            let out = out.accessible_name(format!("Remove {}", listening.name_of(song)));
             if out.on_hover_text("Take it out of the list").clicked() {
                 remove = Some(song);
             }
@@ -135,7 +132,9 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Inputs, notices: &m
         None => {}
     }
     if listening.live().is_some() {
-        listening.levels().into_iter().for_each(|level| meters::level(ui, level));
+        for (channel, level) in meters::CHANNELS.into_iter().zip(listening.levels()) {
+            meters::level(ui, channel, level);
+        }
     }
 }
 

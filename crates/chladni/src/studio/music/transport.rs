@@ -52,23 +52,19 @@ fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
 }
 
 fn song(ui: &mut Ui, listening: &mut Listening) {
-    let back = ui.button(icon::text(Icon::SkipBack)).on_hover_text(PREVIOUS_SONG.tooltip(ui.ctx()));
-    theme::name(&back, "Previous song");
-    if back.clicked() {
+    let back = ui.button(icon::text(Icon::SkipBack)).accessible_name("Previous song");
+    if back.on_hover_text(PREVIOUS_SONG.tooltip(ui.ctx())).clicked() {
         listening.player().previous();
     }
     let status = listening.player().status();
     let playing = status.state == PlayerState::Playing && listening.live().is_none();
     let mark = if playing { Icon::Pause } else { Icon::Play };
-    let button = ui.button(icon::text(mark)).on_hover_text(PLAY.tooltip(ui.ctx()));
-    let label = if playing { "Pause" } else { "Play" };
-    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, label));
-    if button.clicked() {
+    let button = ui.button(icon::text(mark)).accessible_name(if playing { "Pause" } else { "Play" });
+    if button.on_hover_text(PLAY.tooltip(ui.ctx())).clicked() {
         listening.toggle();
     }
-    let next = ui.button(icon::text(Icon::SkipForward)).on_hover_text(NEXT_SONG.tooltip(ui.ctx()));
-    theme::name(&next, "Next song");
-    if next.clicked() {
+    let next = ui.button(icon::text(Icon::SkipForward)).accessible_name("Next song");
+    if next.on_hover_text(NEXT_SONG.tooltip(ui.ctx())).clicked() {
         listening.player().next();
     }
     if listening.live().is_some() {

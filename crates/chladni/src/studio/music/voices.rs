@@ -18,20 +18,23 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, names: &[String], wishes: &mut
         let before = instrument.voice(voice);
         let mut settings = before;
         ui.add_space(theme::GAP_SMALL);
-        egui::Frame::group(ui.style()).show(ui, |ui| {
-            ui.set_width(ui.available_width());
-            ui.label(name);
-            ui.horizontal_wrapped(|ui| driver(ui, &mut settings.driver));
-            if let Driver::Band { from, to } = &mut settings.driver {
-                band(ui, from, to);
-            }
-            let gain = theme::slider(&mut settings.gain, -4.0..=4.0).fixed_decimals(2).text("gain");
-            ui.add(gain).on_hover_text("1 is the layer as it was made; below 0 is its opposite");
-        });
+        egui::Frame::group(ui.style())
+            .show(ui, |ui| theme::group(ui, name, |ui| settings_of(ui, name, &mut settings)));
         if settings != before {
             wishes.push(Wish::Do(Action::SetVoice { voice, settings }));
         }
     }
+}
+
+fn settings_of(ui: &mut Ui, name: &str, settings: &mut VoiceSettings) {
+    ui.set_width(ui.available_width());
+    ui.label(name);
+    ui.horizontal_wrapped(|ui| driver(ui, &mut settings.driver));
+    if let Driver::Band { from, to } = &mut settings.driver {
+        band(ui, from, to);
+    }
+    let gain = theme::slider(&mut settings.gain, -4.0..=4.0).fixed_decimals(2).text("gain");
+    ui.add(gain).on_hover_text("1 is the layer as it was made; below 0 is its opposite");
 }
 
 fn driver(ui: &mut Ui, driver: &mut Driver) {
@@ -56,8 +59,10 @@ fn band(ui: &mut Ui, from: &mut f32, to: &mut f32) {
     ui.horizontal(|ui| {
         ui.spacing_mut().slider_width = 60.0;
         let tip = "0 is the lowest band, 1 the highest";
-        ui.add(Slider::new(from, 0.0..=1.0).show_value(false)).on_hover_text(tip);
-        ui.add(Slider::new(to, 0.0..=1.0).show_value(false)).on_hover_text(tip);
+        for (bound, name) in [(&mut *from, "Lowest band"), (&mut *to, "Highest band")] {
+            let slider = Slider::new(bound, 0.0..=1.0).show_value(false);
+            ui.add(slider).accessible_name(name).on_hover_text(tip);
+        }
         ui.label(RichText::new(format!("{:.0}–{:.0} %", *from * 100.0, *to * 100.0)).small());
     });
 }

@@ -117,11 +117,7 @@ impl CaricatureRoom {
         if !self.export.open {
             return;
         }
-        let (begin, dismissed) = theme::modal(ui.ctx(), "export", 470.0, |ui| {
-            ui.heading("Export");
-            ui.add_space(theme::GAP);
-            self.export.choices(ui)
-        });
+        let (begin, dismissed) = theme::modal(ui.ctx(), "Export", 470.0, |ui| self.export.choices(ui));
         if begin {
             self.begin_export(ui, shared);
         } else if dismissed {
@@ -166,7 +162,7 @@ impl Export {
     /// Shows progress while something is written; draws nothing otherwise.
     pub fn progress(&self, ui: &mut Ui) {
         if let Some(running) = &self.running {
-            egui::Panel::bottom("export progress").show(ui, |ui| {
+            egui::Panel::bottom("export progress").resizable(false).show(ui, |ui| {
                 ui.add_space(theme::GAP_SMALL);
                 job::show_progress(ui, running);
                 ui.add_space(theme::GAP_SMALL);
@@ -241,9 +237,10 @@ impl Export {
         ui.label(RichText::new("Size").color(weak));
         ui.horizontal(|ui| {
             let [width, height] = &mut self.size;
-            ui.add(DragValue::new(width).range(16..=16_384));
+            let tip = "Pixels: width × height";
+            ui.add(DragValue::new(width).range(16..=16_384)).accessible_name("Width").on_hover_text(tip);
             ui.label("×");
-            ui.add(DragValue::new(height).range(16..=16_384)).on_hover_text("Pixels: width × height");
+            ui.add(DragValue::new(height).range(16..=16_384)).accessible_name("Height").on_hover_text(tip);
             ui.menu_button("Usual sizes", |ui| {
                 let sizes = [
                     ("HD", [1920, 1080]),
@@ -282,9 +279,11 @@ impl Export {
         }
         ui.label(RichText::new("Length").color(weak));
         ui.horizontal(|ui| {
-            ui.add(DragValue::new(&mut self.secs).range(0.5..=120.0).speed(0.1).suffix(" s"));
+            let length = DragValue::new(&mut self.secs).range(0.5..=120.0).speed(0.1).suffix(" s");
+            ui.add(length).accessible_name("Length");
             ui.label("at");
-            ui.add(DragValue::new(&mut self.fps).range(1..=60).suffix(" frames/s"));
+            let fps = DragValue::new(&mut self.fps).range(1..=60).suffix(" frames/s");
+            ui.add(fps).accessible_name("Frames a second");
         });
         ui.end_row();
     }

@@ -55,6 +55,7 @@ impl Remote {
                        and /chladni/breed need no learning.";
             let listen = ui.checkbox(&mut on, "Listen on UDP port").on_hover_text(tip);
             let number = ui.add_enabled(on, egui::DragValue::new(&mut port).range(1024..=65_535));
+            let number = number.labelled_by(listen.id);
             if listen.changed() || number.changed() {
                 preferences.osc_port = on.then_some(port);
             }
@@ -91,7 +92,8 @@ fn row(ui: &mut Ui, bindings: &mut Bindings, target: Target) {
                     continue;
                 }
                 let text = RichText::new(icon::label(Icon::X, &binding.control.to_string())).small();
-                if ui.small_button(text).on_hover_text("Forget this").clicked() {
+                let forget = ui.small_button(text).accessible_name(format!("Forget {}", binding.control));
+                if forget.on_hover_text("Forget this").clicked() {
                     forgotten = Some(index);
                 }
             }
