@@ -8,6 +8,7 @@ mod choose;
 mod closing;
 mod effort;
 mod file_window;
+mod focus;
 mod folders;
 mod handover;
 mod icon;
@@ -300,7 +301,7 @@ impl Studio {
     }
 
     fn top_bar(&mut self, ui: &mut egui::Ui) {
-        egui::Panel::top("top bar").exact_size(42.0).show(ui, |ui| {
+        egui::Panel::top("top bar").resizable(false).exact_size(42.0).show(ui, |ui| {
             ui.horizontal_centered(|ui| {
                 let palette = theme::palette(ui);
                 let home = ui

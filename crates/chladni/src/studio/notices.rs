@@ -100,16 +100,17 @@ fn show_notice(ui: &mut egui::Ui, notice: &Notice) -> bool {
     ui.scope_builder(said, |ui| {
         ui.ctx().accesskit_node_builder(ui.unique_id(), |node| node.set_live(live));
         let frame = egui::Frame::popup(ui.style()).fill(palette.card);
-        frame.show(ui, |ui| {
-            ui.set_max_width(420.0);
-            ui.horizontal(|ui| {
-                ui.label(egui::RichText::new(icon::text(mark)).color(color).size(18.0));
-                ui.add(egui::Label::new(&notice.text).wrap().selectable(true));
-                ui.small_button(icon::text(Icon::X)).on_hover_text("Close this message").clicked()
+        frame
+            .show(ui, |ui| {
+                ui.set_max_width(420.0);
+                ui.horizontal(|ui| {
+                    ui.label(egui::RichText::new(icon::text(mark)).color(color).size(18.0));
+                    ui.add(egui::Label::new(&notice.text).wrap().selectable(true));
+                    ui.small_button(icon::text(Icon::X)).on_hover_text("Close this message").clicked()
+                })
+                .inner
             })
             .inner
-        })
-        .inner
     })
     .inner
 }

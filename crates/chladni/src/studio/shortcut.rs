@@ -30,10 +30,11 @@ impl Shortcut {
         Self { keys: KeyboardShortcut::new(modifiers, key), action }
     }
 
-    /// Whether it was pressed in this frame, outside text fields; consumes the key.
+    /// Whether it was pressed in this frame, and not for the control that has the focus; consumes the key.
     pub fn pressed(&self, ctx: &egui::Context) -> bool {
-        let typing = ctx.egui_wants_keyboard_input() && self.keys.modifiers == Modifiers::NONE;
-        !typing && ctx.input_mut(|input| input.consume_shortcut(&self.keys))
+        let plain = self.keys.modifiers == Modifiers::NONE;
+        let taken = plain && is_taken(ctx, self.keys.logical_key);
+        !taken && ctx.input_mut(|input| input.consume_shortcut(&self.keys))
     }
 
     /// "Ctrl+S", or "[".
@@ -58,6 +59,16 @@ impl Shortcut {
     pub fn with_key(&self, ctx: &egui::Context, words: &str) -> String {
         format!("{words} ({})", self.text(ctx))
     }
+}
+
+/// Whether what has the focus wants `key` for itself: a text field all of them, another control those
+/// that click it, change it or lead to the next one.
+pub fn is_taken(ctx: &egui::Context, key: Key) -> bool {
+    let controls = matches!(
+        key,
+        Key::Space | Key::Enter | Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown
+    );
+    ctx.text_edit_focused() || controls && ctx.egui_wants_keyboard_input()
 }
 
 /// What the mouse does in every 3D view.

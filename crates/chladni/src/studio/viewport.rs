@@ -3,7 +3,7 @@
 use chladni_view::{Camera, Canvas, Cell, Gpu, Rect, Renderer, Samples, View, ViewError};
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
-use egui::{Key, Modifiers};
+use egui::{EventFilter, Key, Modifiers, Role};
 
 use super::effort::{Effort, Quality};
 use super::shortcut::Shortcut;
@@ -29,6 +29,9 @@ pub fn has_drawn(ctx: &egui::Context) -> bool {
 pub fn gpu_of(state: &RenderState) -> Gpu {
     Gpu::shared(state.device.clone(), state.queue.clone())
 }
+
+/// An arrow key turns as far as a drag of so many pixels.
+const KEY_DRAG: f32 = 25.0;
 
 /// After so long without a change a picture is drawn as finely as can be.
 const REST_SECS: f64 = 0.3;
@@ -225,7 +228,8 @@ pub fn to_pixels(ui: &egui::Ui, canvas: egui::Rect, point: egui::Pos2) -> [f32; 
 
 /// Turns, shifts and zooms `camera` by the pointer on `response` and by the keys of
 /// [`VIEW_KEYS`]: middle drag (or right drag, or Alt and left drag) turns, with Shift it
-/// shifts, the wheel zooms. True when the camera moved.
+/// shifts, the wheel zooms; where it has the focus, arrows turn and page up and down zoom. True when the
+/// camera moved.
 pub fn navigate(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera) -> bool {
     navigate_by(ui, response, camera, false)
 }
@@ -233,6 +237,12 @@ pub fn navigate(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera) -
 /// As [`navigate`]; with `primary` a plain left drag turns too, where it has nothing else to do.
 pub fn navigate_by(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera, primary: bool) -> bool {
     let before = *camera;
+    response.ctx.accesskit_node_builder(response.id, |node| {
+        node.set_role(Role::Canvas);
+        if node.label().is_none() {
+            node.set_label("3D view");
+        }
+    });
     let (modifiers, scroll, zoom) =
         ui.input(|input| (input.modifiers, input.smooth_scroll_delta().y, input.zoom_delta()));
     let navigating = response.dragged_by(egui::PointerButton::Middle)
@@ -246,8 +256,23 @@ pub fn navigate_by(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera
             camera.orbit(drag.x, drag.y);
         }
     }
+    if response.has_focus() {
+        let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+        let [right, down, nearer] =
+            [(Key::ArrowRight, Key::ArrowLeft), (Key::ArrowDown, Key::ArrowUp), (Key::PageUp, Key::PageDown)]
+                .map(|(more, less)| {
+                    ui.input(|input| input.num_presses(more) as f32 - input.num_presses(less) as f32)
+                });
+        if (right, down, nearer) != (0.0, 0.0, 0.0) {
+            camera.orbit(KEY_DRAG * right, KEY_DRAG * down);
+            camera.zoom(nearer);
+        }
+    }
     if response.hovered() {
         camera.zoom(scroll / 40.0 + zoom.ln() * 9.5);
+    }
+    if response.hovered() || response.has_focus() {
         let views = [View::Front, View::Right, View::Top, View::ThreeQuarter];
         for (shortcut, view) in VIEW_KEYS.iter().zip(views) {
             if shortcut.pressed(ui.ctx()) {

@@ -9,6 +9,7 @@ mod file_window;
 mod files;
 mod layers;
 mod lost_device;
+mod menus;
 #[path = "../person/mod.rs"]
 mod person;
 mod screens;

@@ -11,7 +11,7 @@ use super::session::Session;
 use super::stage::{self, Look, Show, Shown, Stage};
 use super::{CaricatureRoom, single};
 use crate::studio::room::Shared;
-use crate::studio::{job, theme};
+use crate::studio::{job, shortcut, theme};
 
 impl CaricatureRoom {
     /// Draws it.
@@ -114,7 +114,7 @@ fn show_stage(
     edits: &mut Edits,
 ) -> Result<(), String> {
     let rect = ui.available_rect_before_wrap();
-    if ui.ctx().input(|input| input.key_down(Key::C)) && !ui.ctx().egui_wants_keyboard_input() {
+    if ui.ctx().input(|input| input.key_down(Key::C)) && !shortcut::is_taken(ui.ctx(), Key::C) {
         look.show = Show::Original;
     }
     let gpu: &RenderState = shared.gpu;

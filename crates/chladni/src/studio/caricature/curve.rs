@@ -62,8 +62,7 @@ fn plot_in(rect: Rect) -> Rect {
 fn told(curve: &ScaleCurve) -> String {
     let step = curve.points.len().div_ceil(8).max(1);
     let points = curve.points.iter().step_by(step);
-    let words: Vec<_> =
-        points.map(|[u, gain]| format!("at {:.0} % ×{gain:.2}", 100.0 * u)).collect();
+    let words: Vec<_> = points.map(|[u, gain]| format!("at {:.0} % ×{gain:.2}", 100.0 * u)).collect();
     words.join(", ")
 }
 

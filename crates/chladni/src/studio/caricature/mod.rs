@@ -309,7 +309,7 @@ impl CaricatureRoom {
         // What is on its way takes the place of what is open: no edit may be lost in between.
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         let mut wants_mesh = false;
-        egui::Panel::left("layers").exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {
+        egui::Panel::left("layers").resizable(false).exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {
             egui::Panel::bottom("shape")
                 .resizable(false)
                 .show(ui, |ui| footer::show(ui, session, shared.settings, edits));
@@ -329,7 +329,7 @@ impl CaricatureRoom {
                 }
             });
         });
-        egui::Panel::right("controls").exact_size(theme::PANEL_WIDTH).show(ui, |ui| {
+        egui::Panel::right("controls").resizable(false).exact_size(theme::PANEL_WIDTH).show(ui, |ui| {
             egui::ScrollArea::vertical().show(ui, |ui| {
                 let Some((id, layer)) =
                     session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))

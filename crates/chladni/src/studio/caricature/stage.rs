@@ -293,7 +293,9 @@ impl Stage {
         {
             self.viewport.invalidate();
         }
-        if ui.ctx().input(|input| input.key_pressed(egui::Key::Home)) && response.hovered() {
+        if ui.ctx().input(|input| input.key_pressed(egui::Key::Home))
+            && (response.hovered() || response.has_focus())
+        {
             self.fitted = false;
         }
         let pointed = Pointed::of(ui, &response, rect, figures, &cells);

@@ -271,7 +271,7 @@ impl eframe::App for FileWindow {
         let mut go = nothing_has_focus && ctx.input(|input| input.key_pressed(Key::Enter));
         egui::Panel::top("path").resizable(false).show(ui, |ui| go |= self.head(ui));
         egui::Panel::bottom("answer").resizable(false).show(ui, |ui| go |= self.foot(ui));
-        egui::Panel::left("places").exact_size(150.0).show(ui, |ui| {
+        egui::Panel::left("places").resizable(false).exact_size(150.0).show(ui, |ui| {
             egui::ScrollArea::vertical().show(ui, |ui| self.places(ui));
         });
         egui::CentralPanel::default().show(ui, |ui| {

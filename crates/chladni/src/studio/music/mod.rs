@@ -460,14 +460,17 @@ impl MusicRoom {
 
     fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
-        egui::Panel::top("transport").exact_size(40.0).show(ui, |ui| {
+        egui::Panel::top("transport").resizable(false).exact_size(40.0).show(ui, |ui| {
             transport::show(ui, listening, concert, wishes);
         });
-        egui::Panel::right("drawer").exact_size(theme::PANEL_WIDTH - 24.0).show(ui, |ui| {
+        egui::Panel::right("drawer").resizable(false).exact_size(theme::PANEL_WIDTH - 24.0).show(ui, |ui| {
             self.drawers.show(ui, concert, listening, shared, wishes);
         });
         self.filming.show(ui);
-        egui::Panel::bottom("meters").exact_size(meters::HEIGHT).show(ui, |ui| meters::show(ui, listening));
+        egui::Panel::bottom("meters")
+            .resizable(false)
+            .exact_size(meters::HEIGHT)
+            .show(ui, |ui| meters::show(ui, listening));
     }
 
     fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {

@@ -18,8 +18,9 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, names: &[String], wishes: &mut
         let before = instrument.voice(voice);
         let mut settings = before;
         ui.add_space(theme::GAP_SMALL);
+        let said = format!("Voice {}, {name}", voice + 1);
         egui::Frame::group(ui.style())
-            .show(ui, |ui| theme::group(ui, name, |ui| settings_of(ui, name, &mut settings)));
+            .show(ui, |ui| theme::group(ui, &said, |ui| settings_of(ui, name, &mut settings)));
         if settings != before {
             wishes.push(Wish::Do(Action::SetVoice { voice, settings }));
         }

@@ -1,0 +1,63 @@
+//! Where the keyboard is: a ring around the control that it acts on, which is scrolled into view.
+
+use egui::accesskit::{Action, ActionRequest, TreeId};
+use egui::{Event, Id, Key, Stroke, StrokeKind};
+
+use super::theme;
+
+/// Shows the focus from when a key or a screen reader moves it until the pointer is used.
+#[derive(Debug, Default)]
+pub struct Ring {
+    by_keys: bool,
+    last: Option<Id>,
+    hidden: Option<Id>,
+}
+
+impl egui::Plugin for Ring {
+    fn debug_name(&self) -> &'static str {
+        "focus ring"
+    }
+
+    fn input_hook(&mut self, _: &egui::Context, input: &mut egui::RawInput) {
+        for event in &input.events {
+            match event {
+                Event::Key { key, pressed: true, .. } => self.by_keys |= moves_the_focus(*key),
+                Event::AccessKitActionRequest(request) => self.by_keys |= request.action == Action::Focus,
+                Event::PointerButton { .. } => self.by_keys = false,
+                _ => {}
+            }
+        }
+        if let Some(id) = self.hidden.take() {
+            input.events.push(Event::AccessKitActionRequest(ActionRequest {
+                action: Action::ScrollIntoView,
+                target_tree: TreeId::ROOT,
+                target_node: id.accesskit_id(),
+                data: None,
+            }));
+        }
+    }
+
+    fn on_end_pass(&mut self, ui: &mut egui::Ui) {
+        let focused = ui.memory(|memory| memory.focused()).filter(|_| self.by_keys);
+        let moved = std::mem::replace(&mut self.last, focused) != focused;
+        let Some(control) = focused.and_then(|id| ui.ctx().read_response(id)) else { return };
+        let seen = control.interact_rect;
+        if moved && seen != control.rect {
+            self.hidden = Some(control.id);
+            ui.ctx().request_repaint();
+        }
+        if !seen.is_positive() {
+            return;
+        }
+        let painter = ui.ctx().layer_painter(control.layer_id).with_clip_rect(seen.expand(4.0));
+        let around = control.rect.expand(1.0);
+        // A rim below it, so that it is seen on any ground.
+        for (width, color) in [(4.0, ui.visuals().panel_fill), (2.0, theme::palette(ui).accent)] {
+            painter.rect_stroke(around, 6.0, Stroke::new(width, color), StrokeKind::Middle);
+        }
+    }
+}
+
+fn moves_the_focus(key: Key) -> bool {
+    matches!(key, Key::Tab | Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown)
+}
