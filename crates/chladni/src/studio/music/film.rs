@@ -82,7 +82,7 @@ impl Filming {
     /// Shows progress while a film is being made; draws nothing otherwise.
     pub fn show(&self, ui: &mut Ui) {
         if let Some(running) = &self.0 {
-            egui::Panel::bottom("filming").show(ui, |ui| job::show_progress(ui, running));
+            egui::Panel::bottom("filming").resizable(false).show(ui, |ui| job::show_progress(ui, running));
         }
     }
 }
