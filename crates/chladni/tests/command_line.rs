@@ -295,6 +295,35 @@ fn wrong_arguments_are_told_in_one_line() {
     Run::of(&["--version"]).succeeded();
 }
 
+#[test]
+fn a_reader_who_has_had_enough_stops_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("b.npz");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_chladni"))
+        .args(["basis", "sample:octopus", "-k", "4", "--no-cache", "-o", text(&out)])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(out.exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_display_one_line_says_so() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
+    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(name);
+    }
+    let output = command.output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(told.lines().count() == 1 && told.contains("there is no display"), "{told}");
+}
+
 fn vertex_lines(path: &Path) -> Vec<String> {
     std::fs::read_to_string(path)
         .unwrap()

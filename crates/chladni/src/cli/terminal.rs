@@ -1,7 +1,7 @@
 //! Results on standard output, progress and messages on standard error, Ctrl-C to cancel.
 
 use std::fmt::Display;
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -63,11 +63,14 @@ impl Terminal {
 
     /// Prints one line of the result to standard output.
     ///
-    /// Fails where standard output is closed, such as a pipe into `head`.
+    /// A reader who has had enough, such as `head`, is no failure: what remains to be done is done.
     pub fn result(&self, line: impl Display) -> Result<(), Failure> {
         match &self.unheard {
             Some(_) => Ok(()),
-            None => writeln!(std::io::stdout().lock(), "{line}").map_err(Failure::other),
+            None => match writeln!(std::io::stdout().lock(), "{line}") {
+                Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+                written => written.map_err(Failure::other),
+            },
         }
     }
 

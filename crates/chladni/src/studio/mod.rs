@@ -53,7 +53,10 @@ use window_painter::WindowPainter;
 /// Why the window did not open.
 #[derive(Debug, thiserror::Error)]
 pub enum StudioError {
-    /// No display, no usable graphics driver, or the window system refused.
+    /// Neither X11 nor Wayland is there.
+    #[error("the window cannot open: there is no display; 'chladni --help' lists what works without one")]
+    NoDisplay,
+    /// No usable graphics driver, or the window system refused.
     #[error("the window cannot open: {0}; 'chladni --help' lists what works without one")]
     Window(#[from] eframe::Error),
     /// It was lost again as soon as another window had opened.
@@ -87,6 +90,10 @@ pub fn open(
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
 ) -> Result<(), StudioError> {
+    let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    if cfg!(target_os = "linux") && !["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
+        return Err(StudioError::NoDisplay);
+    }
     let handover = Handover::default();
     loop {
         let began = Instant::now();

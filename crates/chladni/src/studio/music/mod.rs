@@ -42,7 +42,7 @@ use self::loading::Ready;
 pub use self::preferences::Preferences;
 use self::stage::Curtain;
 use self::wish::Wish;
-use super::icon::Icon;
+use super::icon::{self, Icon};
 use super::job::{self, Job, Outcome};
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
@@ -173,7 +173,12 @@ impl Room for MusicRoom {
             if let Some(loading) = &self.loading {
                 job::show_progress(ui, loading);
             }
-            let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
+            let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else {
+                if self.loading.is_none() {
+                    nothing_dances(ui, &mut wishes);
+                }
+                return;
+            };
             if let Err(why) = concert.show(ui, shared, listening, &mut wishes) {
                 shared.notices.error(why);
             }
@@ -262,7 +267,13 @@ impl Room for MusicRoom {
                 TEXT => self.waiting.push(path.clone()),
                 "chladni" => self.load_caricature(path.clone(), shared),
                 song if SONGS.contains(&song) => songs.push(path.clone()),
-                _ => self.load(ShapeSource::File(path.clone()), shared),
+                _ => match path.to_str().and_then(|name| name.strip_prefix("sample:")) {
+                    Some(name) => {
+                        self.load(ShapeSource::Sample(name.to_owned()), shared);
+                        continue;
+                    }
+                    None => self.load(ShapeSource::File(path.clone()), shared),
+                },
             }
             shared.settings.remember(path);
         }
@@ -379,6 +390,9 @@ impl MusicRoom {
     /// What the keys ask for.
     fn keys(&mut self, ctx: &egui::Context) -> Vec<Wish> {
         let mut wishes = Vec::new();
+        if self.concert.is_none() && OPEN.pressed(ctx) {
+            wishes.push(Wish::Open);
+        }
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return wishes };
         // An open menu has the keys.
         if egui::Popup::is_any_open(ctx) {
@@ -544,6 +558,19 @@ impl MusicRoom {
             self.open(&paths, shared);
         }
     }
+}
+
+/// What the room offers where the first shape could not be opened.
+fn nothing_dances(ui: &mut Ui, wishes: &mut Vec<Wish>) {
+    ui.vertical_centered(|ui| {
+        ui.add_space(ui.available_height() * 0.4);
+        ui.label("Nothing dances yet: drop a shape anywhere, or open one.");
+        ui.add_space(theme::GAP);
+        if ui.button(icon::label(Icon::FolderOpen, "Open …")).on_hover_text(OPEN.tooltip(ui.ctx())).clicked()
+        {
+            wishes.push(Wish::Open);
+        }
+    });
 }
 
 fn means(shared: &Shared<'_>) -> loading::Means {
