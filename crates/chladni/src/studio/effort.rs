@@ -6,6 +6,10 @@ use chladni_view::Samples;
 const LATE_SECS: f64 = 0.050;
 /// Frames that come faster than this leave room: a screen of 30 Hz shows none sooner.
 const EARLY_SECS: f64 = 0.036;
+/// The same where the processor draws, to whom pixels are only a part of the work: a smaller picture loses its
+/// smooth outlines, and gains a quarter of the time.
+const SOFTWARE_LATE_SECS: f64 = 0.075;
+const SOFTWARE_EARLY_SECS: f64 = 0.054;
 /// So many frames are looked at together, fewer where they are very late.
 const FRAMES: usize = 12;
 /// At least so many frames say something after [`LONG_SECS`].
@@ -48,6 +52,8 @@ impl std::fmt::Display for Quality {
 #[derive(Clone, Debug)]
 pub struct Effort {
     first: usize,
+    late_secs: f64,
+    early_secs: f64,
     step: usize,
     last_secs: Option<f64>,
     frames_secs: Vec<f64>,
@@ -60,9 +66,12 @@ pub struct Effort {
 impl Effort {
     /// Begins with what suits a device that draws with so many samples.
     pub fn new(samples: Samples) -> Self {
-        let first = usize::from(samples == Samples::One);
+        let software = samples == Samples::One;
+        let first = usize::from(software);
         Self {
             first,
+            late_secs: if software { SOFTWARE_LATE_SECS } else { LATE_SECS },
+            early_secs: if software { SOFTWARE_EARLY_SECS } else { EARLY_SECS },
             step: first,
             last_secs: None,
             frames_secs: Vec::with_capacity(FRAMES),
@@ -102,13 +111,13 @@ impl Effort {
         let usual_secs = self.frames_secs[count / 2];
         self.frames_secs.clear();
         let calm_secs = now_secs - self.changed_secs;
-        if usual_secs > LATE_SECS && self.step + 1 < STEPS.len() {
+        if usual_secs > self.late_secs && self.step + 1 < STEPS.len() {
             // What had just been tried was too much.
             if self.tried && calm_secs < PATIENCE_SECS {
                 self.patience_secs *= 2.0;
             }
             (self.step, self.changed_secs, self.tried) = (self.step + 1, now_secs, false);
-        } else if usual_secs < EARLY_SECS && self.is_reduced() && calm_secs > self.patience_secs {
+        } else if usual_secs < self.early_secs && self.is_reduced() && calm_secs > self.patience_secs {
             (self.step, self.changed_secs, self.tried) = (self.step - 1, now_secs, true);
         }
     }
@@ -171,6 +180,19 @@ mod tests {
             assert!(effort.is_reduced());
             play(&mut effort, &mut now_secs, 10.0, 1.0 / screen_hz);
             assert!(!effort.is_reduced(), "{screen_hz}");
+        }
+    }
+
+    #[test]
+    fn outlines_are_kept_longer_where_the_processor_draws() {
+        for (samples, percent, drawn_again) in [(Samples::One, 100, 100), (Samples::Four, 50, 50)] {
+            let (mut effort, mut now_secs) = (Effort::new(samples), 0.0);
+            play(&mut effort, &mut now_secs, 20.0, 0.066);
+            assert_eq!(effort.quality().percent, percent);
+            play(&mut effort, &mut now_secs, 20.0, 0.1);
+            assert_eq!(effort.quality().percent, 50);
+            play(&mut effort, &mut now_secs, 30.0, 0.05);
+            assert_eq!(effort.quality().percent, drawn_again);
         }
     }
 
