@@ -35,6 +35,8 @@ wait "${pids[2]}" 2> /dev/null || true
 # The longest run of silence between the first and the last sample that were heard.
 python3 - "$folder" <<'PYTHON'
 import array, json, sys
+sys.path.append("bench")
+from section import machine, write_section
 folder = sys.argv[1]
 with open(f"{folder}/heard.raw", "rb") as file:
     heard = array.array("h", file.read()[: -4 or None])
@@ -45,12 +47,12 @@ report["longest_silence_secs"] = max((b - a for a, b in zip(loud, loud[1:])), de
 print(json.dumps(report))
 
 stage = report["stage"]
-begin, end = "<!-- stage:begin -->", "<!-- stage:end -->"
-processor = next(l.split(":")[1].strip() for l in open("/proc/cpuinfo") if l.startswith("model name"))
-load = open("/proc/loadavg").read().split()[0]
 rows = [
     ("listened and drawn", f"{report['secs']:.1f} s"),
-    (f"frames of {stage['items']} shapes of {stage['vertices']:,} vertices, {stage['drawn_vertices']:,} of them drawn", f"{report['frames']} ({report['frames'] / report['secs']:.1f} a second)"),
+    (
+        f"frames of {stage['items']} shapes of {stage['vertices']:,} vertices, about {stage['drawn_vertices']:,} of them drawn",
+        f"{report['frames']} ({report['frames'] / report['secs']:.1f} a second)",
+    ),
     ("pause between two frames, median", f"{report['median_frame_secs']:.3f} s"),
     ("longest", f"{report['longest_frame_secs']:.3f} s"),
     ("the song went on by", f"{report['song_secs']:.3f} s"),
@@ -58,22 +60,15 @@ rows = [
     ("times the device had nothing to play", report["underruns"]),
     ("longest silence that the sink's monitor heard", f"{1e3 * report['longest_silence_secs']:.2f} ms"),
 ]
-section = "\n".join([
-    begin,
-    "## The window with sound",
-    "",
-    f"{processor}; 1320×820 on Xvfb, drawn by the processor unless a card is there, sound into a PulseAudio null sink. Load average "
-    f"at the end: {load}. Made by `bench/stage/measure.sh`.",
-    "",
-    "| what | measured |",
-    "|---|---|",
-    *(f"| {what} | {value} |" for what, value in rows),
-    end,
-])
-text = open("BENCHMARKS.md").read()
-if begin in text:
-    text = text[: text.index(begin)] + section + text[text.index(end) + len(end) :]
-else:
-    text = text.rstrip() + "\n\n" + section + "\n"
-open("BENCHMARKS.md", "w").write(text)
+table = "\n".join(f"| {what} | {value} |" for what, value in rows)
+write_section(
+    "stage",
+    f"""## The window with sound
+
+{machine()}; 1320×820 on Xvfb, drawn by the processor unless a card is there, sound into a PulseAudio null sink. Made by `bench/stage/measure.sh`.
+
+| what | measured |
+|---|---|
+{table}""",
+)
 PYTHON
