@@ -524,6 +524,7 @@ fn songs_looks_harmonics_and_a_caricature_whose_layers_are_voices() {
     window.run_steps(2);
     assert!(shows(&window, "Extrema and their") && shows(&window, "antisymmetric"));
     screenshot(&mut window, "window-music-harmonics.png");
+    wait(&mut window, "rest", |w| !pause(w).is_zero());
     window.key_press(Key::Escape);
     window.run_steps(2);
     assert!(window.query_by_label("Dance 1").is_some());

@@ -314,9 +314,13 @@ impl Concert {
             let response = ui.allocate_rect(whole, egui::Sense::click_and_drag());
             viewport::navigate(ui, &response, &mut self.camera);
             let camera = self.camera;
-            (self.shown, self.moving) = (None, true);
+            if self.shown.take().is_some() {
+                self.harmonics.leave();
+            }
             ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
-            return self.harmonics.show(ui, shared, &mut self.viewport, &self.topology, camera, whole, first);
+            let (viewport, topology) = (&mut self.viewport, &self.topology);
+            self.moving = self.harmonics.show(ui, shared, viewport, topology, camera, whole, first)?;
+            return Ok(());
         }
         let solo = self.tried_out.take().or_else(|| self.close_up_mapping()).filter(|_| !on_stage);
         let items = match &solo {

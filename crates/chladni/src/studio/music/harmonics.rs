@@ -21,6 +21,8 @@ pub struct Harmonics {
     symmetry: Symmetry,
     figure_markers: Vec<Marker>,
     drawn: Option<Drawn>,
+    /// The page, who looked and the cells of the last picture.
+    shown: Option<(usize, Camera, Vec<Rect>)>,
 }
 
 /// What is on the device for one page.
@@ -34,7 +36,7 @@ impl Harmonics {
     /// The harmonics of `body`, mixed as `symmetry` says.
     pub fn new(body: Body, symmetry: Symmetry) -> Self {
         let figure_markers = figure_markers(&body, &symmetry);
-        Self { body, symmetry, figure_markers, drawn: None }
+        Self { body, symmetry, figure_markers, drawn: None, shown: None }
     }
 
     /// Of the body, by its vertices.
@@ -44,7 +46,12 @@ impl Harmonics {
 
     /// What was put on the device is gone with it.
     pub fn forget_device(&mut self) {
-        self.drawn = None;
+        (self.drawn, self.shown) = (None, None);
+    }
+
+    /// Something else is shown: the next picture is a new one.
+    pub fn leave(&mut self) {
+        self.shown = None;
     }
 
     /// How many there are.
@@ -78,7 +85,8 @@ impl Harmonics {
         }
     }
 
-    /// Draws the figure of extrema and pairs, and the harmonics from `first` on.
+    /// Draws the figure of extrema and pairs, and the harmonics from `first` on; says whether the picture
+    /// is another than the last one.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -88,13 +96,13 @@ impl Harmonics {
         camera: Camera,
         rect: egui::Rect,
         first: usize,
-    ) -> Result<(), String> {
+    ) -> Result<bool, String> {
         let first = first.clamp(self.first_waving(), self.count());
         let shown = (self.count() - first).min(CELLS - 1) + 1;
         if self.drawn.as_ref().is_none_or(|drawn| drawn.first != first) {
             self.drawn = Some(self.prepare(viewport, first, shown).map_err(|why| why.to_string())?);
         }
-        let Some(drawn) = &self.drawn else { return Ok(()) };
+        let Some(drawn) = &self.drawn else { return Ok(false) };
         let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
         let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, shown, 1.0);
@@ -113,7 +121,11 @@ impl Harmonics {
                 ..Figure::new(topology, &drawn.rest, 0)
             })
             .collect();
-        viewport.invalidate();
+        let shown = Some((first, fitted, cells.clone()));
+        let new = self.shown != shown;
+        if new {
+            viewport.invalidate();
+        }
         let places: Vec<egui::Rect> = cells.iter().map(|cell| viewport::to_points(ui, rect, *cell)).collect();
         viewport
             .show(ui, shared.gpu, rect, |_| {
@@ -128,8 +140,9 @@ impl Harmonics {
                 cells.iter().zip(&figures).enumerate().map(cell).collect()
             })
             .map_err(|error| error.to_string())?;
+        self.shown = shown;
         self.captions(ui, &places, first);
-        Ok(())
+        Ok(new)
     }
 
     fn prepare(
