@@ -43,20 +43,23 @@ const DARK: Palette = Palette {
     weak: Color32::from_rgb(152, 153, 158),
     good: Color32::from_rgb(112, 190, 134),
     warning: Color32::from_rgb(232, 178, 84),
-    error: Color32::from_rgb(238, 112, 100),
+    error: Color32::from_rgb(240, 120, 108),
 };
 
 const LIGHT: Palette = Palette {
-    accent: Color32::from_rgb(150, 92, 6),
+    accent: Color32::from_rgb(134, 80, 0),
     accent_fill: Color32::from_rgb(196, 132, 34),
     stage: Color32::from_rgb(226, 225, 221),
     card: Color32::from_rgb(255, 255, 254),
     line: Color32::from_rgb(214, 211, 204),
-    weak: Color32::from_rgb(104, 103, 99),
-    good: Color32::from_rgb(34, 120, 66),
-    warning: Color32::from_rgb(150, 92, 0),
-    error: Color32::from_rgb(180, 42, 34),
+    weak: Color32::from_rgb(94, 93, 89),
+    good: Color32::from_rgb(26, 104, 55),
+    warning: Color32::from_rgb(134, 80, 0),
+    error: Color32::from_rgb(170, 38, 31),
 };
+
+/// Text on the accent.
+const ON_ACCENT: Color32 = Color32::from_rgb(24, 18, 8);
 
 /// The palette of the theme that `ui` is drawn in.
 pub fn palette(ui: &egui::Ui) -> Palette {
@@ -140,6 +143,15 @@ pub fn slider<N: egui::emath::Numeric>(
     egui::Slider::new(value, range).clamping(egui::SliderClamping::Edits)
 }
 
+/// A checkbox whose empty box is seen, too.
+pub fn checkbox(ui: &mut egui::Ui, on: &mut bool, label: &str) -> egui::Response {
+    ui.scope(|ui| {
+        ui.visuals_mut().widgets.inactive.bg_stroke.color = palette(ui).weak;
+        ui.checkbox(on, label)
+    })
+    .inner
+}
+
 /// Controls that belong together and are called `name` by screen readers: what is in it may be called as
 /// what is in another.
 pub fn group<R>(ui: &mut egui::Ui, name: &str, content: impl FnOnce(&mut egui::Ui) -> R) -> R {
@@ -156,7 +168,7 @@ pub fn capitalised(name: &str) -> String {
 /// The button that most people want: filled with the accent.
 pub fn primary_button(ui: &mut egui::Ui, label: impl Into<String>) -> egui::Response {
     let palette = palette(ui);
-    let text = egui::RichText::new(label).color(Color32::from_rgb(24, 18, 8)).strong();
+    let text = egui::RichText::new(label).color(ON_ACCENT).strong();
     ui.add(egui::Button::new(text).fill(palette.accent_fill))
 }
 
@@ -257,4 +269,72 @@ fn visuals(visuals: &mut egui::Visuals, palette: &Palette, surface: Surface) {
     }
     widgets.noninteractive.bg_fill = grey(surface.panel);
     widgets.noninteractive.weak_bg_fill = grey(surface.panel);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance of an opaque colour (WCAG 2.2).
+    fn luminance(color: Color32) -> f32 {
+        let linear = |level: u8| {
+            let share = f32::from(level) / 255.0;
+            if share <= 0.04045 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) }
+        };
+        let [r, g, b, _] = color.to_array();
+        0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b)
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f32 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    /// WCAG 2.2, criteria 1.4.3 and 1.4.11.
+    #[test]
+    fn text_and_controls_stand_out_from_what_they_are_drawn_on() {
+        let white_on_black = contrast(Color32::WHITE, Color32::BLACK);
+        assert!((white_on_black - 21.0).abs() < 1e-3, "{white_on_black}");
+        let ctx = egui::Context::default();
+        install(&ctx);
+        for (theme, palette) in [(Theme::Dark, DARK), (Theme::Light, LIGHT)] {
+            let visuals = &ctx.style_of(theme).visuals;
+            let check = |what: &str, color, on: &str, ground, least: f32| {
+                let found = contrast(color, ground);
+                assert!(found >= least, "{theme:?}: {what} on {on}: {found:.2} of {least}");
+            };
+            let (panel, widgets) = (visuals.panel_fill, &visuals.widgets);
+            let grounds = [
+                ("a panel", panel),
+                ("a field", visuals.extreme_bg_color),
+                ("a card", palette.card),
+                ("the stage", palette.stage),
+                ("a button", widgets.inactive.weak_bg_fill),
+            ];
+            let texts = [
+                ("text", visuals.text_color()),
+                ("weak text", palette.weak),
+                ("the accent", palette.accent),
+                ("good news", palette.good),
+                ("a warning", palette.warning),
+                ("an error", palette.error),
+            ];
+            for (what, color) in texts {
+                for (on, ground) in grounds {
+                    check(what, color, on, ground, 4.5);
+                }
+            }
+            // Buttons have no weak text, and none of errors.
+            for (what, color) in [texts[0], texts[2], texts[3], texts[4]] {
+                check(what, color, "a button under the pointer", widgets.hovered.weak_bg_fill, 4.5);
+            }
+            check("text", visuals.text_color(), "a pressed button", widgets.active.weak_bg_fill, 4.5);
+            let selected = panel.blend(visuals.selection.bg_fill);
+            check("text", visuals.selection.stroke.color, "what is selected", selected, 4.5);
+            check("text", ON_ACCENT, "the accent", palette.accent_fill, 4.5);
+            check("a slider's handle", widgets.inactive.fg_stroke.color, "a panel", panel, 3.0);
+            check("an empty checkbox", palette.weak, "a panel", panel, 3.0);
+            check("the ring of the focus", palette.accent, "a panel", panel, 3.0);
+        }
+    }
 }

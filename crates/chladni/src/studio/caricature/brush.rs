@@ -79,8 +79,10 @@ impl BrushTool {
             ui.add(Slider::new(&mut self.intensity, 0.0..=1.0).fixed_decimals(2));
         });
         ui.horizontal(|ui| {
-            ui.checkbox(&mut self.mirror, "Mirror").on_hover_text("Paint both sides of the shape at once");
-            ui.checkbox(&mut self.fill, "Fill").on_hover_text("A click fills everything that is connected");
+            theme::checkbox(ui, &mut self.mirror, "Mirror")
+                .on_hover_text("Paint both sides of the shape at once");
+            theme::checkbox(ui, &mut self.fill, "Fill")
+                .on_hover_text("A click fills everything that is connected");
         });
     }
 

@@ -254,7 +254,10 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut
             }
         }
         let mut clamp = smoothing.clamp;
-        if ui.checkbox(&mut clamp, "Clamp").on_hover_text("Cuts ringing off below 0 and above 1").changed() {
+        if theme::checkbox(ui, &mut clamp, "Clamp")
+            .on_hover_text("Cuts ringing off below 0 and above 1")
+            .changed()
+        {
             edits.set(id, Property::Smoothing(Smoothing { clamp, ..smoothing }));
         }
     });

@@ -83,6 +83,7 @@ impl LayerList {
         let palette = theme::palette(ui);
         let chosen = *selected == Some(id);
         let fill = if chosen { ui.visuals().selection.bg_fill } else { palette.card };
+        let weak = if chosen { ui.visuals().text_color() } else { palette.weak };
         // The row is there before its buttons, so that they lie on top of it for the pointer.
         let size = egui::vec2(ui.available_width(), THUMBNAIL + 10.0);
         let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
@@ -110,23 +111,26 @@ impl LayerList {
                 thumbnail(ui, pictures.of(id), acts);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     let tip = if layer.solo { "Show the other layers again" } else { "Only this layer" };
-                    let color = if layer.solo { palette.accent } else { palette.weak };
+                    let color = if layer.solo { palette.accent } else { weak };
                     let tip = super::SOLO.with_key(ui.ctx(), tip);
-                    if tinted_button(ui, Icon::Headphones, &tip, color).clicked() {
+                    let under = ui.painter().add(egui::Shape::Noop);
+                    let solo = tinted_button(ui, Icon::Headphones, &tip, color);
+                    if layer.solo {
+                        // The accent is not seen on a chosen row.
+                        let plate = solo.rect.expand(3.0);
+                        ui.painter().set(under, egui::epaint::RectShape::filled(plate, 5.0, palette.stage));
+                    }
+                    if solo.clicked() {
                         edits.set(id, Property::Solo(!layer.solo));
                     }
                     ui.with_layout(egui::Layout::top_down(egui::Align::LEFT), |ui| {
                         ui.spacing_mut().item_spacing.y = 1.0;
                         ui.add_space(3.0);
                         let text = RichText::new(&layer.name);
-                        let text = if acts { text } else { text.color(palette.weak) };
+                        let text = if acts { text } else { text.color(weak) };
                         self.name(ui, id, text, edits);
                         let summary = format!("μ {:.2}  {}", layer.effective_mu(), layer.model);
-                        let summary = RichText::new(summary).small().color(if chosen {
-                            ui.visuals().text_color()
-                        } else {
-                            palette.weak
-                        });
+                        let summary = RichText::new(summary).small().color(weak);
                         ui.add(egui::Label::new(summary).truncate().selectable(false));
                     });
                 });

@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
         group(ui, name, |ui| {
             for (switch, name, tip) in *switches {
                 let mut on = parameters.is_on(*switch);
-                if ui.checkbox(&mut on, *name).on_hover_text(*tip).changed() {
+                if theme::checkbox(ui, &mut on, name).on_hover_text(*tip).changed() {
                     wishes.push(Wish::Do(Action::Switch { switch: *switch, on }));
                 }
             }

@@ -53,7 +53,7 @@ impl Remote {
             let mut port = preferences.osc_port.unwrap_or(USUAL_PORT);
             let tip = "Anyone on this network can then turn the knobs. Messages such as /chladni/gain 1.5 \
                        and /chladni/breed need no learning.";
-            let listen = ui.checkbox(&mut on, "Listen on UDP port").on_hover_text(tip);
+            let listen = theme::checkbox(ui, &mut on, "Listen on UDP port").on_hover_text(tip);
             let number = ui.add_enabled(on, egui::DragValue::new(&mut port).range(1024..=65_535));
             let number = number.labelled_by(listen.id);
             if listen.changed() || number.changed() {
