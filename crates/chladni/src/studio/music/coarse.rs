@@ -152,7 +152,7 @@ impl Surface {
         let triangles = triangles.iter().filter(inside).map(|t| t.map(|v| welded[v as usize]));
         let mut surface = Self {
             positions: positions.iter().map(|p| p.map(f64::from)).collect(),
-            triangles: triangles.filter(|t| is_there(t)).collect(),
+            triangles: triangles.filter(is_there).collect(),
             around: vec![Vec::new(); positions.len()],
             quadrics: vec![Quadric::default(); positions.len()],
             changes: vec![0; positions.len()],
