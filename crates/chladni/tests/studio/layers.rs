@@ -1,6 +1,7 @@
 //! Layers and landmarks, by hand and by keys.
 
 use chladni_caricature::{Model, Painted, Project};
+use chladni_mesh::save_mesh;
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 
@@ -75,7 +76,7 @@ fn picking_ends_where_another_shape_takes_the_place_of_the_one_picked_on() {
     person.wait_to_see("Covered");
     person.press(Key::L);
     person.wait_to_see("Landmarks on the template");
-    chladni_mesh::save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
+    save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
     desk.answers.add(desk.path("finer.obj"));
     person.click("Another shape");
     // The layer is not saved anywhere.
@@ -108,6 +109,39 @@ fn the_first_stroke_of_a_brush_is_one_step() {
     person.press_with(CTRL, Key::Z);
     person.press_with(CTRL, Key::S);
     assert_eq!(painted(), Painted::Everywhere);
+}
+
+/// However quick the hand or slow the frames.
+#[test]
+fn a_quick_stroke_of_a_small_brush_has_no_gaps() {
+    let desk = Desk::new();
+    save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
+    let mut person = desk.sit_down(&["finer.obj"]);
+    person.wait_to_see("Layers");
+    person.click_button("Add");
+    person.click("Own size");
+    person.press(Key::B);
+    (0..6).for_each(|_| person.press(Key::OpenBracket));
+    let (left, right) = (pos2(540.0, 420.0), pos2(740.0, 430.0));
+    person.drag(&[left, right]);
+    desk.answers.add(desk.path("painted.chladni"));
+    person.press_with(CTRL, Key::S);
+    let project = Project::load(&desk.path("painted.chladni")).unwrap();
+    let Painted::Vertices(painted) = &project.layers()[0].1.region.painted else { panic!("nothing painted") };
+    let neighbors = chladni_mesh::vertex_neighbors(painted.len(), &finer_lump().triangles);
+    let mut left_over: Vec<bool> = painted.iter().map(|x| *x > 0.0).collect();
+    let mut pieces = Vec::new();
+    while let Some(first) = left_over.iter().position(|there| *there) {
+        let (mut size, mut next) = (0, vec![first]);
+        while let Some(v) = next.pop() {
+            if std::mem::take(&mut left_over[v]) {
+                size += 1;
+                next.extend(neighbors.row(v).iter().map(|w| *w as usize));
+            }
+        }
+        pieces.push(size);
+    }
+    assert!(pieces.len() == 1 && pieces[0] > 15, "{pieces:?}");
 }
 
 #[test]

@@ -91,7 +91,7 @@ impl BrushTool {
         &mut self,
         ui: &Ui,
         response: &egui::Response,
-        touch: Option<Touch>,
+        touches: impl Iterator<Item = Touch>,
         layer: LayerId,
         session: &Session,
         edits: &mut Edits,
@@ -102,7 +102,7 @@ impl BrushTool {
         }
         let primary = egui::PointerButton::Primary;
         let pressed = response.dragged_by(primary) || response.clicked_by(primary);
-        if let Some(touch) = touch.filter(|_| pressed) {
+        for touch in touches.filter(|_| pressed) {
             let at = SurfacePoint { triangle: touch.triangle, weights: touch.barycentric.map(f64::from) };
             let erase = self.erase ^ modifiers.ctrl;
             let edit = if self.fill {

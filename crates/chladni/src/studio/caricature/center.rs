@@ -119,10 +119,10 @@ fn show_stage(
     }
     let gpu: &RenderState = shared.gpu;
     let ring = brush.active.then_some(brush.radius);
-    let Shown { response, touch, figure } =
+    let Shown { response, touch, trail, figure } =
         stage.show(ui, gpu, rect, look, ring, &[]).map_err(|error| error.to_string())?;
     if let Some(layer) = session.selected.filter(|_| brush.active) {
-        brush.paint(ui, &response, touch, layer, session, edits);
+        brush.paint(ui, &response, trail.into_iter().chain(touch), layer, session, edits);
     } else if response.clicked()
         && look.show == Show::Models
         && let Some(model) = figure.and_then(|figure| Model::ALL.get(figure.checked_sub(stage::MODELS)?))

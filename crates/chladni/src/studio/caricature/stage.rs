@@ -92,6 +92,9 @@ pub struct Shown {
     pub response: egui::Response,
     /// What the pointer touches, where it is on a shape.
     pub touch: Option<Touch>,
+    /// What a dragged brush passed over since the last frame, so close together that its dabs
+    /// overlap however quick the hand or slow the frames.
+    pub trail: Vec<Touch>,
     /// The figure in whose cell the pointer is.
     pub figure: Option<usize>,
 }
@@ -113,6 +116,8 @@ pub struct Stage {
     poses: Vec<Pose>,
     triangles: Vec<[u32; 3]>,
     pick: Option<(usize, PickTree)>,
+    /// Where a dragged brush was in the last frame, in pixels of the canvas.
+    brushed: Option<[f32; 2]>,
     fitted: bool,
     last_look: Option<Look>,
 }
@@ -161,6 +166,7 @@ impl Stage {
             poses: vec![(positions.to_vec(), normals.clone()); FIGURES],
             triangles: triangles.to_vec(),
             pick: None,
+            brushed: None,
             fitted: false,
             last_look: None,
         };
@@ -300,6 +306,16 @@ impl Stage {
         }
         let pointed = Pointed::of(ui, &response, rect, figures, &cells);
         let touch = pointed.as_ref().and_then(|pointed| self.touch(pointed));
+        let primary = egui::PointerButton::Primary;
+        let began =
+            ui.input(|input| input.pointer.press_origin()).filter(|_| response.drag_started_by(primary));
+        let from = began.map(|at| viewport::to_pixels(ui, rect, at)).or(self.brushed);
+        let stroke = brush_radius.zip(pointed.as_ref()).filter(|_| response.dragged_by(primary));
+        self.brushed = stroke.map(|(_, pointed)| pointed.at);
+        let trail = match (stroke, from) {
+            (Some((radius, pointed)), Some(from)) => self.trail(from, pointed, touch, 0.5 * radius),
+            _ => Vec::new(),
+        };
         let brush = brush_radius.zip(touch).map(|(radius, touch)| Brush {
             center: touch.point,
             radius,
@@ -313,7 +329,22 @@ impl Stage {
             show_legend(ui, rect, *scale);
         }
         show_names(ui, rect, look.show, &cells);
-        Ok(Shown { response, touch, figure: pointed.map(|pointed| pointed.figure) })
+        Ok(Shown { response, touch, trail, figure: pointed.map(|pointed| pointed.figure) })
+    }
+
+    /// What lies under the way `from` a pixel to where `pointed` is, about `step` apart, without
+    /// its end, which is at `touch`.
+    fn trail(&mut self, from: [f32; 2], pointed: &Pointed, touch: Option<Touch>, step: f32) -> Vec<Touch> {
+        const MOST: f32 = 32.0;
+        let on_the_way = |along: f32| Pointed {
+            at: std::array::from_fn(|i| from[i] + (pointed.at[i] - from[i]) * along),
+            ..*pointed
+        };
+        let Some((start, end)) = self.touch(&on_the_way(0.0)).zip(touch) else { return Vec::new() };
+        let apart: f32 = (0..3).map(|i| (end.point[i] - start.point[i]).powi(2)).sum::<f32>().sqrt();
+        let steps = (apart / step).ceil().clamp(1.0, MOST) as u16;
+        let places = (0..steps).map(|i| on_the_way(f32::from(i) / f32::from(steps)));
+        places.filter_map(|place| self.touch(&place)).collect()
     }
 
     fn draw(
