@@ -241,3 +241,15 @@ fn films_deformed_on_cpu_and_gpu_agree() {
         first.get_or_insert(cpu);
     }
 }
+
+#[test]
+fn a_film_beside_the_window_ends_when_it_is_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = folder.path().join("film.gif");
+    let words = ["dance", "sample:octopus", "sample:tune", "-k", "16", "-o", film.to_str().unwrap()];
+    let task = chladni_task::Task::new();
+    task.cancel();
+    let ended = chladni::cli::beside(&words.map(Into::into), &task);
+    assert_eq!(ended, Err(chladni::cli::Failure::Cancelled));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

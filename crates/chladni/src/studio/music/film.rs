@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use chladni_music::{Action, Instrument, Moment, Session};
 use chladni_view::ffmpeg_is_there;
@@ -16,6 +17,9 @@ use crate::studio::room::Shared;
 /// What the menu says of it.
 pub const TIP: &str = "The whole song with its sound: of a close-up this dance, else the favourites in turn, or the \
                        gallery. `chladni dance` films in any size";
+
+/// How long a closing window waits for a film to end.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// A film that is being made.
 #[derive(Default)]
@@ -77,6 +81,16 @@ impl Filming {
             Some(Outcome::Lost) => shared.notices.error("Filming broke off; this is a bug.".to_owned()),
         }
         self.0 = None;
+    }
+
+    /// Ends what is being made, so that nothing half written stays: the window closes.
+    pub fn stop(&mut self) {
+        let Some(running) = self.0.take() else { return };
+        running.cancel();
+        let began = Instant::now();
+        while matches!(running.poll(), Outcome::Running) && began.elapsed() < PATIENCE {
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
 
     /// Shows progress while a film is being made; draws nothing otherwise.

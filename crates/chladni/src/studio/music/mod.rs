@@ -169,7 +169,11 @@ impl Room for MusicRoom {
         if !on_stage {
             self.panels(ui, shared, &mut wishes);
         }
-        egui::CentralPanel::default().frame(egui::Frame::new()).show(ui, |ui| {
+        // Words stand on the theme's own ground; the dance brings its own.
+        let ground =
+            if self.concert.is_some() { egui::Color32::TRANSPARENT } else { ui.visuals().panel_fill };
+        let backdrop = egui::Frame::new().fill(ground);
+        egui::CentralPanel::default().frame(backdrop).show(ui, |ui| {
             if let Some(loading) = &self.loading {
                 job::show_progress(ui, loading);
             }
@@ -258,6 +262,10 @@ impl Room for MusicRoom {
             self.concert = None;
             self.refuse(why, shared);
         }
+    }
+
+    fn leave(&mut self) {
+        self.filming.stop();
     }
 
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
