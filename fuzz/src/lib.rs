@@ -22,13 +22,13 @@ pub fn mesh(bytes: &[u8], format: Format) {
 /// Decodes a song of any container, at most 4 MiB of it, from the start and from a place within.
 pub fn song(bytes: &[u8]) {
     let options = SongOptions { max_bytes: 1 << 22, ..SongOptions::default() };
-    let Ok(reader) = SongReader::from_bytes("fuzz", bytes.to_vec()) else { return };
-    if let Ok(song) = Song::read(reader, &options, &Task::new()) {
+    let Ok(mut reader) = SongReader::from_bytes("fuzz", bytes.to_vec()) else { return };
+    if let Ok(song) = Song::read(&mut reader, &options, &Task::new()) {
         assert!(song.frames() > 0 && song.left.len() == song.right.len());
         assert!(song.left.iter().chain(&song.right).all(|x| x.is_finite()));
     }
     let from_within = SongOptions { start_secs: 0.1, duration_secs: Some(0.2), ..options };
-    if let Ok(reader) = SongReader::from_bytes("fuzz", bytes.to_vec()) {
-        let _ = Song::read(reader, &from_within, &Task::new());
+    if let Ok(mut reader) = SongReader::from_bytes("fuzz", bytes.to_vec()) {
+        let _ = Song::read(&mut reader, &from_within, &Task::new());
     }
 }

@@ -11,7 +11,7 @@ use crate::{Bands, Beat, Dancer, Error, Instrument, Mapping, Parameter, Player, 
 /// Plays all items of the gallery that is shown, or the one on stage, for one dancer.
 ///
 /// Players are compiled when an item, its mapping or a parameter has changed since the last
-/// frame; a frame without changes allocates nothing.
+/// frame; a frame without changes allocates nothing, but for the voices of each item.
 #[derive(Clone, Debug)]
 pub struct Ensemble {
     dancer: Arc<Dancer>,
@@ -129,11 +129,6 @@ impl Ensemble {
         slot.player.play(bands, &mut items[0])?;
         items[0].terms.extend_from_slice(&self.voice_item.terms);
         Ok(&self.soloist.insert((slot, items)).1)
-    }
-
-    /// The players of what was played last, in the order of the items.
-    pub fn players(&self) -> impl Iterator<Item = &Player> {
-        self.slots.iter().map(|slot| &slot.player)
     }
 
     fn playing(&self, instrument: &Instrument) -> Playing {

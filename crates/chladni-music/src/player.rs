@@ -198,11 +198,6 @@ impl Player {
         self.scale
     }
 
-    /// Whether nothing that is played can move the shape.
-    pub fn is_silent(&self) -> bool {
-        self.voiced.is_empty()
-    }
-
     /// How many terms its items have.
     pub fn terms(&self) -> usize {
         self.playing.form.terms()

@@ -61,11 +61,6 @@ impl Sides {
         let right = left.iter().map(|l| 1.0 - l).collect();
         Self { left: left.into(), right, source }
     }
-
-    /// The same halves with left and right exchanged.
-    pub fn flipped(&self) -> Self {
-        Self { left: self.right.clone(), right: self.left.clone(), source: self.source }
-    }
 }
 
 /// Mean position where the signal is positive minus that where it is negative, weighted by

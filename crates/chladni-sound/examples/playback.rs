@@ -72,20 +72,25 @@ fn disturb(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
             last = now;
         });
     }
-    let (start, from, mut off) = (Instant::now(), position(), 0.0f64);
+    let (start, from, mut ahead) = (Instant::now(), position(), 0.0f64);
+    last = from;
     while start.elapsed().as_secs_f64() < 0.5 * secs {
         for device in [Some("alsa:nowhere".to_owned()), None] {
             player.set_device(device);
-            wait(0.1, &mut |now| off = off.max((now - from - start.elapsed().as_secs_f64()).abs()));
+            wait(0.1, &mut |now| {
+                back = back.max(last - now);
+                last = now;
+                ahead = ahead.max(now - from - start.elapsed().as_secs_f64());
+            });
         }
     }
-    writeln!(std::io::stdout(), "{{\"step_back_secs\": {back:.4}, \"off_secs\": {off:.3}}}")?;
+    writeln!(std::io::stdout(), "{{\"step_back_secs\": {back:.4}, \"ahead_secs\": {ahead:.3}}}")?;
     Ok(())
 }
 
 fn check(path: &Path, secs: f64) -> Result<(), Box<dyn Error>> {
     let options = SongOptions { rate_hz: Some(RATE_HZ), ..SongOptions::default() };
-    let truth = Song::read(SongReader::open(path)?, &options, &Task::new())?;
+    let truth = Song::read(&mut SongReader::open(path)?, &options, &Task::new())?;
     let mut recorder = Command::new("parec")
         .args(["-d", "null.monitor", "--format=float32le", "--rate=48000", "--channels=2"])
         .args(["--latency-msec=10", "--raw"])

@@ -161,7 +161,7 @@ fn four_codecs_have_one_spectrum() {
     let Some(wav) = shared("audio/dubstep.wav") else { return };
     let spectra = |extension: &str| {
         let song = Song::read(
-            SongReader::open(&wav.with_extension(extension)).unwrap(),
+            &mut SongReader::open(&wav.with_extension(extension)).unwrap(),
             &Default::default(),
             &chladni_task::Task::new(),
         )

@@ -195,10 +195,10 @@ fn pauses_and_other_devices_do_not_move_the_position() {
     let report = String::from_utf8_lossy(&output.stdout).into_owned();
     eprintln!("{report}");
     assert!(output.status.success());
-    // Going on begins where the pause began.
-    assert!(number(&report, "step_back_secs") < 0.01);
-    // Each change of device takes a moment, none is a leap.
-    assert!(number(&report, "off_secs") < 1.5);
+    // Going on begins where the pause began (a device's own stamps jump a little on a busy machine),
+    // and no change of device is a leap.
+    assert!(number(&report, "step_back_secs") < 0.05);
+    assert!(number(&report, "ahead_secs") < 0.1);
 }
 
 #[test]

@@ -336,9 +336,4 @@ impl Camera {
             }
         }
     }
-
-    /// World units per pixel at the target, in a viewport `height` pixels high.
-    pub fn units_per_pixel(&self, height: f32) -> f32 {
-        2.0 * self.distance * (0.5 * self.fov_y_rad).tan() / height.max(1.0)
-    }
 }

@@ -291,6 +291,19 @@ fn what_was_bred_goes_on_on_another_shape_and_favourites_are_asked_about_on_clos
     window.run_steps(2);
     window.key_press(Key::F);
     window.run_steps(2);
+    // A place that the next gallery does not have.
+    window.get_by_label("Dance 12").hover();
+    window.run_steps(2);
+    window.key_press(Key::E);
+    window.run_steps(2);
+    assert!(window.query_by_label("Dance 6").is_none());
+    click_containing(&mut window, "12 items, seed 2012");
+    click(&mut window, "6 items");
+    assert!(window.query_by_label("Dance 6").is_some(), "an empty bench");
+    window.get_by_label("Dance 1").hover();
+    window.run_steps(2);
+    window.key_press(Key::M);
+    window.run_steps(2);
 
     answers.add(ball);
     window.key_press_modifiers(Modifiers::COMMAND, Key::O);
@@ -303,7 +316,7 @@ fn what_was_bred_goes_on_on_another_shape_and_favourites_are_asked_about_on_clos
     let session = folder.path().join("evening.toml");
     answers.add(session.clone());
     click(&mut window, "Save and close");
-    assert!(Session::load(&session).unwrap().actions.len() == 4);
+    assert!(Session::load(&session).unwrap().actions.len() == 6);
 }
 
 /// Pictures of the room on usual screens, and that nothing on them hangs over their edge.

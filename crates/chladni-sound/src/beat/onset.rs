@@ -109,11 +109,6 @@ impl OnsetDetector {
         self.window.len() as f64 / 2.0 / self.rate_hz
     }
 
-    /// How many values there have been.
-    pub fn values_done(&self) -> u64 {
-        self.frames_done
-    }
-
     /// Takes the next samples and appends the values that are now known to `out`.
     pub fn push(&mut self, left: &[f32], right: &[f32], out: &mut Vec<Onset>) {
         let count = left.len().min(right.len());

@@ -26,6 +26,8 @@ const MAX_FAILURES_IN_A_ROW: u32 = 256;
 /// Decoders carry state (overlap, bit reservoir) from packet to packet: a seek decodes this
 /// much before its target and drops it.
 const PREROLL_SECS: f64 = 0.15;
+/// A difference of less than this between what a header states and what there is says nothing.
+const MISSED_SECS: f64 = 0.1;
 /// Every MP3 decoder is this many frames late (ISO/IEC 11172-3: polyphase filters and overlap).
 /// A LAME tag states the encoder's share as well; without one only this much is certain, and
 /// what is left before the sound is the encoder's own delay, 576 frames for LAME.
@@ -61,6 +63,8 @@ pub struct SongReader {
     failures_in_a_row: u32,
     damaged_packets: u64,
     cut_short: bool,
+    /// At the end: how many frames fewer there were than the header states.
+    missing_frames: u64,
 }
 
 impl SongReader {
@@ -111,6 +115,7 @@ impl SongReader {
             failures_in_a_row: 0,
             damaged_packets: 0,
             cut_short: false,
+            missing_frames: 0,
         };
         // The header may be wrong about rate and channels; the first decoded block is not.
         reader.pending = reader.decode_block()?;
@@ -146,19 +151,18 @@ impl SongReader {
         self.audible.frames.or(self.declared_frames)
     }
 
-    /// Frames of the song before the block that comes next.
-    pub fn position_frames(&self) -> u64 {
-        self.position
-    }
-
-    /// Packets that could not be decoded so far and are missing from the sound.
-    pub fn damaged_packets(&self) -> u64 {
-        self.damaged_packets
-    }
-
-    /// The file ended in the middle of something.
-    pub fn is_cut_short(&self) -> bool {
-        self.cut_short
+    /// What is missing from the sound so far, in words; `None` where nothing is.
+    pub fn damage(&self) -> Option<String> {
+        let packets = match self.damaged_packets {
+            0 => None,
+            1 => Some("1 damaged packet is left out".to_owned()),
+            count => Some(format!("{count} damaged packets are left out")),
+        };
+        let end = self.cut_short.then(|| "the file ends in the middle".to_owned());
+        let missing_secs = self.missing_frames as f64 / f64::from(self.rate_hz.max(1));
+        let missing = (missing_secs > MISSED_SECS).then(|| format!("{missing_secs:.1} s are missing"));
+        let said: Vec<String> = packets.into_iter().chain(end).chain(missing).collect();
+        (!said.is_empty()).then(|| said.join(", "))
     }
 
     /// The next block of interleaved stereo, full scale ±1 (lossy codecs exceed it now and
@@ -233,9 +237,13 @@ impl SongReader {
     fn decode_packet(&mut self, left: u64) -> Result<bool, SoundError> {
         let packet = match self.format.next_packet() {
             Ok(Some(packet)) => packet,
-            Ok(None) => return Ok(false),
+            Ok(None) => {
+                self.count_missing();
+                return Ok(false);
+            }
             Err(CodecError::IoError(error)) if error.kind() == io::ErrorKind::UnexpectedEof => {
                 self.cut_short = true;
+                self.count_missing();
                 return Ok(false);
             }
             Err(CodecError::IoError(source)) => {
@@ -297,6 +305,14 @@ impl SongReader {
         let last = frames.min(first.saturating_add(usize::try_from(left).unwrap_or(usize::MAX)));
         mix.append(&self.interleaved, first..last, &mut self.stereo);
         Ok(true)
+    }
+
+    /// Some containers step over what they cannot read without a word: the header tells. That of an
+    /// MP3 may be an estimate.
+    fn count_missing(&mut self) {
+        let known = self.decoder.codec_params().codec != well_known::CODEC_ID_MP3;
+        let stated = self.total_frames().filter(|_| known).unwrap_or(0);
+        self.missing_frames = stated.saturating_sub(self.position);
     }
 
     fn failure(&mut self, error: &CodecError) -> Result<bool, SoundError> {

@@ -41,11 +41,12 @@ impl Default for SongOptions {
 impl Song {
     /// Reads a whole file at its own rate.
     pub fn open(path: &Path) -> Result<Self, SoundError> {
-        Self::read(SongReader::open(path)?, &SongOptions::default(), &Task::new())
+        Self::read(&mut SongReader::open(path)?, &SongOptions::default(), &Task::new())
     }
 
-    /// Reads what `options` ask for from `reader`.
-    pub fn read(mut reader: SongReader, options: &SongOptions, task: &Task) -> Result<Self, SoundError> {
+    /// Reads what `options` ask for from `reader`, which then knows of
+    /// [`damage`](SongReader::damage).
+    pub fn read(reader: &mut SongReader, options: &SongOptions, task: &Task) -> Result<Self, SoundError> {
         let positive = |secs: f64| secs.is_finite() && secs >= 0.0;
         if !positive(options.start_secs) || options.duration_secs.is_some_and(|d| !positive(d)) {
             return Err(SoundError::Setting {

@@ -34,6 +34,13 @@ pub enum PlayerEvent {
         /// Why.
         reason: String,
     },
+    /// This song was played, but not all of it.
+    SongDamaged {
+        /// Its number in the playlist.
+        song: usize,
+        /// What is missing.
+        what: String,
+    },
     /// The last song has ended.
     Finished,
     /// Sound comes from this device now.
@@ -245,16 +252,24 @@ impl Engine {
         let taken = || clock.consumed().max(clock.flushed_before());
         let mut starts = 0;
         while self.written < taken() + target && starts < MOST_STARTS {
-            let Some(song) = &mut self.song else { break };
-            match song.refill() {
-                Ok(true) if self.write_ready() => continue,
-                Ok(true) => return,
-                Ok(false) => {}
-                Err(error) => {
-                    let reason = error.to_string();
-                    self.tell(PlayerEvent::SongFailed { song: self.list.current, reason });
+            let Some(decoding) = &mut self.song else { break };
+            let song = self.list.current;
+            let told = match decoding.refill() {
+                Ok(true) => None,
+                Ok(false) => {
+                    let what = decoding.reader.damage();
+                    let name = decoding.reader.name();
+                    Some(what.map(|what| PlayerEvent::SongDamaged { song, what: format!("{name}: {what}") }))
                 }
-            }
+                Err(error) => Some(Some(PlayerEvent::SongFailed { song, reason: error.to_string() })),
+            };
+            let Some(told) = told else {
+                if self.write_ready() {
+                    continue;
+                }
+                return;
+            };
+            told.into_iter().for_each(|event| self.tell(event));
             self.song = None;
             self.song_ended();
             starts += 1;
@@ -307,16 +322,12 @@ impl Engine {
 
     /// Tries the device and goes on where the song is; in silence where there is none.
     fn reopen(&mut self) {
-        let place = self.place();
         let was_silent = self.output.device.is_none();
-        if !was_silent {
-            // First of all: some devices are there for one stream only.
-            self.change_output(Output::silence(), place);
-        }
+        // First of all: some devices are there for one stream only.
+        let place = if was_silent { None } else { self.change_output(Output::silence(), None) };
         match Output::device(self.device.as_deref(), &self.shared.clock) {
             Ok(output) => {
-                let place = self.place().or(place);
-                self.change_output(output, place);
+                let place = self.change_output(output, place);
                 self.retry_at = None;
                 self.retry_after = FIRST_RETRY;
                 if let Some(name) = self.output.device.clone() {
@@ -348,16 +359,17 @@ impl Engine {
     }
 
     fn fall_silent(&mut self) {
-        let place = self.place();
-        self.change_output(Output::silence(), place);
+        let place = self.change_output(Output::silence(), None);
         self.go_on_at(place);
         self.retry_at = Some(Instant::now() + self.retry_after);
     }
 
-    /// An empty ring, and time that stands still at `place`.
-    fn change_output(&mut self, output: Output, place: Option<Stretch>) {
+    /// An empty ring, and time that stands still at what was heard last, or else at `place`: it is
+    /// returned.
+    fn change_output(&mut self, output: Output, place: Option<Stretch>) -> Option<Stretch> {
         // The old one goes here, and with it whatever else writes the clock.
         self.output = output;
+        let place = self.place().or(place);
         self.written = 0;
         self.song = None;
         let mut timeline = self.shared.timeline();
@@ -369,6 +381,7 @@ impl Engine {
         if let Some(place) = place {
             timeline.stretches.begin(Stretch { ring_frame: 0, ..place });
         }
+        place
     }
 
     fn go_on_at(&mut self, place: Option<Stretch>) {

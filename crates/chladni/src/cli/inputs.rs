@@ -37,8 +37,12 @@ pub fn open_song(
         return stretch(sample_tune(), start_secs, duration_secs);
     }
     let options = SongOptions { start_secs, duration_secs, ..SongOptions::default() };
-    let reader = SongReader::open(std::path::Path::new(name)).map_err(Failure::input)?;
-    terminal.watch("decoding the song", |task| Song::read(reader, &options, task)).map_err(sound_failure)
+    let mut reader = SongReader::open(std::path::Path::new(name)).map_err(Failure::input)?;
+    let song = terminal.watch("decoding the song", |task| Song::read(&mut reader, &options, task));
+    if let Some(damage) = reader.damage() {
+        terminal.warn(format_args!("{name}: {damage}"));
+    }
+    song.map_err(sound_failure)
 }
 
 fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<Song, Failure> {

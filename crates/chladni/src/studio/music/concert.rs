@@ -197,7 +197,13 @@ impl Concert {
         if curtain && limited && !self.guard.may_step(self.seconds) {
             return Err("The stage was held back: more would be a flash too many in a second.".into());
         }
-        self.instrument.apply(self.moment, action).map_err(|error| error.to_string())
+        self.instrument.apply(self.moment, action).map_err(|error| error.to_string())?;
+        let count = self.instrument.gallery().items().len();
+        if matches!(self.view, View::CloseUp(item) if item >= count) {
+            self.look_at(View::Gallery);
+        }
+        self.marked = self.marked.filter(|&item| item < count);
+        Ok(())
     }
 
     /// Replaces the gallery by that of a session, as it was in the end.

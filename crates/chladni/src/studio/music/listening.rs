@@ -268,6 +268,7 @@ impl Listening {
     pub fn messages(&mut self) -> Vec<String> {
         let tell = |event| match event {
             PlayerEvent::SongFailed { reason, .. } => Some(reason),
+            PlayerEvent::SongDamaged { what, .. } => Some(what),
             PlayerEvent::DeviceLost(why) => Some(format!("No sound: {why}. The song goes on in silence.")),
             PlayerEvent::SongStarted(_) | PlayerEvent::Finished | PlayerEvent::DeviceOpened(_) => None,
         };

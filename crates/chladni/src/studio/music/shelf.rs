@@ -196,6 +196,10 @@ fn favourites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
 fn kept_row(ui: &mut Ui, path: &Path, preset: &Preset, wishes: &mut Vec<Wish>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 40.0), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &preset.name));
+    // A long shelf is mostly out of sight.
+    if !ui.is_rect_visible(rect) {
+        return;
+    }
     let palette = theme::palette(ui);
     if response.hovered() {
         ui.painter().rect_filled(rect, 6.0, palette.card);
