@@ -403,6 +403,35 @@ fn a_fader_is_learned_over_osc_and_remembered() {
     assert!(kept.contains("/1/f") && kept.contains("gain"), "{kept}");
 }
 
+/// Taking a picture fails where something on it has no name of its own.
+#[test]
+fn everything_in_a_menu_has_a_name_and_keys_act_on_the_dance_that_has_the_focus() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    for menu in ["File", "12 items, seed 2012", "1 / 1"] {
+        click(&mut window, menu);
+        screenshot(&mut window, &format!("menu-{}.png", menu.replace([' ', '/', ','], "")));
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+    }
+    window.get_by_label("Dance 3").click_secondary();
+    window.run_steps(3);
+    screenshot(&mut window, "menu-dance.png");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+
+    window.get_by_label("Dance 5").focus();
+    window.run_steps(3);
+    window.key_press(Key::Space);
+    window.run_steps(3);
+    assert!(is_chosen(&window, "Dance 5"));
+    window.key_press(Key::F);
+    window.run_steps(3);
+    screenshot(&mut window, "music-focus.png");
+    click(&mut window, "Shelf");
+    assert!(shows(&window, "Keep on the shelf: Dance 5"));
+}
+
 #[test]
 fn looking_at_knobs_dances_and_voices_changes_none_of_them() {
     let folder = tempfile::tempdir().unwrap();

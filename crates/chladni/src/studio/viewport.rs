@@ -228,8 +228,8 @@ pub fn to_pixels(ui: &egui::Ui, canvas: egui::Rect, point: egui::Pos2) -> [f32; 
 
 /// Turns, shifts and zooms `camera` by the pointer on `response` and by the keys of
 /// [`VIEW_KEYS`]: middle drag (or right drag, or Alt and left drag) turns, with Shift it
-/// shifts, the wheel zooms; where it has the focus, arrows turn and page up and down zoom. True when the
-/// camera moved.
+/// shifts, the wheel zooms; where it has the focus, arrows turn, plus and minus zoom. True when the camera
+/// moved.
 pub fn navigate(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera) -> bool {
     navigate_by(ui, response, camera, false)
 }
@@ -260,10 +260,11 @@ pub fn navigate_by(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera
         let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
         let [right, down, nearer] =
-            [(Key::ArrowRight, Key::ArrowLeft), (Key::ArrowDown, Key::ArrowUp), (Key::PageUp, Key::PageDown)]
-                .map(|(more, less)| {
+            [(Key::ArrowRight, Key::ArrowLeft), (Key::ArrowDown, Key::ArrowUp), (Key::Plus, Key::Minus)].map(
+                |(more, less)| {
                     ui.input(|input| input.num_presses(more) as f32 - input.num_presses(less) as f32)
-                });
+                },
+            );
         if (right, down, nearer) != (0.0, 0.0, 0.0) {
             camera.orbit(KEY_DRAG * right, KEY_DRAG * down);
             camera.zoom(nearer);

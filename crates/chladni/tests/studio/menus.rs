@@ -89,3 +89,26 @@ fn the_keyboard_alone_reaches_every_control() {
     person.press(Key::Escape);
     person.wait_until_gone("Keyboard and mouse");
 }
+
+#[test]
+fn a_layer_is_moved_by_keys() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Compare with a mesh");
+    for layer in ["Ellipsoid", "Sphere"] {
+        person.click("Add");
+        person.click(layer);
+    }
+    let sphere_is_above = |person: &crate::person::Person| {
+        person.place_of("Layer Sphere 2").top() < person.place_of("Layer Ellipsoid 1").top()
+    };
+    assert!(sphere_is_above(&person));
+    person.press_with(CTRL, Key::PageUp);
+    assert!(sphere_is_above(&person));
+    person.press_with(CTRL, Key::PageDown);
+    assert!(!sphere_is_above(&person));
+    person.press_with(CTRL, Key::PageDown);
+    assert!(!sphere_is_above(&person));
+    person.press_with(CTRL, Key::PageUp);
+    assert!(sphere_is_above(&person));
+}

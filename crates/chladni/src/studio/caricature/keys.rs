@@ -9,8 +9,8 @@ use super::session::Session;
 use super::stage::Show;
 use super::{
     ABOVE, ADD_MESH, BELOW, BRUSH, CaricatureRoom, DELETE, DUPLICATE, ERASE, EXPORT, FURTHEST, HIDE, INVERT,
-    LANDMARKS, LARGER, LEAVE, NEXT_MODEL, NEXT_SHOW, OPEN, REDO, RENAME, SAVE, SAVE_AS, SMALLER, SOLO,
-    STRONGER, UNDO, WEAKER, WIRE, as_far_as_it_goes, toggle_picking,
+    LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
+    SMALLER, SOLO, STRONGER, UNDO, WEAKER, WIRE, as_far_as_it_goes, toggle_picking,
 };
 use crate::studio::room::Shared;
 
@@ -46,6 +46,15 @@ impl CaricatureRoom {
             }
         }
         let place = session.project().layers().iter().position(|(id, _)| Some(*id) == session.selected);
+        let last = session.project().layers().len().saturating_sub(1);
+        for (shortcut, step) in [(RAISE, 1), (LOWER, -1)] {
+            let next = place.and_then(|place| place.checked_add_signed(step)).filter(|&next| next <= last);
+            if shortcut.pressed(&ctx)
+                && let (Some(layer), Some(index)) = (session.selected, next)
+            {
+                edits.once(Action::Move { layer, index });
+            }
+        }
         for (shortcut, step) in [(ABOVE, 1), (BELOW, -1)] {
             let next = place.and_then(|place| place.checked_add_signed(step));
             if shortcut.pressed(&ctx)

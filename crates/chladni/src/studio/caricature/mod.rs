@@ -62,6 +62,8 @@ const REDO: Shortcut = Shortcut::command_shift(Key::Z, "Redo");
 const ADD_MESH: Shortcut = Shortcut::command(Key::T, "Compare with a mesh: a new layer");
 const ABOVE: Shortcut = Shortcut::key(Key::PageUp, "Select the layer above");
 const BELOW: Shortcut = Shortcut::key(Key::PageDown, "Select the layer below");
+const RAISE: Shortcut = Shortcut::command(Key::PageUp, "Move the layer up");
+const LOWER: Shortcut = Shortcut::command(Key::PageDown, "Move the layer down");
 const HIDE: Shortcut = Shortcut::key(Key::H, "Hide or show the layer");
 const SOLO: Shortcut = Shortcut::key(Key::S, "Only this layer, or all again");
 const NEXT_MODEL: Shortcut = Shortcut::key(Key::M, "Next model");
@@ -81,7 +83,7 @@ const RENAME: Shortcut = Shortcut::key(Key::F2, "Rename the layer");
 const WIRE: Shortcut = Shortcut::key(Key::W, "Edges of triangles");
 const LANDMARKS: Shortcut = Shortcut::key(Key::L, "Pick landmarks on both shapes");
 const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave picking or painting");
-const KEYS: [Shortcut; 33] = [
+const KEYS: [Shortcut; 35] = [
     OPEN,
     SAVE,
     SAVE_AS,
@@ -94,6 +96,8 @@ const KEYS: [Shortcut; 33] = [
     RENAME,
     ABOVE,
     BELOW,
+    RAISE,
+    LOWER,
     HIDE,
     SOLO,
     NEXT_MODEL,

@@ -374,11 +374,13 @@ impl Concert {
             View::Gallery if !on_stage && solo.is_none() => {
                 let places: Vec<egui::Rect> =
                     cells.iter().map(|cell| viewport::to_points(ui, rect, *cell)).collect();
-                let hovered = gallery::overlay(ui, &places, &self.instrument, self.marked, wishes);
+                let (hovered, focused) = gallery::overlay(ui, &places, &self.instrument, self.marked, wishes);
                 let moved = ui
                     .input(|input| input.pointer.delta() != egui::Vec2::ZERO || input.pointer.any_pressed());
                 // A pointer that rests does not take the mark from the arrow keys.
-                if moved || self.marked.is_none() {
+                if focused.is_some() {
+                    self.marked = focused;
+                } else if moved || self.marked.is_none() {
                     self.marked = hovered;
                 }
             }

@@ -17,15 +17,16 @@ const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
 const EDGE: f32 = 9.0;
 
 /// Draws the overlay of every cell and handles clicks: one chooses, two put on stage, the other
-/// button opens a menu. `marked` is the item that keys act on. Returns the item under the pointer.
+/// button opens a menu. `marked` is the item that keys act on. Returns the item under the pointer, and the
+/// one that has just got the focus.
 pub fn overlay(
     ui: &mut Ui,
     cells: &[Rect],
     instrument: &Instrument,
     marked: Option<usize>,
     wishes: &mut Vec<Wish>,
-) -> Option<usize> {
-    let mut hovered = None;
+) -> (Option<usize>, Option<usize>) {
+    let (mut hovered, mut focused) = (None, None);
     let items = instrument.gallery().items();
     for (index, (cell, item)) in cells.iter().zip(items).enumerate() {
         let response = ui.interact(*cell, ui.scope_id().with(("dance", index)), Sense::click());
@@ -33,6 +34,9 @@ pub fn overlay(
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title));
         if response.contains_pointer() {
             hovered = Some(index);
+        }
+        if response.gained_focus() {
+            focused = Some(index);
         }
         let is_marked = marked == Some(index);
         frame(ui, *cell, item, &title, is_marked);
@@ -44,7 +48,7 @@ pub fn overlay(
         menu(&response, instrument, index, wishes);
         marks(ui, *cell, instrument, index, is_marked, wishes);
     }
-    hovered
+    (hovered, focused)
 }
 
 fn title(item: &GalleryItem, index: usize) -> String {
