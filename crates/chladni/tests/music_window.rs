@@ -27,8 +27,14 @@ fn folders(folder: &Path) -> Folders {
 
 fn enter(opening: Opening) -> Window {
     let named = !opening.files.is_empty();
-    // Pictures are for people; without them fewer pixels are quicker.
-    let mut window = open(opening, if takes_pictures() { [1280.0, 800.0] } else { [1000.0, 640.0] });
+    // Pictures are for people: frames that come late would be drawn smaller. Without them fewer pixels are quicker.
+    let builder = Harness::builder();
+    let builder = if takes_pictures() {
+        builder.with_size([1280.0, 800.0]).with_step_dt(1.0 / 60.0)
+    } else {
+        builder.with_size([1000.0, 640.0])
+    };
+    let mut window = open_with(opening, builder);
     window.run_steps(3);
     if !named {
         window.get_by_label("Open Music").click();
