@@ -57,6 +57,11 @@ fn a_path_is_typed_where_the_system_has_no_file_dialog() {
     window.key_press(Key::Enter);
     window.run_steps(3);
     screenshot(&mut window, "studio-files.png");
+    // Once there is nothing to complete, Tab leaves the field.
+    type_text(&mut window, "bust.obj");
+    window.key_press(Key::Tab);
+    window.run_steps(3);
+    assert!(!window.get_by_label("File name or path").is_focused());
     click_line(&mut window, "bust.obj", Modifiers::NONE);
     window.key_press(Key::Enter);
     window.run_steps(2);

@@ -150,7 +150,13 @@ impl FileWindow {
         }
         let entered = shown.response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         if shown.response.has_focus() && ui.input(|input| input.key_pressed(Key::Tab)) {
+            let before = self.browser.typed.clone();
             self.browser.complete();
+            if self.browser.typed == before {
+                // Nothing more to complete: Tab goes on, as everywhere.
+                shown.response.surrender_focus();
+                ui.memory_mut(|memory| memory.move_focus(egui::FocusDirection::Next));
+            }
             (self.said, self.replaces) = (None, false);
             let mut state = shown.state;
             let end = egui::text::CCursor::new(self.browser.typed.chars().count());
