@@ -98,6 +98,12 @@ impl Basis {
         cutoff.saturating_add(further).min(self.harmonics())
     }
 
+    /// Keeps the first K harmonics; fewer than there are.
+    pub(crate) fn truncate(&mut self, harmonics: usize) {
+        self.eigenvalues.truncate(harmonics);
+        self.vectors.truncate(harmonics * self.mass.len());
+    }
+
     /// H_k, N values. Panics if `k ≥ K`.
     pub fn harmonic(&self, k: usize) -> &[f64] {
         let n = self.vertices();

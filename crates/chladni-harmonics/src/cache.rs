@@ -10,7 +10,7 @@ use crate::operator::Surface;
 use crate::{Basis, BasisSettings, Certificate};
 
 /// Raised whenever the same mesh and settings would give another basis.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const MAGIC: &[u8; 16] = b"chladni basis  1";
 
 /// A folder of solved bases.

@@ -22,14 +22,17 @@
 //! # Ok::<(), chladni_harmonics::HarmonicsError>(())
 //! ```
 //!
-//! Not guaranteed: the harmonics of equal eigenvalues span the right space, but are one of
-//! many orthonormal choices in it; the same mesh, K and version of this crate give the same
-//! choice on the same machine, another version or processor may give another.
+//! Signs, and the choice among the harmonics of equal eigenvalues, go by the geometry (see
+//! [`canonical`]): the same mesh gives the same harmonics on every machine, but for rounding.
+//!
+//! Not guaranteed: eigenvalues that differ by little more than rounding (a share of 10⁻⁹) mix
+//! a little differently on different processors.
 
 mod basis;
 mod body;
 mod build;
 mod cache;
+pub mod canonical;
 mod eigen;
 mod error;
 mod laplacian;

@@ -28,7 +28,7 @@ pub struct BuildReport {
     /// Wall-clock times.
     pub seconds: BuildSeconds,
     /// K cuts a group of equal eigenvalues: λ_{K−1} and λ_K agree to 1e-7. The harmonics of
-    /// the part that is there are then one of many equally good choices.
+    /// the part that is there are the first of the canonical choice in the whole group.
     pub cuts_cluster: bool,
     /// A solve by slices could not be certified, so the operator was solved as a dense matrix.
     pub fell_back_to_dense: bool,

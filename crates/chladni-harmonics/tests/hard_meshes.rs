@@ -214,3 +214,29 @@ proptest! {
         against_dense(&mesh, k.min(usable));
     }
 }
+
+/// The same surface with its vertices and triangles listed the other way round.
+fn listed_backwards(mesh: &TriMesh) -> TriMesh {
+    let last = mesh.positions.len() as u32 - 1;
+    TriMesh {
+        positions: mesh.positions.iter().rev().copied().collect(),
+        triangles: mesh.triangles.iter().rev().map(|t| t.map(|v| last - v)).collect(),
+        ..TriMesh::default()
+    }
+}
+
+#[test]
+fn equal_eigenvalues_have_the_same_harmonics_however_the_vertices_are_listed() {
+    // K = 30 cuts the nine of l = 5 on the sphere, K = 40 a pair (i, j), (j, i) of the square.
+    for (mesh, harmonics) in [(shapes::icosphere(3), 30), (shapes::square(24), 40)] {
+        let (there, back) = (build(&mesh, harmonics), build(&listed_backwards(&mesh), harmonics));
+        let n = there.basis.vertices();
+        for k in 0..harmonics {
+            let backwards = back.basis.harmonic(k).iter().rev();
+            let furthest = (there.basis.harmonic(k).iter().zip(backwards))
+                .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            assert!(furthest < 1e-6, "harmonic {k} of {n} vertices differs by {furthest:e}");
+        }
+        assert!(there.basis.certificate.is_precise());
+    }
+}

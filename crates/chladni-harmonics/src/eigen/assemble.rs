@@ -3,7 +3,6 @@
 use chladni_task::Task;
 use rayon::prelude::*;
 
-use super::fix_sign;
 use super::join::{Entry, Known};
 use super::problem::{Pencil, Problem, ZEROS};
 use super::slicing::{Found, not_certified};
@@ -96,7 +95,6 @@ fn write(found: &Found, own: &[Entry], places: &[(u32, f64)], out: &mut [f64]) {
     for (block, used) in used_blocks(found, own) {
         let mut outs = used.map(|column| columns[column?].take());
         write_columns(block, places, &mut outs);
-        outs.into_iter().flatten().for_each(fix_sign);
     }
 }
 

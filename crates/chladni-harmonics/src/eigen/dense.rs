@@ -7,7 +7,7 @@ use faer::linalg::evd::{
 use faer::{Auto, Mat, Par, Spec};
 
 use super::problem::Pencil;
-use super::{Solved, certify, cluster_end, fix_sign};
+use super::{Solved, certify, cluster_end};
 use crate::{Basis, HarmonicsError, SolveProfile};
 
 /// Parts that faer's divide and conquer leaves to QR iterations; its own 128 makes the spaces of
@@ -36,7 +36,6 @@ pub(super) fn solve(
         for v in 0..n {
             h[v] = coordinates[(v, k)] / pencil.mass[v].sqrt();
         }
-        fix_sign(h);
     }
     let certificate = certify(pencil, zeros, &eigenvalues, &vectors, true);
     let basis = Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate };
@@ -62,7 +61,7 @@ pub(super) fn symmetrized(pencil: Pencil) -> Mat<f64> {
 }
 
 /// All eigenvalues, ascending, and eigenvectors of a symmetric matrix (its lower triangle).
-pub(super) fn symmetric_eigen(matrix: &Mat<f64>, par: Par) -> Option<(Vec<f64>, Mat<f64>)> {
+pub(crate) fn symmetric_eigen(matrix: &Mat<f64>, par: Par) -> Option<(Vec<f64>, Mat<f64>)> {
     let n = matrix.nrows();
     // Faer 0.24 takes eigenvalues for equal by a measure in which 1 is the size of the matrix. A
     // power of two rounds nothing.

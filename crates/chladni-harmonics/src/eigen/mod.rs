@@ -17,9 +17,10 @@ use std::time::Instant;
 
 use chladni_task::{Stage, Task};
 
+pub(crate) use dense::symmetric_eigen;
 use problem::{Pencil, Problem, ZEROS};
 
-use crate::{Basis, Certificate, HarmonicsError, Operator, SolveProfile};
+use crate::{Basis, Certificate, HarmonicsError, Operator, SolveProfile, canonical};
 
 /// Up to this many vertices a dense solve is quicker than slices.
 const DENSE: usize = 300;
@@ -37,7 +38,8 @@ pub(crate) struct Solved {
     pub profile: SolveProfile,
 }
 
-/// Solves for the first `harmonics` pairs of `operator`.
+/// Solves for the first `harmonics` pairs of `operator`, the choice among equally good ones made
+/// by [`canonical`]. For that a group of equal eigenvalues that K cuts is solved whole.
 pub(crate) fn solve(
     operator: &Operator,
     harmonics: usize,
@@ -51,12 +53,18 @@ pub(crate) fn solve(
     task.check()?;
     let pencil = Pencil::of(operator);
     let solved = if operator.components() > 1 {
-        components::solve(operator, harmonics, whole_clusters, task)
+        components::solve(operator, harmonics, true, task)
     } else {
         let stage = task.stage("harmonics", harmonics as u64);
-        solve_connected(pencil, None, harmonics, whole_clusters, &stage, task)
+        solve_connected(pencil, None, harmonics, true, &stage, task)
     };
-    or_dense(solved, pencil, operator.components(), harmonics, whole_clusters)
+    let mut solved = or_dense(solved, pencil, operator.components(), harmonics, true)?;
+    canonical::choose(&mut solved.basis, &operator.positions, &operator.stiffness);
+    if !whole_clusters && solved.basis.harmonics() > harmonics {
+        solved.basis.truncate(harmonics);
+        solved.cuts_cluster = true;
+    }
+    Ok(solved)
 }
 
 /// The last mend where slices could not be certified and it is affordable: to solve for everything.
@@ -147,31 +155,5 @@ fn certify(pencil: Pencil, zeros: usize, eigenvalues: &[f64], vectors: &[f64], i
         inertia_counts_match: inertia,
         max_relative_residual: residual,
         max_orthogonality_error: orthogonality,
-    }
-}
-
-/// The sign rule: the entry of largest magnitude is positive; of several that agree to 1e-6,
-/// the first.
-fn fix_sign(h: &mut [f64]) {
-    let mut largest = 0.0_f64;
-    for part in h.chunks(256) {
-        // Whether there is anything larger, eight at a time, before looking where.
-        let mut sizes = [0.0_f64; 8];
-        for eight in part.chunks(8) {
-            for (size, x) in sizes.iter_mut().zip(eight) {
-                *size = if x.abs() > *size { x.abs() } else { *size };
-            }
-        }
-        let bound = |largest: f64| largest.abs() * (1.0 + 1e-6);
-        if sizes.iter().any(|size| *size > bound(largest)) {
-            for &x in part {
-                if x.abs() > bound(largest) {
-                    largest = x;
-                }
-            }
-        }
-    }
-    if largest < 0.0 {
-        h.iter_mut().for_each(|x| *x = -*x);
     }
 }

@@ -1,0 +1,180 @@
+//! Which of equally good harmonics are handed out: a choice by geometry, so that rounding, and with
+//! it the processor and the number of threads, has no say.
+//!
+//! An eigenvector may be turned round, and those of one eigenvalue may be rotated among each other.
+//! The rotation is the one that diagonalises a fixed function of position; the sign is positive at
+//! the outermost of a harmonic's peaks along a fixed direction.
+
+use faer::{Mat, MatRef, Par};
+use rayon::prelude::*;
+
+use crate::eigen::symmetric_eigen;
+use crate::{Basis, SymmetricSparse};
+
+/// Eigenvalues that agree to this share are told apart by rounding alone; rotating their vectors
+/// adds at most as much to the relative residual.
+const EQUAL: f64 = 3e-10;
+/// What counts as a peak: a share of the largest magnitude.
+const PEAK: f64 = 0.9;
+/// Mostly along x, so that a harmonic that is odd between left and right is positive on one side.
+/// No mirror plane of a box, an octahedron or a dodecahedron contains it.
+const OUTWARD: [f64; 3] = [1.0, 0.347, 0.171];
+
+/// Makes every sign and every choice within equal eigenvalues canonical.
+pub(crate) fn choose(basis: &mut Basis, positions: &[[f64; 3]], stiffness: &SymmetricSparse) {
+    let n = basis.vertices();
+    if n == 0 {
+        return;
+    }
+    let clusters = clusters(&basis.eigenvalues);
+    for cluster in clusters {
+        let size = cluster.len();
+        let columns = &mut basis.vectors[cluster.start * n..cluster.end * n];
+        let Some(mix) = mix(columns, &basis.mass, positions) else { continue };
+        rotate(columns, &mix, n);
+        let mean = basis.eigenvalues[cluster.clone()].iter().sum::<f64>() / size as f64;
+        basis.eigenvalues[cluster].fill(mean);
+        let worst = columns
+            .par_chunks_exact(n)
+            .map(|h| relative_residual(stiffness, &basis.mass, mean, h))
+            .reduce(|| 0.0, f64::max);
+        let certified = &mut basis.certificate.max_relative_residual;
+        *certified = certified.max(worst);
+    }
+    let heights: Vec<f64> = positions.iter().map(|p| (0..3).map(|i| OUTWARD[i] * p[i]).sum()).collect();
+    basis.vectors.par_chunks_exact_mut(n).for_each(|h| {
+        if points_inward(h, &heights) {
+            h.iter_mut().for_each(|x| *x = -*x);
+        }
+    });
+}
+
+/// The rotation, column by column, that makes orthonormal `columns` (N values each) of one
+/// eigenvalue canonical; `None` where it cannot be computed.
+///
+/// The same space gives the same rotated columns up to sign, whatever basis of it comes in.
+pub fn mix(columns: &[f64], mass: &[f64], positions: &[[f64; 3]]) -> Option<Mat<f64>> {
+    let n = mass.len();
+    let size = columns.len() / n;
+    let h = MatRef::from_column_major_slice(columns, n, size);
+    let weights: Vec<f64> = positions.iter().zip(mass).map(|(p, a)| a * landscape(*p)).collect();
+    let weighted = Mat::from_fn(n, size, |v, j| weights[v] * h[(v, j)]);
+    let projected = h.transpose() * &weighted;
+    let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
+    symmetric_eigen(&symmetric, Par::Seq).map(|(_, mix)| mix)
+}
+
+/// Whether the sign rule turns a harmonic round: the outermost of the vertices near its largest
+/// magnitude has a negative value. `heights` is the place of each vertex along the outward direction.
+fn points_inward(h: &[f64], heights: &[f64]) -> bool {
+    let threshold = PEAK * h.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let mut outermost = (f64::NEG_INFINITY, 0.0);
+    for (x, height) in h.iter().zip(heights) {
+        if x.abs() >= threshold && *height > outermost.0 {
+            outermost = (*height, *x);
+        }
+    }
+    outermost.1 < 0.0
+}
+
+/// A function of position whose symmetries are few. Squares along the axes come first, so that the
+/// lowest harmonics of round shapes lie along them; small waves in odd directions separate what is
+/// left.
+fn landscape(p: [f64; 3]) -> f64 {
+    let [x, y, z] = p;
+    let squares = x * x + 0.41 * y * y - 0.23 * z * z;
+    let waves = (1.3 * x + 0.7 * y - 0.9 * z + 0.4).sin()
+        + (2.9 * x - 2.3 * y + 1.7 * z + 1.1).sin()
+        + (6.1 * x + 5.3 * y + 7.7 * z + 2.3).sin();
+    squares + 1e-3 * waves
+}
+
+/// Runs of at least two eigenvalues that agree, those of λ = 0 left out: each component keeps its
+/// own constant.
+fn clusters(eigenvalues: &[f64]) -> Vec<std::ops::Range<usize>> {
+    let zeros = eigenvalues.iter().take_while(|value| **value <= 0.0).count();
+    let mut clusters = Vec::new();
+    let mut first = zeros;
+    for k in zeros + 1..=eigenvalues.len() {
+        if k == eigenvalues.len() || eigenvalues[k] - eigenvalues[first] > EQUAL * eigenvalues[k] {
+            if k - first > 1 {
+                clusters.push(first..k);
+            }
+            first = k;
+        }
+    }
+    clusters
+}
+
+/// columns ← columns · mix, in place.
+fn rotate(columns: &mut [f64], mix: &Mat<f64>, n: usize) {
+    let size = mix.nrows();
+    let mut row = vec![0.0; size];
+    for v in 0..n {
+        for (j, value) in row.iter_mut().enumerate() {
+            *value = (0..size).map(|i| columns[i * n + v] * mix[(i, j)]).sum();
+        }
+        for (j, value) in row.iter().enumerate() {
+            columns[j * n + v] = *value;
+        }
+    }
+}
+
+/// ‖S h − λ M h‖ / ‖S h‖.
+fn relative_residual(stiffness: &SymmetricSparse, mass: &[f64], lambda: f64, h: &[f64]) -> f64 {
+    let image = stiffness.times(h);
+    let error: f64 = (0..h.len()).map(|v| (image[v] - lambda * mass[v] * h[v]).powi(2)).sum();
+    (error / image.iter().map(|x| x * x).sum::<f64>()).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Certificate;
+
+    /// A ring of points with cosines and sines of two waves: two eigenvalues, each double.
+    fn ring(turns: [f64; 2], signs: [bool; 4]) -> (Basis, Vec<[f64; 3]>, SymmetricSparse) {
+        let n = 40;
+        let angle = |v: usize| std::f64::consts::TAU * v as f64 / n as f64;
+        let positions: Vec<[f64; 3]> = (0..n).map(|v| [angle(v).cos(), angle(v).sin(), 0.0]).collect();
+        let scale = (2.0 / n as f64).sqrt();
+        let mut vectors = Vec::new();
+        for (wave, turn) in turns.into_iter().enumerate() {
+            for (part, quarter) in [0.0, std::f64::consts::FRAC_PI_2].into_iter().enumerate() {
+                let sign = if signs[2 * wave + part] { 1.0 } else { -1.0 };
+                let phase = turn + quarter;
+                let h = move |v: usize| sign * scale * ((wave + 1) as f64 * angle(v) + phase).cos();
+                vectors.extend((0..n).map(h));
+            }
+        }
+        let value = |wave: usize| 2.0 - 2.0 * (std::f64::consts::TAU * (wave + 1) as f64 / n as f64).cos();
+        let eigenvalues = vec![value(0), value(0) * (1.0 + 1e-12), value(1), value(1)];
+        let edges: Vec<(u32, u32, f64)> = (0..n as u32).map(|v| (v, (v + 1) % n as u32, 1.0)).collect();
+        let stiffness = SymmetricSparse::laplacian(n, &edges);
+        let certificate = Certificate {
+            inertia_counts_match: true,
+            max_relative_residual: 0.0,
+            max_orthogonality_error: 0.0,
+        };
+        (Basis { eigenvalues, vectors, mass: vec![1.0; n], certificate }, positions, stiffness)
+    }
+
+    proptest! {
+        #[test]
+        fn neither_rotation_nor_sign_of_what_comes_in_matters(
+            turns in [0.0..6.3, 0.0..6.3],
+            signs in any::<[bool; 4]>(),
+        ) {
+            let (mut basis, positions, stiffness) = ring(turns, signs);
+            choose(&mut basis, &positions, &stiffness);
+            let (mut reference, ..) = ring([0.0, 0.0], [true; 4]);
+            choose(&mut reference, &positions, &stiffness);
+            for (a, b) in basis.vectors.iter().zip(&reference.vectors) {
+                prop_assert!((a - b).abs() < 1e-9);
+            }
+            prop_assert!(basis.certificate.max_relative_residual < 1e-11);
+        }
+    }
+}
