@@ -1,10 +1,10 @@
 //! Templates that need no second mesh: an ellipsoid, a sphere, the shape itself.
 
 use chladni_harmonics::Body;
-use chladni_mesh::TriMesh;
+use chladni_mesh::{TriMesh, symmetric_eigen};
 use glam::DVec3;
 
-use crate::eigen::{solve_small, symmetric_eigen};
+use crate::eigen::solve_small;
 use crate::surface::Surface;
 use crate::{Correspondence, MatchError, Side};
 

@@ -1,10 +1,10 @@
 //! Where a template lies on a shape, from any pose and size.
 
+use chladni_mesh::symmetric_eigen;
 use chladni_task::Task;
 use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
-use crate::eigen::symmetric_eigen;
 use crate::field::Field;
 use crate::icp::{Look, Pair, Sampled, Schedule, misfit, refine};
 use crate::relief::Relief;

@@ -1,9 +1,9 @@
 //! Similarities x ↦ s R x + t, and the best one between paired points.
 
+use chladni_mesh::symmetric_eigen;
 use glam::{DMat3, DVec3};
 
 use crate::MatchError;
-use crate::eigen::symmetric_eigen;
 
 /// x ↦ s R x + t, with s > 0 and R a proper rotation (never a reflection).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

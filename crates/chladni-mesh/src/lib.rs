@@ -33,12 +33,14 @@
 
 mod adjacency;
 mod appearance;
+mod eigen;
 mod error;
 mod format;
 mod frame;
 mod geometry;
 mod health;
 mod mesh;
+mod mirror;
 mod read;
 pub mod samples;
 mod weld;
@@ -46,12 +48,14 @@ mod write;
 
 pub use adjacency::{Rows, vertex_neighbors, vertex_triangles};
 pub use appearance::{Appearance, CornerUvs, Material, Texture};
+pub use eigen::symmetric_eigen;
 pub use error::{MeshError, Place};
 pub use format::Format;
 pub use frame::Frame;
 pub use geometry::total_area;
 pub use health::{HealthReport, Topology, Welded};
 pub use mesh::TriMesh;
+pub use mirror::{MirrorPlane, MirrorSearch, OnSurface};
 pub use read::{Loaded, Mended, load_mesh, read_mesh};
 pub use weld::{Weld, weld};
 pub use write::{MorphTarget, save_mesh, write_glb, write_mesh};

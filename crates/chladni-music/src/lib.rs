@@ -47,6 +47,7 @@ mod veil;
 mod voice;
 
 pub use breeding::{breed, mutate};
+pub use chladni_mesh::MirrorPlane;
 pub use control::{Binding, Bindings, Control, Cue, Target, Touch, osc_cue};
 pub use dancer::Dancer;
 pub use ensemble::Ensemble;
@@ -60,6 +61,6 @@ pub use preset::{Ancestor, FORMAT_VERSION, Preset, Session, lineage};
 pub use session::{Action, Instrument, LoggedAction, Moment};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react};
-pub use symmetry::{Class, MirrorPlane, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
+pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
 pub use veil::{FlashCount, FlashGuard, Histogram, Veil};
 pub use voice::{Driver, Voice, VoiceSettings, Voices};

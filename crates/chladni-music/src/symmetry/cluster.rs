@@ -1,11 +1,11 @@
 //! From a mirror to classes: what it does to each harmonic, and to groups of repeated ones.
 
 use chladni_harmonics::Basis;
+use chladni_mesh::OnSurface;
 use chladni_task::Task;
 use rayon::prelude::*;
 
 use super::jacobi::symmetric_eigen;
-use super::mirror::Image;
 use super::{SymmetrySettings, first_waving};
 use crate::Error;
 
@@ -39,7 +39,7 @@ impl Rotation {
 /// repeated eigenvalues that takes the mirror apart into +1 and −1.
 pub(super) fn mirrored(
     basis: &Basis,
-    image: &Image,
+    image: &[OnSurface],
     settings: &SymmetrySettings,
     task: &Task,
 ) -> Result<(Vec<f64>, Vec<Rotation>), Error> {
@@ -78,7 +78,11 @@ fn groups(basis: &Basis, gap: f64) -> Vec<std::ops::Range<usize>> {
     groups
 }
 
-fn classify(basis: &Basis, image: &Image, group: std::ops::Range<usize>) -> (Vec<f64>, Option<Rotation>) {
+fn classify(
+    basis: &Basis,
+    image: &[OnSurface],
+    group: std::ops::Range<usize>,
+) -> (Vec<f64>, Option<Rotation>) {
     let size = group.len();
     let images: Vec<Vec<f64>> = group
         .clone()

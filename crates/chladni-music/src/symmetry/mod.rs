@@ -2,18 +2,17 @@
 
 mod cluster;
 mod jacobi;
-mod mirror;
 mod paper;
 
 use std::sync::Arc;
 
 use chladni_harmonics::{Basis, Body};
+use chladni_mesh::{MirrorPlane, MirrorSearch, OnSurface};
 use chladni_task::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
 pub use cluster::Rotation;
-pub use mirror::MirrorPlane;
 
 /// What the mirror does to a harmonic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -114,7 +113,7 @@ impl Symmetry {
         let _stage = task.stage("symmetry", 0);
         let extrema = paper::Extrema::of(body, settings);
         task.check()?;
-        if let Some((plane, image)) = mirror::find(body, &extrema.pairs, settings, task)? {
+        if let Some((plane, image)) = mirror(body, &extrema.pairs, settings, task)? {
             let (scores, rotations) = cluster::mirrored(basis, &image, settings, task)?;
             return Ok(Self::new(
                 extrema,
@@ -159,6 +158,24 @@ impl Symmetry {
         }
         Body { basis: Arc::new(basis), ..body.clone() }
     }
+}
+
+/// The best mirror plane, and the mirror as a map of the surface; `None` where no plane fits
+/// within the tolerance.
+fn mirror(
+    body: &Body,
+    pairs: &[[u32; 2]],
+    settings: &SymmetrySettings,
+    task: &Task,
+) -> Result<Option<(MirrorPlane, Vec<OnSurface>)>, Error> {
+    let Some(search) = MirrorSearch::of(&body.positions, &body.triangles) else { return Ok(None) };
+    let across = |pair: &[u32; 2]| -> [f64; 3] {
+        let [a, b] = pair.map(|v| body.positions[v as usize]);
+        std::array::from_fn(|i| a[i] - b[i])
+    };
+    let hints: Vec<[f64; 3]> = pairs.iter().map(across).collect();
+    let plane = search.best(&hints, task)?.filter(|plane| plane.misfit <= settings.plane_tolerance);
+    Ok(plane.map(|plane| (plane, search.image(&plane))))
 }
 
 /// Index of the first harmonic that is not constant on a component.

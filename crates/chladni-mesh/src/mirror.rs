@@ -1,0 +1,355 @@
+//! The plane in which a shape comes closest to its own mirror image.
+
+use chladni_task::{Cancelled, Task};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use rayon::prelude::*;
+
+use crate::eigen::symmetric_eigen;
+use crate::geometry::{Vec3, add, corners, dot, doubled_area_normal, length, scaled, sub, unit};
+use crate::{Rows, vertex_triangles};
+
+/// The plane {p : normal · p = offset}, and how far it is from a mirror of the shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MirrorPlane {
+    /// Unit normal; its largest component is positive.
+    pub normal: [f64; 3],
+    /// Distance from the origin along the normal.
+    pub offset: f64,
+    /// The estimate's error, how far mirrored vertices miss the surface: root mean square over
+    /// the best nine tenths of the vertices, as a share of the bounding box's diagonal.
+    pub misfit: f64,
+}
+
+impl MirrorPlane {
+    /// The mirror image of `p`.
+    pub fn image(&self, p: [f64; 3]) -> [f64; 3] {
+        sub(p, scaled(self.normal, 2.0 * (dot(self.normal, p) - self.offset)))
+    }
+}
+
+/// A point of a surface: corners of a triangle and their weights.
+pub type OnSurface = ([u32; 3], [f64; 3]);
+
+/// A distance squared, a point, and the point that its mirror image comes to lie on.
+type Pair = (f64, Vec3, Vec3);
+
+/// Vertices that judge the candidates.
+const JUDGES: usize = 600;
+/// Vertices that the plane is refined on in the end, and that its misfit is measured on.
+const FINAL_JUDGES: usize = 6000;
+/// Directions over the half sphere that are tried besides those that the shape suggests. None is
+/// farther than 13° from any normal, near enough to be refined to it.
+const DIRECTIONS: usize = 64;
+/// Candidates that are refined.
+const FINALISTS: usize = 6;
+
+/// A surface ready to be compared with its mirror images.
+pub struct MirrorSearch<'a> {
+    positions: &'a [Vec3],
+    triangles: &'a [[u32; 3]],
+    tree: ImmutableKdTree<f64, 3>,
+    around: Rows,
+    diagonal: f64,
+}
+
+impl std::fmt::Debug for MirrorSearch<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MirrorSearch").field("vertices", &self.positions.len()).finish_non_exhaustive()
+    }
+}
+
+impl<'a> MirrorSearch<'a> {
+    /// `None` where there is no vertex or no finite extent.
+    ///
+    /// # Panics
+    /// If a triangle names a vertex that is not there.
+    pub fn of(positions: &'a [[f64; 3]], triangles: &'a [[u32; 3]]) -> Option<Self> {
+        let bound = |pick: fn(f64, f64) -> f64, from: f64| {
+            positions.iter().fold([from; 3], |b, p| std::array::from_fn(|i| pick(b[i], p[i])))
+        };
+        let diagonal = length(sub(bound(f64::max, f64::NEG_INFINITY), bound(f64::min, f64::INFINITY)));
+        if !(diagonal.is_finite() && positions.iter().flatten().all(|c| c.is_finite())) {
+            return None;
+        }
+        let tree = ImmutableKdTree::<f64, 3>::new_from_slice(positions).ok()?;
+        let around = vertex_triangles(positions.len(), triangles);
+        Some(Self { positions, triangles, tree, around, diagonal: diagonal.max(f64::MIN_POSITIVE) })
+    }
+
+    /// The plane in which the shape comes closest to its mirror image, whichever way it stands. A
+    /// shape without symmetry gets a plane, too, with a misfit that tells. `hints` are further
+    /// normals to try, of any length.
+    ///
+    /// Where several planes fit about as well (a box, an eight-armed octopus), it is the one whose
+    /// normal is nearest to x, what a viewer calls left and right.
+    pub fn best(&self, hints: &[[f64; 3]], task: &Task) -> Result<Option<MirrorPlane>, Cancelled> {
+        let few = self.judges(JUDGES);
+        let centroid = self.centroid();
+        let plane = |normal: Vec3| {
+            let normal = unit(normal);
+            let plane = MirrorPlane { normal, offset: dot(normal, centroid), misfit: 1.0 };
+            MirrorPlane { misfit: self.misfit(&plane, &few), ..plane }
+        };
+        let axes = symmetric_eigen(self.covariance(centroid)).1;
+        let coordinates = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let normals = coordinates.into_iter().chain(axes).chain(half_sphere()).chain(hints.iter().copied());
+        let normals: Vec<Vec3> = normals.filter(|n| length(*n) > 1e-6).collect();
+        let mut candidates: Vec<MirrorPlane> = normals.into_par_iter().map(plane).collect();
+        candidates.sort_by(|a, b| preference(a).total_cmp(&preference(b)));
+        let mut best: Option<MirrorPlane> = None;
+        for plane in candidates.into_iter().take(FINALISTS) {
+            task.check()?;
+            let refined = self.refine(plane, &few);
+            if best.is_none_or(|b| preference(&refined) < preference(&b)) {
+                best = Some(refined);
+            }
+        }
+        task.check()?;
+        Ok(best.map(|best| self.refine(best, &self.judges(FINAL_JUDGES))))
+    }
+
+    /// Where `plane` takes each vertex: the nearest point of the surface.
+    pub fn image(&self, plane: &MirrorPlane) -> Vec<OnSurface> {
+        self.positions.par_iter().map(|p| self.closest(plane.image(*p)).1).collect()
+    }
+
+    fn judges(&self, most: usize) -> Vec<usize> {
+        (0..self.positions.len()).step_by(self.positions.len().div_ceil(most).max(1)).collect()
+    }
+
+    /// Area and centroid of each triangle.
+    fn patches(&self) -> impl Iterator<Item = (f64, Vec3)> + '_ {
+        self.triangles.iter().map(|t| {
+            let at = corners(self.positions, t);
+            (length(doubled_area_normal(at)), scaled(add(add(at[0], at[1]), at[2]), 1.0 / 3.0))
+        })
+    }
+
+    /// A mirror keeps the centroid of the surface.
+    fn centroid(&self) -> Vec3 {
+        let (area, moment) = self
+            .patches()
+            .fold((0.0, [0.0; 3]), |(area, moment), (a, p)| (area + a, add(moment, scaled(p, a))));
+        if area > 0.0 { scaled(moment, 1.0 / area) } else { self.positions[0] }
+    }
+
+    /// A mirror permutes the axes of inertia.
+    fn covariance(&self, centroid: Vec3) -> [[f64; 3]; 3] {
+        let mut covariance = [[0.0; 3]; 3];
+        for (area, p) in self.patches() {
+            let p = sub(p, centroid);
+            for i in 0..3 {
+                (0..3).for_each(|j| covariance[i][j] += area * p[i] * p[j]);
+            }
+        }
+        covariance
+    }
+
+    /// The nearest point among the triangles around the nearest vertex, and its squared distance.
+    fn closest(&self, p: Vec3) -> (f64, OnSurface) {
+        let v = self.tree.query(&p).nearest_one::<SquaredEuclidean<f64>>().execute().item as usize;
+        let offset = sub(p, self.positions[v]);
+        let mut best = (dot(offset, offset), ([v as u32; 3], [1.0, 0.0, 0.0]));
+        for &t in self.around.row(v) {
+            let triangle = self.triangles[t as usize];
+            let at = corners(self.positions, &triangle);
+            let weights = closest_on_triangle(p, at);
+            let offset = sub(p, mixed(at, weights));
+            let distance = dot(offset, offset);
+            if distance < best.0 {
+                best = (distance, (triangle, weights));
+            }
+        }
+        best
+    }
+
+    /// The best nine tenths of `vertices` with the points that their mirror images come to lie on.
+    fn matches(&self, plane: &MirrorPlane, vertices: &[usize]) -> Vec<Pair> {
+        let pair = |v: &usize| {
+            let p = self.positions[*v];
+            let (distance, (triangle, weights)) = self.closest(plane.image(p));
+            (distance, p, mixed(corners(self.positions, &triangle), weights))
+        };
+        let mut matches: Vec<Pair> = vertices.par_iter().map(pair).collect();
+        matches.sort_by(|a, b| a.0.total_cmp(&b.0));
+        matches.truncate((vertices.len() * 9).div_ceil(10));
+        matches
+    }
+
+    fn misfit(&self, plane: &MirrorPlane, vertices: &[usize]) -> f64 {
+        let matches = self.matches(plane, vertices);
+        let mean = matches.iter().map(|m| m.0).sum::<f64>() / matches.len().max(1) as f64;
+        mean.sqrt() / self.diagonal
+    }
+
+    /// Iterated closest points over reflections: with p matched to q, the best normal is the
+    /// eigenvector of least eigenvalue of Σ (p qᵀ + q pᵀ), centred, and the plane passes through
+    /// the middle of the two centroids.
+    fn refine(&self, plane: MirrorPlane, vertices: &[usize]) -> MirrorPlane {
+        let mut best = MirrorPlane { misfit: self.misfit(&plane, vertices), ..plane };
+        for _ in 0..20 {
+            let matches = self.matches(&best, vertices);
+            let share = 1.0 / matches.len().max(1) as f64;
+            let mean =
+                |f: fn(&Pair) -> Vec3| matches.iter().fold([0.0; 3], |sum, m| add(sum, scaled(f(m), share)));
+            let (center_p, center_q) = (mean(|m| m.1), mean(|m| m.2));
+            let mut b = [[0.0; 3]; 3];
+            for (_, p, q) in &matches {
+                let (p, q) = (sub(*p, center_p), sub(*q, center_q));
+                for i in 0..3 {
+                    (0..3).for_each(|j| b[i][j] += p[i] * q[j] + q[i] * p[j]);
+                }
+            }
+            let [.., normal] = symmetric_eigen(b).1;
+            let normal = scaled(normal, largest_component(normal).signum());
+            let middle = scaled(add(center_p, center_q), 0.5);
+            let mut next = MirrorPlane { normal, offset: dot(normal, middle), misfit: 0.0 };
+            next.misfit = self.misfit(&next, vertices);
+            if next.misfit >= best.misfit * (1.0 - 1e-6) {
+                break;
+            }
+            best = next;
+        }
+        best
+    }
+}
+
+fn largest_component(v: Vec3) -> f64 {
+    v.into_iter().fold(0.0, |m: f64, c| if c.abs() > m.abs() { c } else { m })
+}
+
+/// Smaller is better.
+fn preference(plane: &MirrorPlane) -> f64 {
+    (plane.misfit + 0.002) * (1.5 - 0.5 * plane.normal[0].abs())
+}
+
+/// Directions spread evenly over the half sphere x ≥ 0, along a Fibonacci spiral.
+fn half_sphere() -> impl Iterator<Item = Vec3> {
+    let golden_angle = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..DIRECTIONS).map(move |i| {
+        let x = (i as f64 + 0.5) / DIRECTIONS as f64;
+        let (sin, cos) = (golden_angle * i as f64).sin_cos();
+        let radius = (1.0 - x * x).sqrt();
+        [x, radius * cos, radius * sin]
+    })
+}
+
+fn mixed(at: [Vec3; 3], weights: Vec3) -> Vec3 {
+    add(add(scaled(at[0], weights[0]), scaled(at[1], weights[1])), scaled(at[2], weights[2]))
+}
+
+/// Barycentric weights of the point of triangle abc closest to p (Ericson 2005, section 5.1.5).
+fn closest_on_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
+    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
+    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let bp = sub(p, b);
+    let (d3, d4) = (dot(ab, bp), dot(ac, bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return [0.0, 1.0, 0.0];
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
+        let t = d1 / (d1 - d3);
+        return [1.0 - t, t, 0.0];
+    }
+    let cp = sub(p, c);
+    let (d5, d6) = (dot(ab, cp), dot(ac, cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return [0.0, 0.0, 1.0];
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
+        let t = d2 / (d2 - d6);
+        return [1.0 - t, 0.0, t];
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 && d4 - d3 + d5 - d6 > 0.0 {
+        let t = (d4 - d3) / (d4 - d3 + d5 - d6);
+        return [0.0, 1.0 - t, t];
+    }
+    let sum = va + vb + vc;
+    if sum > 0.0 { [va / sum, vb / sum, vc / sum] } else { [1.0, 0.0, 0.0] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::sample;
+
+    /// Turned by an angle that no axis of coordinates survives.
+    fn turned(p: Vec3) -> Vec3 {
+        let turn = |[x, y]: [f64; 2], angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            [cos * x - sin * y, sin * x + cos * y]
+        };
+        let [x, y] = turn([p[0], p[1]], 0.7);
+        let [y, z] = turn([y, p[2]], 0.6);
+        [x + 3.0, y - 1.0, z + 0.5]
+    }
+
+    #[test]
+    fn the_plane_of_a_head_is_found_however_it_is_turned() {
+        let head = sample("head").unwrap();
+        let task = Task::new();
+        let straight = MirrorSearch::of(&head.positions, &head.triangles).unwrap();
+        let plane = straight.best(&[], &task).unwrap().unwrap();
+        assert!(plane.misfit < 1e-3 && plane.normal[0] > 0.9999, "{plane:?}");
+
+        let positions: Vec<Vec3> = head.positions.iter().map(|p| turned(*p)).collect();
+        let search = MirrorSearch::of(&positions, &head.triangles).unwrap();
+        let found = search.best(&[], &task).unwrap().unwrap();
+        let direction = sub(turned([1.0, 0.0, 0.0]), turned([0.0; 3]));
+        assert!(found.misfit < 1e-3, "{found:?}");
+        assert!(dot(found.normal, direction).abs() > 0.9999, "{found:?} for {direction:?}");
+        // Along a coordinate axis none comes near: what a search among three planes finds.
+        for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+            let offset = dot(axis, search.centroid());
+            let across = MirrorPlane { normal: axis, offset, misfit: 0.0 };
+            assert!(search.misfit(&across, &search.judges(JUDGES)) > 10.0 * found.misfit);
+        }
+        // The image of a vertex lies where the plane takes it.
+        let images = search.image(&found);
+        let far = positions.iter().zip(images).map(|(p, (triangle, weights))| {
+            length(sub(found.image(*p), mixed(corners(&positions, &triangle), weights)))
+        });
+        assert!(far.fold(0.0, f64::max) < 0.02 * search.diagonal);
+    }
+
+    #[test]
+    fn what_has_no_mirror_says_so() {
+        // Three legs of different lengths and widths on the three axes.
+        let mut positions: Vec<Vec3> = Vec::new();
+        let mut triangles: Vec<[u32; 3]> = Vec::new();
+        for (axis, (reach, width)) in [(1.0, 0.1), (0.5, 0.3), (0.7, 0.02)].into_iter().enumerate() {
+            for i in 0..60_u32 {
+                let t = f64::from(i) / 60.0;
+                let bend = 0.4 * reach * t * t;
+                let at = |off: f64| {
+                    let mut p = [0.0; 3];
+                    (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (reach * t, bend + off, 0.3 * off * t);
+                    p
+                };
+                positions.extend([at(-width), at(width)]);
+                let v = positions.len() as u32;
+                if i > 0 {
+                    triangles.extend([[v - 4, v - 3, v - 2], [v - 3, v - 1, v - 2]]);
+                }
+            }
+        }
+        let search = MirrorSearch::of(&positions, &triangles).unwrap();
+        let found = search.best(&[], &Task::new()).unwrap().unwrap();
+        assert!(found.misfit > 0.02, "{found:?}");
+    }
+
+    #[test]
+    fn nothing_and_no_extent_are_no_panic() {
+        assert!(MirrorSearch::of(&[], &[]).is_none());
+        assert!(MirrorSearch::of(&[[f64::NAN; 3]], &[]).is_none());
+        let point = [[1.0; 3]];
+        let search = MirrorSearch::of(&point, &[[0, 0, 0]]).unwrap();
+        assert!(search.best(&[[0.0; 3]], &Task::new()).unwrap().is_some());
+    }
+}
