@@ -49,6 +49,12 @@ pub enum HarmonicsError {
         /// Which check failed and where.
         reason: String,
     },
+    /// A heat step of a length that nothing can be computed for.
+    #[error("no heat step of length {time} can be taken on this surface")]
+    HeatStep {
+        /// Its length, in squared units of the working frame.
+        time: f64,
+    },
     /// The worker threads could not be started.
     #[error("the worker threads could not be started: {0}")]
     Threads(String),

@@ -144,3 +144,34 @@ fn eigenvalues_are_near_those_of_the_plain_cotangent_operator() {
         }
     }
 }
+
+/// Weights below zero are cut off, which must be no more than rounding: were an edge left that is
+/// not Delaunay, the operator would be another one, and heat could ring.
+#[test]
+fn every_edge_of_the_cover_is_delaunay_to_rounding() {
+    let mut meshes: Vec<(String, chladni_mesh::TriMesh)> = ["head", "octopus", "template"]
+        .iter()
+        .filter_map(|name| Some(((*name).to_owned(), chladni_mesh::samples::sample(name)?)))
+        .collect();
+    for file in [
+        "heads/face.obj",
+        "heads/decimated-max.obj",
+        "nasty/truck.obj",
+        "nasty/bunny.ply",
+        "formats/beetle.off",
+    ] {
+        let Some(path) = chladni_testdata::shared(&format!("meshes/{file}")) else { continue };
+        meshes.push((file.to_owned(), chladni_mesh::load_mesh(&path).unwrap().mesh));
+    }
+    for (name, mesh) in &meshes {
+        let Ok(operator) = crate::Operator::of(mesh) else { continue };
+        let cover = delaunay_cover(&operator.positions, &operator.triangles).unwrap();
+        let cotangent: Vec<f64> =
+            cover.length.as_chunks::<3>().0.iter().flat_map(|l| intrinsic::cotangents(*l).1).collect();
+        let least = (0..cotangent.len()).map(|h| cotangent[h] + cotangent[cover.twin[h] as usize]);
+        let least = least.fold(f64::MAX, f64::min);
+        assert!(least > -1e-9, "{name}: {least}");
+        let s = &operator.stiffness;
+        assert!((0..s.size()).all(|j| s.column(j).all(|(i, v)| i == j || v <= 0.0)), "{name}");
+    }
+}

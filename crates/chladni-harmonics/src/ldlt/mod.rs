@@ -7,6 +7,7 @@ mod ordering;
 mod panel;
 mod separator;
 mod solve;
+mod solve_one;
 mod symbolic;
 
 pub(crate) use factor::{Factor, Workspace};

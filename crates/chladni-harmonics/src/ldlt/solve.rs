@@ -55,13 +55,13 @@ impl Kernel for Solve<'_> {
 /// Puts the rows of a supernode in the order of elimination, or `back`. They move within
 /// groups of [`TILE`] only.
 #[inline(always)]
-fn reorder(own: &mut [Row], order: &[u32], back: bool) {
+pub(super) fn reorder<T: Copy + Default>(own: &mut [T], order: &[u32], back: bool) {
     for (group, (rows, order)) in own.chunks_mut(TILE).zip(order.chunks(TILE)).enumerate() {
         let first = group * TILE;
         if order.iter().enumerate().all(|(k, &from)| first + k == from as usize) {
             continue;
         }
-        let mut kept = [[0.0; 8]; TILE];
+        let mut kept = [T::default(); TILE];
         kept[..rows.len()].copy_from_slice(rows);
         for (k, &from) in order.iter().enumerate() {
             let from = from as usize - first;
@@ -76,7 +76,7 @@ fn reorder(own: &mut [Row], order: &[u32], back: bool) {
 
 /// The diagonal block of a supernode, what is below it, and which rows that is.
 #[inline(always)]
-fn parts<'a>(
+pub(super) fn parts<'a>(
     factor: &'a Factor,
     symbolic: &'a Symbolic,
     node: &Supernode,

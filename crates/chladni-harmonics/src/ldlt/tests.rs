@@ -1,6 +1,7 @@
 //! The factorization against the matrix it came from.
 
 use super::solve::Solve;
+use super::solve_one::SolveOne;
 use super::{Factor, Symbolic, Workspace, nested_dissection};
 use crate::SymmetricSparse;
 use crate::simd::{PROCESSORS, run_for};
@@ -40,6 +41,12 @@ fn solves(side: u32, shift: f64) -> usize {
         let mut x = b.clone();
         if run_for(processor, Solve { factor: &factor, symbolic: &symbolic, x: &mut x }).is_some() {
             check_solution(&matrix, shift, &x, &b);
+        }
+        let mut one: Vec<f64> = b.iter().map(|row| row[3]).collect();
+        if run_for(processor, SolveOne { factor: &factor, symbolic: &symbolic, x: &mut one }).is_some() {
+            let column = |x: &[f64]| -> Vec<[f64; 8]> { x.iter().map(|x| [*x; 8]).collect() };
+            let b: Vec<f64> = b.iter().map(|row| row[3]).collect();
+            check_solution(&matrix, shift, &column(&one), &column(&b));
         }
     }
     factor.below_shift
@@ -125,6 +132,12 @@ fn ldlt_speed() {
             let t = Instant::now();
             factor.solve(&symbolic, &mut x);
             eprintln!("  per right-hand side {:?}", t.elapsed() / 8);
+        }
+        let mut x = vec![1.0; n];
+        for _ in 0..8 {
+            let t = Instant::now();
+            factor.solve_one(&symbolic, &mut x);
+            eprintln!("  a single right-hand side {:?}", t.elapsed());
         }
     }
 }
