@@ -3,5 +3,23 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    silence_wayland_lookup();
     chladni::cli::main()
 }
+
+/// Mesa's device-selection layer looks for a Wayland session whenever Vulkan lists its devices, and
+/// where there is none libwayland prints an error that is not the user's. Nothing is selected by it
+/// without a session.
+#[cfg(target_os = "linux")]
+fn silence_wayland_lookup() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none_or(|folder| !std::path::Path::new(&folder).is_dir()) {
+        #[expect(unsafe_code, reason = "the first statement of the program: no other thread runs yet")]
+        // SAFETY: the environment may be changed as long as no other thread reads it.
+        unsafe {
+            std::env::set_var("NODEVICE_SELECT", "1");
+        }
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn silence_wayland_lookup() {}
