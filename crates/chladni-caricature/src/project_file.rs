@@ -5,12 +5,16 @@
 use std::path::{Component, Path, PathBuf};
 
 use chladni_match::Settings as MatchSettings;
+use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
 
 use crate::migration::{FORMAT_VERSION, migrate};
 use crate::{
     Error, Layer, Model, Painted, Project, Region, ScaleCurve, ShapeSource, Smoothing, Sphere, Template, runs,
 };
+
+/// What is read of one file at most.
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// The whole file.
 #[derive(Serialize, Deserialize)]
@@ -99,7 +103,7 @@ impl Project {
     /// Files of older formats are brought up to date in memory. Fails, naming line and column
     /// where it can, on anything that is not a valid project, and on a newer format.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.into(), source })?;
+        let bytes = read_file(path, MOST_BYTES).map_err(|source| Error::Io { path: path.into(), source })?;
         let no_text = || Error::ProjectFile {
             path: path.into(),
             why: "is no text, so it is not a Chladni project".into(),

@@ -8,6 +8,9 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use chladni_task::read_text_file;
+
+use crate::project_file::MOST_BYTES;
 use crate::{Error, Project};
 
 /// The recovery copy of a running session; [`finish`](Self::finish) removes it.
@@ -91,7 +94,7 @@ impl Recovery {
 
 impl Recovered {
     fn read(copy: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(copy).map_err(|source| Error::Io { path: copy.into(), source })?;
+        let text = read_text_file(copy, MOST_BYTES).map_err(|source| Error::Io { path: copy.into(), source })?;
         let (project, original) = Project::from_text(&text, copy)?;
         let modified = std::fs::metadata(copy).and_then(|m| m.modified()).ok();
         Ok(Self { copy: copy.into(), original, modified, project })

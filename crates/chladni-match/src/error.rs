@@ -50,6 +50,14 @@ pub enum MatchError {
     /// A mesh is larger than its indices can count.
     #[error("the {0} has more vertices or triangles than 32-bit indices can count")]
     TooLarge(Side),
+    /// A landmark file cannot be read.
+    #[error("{}: {why}", path.display())]
+    InLandmarkFile {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why, with the line where one is at fault.
+        why: String,
+    },
     /// Same connectivity was asked for, but it is not the same.
     #[error(
         "not the same connectivity: the shape has {shape_vertices} vertices, the template {template_vertices}"

@@ -1,12 +1,17 @@
 //! Pairs of vertices that a user says belong together, and the small file they live in.
 
 use std::fmt::Write;
+use std::path::Path;
 
+use chladni_task::read_text_file;
 use glam::DVec3;
 
 use crate::similarity::fit_pairs;
 use crate::surface::Surface;
 use crate::{MatchError, Scaling, Side};
+
+/// What is read of one file at most: a million pairs.
+const MOST_BYTES: u64 = 16 << 20;
 
 /// Vertex `shape` of the shape belongs to vertex `template` of the template; zero-based, in the
 /// order of the files.
@@ -18,7 +23,17 @@ pub struct Landmark {
     pub template: u32,
 }
 
-/// Reads a landmark file: `shape_vertex template_vertex` a line, `#` starts a comment.
+/// Reads the landmark file at `path`; see [`read_landmarks`].
+///
+/// # Errors
+/// [`MatchError::InLandmarkFile`], which names the file and why it cannot be read.
+pub fn load_landmarks(path: &Path) -> Result<Vec<Landmark>, MatchError> {
+    let in_file = |why: String| MatchError::InLandmarkFile { path: path.to_owned(), why };
+    let text = read_text_file(path, MOST_BYTES).map_err(|error| in_file(error.to_string()))?;
+    read_landmarks(&text).map_err(|error| in_file(error.to_string()))
+}
+
+/// Reads landmarks: `shape_vertex template_vertex` a line, `#` starts a comment.
 ///
 /// # Errors
 /// Names the line that is not two vertex numbers, or that repeats a shape vertex.

@@ -64,7 +64,7 @@ mod unfold;
 pub use analytic::{Ellipsoid, onto_ellipsoid, self_low_passed, self_scaled};
 pub use correspondence::{Correspondence, OnTemplate, same_connectivity};
 pub use error::{MatchError, Side};
-pub use landmarks::{Landmark, read_landmarks, write_landmarks};
+pub use landmarks::{Landmark, load_landmarks, read_landmarks, write_landmarks};
 pub use matching::{Match, Method, Settings, match_shapes};
 pub use quality::Report;
 pub use similarity::{Scaling, Similarity};

@@ -1,4 +1,5 @@
-//! Long work that can be watched, stopped, and never leaves half a file behind.
+//! Long work that can be watched, stopped, and never leaves half a file behind; files that are read
+//! whole and never without a bound.
 //!
 //! ```
 //! use chladni_task::Task;
@@ -21,6 +22,8 @@
 
 mod atomic_file;
 mod progress;
+mod read_file;
 
 pub use atomic_file::{temporary_beside, write_atomic, write_atomic_with};
 pub use progress::{Cancelled, Progress, Stage, Task};
+pub use read_file::{open_file, read_file, read_text_file};

@@ -311,6 +311,39 @@ fn a_reader_who_has_had_enough_stops_nothing() {
     assert!(out.exists());
 }
 
+#[cfg(unix)]
+#[test]
+fn what_never_ends_is_refused_before_it_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, out) = (folder.path().join("mesh.obj"), folder.path().join("out"));
+    std::fs::write(&mesh, OCTAHEDRON).unwrap();
+    let (mesh, out, zero) = (text(&mesh), text(&out), "/dev/zero");
+    for arguments in [
+        &["info", zero][..],
+        &["beats", zero],
+        &["dance", mesh, zero, "--frames", out, "-k", "4"],
+        &["match", mesh, mesh, "--landmarks", zero, "-o", out],
+        &["caricature", "--recipe", zero, "-o", out],
+    ] {
+        Run::of(arguments).refused(zero);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_made_without_a_session_comes_with_no_complaint() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, picture) = (folder.path().join("mesh.obj"), folder.path().join("picture.png"));
+    std::fs::write(&mesh, OCTAHEDRON).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
+    command.env_remove("XDG_RUNTIME_DIR").env_remove("WAYLAND_DISPLAY");
+    command.args(["match", text(&mesh), "--method", "ellipsoid", "--quiet", "--render", text(&picture)]);
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+    assert!(picture.exists());
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_display_one_line_says_so() {

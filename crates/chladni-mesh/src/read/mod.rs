@@ -16,6 +16,8 @@ mod text;
 use std::fmt;
 use std::path::Path;
 
+use chladni_task::read_file;
+
 use crate::error::Fault;
 use crate::{Format, HealthReport, MeshError, TriMesh};
 
@@ -94,6 +96,9 @@ pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Loaded, MeshError> {
     read_beside(bytes, format, &|_| Err("only the mesh itself was given".into()))
 }
 
+/// What is read of one file at most: text of a mesh of fifty million vertices.
+const MOST_BYTES: u64 = 8 << 30;
+
 /// Reads the mesh file at `path`; its format is told by extension and content.
 ///
 /// # Errors
@@ -104,18 +109,14 @@ pub fn load_mesh(path: &Path) -> Result<Loaded, MeshError> {
 }
 
 fn load(path: &Path) -> Result<Loaded, MeshError> {
-    let bytes = std::fs::read(path).map_err(MeshError::Io)?;
+    let bytes = read_file(path, MOST_BYTES).map_err(MeshError::Io)?;
     let extension = path.extension().and_then(|extension| extension.to_str());
     let format = Format::of(extension, &bytes)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let beside = |name: &str| {
         // Names from Windows have backslashes.
         let file = folder.join(name.replace('\\', "/"));
-        let found = std::fs::metadata(&file).map_err(|error| error.to_string())?;
-        if !found.is_file() {
-            return Err("it is not a file".to_owned());
-        }
-        std::fs::read(&file).map_err(|error| error.to_string())
+        read_file(&file, MOST_BYTES).map_err(|error| error.to_string())
     };
     let mut loaded = read_beside(&bytes, format, &beside)?;
     let promised = extension.and_then(Format::from_extension);

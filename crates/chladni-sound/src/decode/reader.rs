@@ -1,10 +1,10 @@
 //! Streaming decoder: blocks of stereo at the file's own rate.
 
-use std::fs::File;
 use std::io::{self, Cursor, Read, SeekFrom};
 use std::path::Path;
 use std::sync::LazyLock;
 
+use chladni_task::open_file;
 use symphonia::core::codecs::audio::{
     AudioCodecId, AudioCodecParameters, AudioDecoder, AudioDecoderOptions, well_known,
 };
@@ -72,10 +72,7 @@ impl SongReader {
     pub fn open(path: &Path) -> Result<Self, SoundError> {
         let name = path.display().to_string();
         let unreadable = |source| SoundError::Read { name: name.clone(), source };
-        let file = File::open(path).map_err(unreadable)?;
-        if file.metadata().map_err(unreadable)?.is_dir() {
-            return Err(unreadable(io::Error::from(io::ErrorKind::IsADirectory)));
-        }
+        let file = open_file(path).map_err(unreadable)?;
         Self::from_source(&name, Box::new(file))
     }
 

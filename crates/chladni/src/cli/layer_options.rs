@@ -1,9 +1,9 @@
 //! The options that describe a caricature layer, shared by `caricature` and `project`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use chladni_caricature::{Layer, Model, Painted, Region, RollOff, ScaleCurve, Smoothing, Sphere, Template};
-use chladni_match::{Method, Settings, read_landmarks};
+use chladni_match::{Method, Settings, load_landmarks};
 
 use super::Failure;
 
@@ -67,7 +67,7 @@ impl LayerOptions {
         let mut matching = Settings::default();
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
-            matching.landmarks = landmarks(path)?;
+            matching.landmarks = load_landmarks(path).map_err(Failure::input)?;
         }
         let rough = template.is_mesh() && matching.method != Method::Same && self.mu < 0.0;
         let usual = || if rough { ScaleCurve::smooth() } else { ScaleCurve::flat(1.0) };
@@ -86,10 +86,4 @@ impl LayerOptions {
         layer.validate().map_err(Failure::input)?;
         Ok(layer)
     }
-}
-
-fn landmarks(path: &Path) -> Result<Vec<chladni_match::Landmark>, Failure> {
-    let named = |error: &dyn std::fmt::Display| Failure::input(format_args!("{}: {error}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| named(&error))?;
-    read_landmarks(&text).map_err(|error| named(&error))
 }

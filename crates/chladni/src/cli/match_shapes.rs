@@ -7,7 +7,7 @@ use std::time::Instant;
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_match::{
     Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, match_shapes, onto_ellipsoid,
-    read_landmarks, self_low_passed, self_scaled,
+    load_landmarks, self_low_passed, self_scaled,
 };
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
@@ -149,12 +149,7 @@ impl MatchShapes {
                 })?;
                 let template = self.load(path, terminal)?;
                 let landmarks = match &self.landmarks {
-                    Some(path) => {
-                        let text = std::fs::read_to_string(path)
-                            .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
-                        read_landmarks(&text)
-                            .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?
-                    }
+                    Some(path) => load_landmarks(path).map_err(Failure::input)?,
                     None => Vec::new(),
                 };
                 let settings = Settings { method, landmarks, seed: self.seed };

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use chladni_task::read_text_file;
 use serde::{Deserialize, Serialize};
 
 /// Recent files that the start screen shows at most.
@@ -39,7 +40,7 @@ impl Default for Settings {
 impl Settings {
     /// Reads `path`. A missing file gives the defaults; a damaged one is an error that says why.
     pub fn load(path: &Path) -> io::Result<Self> {
-        let text = match std::fs::read_to_string(path) {
+        let text = match read_text_file(path, 1 << 20) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Self::default()),
             Err(error) => return Err(error),

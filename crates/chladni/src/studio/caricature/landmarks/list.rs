@@ -1,7 +1,7 @@
 //! The list of landmarks in the match panel, and their text file.
 
 use chladni_caricature::{LayerId, Property};
-use chladni_match::{Settings, read_landmarks, write_landmarks};
+use chladni_match::{Settings, load_landmarks, write_landmarks};
 use egui::{RichText, Ui};
 
 use super::super::edits::Edits;
@@ -64,10 +64,7 @@ pub fn show_list(
 
 fn load(shared: &mut Shared<'_>) -> Option<Vec<chladni_match::Landmark>> {
     let path = shared.chooser.open(&[("Landmarks", &["txt"])])?;
-    let read = std::fs::read_to_string(&path)
-        .map_err(|error| error.to_string())
-        .and_then(|text| read_landmarks(&text).map_err(|error| error.to_string()));
-    read.map_err(|why| shared.notices.error(format!("{}: {why}", path.display()))).ok()
+    load_landmarks(&path).map_err(|error| shared.notices.error(error.to_string())).ok()
 }
 
 fn save(session: &Session, settings: &Settings, shared: &mut Shared<'_>) {

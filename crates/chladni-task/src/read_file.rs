@@ -1,0 +1,85 @@
+//! Files that are read whole, and never without a bound.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The content of the regular file at `path`, which may hold up to `most_bytes`.
+///
+/// # Errors
+/// Those of the file system; [`io::ErrorKind::InvalidInput`] for what is not a regular file (a
+/// device or a pipe may never end), [`io::ErrorKind::FileTooLarge`] beyond `most_bytes`.
+pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
+    let mut file = open_file(path)?;
+    let too_large = || {
+        let why = format!("larger than the {} that are read of such a file", in_words(most_bytes));
+        io::Error::new(io::ErrorKind::FileTooLarge, why)
+    };
+    let length = file.metadata()?.len();
+    if length > most_bytes {
+        return Err(too_large());
+    }
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(usize::try_from(length).map_err(|_| too_large())?)?;
+    // It may grow while it is read.
+    file.by_ref().take(most_bytes).read_to_end(&mut bytes)?;
+    if file.read(&mut [0])? > 0 {
+        return Err(too_large());
+    }
+    Ok(bytes)
+}
+
+/// Like [`read_file`], as text.
+///
+/// # Errors
+/// Also [`io::ErrorKind::InvalidData`] for what is not UTF-8.
+pub fn read_text_file(path: &Path, most_bytes: u64) -> io::Result<String> {
+    String::from_utf8(read_file(path, most_bytes)?)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not a text in UTF-8"))
+}
+
+/// Opens the regular file at `path` for reading.
+///
+/// # Errors
+/// As [`read_file`].
+pub fn open_file(path: &Path) -> io::Result<File> {
+    // Before it is opened: opening a pipe waits for somebody who writes.
+    let found = std::fs::metadata(path)?;
+    if found.is_dir() {
+        return Err(io::Error::from(io::ErrorKind::IsADirectory));
+    }
+    if !found.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a device or a pipe, not a file"));
+    }
+    File::open(path)
+}
+
+fn in_words(bytes: u64) -> String {
+    if bytes >= 1 << 30 { format!("{} GiB", bytes >> 30) } else { format!("{} MiB", bytes >> 20) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_up_to_its_bound() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        std::fs::write(&path, [7; 100]).unwrap();
+        assert_eq!(read_file(&path, 100).unwrap(), [7; 100]);
+        assert_eq!(read_file(&path, 99).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
+        assert_eq!(read_file(folder.path(), 99).unwrap_err().kind(), io::ErrorKind::IsADirectory);
+        std::fs::write(&path, [0xff; 4]).unwrap();
+        assert_eq!(read_text_file(&path, 99).unwrap_err().kind(), io::ErrorKind::InvalidData);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_never_ends_is_refused() {
+        for device in ["/dev/zero", "/dev/null"] {
+            let error = read_file(Path::new(device), 1 << 20).unwrap_err();
+            assert_eq!(error.kind(), io::ErrorKind::InvalidInput, "{device}: {error}");
+        }
+    }
+}
