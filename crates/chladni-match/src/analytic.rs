@@ -2,7 +2,7 @@
 
 use chladni_harmonics::Body;
 use chladni_mesh::{TriMesh, symmetric_eigen};
-use glam::DVec3;
+use glam::{DMat3, DVec3, EulerRot};
 
 use crate::eigen::solve_small;
 use crate::surface::Surface;
@@ -67,6 +67,30 @@ impl Ellipsoid {
         let ellipsoid = Self { center, axes, semi_axes: [radius; 3] };
         ellipsoid.check()?;
         Ok(ellipsoid)
+    }
+
+    /// A given ellipsoid: its centre, half the length of each axis, and how far it is turned, in degrees, about
+    /// x, then y, then z.
+    ///
+    /// # Errors
+    /// Semi-axes that are not positive and finite, other numbers that are not finite.
+    pub fn given(center: [f64; 3], semi_axes: [f64; 3], turn_deg: [f64; 3]) -> Result<Self, MatchError> {
+        let [x, y, z] = turn_deg.map(f64::to_radians);
+        let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
+        let ellipsoid = Self { center, axes: turn.to_cols_array_2d(), semi_axes };
+        ellipsoid.check()?;
+        Ok(ellipsoid)
+    }
+
+    /// The turn that [`given`](Self::given) takes for axes such as these, in degrees.
+    pub fn turn_deg(&self) -> [f64; 3] {
+        let mut axes = DMat3::from_cols_array_2d(&self.axes);
+        // An axis and its opposite are the same axis; only a right-handed frame is a turn.
+        if axes.determinant() < 0.0 {
+            axes.z_axis = -axes.z_axis;
+        }
+        let (z, y, x) = axes.to_euler(EulerRot::ZYX);
+        [x, y, z].map(f64::to_degrees)
     }
 
     fn check(&self) -> Result<(), MatchError> {
@@ -239,7 +263,6 @@ pub fn self_low_passed(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DMat3;
 
     /// A latitude–longitude sphere, deformed by `f`.
     fn sphere(f: impl Fn(DVec3) -> DVec3) -> TriMesh {
@@ -278,6 +301,24 @@ mod tests {
         for (p, q) in mesh.positions.iter().zip(&c.target) {
             assert!(DVec3::from_array(*p).distance(DVec3::from_array(*q)) < 0.01);
         }
+    }
+
+    #[test]
+    fn a_given_ellipsoid_lies_as_it_was_turned() {
+        let (center, semi, turn) = ([1.0, -2.0, 3.0], [3.0, 2.0, 1.0], [20.0, -35.0, 110.0]);
+        let e = Ellipsoid::given(center, semi, turn).unwrap();
+        let axis = DMat3::from_rotation_z(110_f64.to_radians())
+            * DMat3::from_rotation_y(-35_f64.to_radians())
+            * DVec3::X;
+        assert!(DVec3::from_array(e.axes[0]).distance(axis) < 1e-12);
+        let mirrored = Ellipsoid { axes: [e.axes[0], e.axes[1], e.axes[2].map(|c| -c)], ..e };
+        for same in [e, mirrored] {
+            assert!(same.turn_deg().iter().zip(turn).all(|(a, b)| (a - b).abs() < 1e-9));
+        }
+        let plain = Ellipsoid::given(center, [2.0; 3], [0.0; 3]).unwrap();
+        assert_eq!(plain, Ellipsoid::sphere(center, 2.0).unwrap());
+        assert!(Ellipsoid::given(center, [1.0, 0.0, 1.0], turn).is_err());
+        assert!(Ellipsoid::given(center, semi, [f64::NAN, 0.0, 0.0]).is_err());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use chladni_mesh::TriMesh;
 
-use crate::{MatchError, Side, Similarity};
+use crate::{MatchError, Scaling, Side, Similarity};
 
 /// Where the points of a [`Correspondence`] lie on a template mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -67,11 +67,17 @@ impl Correspondence {
 }
 
 /// Vertex i of the shape ↔ vertex i of the template, after the similarity that brings the
-/// template's vertices closest to the shape's (least squares over the vertices in use).
+/// template's vertices closest to the shape's (least squares over the vertices in use); rigid where `scaling`
+/// says so.
 ///
 /// # Errors
-/// Different numbers of vertices, meshes without a surface, vertices in one line.
-pub fn same_connectivity(shape: &TriMesh, template: &TriMesh) -> Result<Correspondence, MatchError> {
+/// Different numbers of vertices, different triangles (in whatever order they and their corners are listed),
+/// meshes without a surface, vertices in one line.
+pub fn same_connectivity(
+    shape: &TriMesh,
+    template: &TriMesh,
+    scaling: Scaling,
+) -> Result<Correspondence, MatchError> {
     use crate::surface::Surface;
     if shape.positions.len() != template.positions.len() {
         return Err(MatchError::VertexCountsDiffer {
@@ -79,16 +85,12 @@ pub fn same_connectivity(shape: &TriMesh, template: &TriMesh) -> Result<Correspo
             template_vertices: template.positions.len(),
         });
     }
+    check_triangles(shape, template)?;
     let shape_surface = Surface::new(shape, Side::Shape)?;
     let template_surface = Surface::new(template, Side::Template)?;
     let weights: Vec<f64> =
         shape_surface.point_of_vertex.iter().map(|p| f64::from(u8::from(p.is_some()))).collect();
-    let similarity = Similarity::fit(
-        &template.positions,
-        &shape.positions,
-        Some(&weights),
-        crate::similarity::Scaling::Free,
-    )?;
+    let similarity = Similarity::fit(&template.positions, &shape.positions, Some(&weights), scaling)?;
     let mut corner: Vec<Option<(u32, usize)>> = vec![None; template.positions.len()];
     for (t, corners) in template.triangles.iter().enumerate() {
         for (i, &v) in corners.iter().enumerate() {
@@ -119,4 +121,27 @@ pub fn same_connectivity(shape: &TriMesh, template: &TriMesh) -> Result<Correspo
         confidence.push(f64::from(u8::from(used)));
     }
     Ok(Correspondence::on_mesh(template, on_template, confidence, similarity))
+}
+
+/// Whether both have the same triangles: an equal number of vertices alone says nothing.
+fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError> {
+    if shape.triangles == template.triangles {
+        return Ok(());
+    }
+    // From the smallest corner on, the way round kept; in order.
+    let sorted = |mesh: &TriMesh| {
+        let mut triangles: Vec<[u32; 3]> = mesh
+            .triangles
+            .iter()
+            .map(|&[a, b, c]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or([a, b, c]))
+            .collect();
+        triangles.sort_unstable();
+        triangles
+    };
+    let (ours, theirs) = (sorted(shape), sorted(template));
+    if ours == theirs {
+        return Ok(());
+    }
+    let missing = ours.iter().filter(|t| theirs.binary_search(t).is_err()).count();
+    Err(MatchError::TrianglesDiffer { missing, triangles: ours.len(), template_triangles: theirs.len() })
 }

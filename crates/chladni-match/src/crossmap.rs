@@ -12,7 +12,7 @@ use crate::landmarks::Pinned;
 use crate::laplacian::Laplacian;
 use crate::project::nearest_facing;
 use crate::quality::stretch;
-use crate::similarity::fit_pairs;
+use crate::similarity::{fit_pairs, fit_pairs_at};
 use crate::sphere::{onto_sphere, orientation};
 use crate::surface::Surface;
 use crate::{MatchError, Scaling, Side, Similarity};
@@ -109,11 +109,12 @@ impl Domain<'_> {
     }
 }
 
-/// The map led by `landmarks`, three or more.
+/// The map led by `landmarks`, three or more; `scale` is that of the pose where it is not to be fitted.
 pub(crate) fn crossmap(
     shape: &Surface,
     template: &Surface,
     landmarks: &[Pinned],
+    scale: Option<f64>,
     task: &Task,
 ) -> Result<CrossMap, MatchError> {
     let (s, t) = (Closed::new(shape, Side::Shape)?, Closed::new(template, Side::Template)?);
@@ -148,7 +149,7 @@ pub(crate) fn crossmap(
         })
         .collect();
     relax(&s, &domain, &pins, &mut x, &mut places, task)?;
-    assemble(shape, template, &s, &domain, &places)
+    assemble(shape, template, &s, &domain, &places, scale)
 }
 
 /// Moves each vertex's image towards the cotangent mean of its neighbours' images in space,
@@ -212,6 +213,7 @@ fn assemble(
     s: &Closed,
     domain: &Domain,
     places: &[Place],
+    scale: Option<f64>,
 ) -> Result<CrossMap, MatchError> {
     let t = domain.closed;
     let landed: Vec<Place> = places.iter().map(|p| domain.land(p)).collect();
@@ -232,12 +234,12 @@ fn assemble(
         .map(|v| if filled(v) { 0.1 } else { 1.0 } * (trust[v].0 / f64::max(trust[v].1, 1.0)).min(1.0))
         .collect();
     // What is hardly alike, such as a neck that fills a hole, should not tilt the head.
-    let pose = fit_pairs(
+    let pose = fit_pairs_at(
         (0..on_surface).map(|v| {
             let vertex = s.surface_vertex[v] as usize;
             (image[v], shape.points[vertex], shape.areas[vertex] * trust[v])
         }),
-        Scaling::Free,
+        scale,
     )?;
     let back = pose.inverse();
     let turn = back.rotation_matrix();

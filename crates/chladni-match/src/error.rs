@@ -68,6 +68,19 @@ pub enum MatchError {
         /// n of the template.
         template_vertices: usize,
     },
+    /// Same connectivity was asked for, but only the numbers of vertices are the same.
+    #[error(
+        "not the same connectivity: {missing} of the shape's {triangles} triangles are not among the template's \
+         {template_triangles}"
+    )]
+    TrianglesDiffer {
+        /// How many of the shape's triangles the template lacks.
+        missing: usize,
+        /// m of the shape.
+        triangles: usize,
+        /// m of the template.
+        template_triangles: usize,
+    },
     /// Points do not determine a similarity.
     #[error("{0} pairs of points do not determine a similarity: three that are not in one line are needed")]
     TooFewPairs(usize),

@@ -66,6 +66,8 @@ pub(crate) struct Pair<'a> {
     pub template: Sampled<'a>,
     /// Landmarks as (shape point, template point), each surface's own coordinates.
     pub landmarks: &'a [(DVec3, DVec3)],
+    /// s of every pose, where it is not to be fitted.
+    pub scale: Option<f64>,
 }
 
 /// How closely to look for the nearest point.
@@ -181,6 +183,10 @@ fn improve(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Optio
     for (p, q) in pair.landmarks {
         let w = (total * 0.5 / pair.landmarks.len() as f64).max(1e-3);
         system.add_link(pose.at(*q) - center, *p - center, DVec3::ZERO, 0.0, w);
+    }
+    if pair.scale.is_some() {
+        (0..7).for_each(|i| (system.matrix[i][6], system.matrix[6][i]) = (0.0, 0.0));
+        (system.matrix[6][6], system.right[6]) = (1.0, 0.0);
     }
     let size = (system.matrix[3][3] + system.matrix[4][4] + system.matrix[5][5]).max(1e-12);
     for i in 0..7 {

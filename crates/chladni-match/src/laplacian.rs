@@ -47,6 +47,17 @@ impl Laplacian {
         &self.entries[self.start[v] as usize..self.start[v + 1] as usize]
     }
 
+    /// The rows and columns of `kept` vertices, ascending; the diagonal still counts all neighbours.
+    pub fn among(&self, kept: &[u32]) -> Self {
+        let (mut start, mut entries) = (vec![0], Vec::new());
+        for v in kept {
+            let row = self.row(*v as usize).iter();
+            entries.extend(row.filter_map(|(u, s)| Some((kept.binary_search(u).ok()? as u32, *s))));
+            start.push(entries.len() as u32);
+        }
+        Self { start, entries, diagonal: kept.iter().map(|v| self.diagonal[*v as usize]).collect() }
+    }
+
     /// (diag(w) + α S) x.
     pub fn times(&self, w: &[f64], alpha: f64, x: &[DVec3], out: &mut [DVec3]) {
         out.par_iter_mut().enumerate().with_min_len(1024).for_each(|(v, out)| {
@@ -58,6 +69,7 @@ impl Laplacian {
     /// Solves (diag(w) + α S) x = b by conjugate gradients with the diagonal as preconditioner,
     /// all three coordinates at once, from the guess `x`, to `tolerance` of the size of b.
     pub fn solve(&self, w: &[f64], alpha: f64, b: &[DVec3], mut x: Vec<DVec3>, tolerance: f64) -> Vec<DVec3> {
+        const MOST_STEPS: usize = 1000;
         let n = b.len();
         let inverse: Vec<f64> = (0..n).map(|v| 1.0 / (w[v] + alpha * self.diagonal[v]).max(1e-300)).collect();
         let ratio = |a: DVec3, b: DVec3| {
@@ -69,7 +81,7 @@ impl Laplacian {
         let goal = sum(n, |v| b[v] * b[v] * inverse[v]) * tolerance * tolerance;
         let mut p: Vec<DVec3> = r.iter().zip(&inverse).map(|(r, i)| *r * *i).collect();
         let mut rz = sum(n, |v| r[v] * p[v]);
-        for _ in 0..300 {
+        for _ in 0..MOST_STEPS {
             if rz.cmple(goal).all() {
                 break;
             }

@@ -15,7 +15,7 @@ use crate::project::{self, confidence};
 use crate::settle::settle;
 use crate::surface::Surface;
 use crate::unfold::unfold;
-use crate::{Correspondence, MatchError, Report, Side, same_connectivity};
+use crate::{Correspondence, MatchError, Report, Scaling, Side, same_connectivity};
 
 /// How template points are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -35,6 +35,7 @@ pub enum Method {
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct Settings {
     /// How template points are found.
     pub method: Method,
@@ -42,6 +43,8 @@ pub struct Settings {
     pub landmarks: Vec<Landmark>,
     /// Seed of all sampling.
     pub seed: u64,
+    /// Whether the template's size is fitted to the shape's, or kept: then sizes differ as features do.
+    pub scaling: Scaling,
 }
 
 /// A correspondence and how good it is.
@@ -67,9 +70,12 @@ pub fn match_shapes(
     let t = Surface::new(template, Side::Template)?;
     let pinned = landmarks::pin(&settings.landmarks, &s, &t)?;
     let pairs = landmarks::points(&pinned, &s, &t);
-    let align = || prealign(&s, &t, &pairs, settings.seed, task);
+    // In surface coordinates both have a diagonal of 1.
+    let sizes = t.diagonal / s.diagonal;
+    let scale = (settings.scaling == Scaling::Rigid).then_some(sizes);
+    let align = || prealign(&s, &t, &pairs, scale, settings.seed, task);
     let (correspondence, pose, warnings) = match settings.method {
-        Method::Same => (same_connectivity(shape, template)?, None, Vec::new()),
+        Method::Same => (same_connectivity(shape, template, settings.scaling)?, None, Vec::new()),
         Method::Icp => {
             let pose = align()?;
             (
@@ -88,14 +94,25 @@ pub fn match_shapes(
             (found, Some(pose), Vec::new())
         }
         Method::Map => {
-            let CrossMap { at, confidence, pose, warnings } = crossmap(&s, &t, &pinned, task)?;
+            let CrossMap { at, confidence, pose, warnings } = crossmap(&s, &t, &pinned, scale, task)?;
             (project::correspondence(shape, &s, template, &t, &at, &confidence, &pose)?, None, warnings)
         }
     };
     let mut report = Report::of(&s, Some(&t), &correspondence, pose.as_ref());
     report.warnings.extend(warnings);
+    report.warnings.extend(scale.and_then(unlike_sizes));
     report.warnings.extend(landmarks::doubts(&pairs));
     Ok(Match { correspondence, report })
+}
+
+/// What to say of a template that is kept at its own size, `times` that of the shape.
+fn unlike_sizes(times: f64) -> Option<String> {
+    let (times, than) = if times < 1.0 { (1.0 / times, "smaller") } else { (times, "larger") };
+    (times > 3.0).then(|| {
+        format!(
+            "the template is {times:.1} times {than} than the shape and keeps its size: are both in one unit?"
+        )
+    })
 }
 
 /// The closest point of the aligned template for each vertex, seen from where it was laid;

@@ -9,9 +9,9 @@ use crate::field::Field;
 use crate::icp::{Look, Pair, Sampled, Schedule, misfit, refine};
 use crate::relief::Relief;
 use crate::samples::{Sample, spread};
-use crate::similarity::fit_pairs;
+use crate::similarity::fit_pairs_at;
 use crate::surface::Surface;
-use crate::{MatchError, Scaling, Similarity};
+use crate::{MatchError, Similarity};
 
 /// The pose that fits best and how clear that is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,12 +56,13 @@ const SIEVES: [Sieve; 4] = [
 /// Samples drawn of each surface.
 const SAMPLES: usize = 3000;
 
-/// Searches all rotations at several sizes and places; with three landmarks or more, they give
-/// the start.
+/// Searches all rotations at several places and, unless `scale` gives it, sizes; with three landmarks or
+/// more, they give the start.
 pub(crate) fn prealign(
     shape: &Surface,
     template: &Surface,
     landmarks: &[(DVec3, DVec3)],
+    scale: Option<f64>,
     seed: u64,
     task: &Task,
 ) -> Result<Pose, MatchError> {
@@ -70,9 +71,10 @@ pub(crate) fn prealign(
         let (field, relief) = (Field::new(&samples), Relief::new(&samples));
         Sampled { surface, samples, field, relief }
     };
-    let pair = Pair { shape: sampled(shape, seed), template: sampled(template, seed ^ 0x5eed), landmarks };
+    let (sampled_shape, sampled_template) = (sampled(shape, seed), sampled(template, seed ^ 0x5eed));
+    let pair = Pair { shape: sampled_shape, template: sampled_template, landmarks, scale };
     if landmarks.len() >= 3 {
-        let start = fit_pairs(landmarks.iter().map(|(p, q)| (*q, *p, 1.0)), Scaling::Free)?;
+        let start = fit_pairs_at(landmarks.iter().map(|(p, q)| (*q, *p, 1.0)), scale)?;
         return Ok(settle(&pair, start));
     }
     let mut scored = judge(&pair, &hypotheses(&pair), (150, 0.1), Look::Coarse, task)?;
@@ -146,7 +148,11 @@ fn hypotheses(pair: &Pair) -> Vec<Similarity> {
         let sum: f64 = samples.iter().map(|s| s.point.length_squared()).sum();
         (sum / samples.len().max(1) as f64).sqrt()
     };
-    let size = spread_of(&pair.shape.samples) / spread_of(&pair.template.samples).max(1e-9);
+    let usual = || spread_of(&pair.shape.samples) / spread_of(&pair.template.samples).max(1e-9);
+    let (size, centred, placed): (_, &[f64], &[f64]) = match pair.scale {
+        Some(scale) => (scale, &[1.0], &[1.0]),
+        None => (usual(), &[1.0, 0.8, 1.25], &[1.4, 2.0]),
+    };
     let axes = |surface: &Surface| {
         let (_, e) = symmetric_eigen(surface.second_moments());
         let (a, b) = (DVec3::from_array(e[0]), DVec3::from_array(e[1]));
@@ -158,13 +164,13 @@ fn hypotheses(pair: &Pair) -> Vec<Similarity> {
     rotations.extend((0..ROTATIONS).map(|i| DMat3::from_quat(super_fibonacci(i, ROTATIONS))));
     let mut poses = Vec::new();
     // Centroids are the origins of both surfaces.
-    for factor in [1.0, 0.8, 1.25] {
+    for factor in centred {
         poses.extend(rotations.iter().map(|r| Similarity::new(size * factor, *r, DVec3::ZERO)));
     }
     let on_template = places(&pair.template.samples);
     let on_shape = places(&pair.shape.samples);
     for r in &rotations {
-        for factor in [1.4, 2.0] {
+        for factor in placed {
             let scale = size * factor;
             poses.extend(on_template.iter().map(|q| Similarity::new(scale, *r, *r * *q * -scale)));
             poses.extend(on_shape.iter().map(|p| Similarity::new(size / factor, *r, *p)));

@@ -17,9 +17,11 @@ pub struct Similarity {
 }
 
 /// Whether a fit may change size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Scaling {
     /// s is fitted.
+    #[default]
     Free,
     /// s = 1: a rigid motion.
     Rigid,
@@ -220,6 +222,16 @@ pub(crate) fn fit_pairs(
         return Err(MatchError::Degenerate);
     }
     Ok(Similarity::new(scale, rotation, b0 - rotation * a0 * scale))
+}
+
+/// As [`fit_pairs`], with s given where `scale` is.
+pub(crate) fn fit_pairs_at(
+    pairs: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone,
+    scale: Option<f64>,
+) -> Result<Similarity, MatchError> {
+    let Some(scale) = scale else { return fit_pairs(pairs, Scaling::Free) };
+    let rigid = fit_pairs(pairs.map(|(a, b, w)| (a * scale, b, w)), Scaling::Rigid)?;
+    Ok(Similarity { scale, ..rigid })
 }
 
 #[cfg(test)]

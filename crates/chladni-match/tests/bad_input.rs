@@ -1,8 +1,8 @@
 //! Whatever comes in, what comes out is finite or an error.
 
 use chladni_match::{
-    Correspondence, Ellipsoid, Landmark, MatchError, Method, Report, Settings, Side, match_shapes,
-    onto_ellipsoid, same_connectivity, self_scaled,
+    Correspondence, Ellipsoid, Landmark, MatchError, Method, Report, Scaling, Settings, Side, infilled,
+    match_shapes, onto_ellipsoid, same_connectivity, self_scaled,
 };
 use chladni_mesh::{TriMesh, samples};
 use chladni_task::{Cancelled, Task};
@@ -59,14 +59,18 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
     #[test]
     fn any_two_soups_give_finite_numbers_or_an_error(shape in soup(), template in soup()) {
-        for method in [Method::Icp, Method::Fit, Method::Map] {
-            let mut s = settings(method);
+        let all = [Method::Icp, Method::Fit, Method::Map].into_iter();
+        for (method, scaling) in all.flat_map(|m| [(m, Scaling::Free), (m, Scaling::Rigid)]) {
+            let mut s = Settings { scaling, ..settings(method) };
             if method == Method::Map {
                 s.landmarks = (0..3).map(|v| Landmark { shape: v, template: v }).collect();
             }
             if let Ok(found) = match_shapes(&shape, &template, &s, &Task::new()) {
                 check(&found.correspondence, Some(&template));
                 check_report(&found.report);
+                if let Some(filled) = infilled(&shape, &found.correspondence).unwrap() {
+                    assert!(filled.target.iter().flatten().all(|x| x.is_finite()) && filled.share <= 1.0 + 1e-9);
+                }
             }
         }
     }
@@ -81,7 +85,7 @@ proptest! {
             check(&found, None);
             check_report(&Report::without_template(&shape, &found).unwrap());
         }
-        if let Ok(found) = same_connectivity(&shape, &shape) {
+        if let Ok(found) = same_connectivity(&shape, &shape, Scaling::Free) {
             check(&found, Some(&shape));
         }
     }

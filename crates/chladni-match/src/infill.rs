@@ -1,0 +1,95 @@
+//! Where a match is not to be trusted: the difference as its surroundings continue it.
+
+use chladni_mesh::TriMesh;
+use glam::DVec3;
+
+use crate::laplacian::Laplacian;
+use crate::surface::Surface;
+use crate::{Correspondence, MatchError, Side};
+
+/// From this confidence down a point counts for nothing, and from the other up for all.
+const DOUBTED: f64 = 0.25;
+const TRUSTED: f64 = 0.5;
+/// The length over which a point of middling trust and its surroundings weigh alike, in diagonals.
+const LENGTH: f64 = 0.02;
+
+/// The points of a correspondence, with those that are not to be trusted filled in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Infill {
+    /// x^r(v), n points in the shape file's coordinates.
+    pub target: Vec<[f64; 3]>,
+    /// The share of the shape's area that was filled in, weighted by how far.
+    pub share: f64,
+}
+
+/// Fills in the difference x^r − x where `found` is not to be trusted: what the template has no partner for,
+/// such as hair, and what lies beyond its edge, such as a neck that it lacks. There the difference goes on
+/// from its surroundings as smoothly as it can (it is harmonic); a piece of the shape without any trusted
+/// point stays where it is. From confidence ½ up nothing changes, and `None` says that this is everywhere.
+///
+/// # Errors
+/// A shape without a surface, or a correspondence for another number of vertices.
+pub fn infilled(shape: &TriMesh, found: &Correspondence) -> Result<Option<Infill>, MatchError> {
+    let (left, right) = (shape.positions.len(), found.vertices());
+    if left != right {
+        return Err(MatchError::LengthsDiffer {
+            what: "vertices of the shape and of the correspondence",
+            left,
+            right,
+        });
+    }
+    let surface = Surface::new(shape, Side::Shape)?;
+    let n = surface.points.len();
+    let (mut delta, mut trust) = (vec![DVec3::ZERO; n], vec![1.0; n]);
+    for (v, point) in surface.point_of_vertex.iter().enumerate() {
+        if let Some(point) = point {
+            let point = *point as usize;
+            delta[point] = surface.in_frame(found.target[v]) - surface.points[point];
+            trust[point] = smooth_step((found.confidence[v] - DOUBTED) / (TRUSTED - DOUBTED));
+        }
+    }
+    let doubted: f64 = surface.areas.iter().zip(&trust).map(|(a, t)| a * (1.0 - t)).sum();
+    if doubted <= 0.0 {
+        return Ok(None);
+    }
+    fill(&surface, &trust, &mut delta);
+    let target = shape.positions.iter().zip(&surface.point_of_vertex).zip(&found.target);
+    let target = target.map(|((_, point), as_found)| match point {
+        Some(point) if trust[*point as usize] < 1.0 => {
+            let point = *point as usize;
+            surface.to_file(surface.points[point] + delta[point]).to_array()
+        }
+        _ => *as_found,
+    });
+    Ok(Some(Infill { target: target.collect(), share: doubted / surface.area() }))
+}
+
+/// Minimises Σ W ‖d − x^δ‖² + ℓ² ‖∇d‖² over the points that are not wholly trusted, W = a t/(1 − t): what is
+/// trusted stays, and without trust nothing but smoothness counts.
+fn fill(surface: &Surface, trust: &[f64], delta: &mut [DVec3]) {
+    let all = Laplacian::new(&surface.points, &surface.triangles);
+    let free: Vec<u32> = (0..trust.len() as u32).filter(|v| trust[*v as usize] < 1.0).collect();
+    let alpha = LENGTH * LENGTH;
+    let mut weights = Vec::with_capacity(free.len());
+    let mut right = Vec::with_capacity(free.len());
+    for &v in &free {
+        let (t, area) = (trust[v as usize], surface.areas[v as usize]);
+        let weight = area * (t / (1.0 - t)).min(1e3);
+        // The last keeps pieces that nothing holds in place.
+        weights.push(weight + 1e-7 * area);
+        let held = all.row(v as usize).iter().filter(|(u, _)| trust[*u as usize] >= 1.0);
+        let pull: DVec3 = held.map(|(u, s)| delta[*u as usize] * *s).sum();
+        right.push(delta[v as usize] * weight + pull * alpha);
+    }
+    let solved = all.among(&free).solve(&weights, alpha, &right, vec![DVec3::ZERO; free.len()], 1e-5);
+    for (v, d) in free.iter().zip(solved) {
+        if d.is_finite() {
+            delta[*v as usize] = d;
+        }
+    }
+}
+
+fn smooth_step(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

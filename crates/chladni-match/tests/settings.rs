@@ -1,0 +1,139 @@
+//! What a match is told: the same vertices, sizes that count, and what is done where it is not trusted.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+use chladni_match::{
+    Correspondence, Landmark, MatchError, Method, Scaling, Settings, infilled, match_shapes,
+    same_connectivity,
+};
+use chladni_mesh::{TriMesh, samples};
+use chladni_task::Task;
+
+fn moved(mesh: &TriMesh, map: impl Fn([f64; 3]) -> [f64; 3]) -> TriMesh {
+    let mut moved = mesh.clone();
+    moved.positions.iter_mut().for_each(|p| *p = map(*p));
+    moved
+}
+
+/// A lump without any symmetry.
+fn lump(subdivisions: u32) -> TriMesh {
+    moved(&samples::icosphere(subdivisions), |[x, y, z]| {
+        let r = 1.0 + 0.3 * (2.0 * x + 0.5).sin() + 0.2 * y * z + 0.15 * (3.0 * z + y).cos();
+        [1.6 * r * x, r * y, 0.9 * r * z]
+    })
+}
+
+fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+}
+
+#[test]
+fn the_same_vertices_are_told_by_their_triangles() {
+    let shape = lump(2);
+    let told = |template: &TriMesh| same_connectivity(&shape, template, Scaling::Free);
+    // Listed in another order, and every triangle from another corner on.
+    let mut reordered = moved(&shape, |p| p.map(|c| 3.0 * c));
+    reordered.triangles.reverse();
+    reordered.triangles.iter_mut().for_each(|t| t.rotate_left(1));
+    assert_eq!(told(&reordered).unwrap().confidence, vec![1.0; shape.positions.len()]);
+    // As many vertices, but another mesh: its vertices in another order.
+    let n = shape.positions.len() as u32;
+    let mut other = shape.clone();
+    other.positions.reverse();
+    other.triangles.iter_mut().for_each(|t| *t = t.map(|v| n - 1 - v));
+    let failed = told(&other).unwrap_err();
+    assert!(matches!(failed, MatchError::TrianglesDiffer { missing, .. } if missing > 0), "{failed}");
+    let mut inside_out = shape.clone();
+    inside_out.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    assert!(matches!(told(&inside_out), Err(MatchError::TrianglesDiffer { .. })));
+    let fewer = TriMesh { triangles: shape.triangles[1..].to_vec(), ..shape.clone() };
+    assert!(matches!(told(&fewer), Err(MatchError::TrianglesDiffer { missing: 1, .. })));
+}
+
+#[test]
+fn a_size_that_is_kept_is_a_difference() {
+    let shape = lump(3);
+    // Turned, moved, and a fifth larger.
+    let template = moved(&shape, |[x, y, z]| [-1.2 * y + 7.0, 1.2 * x - 3.0, 1.2 * z]);
+    let landmarks: Vec<Landmark> =
+        [0, 100, 200, 400].into_iter().map(|v| Landmark { shape: v, template: v }).collect();
+    for (method, landmarks) in [
+        (Method::Same, Vec::new()),
+        (Method::Icp, Vec::new()),
+        (Method::Icp, landmarks.clone()),
+        (Method::Fit, Vec::new()),
+        (Method::Map, landmarks),
+    ] {
+        let at = |scaling| {
+            let settings = Settings { method, landmarks: landmarks.clone(), scaling, ..Settings::default() };
+            match_shapes(&shape, &template, &settings, &Task::new()).unwrap()
+        };
+        let (free, rigid) = (at(Scaling::Free), at(Scaling::Rigid));
+        let scale = free.correspondence.similarity.scale;
+        assert!((scale - 1.0 / 1.2).abs() < 0.02, "{method:?}: {scale}");
+        // Exactly, but for what a turn is rounded by.
+        let scale = rigid.correspondence.similarity.scale;
+        assert!((scale - 1.0).abs() < 1e-12, "{method:?}: {scale}");
+        // Turned back onto the shape; by closest points alone a larger lump may lie otherwise.
+        let turn = rigid.correspondence.similarity.rotation;
+        let back = (turn[0][1] - 1.0).abs() < 0.05 && (turn[1][0] + 1.0).abs() < 0.05;
+        assert!(back || (landmarks.is_empty() && method != Method::Same), "{method:?}: {turn:?}");
+        let (small, large) = (free.report.median_distance, rigid.report.median_distance);
+        assert!(large > 0.01 && large > 3.0 * small, "{method:?}: {small} and {large}");
+        assert!(rigid.report.warnings.iter().all(|w| !w.contains("one unit")));
+    }
+    let metres = moved(&shape, |p| p.map(|c| 0.001 * c));
+    let settings = Settings { method: Method::Same, scaling: Scaling::Rigid, ..Settings::default() };
+    let found = match_shapes(&shape, &metres, &settings, &Task::new()).unwrap();
+    assert!(found.report.warnings.iter().any(|w| w.contains("1000.0 times smaller")), "{:?}", found.report);
+}
+
+/// A head whose template lacks the lower third: nothing there has a partner.
+#[test]
+fn what_the_template_lacks_goes_on_as_its_surroundings_do() {
+    let shape = lump(4);
+    let whole =
+        moved(&shape, |[x, y, z]| [1.02 * x + 0.03 * z, 0.97 * y + 0.04 * (2.0 * z).sin(), z + 0.03 * x]);
+    let mut cut = whole.clone();
+    cut.triangles.retain(|t| t.iter().all(|v| shape.positions[*v as usize][2] > -0.4));
+    // From above, all around.
+    let high = (0..shape.positions.len() as u32).filter(|v| shape.positions[*v as usize][2] > 0.0);
+    let landmarks = high.step_by(150).map(|v| Landmark { shape: v, template: v }).collect();
+    let settings = Settings { method: Method::Fit, landmarks, ..Settings::default() };
+    let found = match_shapes(&shape, &cut, &settings, &Task::new()).unwrap().correspondence;
+    let filled = infilled(&shape, &found).unwrap().unwrap();
+    assert!((0.05..0.5).contains(&filled.share), "{}", filled.share);
+    // Nearer to the true difference, no longer as long as the way to the edge. What the fit dragged over the
+    // edge remains.
+    let farthest = |points: &[[f64; 3]]| {
+        let below = shape.positions.iter().zip(points).filter(|(p, _)| p[2] < -0.55);
+        below.map(|(p, q)| distance(p, q)).fold(0.0, f64::max)
+    };
+    let aligned: Vec<_> = whole.positions.iter().map(|p| found.similarity.apply(*p)).collect();
+    let (raw, mended, truth) = (farthest(&found.target), farthest(&filled.target), farthest(&aligned));
+    assert!(mended < 0.4 * raw && truth < mended, "{raw}, {mended}, {truth}");
+    for (v, c) in found.confidence.iter().enumerate() {
+        if *c >= 0.5 {
+            assert_eq!(filled.target[v], found.target[v]);
+        }
+    }
+}
+
+#[test]
+fn a_match_that_is_trusted_everywhere_or_nowhere_is_left_alone_or_at_rest() {
+    let shape = lump(2);
+    let target: Vec<_> = shape.positions.iter().map(|p| p.map(|c| 1.5 * c)).collect();
+    let found = |confidence: f64| Correspondence {
+        confidence: vec![confidence; target.len()],
+        target: target.clone(),
+        ..same_connectivity(&shape, &shape, Scaling::Free).unwrap()
+    };
+    assert_eq!(infilled(&shape, &found(0.5)), Ok(None));
+    let nowhere = infilled(&shape, &found(0.1)).unwrap().unwrap();
+    assert!((nowhere.share - 1.0).abs() < 1e-9);
+    for (p, q) in shape.positions.iter().zip(&nowhere.target) {
+        assert!(distance(p, q) < 1e-9);
+    }
+    let fewer = TriMesh { positions: shape.positions[1..].to_vec(), ..TriMesh::default() };
+    assert!(matches!(infilled(&fewer, &found(1.0)), Err(MatchError::LengthsDiffer { .. })));
+}
