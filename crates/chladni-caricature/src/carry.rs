@@ -7,7 +7,7 @@ use chladni_mesh::{Frame, TriMesh, weld};
 use chladni_task::Task;
 
 use crate::vector::{Vec3, distance};
-use crate::{Error, Layer, Painted, Project, Region, Sphere};
+use crate::{Error, GivenEllipsoid, Layer, Painted, Project, Region, Sphere, Template};
 
 /// A project on another shape.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ impl Project {
     /// The same layers for another shape. `from` is the mesh that the project was made on, `to`
     /// the other one.
     ///
-    /// Spheres go to the same place relative to the shape. Painted regions and the shape's ends of
+    /// Spheres, and given ellipsoids, go to the same place relative to the shape. Painted regions and the shape's ends of
     /// landmarks follow a match of the two meshes: vertex by vertex where their triangles are the
     /// same, else by [`Method::Fit`], which may take seconds. A project without any of these is
     /// carried at once.
@@ -46,12 +46,20 @@ impl Project {
                 }
                 (as_it_is, _) => as_it_is.clone(),
             };
+            let template = match &layer.template {
+                Template::Given(given) => Template::Given(GivenEllipsoid {
+                    center: new_frame.to_file(old_frame.to_working(given.center)),
+                    semi_axes: given.semi_axes.map(|a| a * old_frame.scale / new_frame.scale),
+                    ..*given
+                }),
+                other => other.clone(),
+            };
             let mut matching = layer.matching.clone();
             if let Some(way) = &way {
                 matching.landmarks = way.landmarks(from, &matching.landmarks);
             }
             let region = Region { painted, ..layer.region.clone() };
-            Ok(Layer { region, matching, ..layer.clone() })
+            Ok(Layer { template, region, matching, ..layer.clone() })
         })?;
         Ok(Carried { project, report: way.map(|way| way.report) })
     }

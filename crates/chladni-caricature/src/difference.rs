@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use chladni_harmonics::{Basis, Body};
+use chladni_harmonics::Basis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +25,11 @@ pub enum Model {
 impl Model {
     /// All three, in the order of the paper.
     pub const ALL: [Self; 3] = [Self::Coordinate, Self::Normal, Self::Distance];
+
+    /// The strongest exaggeration that the paper uses with it: what the distance model bears tears the others.
+    pub fn strongest_usual_mu(self) -> f64 {
+        if self == Self::Distance { -8.0 } else { -2.4 }
+    }
 }
 
 impl std::fmt::Display for Model {
@@ -117,26 +122,6 @@ impl Target {
         Ok(Self { points, spectrum: OnceLock::new(), source: Source::Points(basis) })
     }
 
-    /// Matched points given for the n vertices of the shape's file, in the file's coordinates
-    /// (the template already aligned to the shape). Vertices that were welded take the mean.
-    pub fn from_file_points(body: &Body, points: &[Vec3]) -> Result<Self, Error> {
-        let expected = body.operator_vertex.len();
-        if points.len() != expected {
-            let what = "the template's points";
-            return Err(Error::VertexCount { what, found: points.len(), expected });
-        }
-        let mut sums = vec![[0.0; 3]; body.positions.len()];
-        let mut counts = vec![0.0; body.positions.len()];
-        for (point, v) in points.iter().zip(&body.operator_vertex) {
-            if let Some(v) = v.map(|v| v as usize).filter(|v| *v < sums.len()) {
-                sums[v] = add(sums[v], body.frame.to_working(*point));
-                counts[v] += 1.0;
-            }
-        }
-        let mean = sums.iter().zip(&counts).map(|(s, n)| scale(*s, 1.0 / n)).collect();
-        Self::new(body.basis.clone(), mean)
-    }
-
     /// The base itself, scaled by `factor` about the origin of the working frame.
     pub fn scaled(base: Arc<Base>, factor: f64) -> Self {
         let points = base.positions.iter().map(|p| scale(*p, factor)).collect();
@@ -182,6 +167,15 @@ pub struct Difference {
     delta_spectrum: OnceLock<Vec<Vec3>>,
     xi_spectrum: OnceLock<Vec<f64>>,
     psi: OnceLock<Psi>,
+}
+
+/// The scales of a difference, as one model sees it: all together have the energy Σ_v a(v) ‖X(v)‖².
+#[derive(Clone, Debug, PartialEq)]
+pub struct Amplitudes {
+    /// ‖X̃_k‖, K.
+    pub harmonics: Vec<f64>,
+    /// The length of the residual dX, area-weighted.
+    pub residual: f64,
 }
 
 /// The distance-minimising filter.
@@ -296,9 +290,39 @@ impl Difference {
         out
     }
 
-    /// ‖x̃^δ_k‖, K: where the difference lives; what is drawn behind the scale curve.
-    pub fn amplitudes(&self) -> Vec<f64> {
-        self.delta_spectrum().iter().map(|c| dot(*c, *c).sqrt()).collect()
+    /// How much of every scale `model` exaggerates, before curve, region and μ: what is drawn behind the
+    /// scale curve.
+    pub fn amplitudes(&self, model: Model) -> Amplitudes {
+        let length = |c: &Vec3| dot(*c, *c).sqrt();
+        let mass = &self.base.basis.mass;
+        let energy = |f: &[Vec3]| f.iter().zip(mass).map(|(f, a)| a * dot(*f, *f)).sum::<f64>();
+        match model {
+            Model::Coordinate => {
+                let harmonics: Vec<f64> = self.delta_spectrum().iter().map(length).collect();
+                let residual = self.above(energy(&self.delta), &harmonics);
+                Amplitudes { harmonics, residual }
+            }
+            Model::Normal => {
+                let harmonics: Vec<f64> = self.xi_spectrum().iter().map(|c| c.abs()).collect();
+                let whole = self.xi().iter().zip(mass).map(|(xi, a)| a * xi * xi).sum();
+                let residual = self.above(whole, &harmonics);
+                Amplitudes { harmonics, residual }
+            }
+            Model::Distance => {
+                let (shape, filter) = (self.base.spectrum(), self.psi());
+                let of_shape: Vec<f64> = shape.iter().map(length).collect();
+                let residual = filter.residual.abs() * self.above(energy(&self.base.positions), &of_shape);
+                let harmonics = of_shape.iter().zip(&filter.psi).map(|(x, psi)| x * psi.abs()).collect();
+                Amplitudes { harmonics, residual }
+            }
+        }
+    }
+
+    /// What a signal of energy `whole` has above K (Parseval); 0 where that is not to be told from rounding.
+    fn above(&self, whole: f64, harmonics: &[f64]) -> f64 {
+        let above = whole - harmonics.iter().map(|c| c * c).sum::<f64>();
+        let noise = whole * self.base.basis.certificate.max_orthogonality_error.max(1e-13) * 10.0;
+        if above > noise { above.sqrt() } else { 0.0 }
     }
 }
 

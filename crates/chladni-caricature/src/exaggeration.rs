@@ -303,10 +303,23 @@ mod tests {
         let d = Difference::new(base, target).unwrap();
         let energy =
             |f: &[Vec3]| f.iter().zip(&body.basis.mass).map(|(f, a)| a * norm(*f).powi(2)).sum::<f64>();
-        let harmonics: f64 = d.amplitudes().iter().map(|a| a * a).sum();
-        let whole = energy(&d.delta);
-        assert!((harmonics + energy(&d.delta_residual()) - whole).abs() < 1e-12 * whole);
-        assert!(harmonics > 0.5 * whole, "most of a smooth difference lies below K");
+        let along = |n: &[f64]| -> Vec<Vec3> { n.iter().map(|n| [*n, 0.0, 0.0]).collect() };
+        let by = |psi: f64| -> Vec<Vec3> { d.shape_residual().iter().map(|x| scale(*x, psi)).collect() };
+        let filtered: Vec<Vec3> =
+            d.base.spectrum().iter().zip(&d.psi().psi).map(|(x, p)| scale(*x, *p)).collect();
+        let filtered = energy(&body.basis.synthesize3(&filtered)) + energy(&by(d.psi().residual));
+        let models = [
+            (Model::Coordinate, energy(&d.delta), d.delta_residual()),
+            (Model::Normal, energy(&along(d.xi())), along(&d.xi_residual())),
+            (Model::Distance, filtered, by(d.psi().residual)),
+        ];
+        for (model, whole, residual) in models {
+            let bars = d.amplitudes(model);
+            let harmonics: f64 = bars.harmonics.iter().map(|a| a * a).sum();
+            assert!((bars.residual.powi(2) - energy(&residual)).abs() < 1e-12 * whole, "{model}");
+            assert!((harmonics + bars.residual.powi(2) - whole).abs() < 1e-12 * whole, "{model}");
+            assert!(harmonics > 0.5 * whole, "most of a smooth difference lies below K");
+        }
     }
 
     #[test]

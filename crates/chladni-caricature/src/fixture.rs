@@ -46,6 +46,15 @@ pub(crate) fn base_and_target() -> (Arc<Body>, Surface, Arc<Base>, Arc<Target>) 
     (body, surface, Arc::new(base), Arc::new(target))
 }
 
+/// The first `harmonics` of `basis`.
+pub(crate) fn fewer(basis: &Basis, harmonics: usize) -> Basis {
+    Basis {
+        eigenvalues: basis.eigenvalues[..harmonics].to_vec(),
+        vectors: basis.vectors[..harmonics * basis.vertices()].to_vec(),
+        ..basis.clone()
+    }
+}
+
 pub(crate) fn polynomials(points: &[Vec3], mass: Vec<f64>) -> Basis {
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut eigenvalues = Vec::new();

@@ -126,6 +126,20 @@ mod tests {
     }
 
     #[test]
+    fn one_sliver_does_not_end_it_where_a_share_may_fold() {
+        let (_, surface, base, target) = base_and_target();
+        let x = &base.positions;
+        let mut d: Vec<Vec3> = target.points.iter().zip(x).map(|(r, x)| sub(*r, *x)).collect();
+        let smooth = furthest(&surface, x, &d, -1.0, 0).unwrap();
+        // One vertex that is out of place by far.
+        d[17] = scale(x[17], -30.0);
+        let allowed = (0.01 * surface.triangles.len() as f64) as usize;
+        let (first, most) =
+            (furthest(&surface, x, &d, 1.0, 0).unwrap(), furthest(&surface, x, &d, 1.0, allowed).unwrap());
+        assert!(first < 0.1 && most > 5.0 * first, "{first}, {most}, {smooth}");
+    }
+
+    #[test]
     fn nothing_folds_where_nothing_moves() {
         let (_, surface, base, _) = base_and_target();
         let still = vec![[0.0; 3]; base.positions.len()];

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use chladni_match::Settings as MatchSettings;
+use chladni_match::{Ellipsoid, MatchError, Settings as MatchSettings};
 use serde::{Deserialize, Serialize};
 
+use crate::vector::Vec3;
 use crate::{Error, Model, Region, ScaleCurve};
 
 /// Names a layer for as long as its project is open, across moves and undo.
@@ -21,6 +22,9 @@ pub struct Layer {
     pub template: Template,
     /// How the template's points are found; used by templates that are meshes.
     pub matching: MatchSettings,
+    /// How far the difference is filled in from its surroundings where the match is not to be trusted, from 0,
+    /// as it was found, to 1.
+    pub infill: f64,
     /// The representation of the difference.
     pub model: Model,
     /// μ: 0 is the shape, 1 the template (coordinate model), below 0 exaggerates.
@@ -49,6 +53,8 @@ pub enum Template {
     Ellipsoid,
     /// The sphere fitted to the original shape.
     Sphere,
+    /// A given ellipsoid or sphere.
+    Given(GivenEllipsoid),
     /// The layer's own shape, scaled about the centroid of the original.
     Scaled(f64),
     /// The layer's own shape without its harmonics from k0 on: exaggerates its own detail.
@@ -57,14 +63,82 @@ pub enum Template {
     Original,
 }
 
+/// An ellipsoid or sphere as a person gives it, in the coordinates of the shape's file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GivenEllipsoid {
+    /// Its centre.
+    pub center: Vec3,
+    /// Half the length of each axis; positive. Of a sphere all are its radius.
+    pub semi_axes: Vec3,
+    /// How far it is turned, in degrees, about x, then y, then z.
+    pub turn_deg: Vec3,
+}
+
+impl GivenEllipsoid {
+    /// What it is to matching; an error where its numbers are none.
+    pub fn ellipsoid(&self) -> Result<Ellipsoid, MatchError> {
+        Ellipsoid::given(self.center, self.semi_axes, self.turn_deg)
+    }
+}
+
+impl From<Ellipsoid> for GivenEllipsoid {
+    fn from(found: Ellipsoid) -> Self {
+        Self { center: found.center, semi_axes: found.semi_axes, turn_deg: found.turn_deg() }
+    }
+}
+
+/// `sphere:x,y,z,radius`, or `ellipsoid:x,y,z,a,b,c` and, where it is turned, three angles more.
+impl std::str::FromStr for GivenEllipsoid {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let bad = |why: &str| Error::syntax("template", text, why);
+        let (kind, list) = text.split_once(':').unwrap_or_default();
+        let numbers: Option<Vec<f64>> = list.split(',').map(|t| t.trim().parse().ok()).collect();
+        let given = match (kind, &numbers.unwrap_or_default()[..]) {
+            ("sphere", &[x, y, z, r]) => Self { center: [x, y, z], semi_axes: [r; 3], turn_deg: [0.0; 3] },
+            ("ellipsoid", &[x, y, z, a, b, c]) => {
+                Self { center: [x, y, z], semi_axes: [a, b, c], turn_deg: [0.0; 3] }
+            }
+            ("ellipsoid", &[x, y, z, a, b, c, d, e, f]) => {
+                Self { center: [x, y, z], semi_axes: [a, b, c], turn_deg: [d, e, f] }
+            }
+            _ => {
+                return Err(bad(
+                    "write sphere:x,y,z,radius or ellipsoid:x,y,z,a,b,c and, turned, three angles in degrees",
+                ));
+            }
+        };
+        given.ellipsoid().map_err(|error| bad(&error.to_string()))?;
+        Ok(given)
+    }
+}
+
+impl std::fmt::Display for GivenEllipsoid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [x, y, z] = self.center;
+        let [a, b, c] = self.semi_axes;
+        match self.turn_deg {
+            [0.0, 0.0, 0.0] if a == b && b == c => write!(f, "sphere:{x},{y},{z},{a}"),
+            [0.0, 0.0, 0.0] => write!(f, "ellipsoid:{x},{y},{z},{a},{b},{c}"),
+            [d, e, g] => write!(f, "ellipsoid:{x},{y},{z},{a},{b},{c},{d},{e},{g}"),
+        }
+    }
+}
+
 impl Template {
+    /// Whether the one may stand in for the other while that is matched.
+    pub(crate) fn alike(&self, other: &Self) -> bool {
+        self == other || matches!((self, other), (Self::Given(_), Self::Given(_)))
+    }
+
     /// Whether it is a mesh that has to be matched with the shape.
     pub fn is_mesh(&self) -> bool {
         matches!(self, Self::File(_) | Self::Sample(_))
     }
 }
 
-/// `ellipsoid`, `sphere`, `self:scale=0.9`, `self:lowpass=20`, `self:original`, `sample:NAME`, or a
+/// `ellipsoid`, `sphere`, a given one of either ([`GivenEllipsoid`]), `self:scale=0.9`, `self:lowpass=20`, `self:original`, `sample:NAME`, or a
 /// path.
 impl std::str::FromStr for Template {
     type Err = Error;
@@ -73,6 +147,9 @@ impl std::str::FromStr for Template {
         let bad = |why: &str| Error::syntax("template", text, why);
         if let Some(name) = text.strip_prefix("sample:") {
             return Ok(Self::Sample(name.to_owned()));
+        }
+        if text.starts_with("sphere:") || text.starts_with("ellipsoid:") {
+            return text.parse().map(Self::Given);
         }
         let Some(own) = text.strip_prefix("self:") else {
             return match text {
@@ -104,6 +181,7 @@ impl std::fmt::Display for Template {
             Self::Sample(name) => write!(f, "sample:{name}"),
             Self::Ellipsoid => f.write_str("ellipsoid"),
             Self::Sphere => f.write_str("sphere"),
+            Self::Given(given) => given.fmt(f),
             Self::Scaled(factor) => write!(f, "self:scale={factor}"),
             Self::LowPass(k0) => write!(f, "self:lowpass={k0}"),
             Self::Original => f.write_str("self:original"),
@@ -135,6 +213,7 @@ impl Layer {
             name: name.into(),
             template,
             matching: MatchSettings::default(),
+            infill: 1.0,
             model: Model::Coordinate,
             mu: -0.5,
             strength: 1.0,
@@ -153,8 +232,13 @@ impl Layer {
         if !(0.0..=1.0).contains(&self.strength) {
             return Err(Error::Range { what: "the strength", value: self.strength, range: "0 to 1" });
         }
-        if self.region.smoothing.cutoff == 0 {
-            return Err(Error::Range { what: "the cut-off", value: 0.0, range: "1 or more" });
+        if !(0.0..=1.0).contains(&self.infill) {
+            return Err(Error::Range { what: "the infill", value: self.infill, range: "0 to 1" });
+        }
+        let wavelength = self.region.smoothing.wavelength;
+        if !(0.01..=10.0).contains(&wavelength) {
+            let (what, range) = ("the wavelength of the region's cut-off", "0.01 to 10 of the size");
+            return Err(Error::Range { what, value: wavelength, range });
         }
         self.curve.validate()
     }

@@ -65,27 +65,29 @@ mod stack;
 mod surface;
 mod transform;
 mod vector;
+mod wavelength;
 
 pub use brush::{Dab, Mirror, PaintEdit};
 pub use carry::Carried;
 pub use crossing::Crossings;
-pub use difference::{Base, Difference, Model, Psi, Target};
+pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};
 pub use error::Error;
 pub use exaggeration::{Field, Signals};
 pub use fold::{flipped_triangles, furthest};
 pub use geodesic::SurfacePoint;
 pub use history::History;
-pub use layer::{Layer, LayerId, MAX_MU, Template};
+pub use layer::{GivenEllipsoid, Layer, LayerId, MAX_MU, Template};
 pub use matching::{MatchRequest, Matched};
 pub use migration::FORMAT_VERSION;
 pub use project::{Action, Project, Property};
 pub use project_file::DEFAULT_HARMONICS;
 pub use recovery::{Recovered, Recovery};
 pub use region::{Painted, Region, RollOff, Smoothing, Sphere};
-pub use scale_curve::{ScaleCurve, normalised_frequency};
+pub use scale_curve::ScaleCurve;
 pub use shape_source::ShapeSource;
 pub use stack::{EvaluatedLayer, Evaluation, LayerState, Stack};
 pub use surface::Surface;
+pub use wavelength::{parse_wavelength, size, usual_wavelength, wavelengths};
 
 #[cfg(test)]
 mod fixture;

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use chladni_harmonics::Body;
-use chladni_match::{Ellipsoid, MatchError, Report, Settings, match_shapes, onto_ellipsoid};
+use chladni_harmonics::{Basis, Body};
+use chladni_match::{Ellipsoid, MatchError, Report, Settings, infilled, match_shapes, onto_ellipsoid};
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
+use crate::vector::{Vec3, add, scale};
 use crate::{Base, Error, Layer, Target, Template};
 
 /// A template that has to be matched with the shape, once, however many layers use it.
@@ -18,15 +19,54 @@ pub struct MatchRequest {
     pub matching: Settings,
 }
 
-/// A matched template.
+/// A matched template. It knows nothing of harmonics, so that it outlives a change of their number.
 #[derive(Clone, Debug)]
 pub struct Matched {
-    /// x^r on the operator vertices.
-    pub target: Arc<Target>,
+    /// x^r on the N operator vertices, working frame.
+    pub points: Vec<Vec3>,
+    /// The same with what is not to be trusted filled in from its surroundings, and how much of the shape that
+    /// is; `None` where all of it is trusted.
+    pub infill: Option<(Vec<Vec3>, f64)>,
     /// How good the match is; none where the template is not a mesh.
     pub report: Option<Report>,
     /// How far to trust each of the n file vertices, in [0, 1].
     pub confidence: Vec<f64>,
+}
+
+impl Matched {
+    /// x^r on `basis`, `infill` of the way (0 to 1) from the points as they were found to those filled in.
+    pub(crate) fn target(&self, basis: &Arc<Basis>, infill: f64) -> Result<Target, Error> {
+        let points = match &self.infill {
+            Some((filled, _)) if infill > 0.0 => {
+                let both = self.points.iter().zip(filled);
+                both.map(|(found, filled)| add(scale(*found, 1.0 - infill), scale(*filled, infill))).collect()
+            }
+            _ => self.points.clone(),
+        };
+        Target::new(basis.clone(), points)
+    }
+}
+
+/// Points given for the n vertices of the shape's file, in the file's coordinates, on the operator vertices.
+/// Vertices that were welded take the mean.
+fn on_operator_vertices(body: &Body, points: &[Vec3]) -> Result<Vec<Vec3>, Error> {
+    let expected = body.operator_vertex.len();
+    if points.len() != expected {
+        return Err(Error::VertexCount { what: "the template's points", found: points.len(), expected });
+    }
+    let mut sums = vec![[0.0; 3]; body.positions.len()];
+    let mut counts = vec![0.0; body.positions.len()];
+    for (point, v) in points.iter().zip(&body.operator_vertex) {
+        if let Some(v) = v.map(|v| v as usize).filter(|v| *v < sums.len()) {
+            sums[v] = add(sums[v], body.frame.to_working(*point));
+            counts[v] += 1.0;
+        }
+    }
+    let mean: Vec<Vec3> = sums.iter().zip(&counts).map(|(s, n)| scale(*s, 1.0 / n)).collect();
+    match mean.iter().flatten().find(|c| !c.is_finite()) {
+        Some(bad) => Err(Error::Range { what: "a point of the template", value: *bad, range: "finite" }),
+        None => Ok(mean),
+    }
 }
 
 impl MatchRequest {
@@ -37,7 +77,9 @@ impl MatchRequest {
             Template::File(_) | Template::Sample(_) => {
                 Some(Self { template, matching: layer.matching.clone() })
             }
-            Template::Ellipsoid | Template::Sphere => Some(Self { template, matching: Settings::default() }),
+            Template::Ellipsoid | Template::Sphere | Template::Given(_) => {
+                Some(Self { template, matching: Settings::default() })
+            }
             Template::Scaled(_) | Template::LowPass(_) | Template::Original => None,
         }
     }
@@ -61,6 +103,9 @@ impl MatchRequest {
                 let sphere = Ellipsoid::fitted_sphere(shape).map_err(failed)?;
                 (onto_ellipsoid(shape, &sphere).map_err(failed)?, None)
             }
+            Template::Given(given) => {
+                (onto_ellipsoid(shape, &given.ellipsoid().map_err(failed)?).map_err(failed)?, None)
+            }
             _ => {
                 let mesh = mesh.ok_or_else(|| self.failure("its mesh is not loaded".to_owned()))?;
                 let matched = match_shapes(shape, mesh, &self.matching, task);
@@ -69,8 +114,20 @@ impl MatchRequest {
                 (matched.correspondence, Some(matched.report))
             }
         };
-        let target = Arc::new(Target::from_file_points(body, &found.target)?);
-        Ok(Matched { target, report, confidence: found.confidence })
+        let filled = match report {
+            Some(_) => infilled(shape, &found).map_err(failed)?,
+            None => None,
+        };
+        let infill = match filled {
+            Some(filled) => Some((on_operator_vertices(body, &filled.target)?, filled.share)),
+            None => None,
+        };
+        Ok(Matched {
+            points: on_operator_vertices(body, &found.target)?,
+            infill,
+            report,
+            confidence: found.confidence,
+        })
     }
 
     fn failure(&self, why: String) -> Error {

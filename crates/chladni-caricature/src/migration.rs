@@ -4,27 +4,34 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
-use crate::Error;
+use crate::project_file::DEFAULT_HARMONICS;
+use crate::scale_curve::monotone;
+use crate::{Error, ScaleCurve, usual_wavelength};
 
 /// The format that this program writes.
-pub const FORMAT_VERSION: i64 = 2;
+pub const FORMAT_VERSION: i64 = 3;
 
-/// `table` in the current format, or `None` where it is already.
-pub(crate) fn migrate(mut table: Table, path: &Path) -> Result<Option<Table>, Error> {
+/// `table` in the current format with the number of the older one it was in, or `None` where it is current
+/// already.
+pub(crate) fn migrate(mut table: Table, path: &Path) -> Result<Option<(Table, i64)>, Error> {
     let invalid = |why: &str| Error::ProjectFile { path: path.into(), why: why.to_owned() };
     let Some(version) = table.get("format_version").and_then(Value::as_integer) else {
         return Err(invalid("names no format_version; it is not a Chladni project"));
     };
     match version {
         FORMAT_VERSION => return Ok(None),
-        1 => from_1_to_2(&mut table),
+        1 => {
+            from_1_to_2(&mut table);
+            from_2_to_3(&mut table);
+        }
+        2 => from_2_to_3(&mut table),
         found if found > FORMAT_VERSION => {
             return Err(Error::NewerFormat { path: path.into(), found, supported: FORMAT_VERSION });
         }
         _ => return Err(invalid(&format!("has format version {version}, which never existed"))),
     }
     table.insert("format_version".into(), Value::Integer(FORMAT_VERSION));
-    Ok(Some(table))
+    Ok(Some((table, version)))
 }
 
 /// In format 1 the shape was a single key, and a layer's region and scale curve were keys of the
@@ -51,5 +58,107 @@ fn from_1_to_2(table: &mut Table) {
             let scale = [("points".to_owned(), points), ("residual".to_owned(), residual)];
             layer.insert("scale".into(), Value::Table(scale.into_iter().collect()));
         }
+    }
+}
+
+/// In format 2 a scale curve ran over u, the share of the frequency of the last of K harmonics, and a region
+/// was smoothed below harmonic `cutoff`. Both become wavelengths by Weyl's law, which knows neither the
+/// shape nor its harmonics.
+fn from_2_to_3(table: &mut Table) {
+    let harmonics = table.get("shape").and_then(|shape| shape.get("harmonics")).and_then(Value::as_integer);
+    let harmonics = harmonics.map_or(DEFAULT_HARMONICS as f64, |k| k.max(1) as f64);
+    let Some(Value::Array(layers)) = table.get_mut("layer") else { return };
+    for layer in layers.iter_mut().filter_map(Value::as_table_mut) {
+        // It did not exist: the shape stays as it was made.
+        layer.insert("infill".into(), Value::Float(0.0));
+        let region = layer.entry("region").or_insert_with(|| Value::Table(Table::new()));
+        if let Some(region) = region.as_table_mut() {
+            let cutoff = region.remove("cutoff").and_then(|cutoff| cutoff.as_integer());
+            let wavelength = usual_wavelength(cutoff.unwrap_or(96).max(1) as f64);
+            region.insert("wavelength".into(), Value::Float(wavelength));
+        }
+        let points = layer.get_mut("scale").and_then(|scale| scale.get_mut("points"));
+        if let Some(points) = points
+            && let Ok(old) = points.clone().try_into::<Vec<[f64; 2]>>()
+            && old.windows(2).all(|pair| pair[0][0] < pair[1][0])
+            && old
+                .iter()
+                .all(|[u, gain]| (0.0..=1.0).contains(u) && (0.0..=ScaleCurve::MAX_GAIN).contains(gain))
+        {
+            let pair = |p: &[f64; 2]| Value::Array(p.map(Value::Float).into());
+            *points = Value::Array(over_wavelengths(&old, harmonics).iter().map(pair).collect());
+        }
+    }
+}
+
+/// The points of a curve over wavelengths that is within 0.005 of the one through `old` over u.
+fn over_wavelengths(old: &[[f64; 2]], harmonics: f64) -> Vec<[f64; 2]> {
+    let finest = usual_wavelength(harmonics);
+    let before = |wavelength: f64| monotone(old.iter().copied(), finest / wavelength).unwrap_or(1.0);
+    let Some([_, gain]) = old.first() else { return Vec::new() };
+    if old.iter().all(|p| p[1] == *gain) {
+        return ScaleCurve::flat(*gain).points;
+    }
+    let (broad, fine) = (ScaleCurve::BROADEST, ScaleCurve::FINEST);
+    let mut curve = ScaleCurve { points: Vec::new(), residual: 0.0 };
+    for [u, _] in old {
+        let wavelength = (finest / u).clamp(fine, broad);
+        curve.set_point(wavelength, before(wavelength));
+    }
+    let steps = 400;
+    let grid = |i: usize| broad * (fine / broad).powf(i as f64 / f64::from(steps));
+    for _ in 0..100 {
+        let off = |w: f64| (curve.at(w) - before(w)).abs();
+        let worst = (0..=steps as usize).map(grid).max_by(|a, b| off(*a).total_cmp(&off(*b)));
+        match worst.filter(|w| off(*w) > 0.005) {
+            Some(wavelength) => curve.set_point(wavelength, before(wavelength)),
+            None => break,
+        };
+    }
+    curve.points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_over_shares_of_the_highest_frequency_is_the_same_over_wavelengths() {
+        let curves: [&[[f64; 2]]; 4] = [
+            &[[0.0, 1.0], [0.5, 1.0], [1.0, 0.0]],
+            &[[0.0, 0.2], [0.15, 1.0], [0.3, 1.8], [0.5, 1.0], [0.8, 0.0]],
+            &[[0.0, 0.0], [0.3, 0.1], [0.6, 1.0], [1.0, 1.8]],
+            &[[0.2, 4.0], [0.21, 0.0], [0.9, 3.0]],
+        ];
+        for old in curves {
+            for harmonics in [16.0, 256.0, 512.0, 4096.0] {
+                let points = over_wavelengths(old, harmonics);
+                assert!(points.len() < 40, "{}", points.len());
+                let curve = ScaleCurve { points, residual: 0.0 };
+                curve.validate().unwrap();
+                for k in 1..harmonics as usize {
+                    let u = (k as f64 / harmonics).sqrt();
+                    let expected = monotone(old.iter().copied(), u).unwrap();
+                    let found = curve.at(usual_wavelength(k as f64));
+                    assert!((found - expected).abs() < 0.04, "K = {harmonics}, k = {k}: {found}, {expected}");
+                }
+            }
+        }
+        // Weyl's law is an estimate: on a ball, whose equal eigenvalues come in long steps, this near.
+        let body = chladni_harmonics::Body::build(
+            &chladni_mesh::samples::icosphere(3),
+            &chladni_harmonics::BasisSettings::new(100),
+            &chladni_task::Task::new(),
+        );
+        let basis = body.unwrap().basis;
+        let curve = ScaleCurve { points: over_wavelengths(curves[1], 100.0), residual: 0.0 };
+        let highest = basis.eigenvalues[99].sqrt();
+        let off = curve.gains(&basis).into_iter().zip(&basis.eigenvalues).map(|(gain, l)| {
+            (gain - monotone(curves[1].iter().copied(), l.max(0.0).sqrt() / highest).unwrap()).powi(2)
+        });
+        let rms = (off.sum::<f64>() / 100.0).sqrt();
+        assert!(rms < 0.12, "{rms}");
+        assert_eq!(over_wavelengths(&[[0.0, 2.0], [1.0, 2.0]], 512.0), ScaleCurve::flat(2.0).points);
+        assert!(over_wavelengths(&[], 512.0).is_empty());
     }
 }

@@ -14,6 +14,8 @@ pub struct Project {
     pub shape: ShapeSource,
     /// K, the number of harmonics to solve for.
     pub harmonics: usize,
+    /// The format of the file that it was read from, where that was an older one.
+    pub(crate) older_format: Option<i64>,
     layers: Vec<(LayerId, Arc<Layer>)>,
     next_id: u64,
 }
@@ -69,7 +71,9 @@ pub enum Property {
     Template(Template),
     /// How the template is matched, landmarks included.
     Matching(MatchSettings),
-    /// Its model.
+    /// How far doubtful places are filled in.
+    Infill(f64),
+    /// Its model; μ comes along as far as it is usual with the new one.
     Model(Model),
     /// μ.
     Mu(f64),
@@ -88,7 +92,16 @@ pub enum Property {
 impl Project {
     /// A project without layers.
     pub fn new(shape: ShapeSource, harmonics: usize) -> Self {
-        Self { shape, harmonics, layers: Vec::new(), next_id: 1 }
+        Self { shape, harmonics, older_format: None, layers: Vec::new(), next_id: 1 }
+    }
+
+    /// What a person should know of a project that was read from a file of an older format.
+    pub fn taken_over(&self) -> Option<String> {
+        let format = self.older_format?;
+        Some(format!(
+            "a project of format {format}: its curves and soft edges are wavelengths now, so that the shape may \
+             differ a little"
+        ))
     }
 
     /// The layers with their ids, lowest first.
@@ -195,7 +208,12 @@ impl Property {
             Self::Name(name) => layer.name = name,
             Self::Template(template) => layer.template = template,
             Self::Matching(matching) => layer.matching = matching,
-            Self::Model(model) => layer.model = model,
+            Self::Infill(infill) => layer.infill = infill,
+            Self::Model(model) if model != layer.model => {
+                layer.model = model;
+                layer.mu = layer.mu.max(model.strongest_usual_mu());
+            }
+            Self::Model(_) => {}
             Self::Mu(mu) => layer.mu = mu,
             Self::Strength(strength) => layer.strength = strength,
             Self::Smoothing(smoothing) => layer.region.smoothing = smoothing,
@@ -230,6 +248,7 @@ impl Action {
                 Property::Name(_) => "rename layer",
                 Property::Template(_) => "template",
                 Property::Matching(_) => "match",
+                Property::Infill(_) => "filling in",
                 Property::Model(_) => "model",
                 Property::Mu(_) => "μ",
                 Property::Strength(_) => "strength",

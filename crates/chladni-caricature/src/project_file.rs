@@ -54,6 +54,8 @@ struct LayerTable {
     /// Only what differs from the default of the program that wrote it has to be here.
     #[serde(default, rename = "match", skip_serializing_if = "toml::Table::is_empty")]
     matching: toml::Table,
+    #[serde(default = "one")]
+    infill: f64,
     #[serde(default)]
     region: RegionTable,
     #[serde(default)]
@@ -69,15 +71,15 @@ struct RegionTable {
     /// Run-length text over the operator vertices.
     #[serde(skip_serializing_if = "Option::is_none")]
     painted: Option<String>,
-    cutoff: usize,
+    wavelength: f64,
     roll_off: crate::RollOff,
     clamp: bool,
 }
 
 impl Default for RegionTable {
     fn default() -> Self {
-        let Smoothing { cutoff, roll_off, clamp } = Smoothing::default();
-        Self { spheres: Vec::new(), painted: None, cutoff, roll_off, clamp }
+        let Smoothing { wavelength, roll_off, clamp } = Smoothing::default();
+        Self { spheres: Vec::new(), painted: None, wavelength, roll_off, clamp }
     }
 }
 
@@ -144,9 +146,12 @@ impl Project {
         let table: toml::Table = text.parse().map_err(|e: toml::de::Error| invalid(one_line(&e, text)))?;
         let migrated = migrate(table, path)?;
         // Parsing the text itself where it is up to date gives errors their line and column.
-        let document: Document = match migrated {
-            None => toml::from_str(text).map_err(|e| invalid(one_line(&e, text)))?,
-            Some(table) => table.try_into().map_err(|e: toml::de::Error| invalid(e.message().to_owned()))?,
+        let (document, older_format): (Document, _) = match migrated {
+            None => (toml::from_str(text).map_err(|e| invalid(one_line(&e, text)))?, None),
+            Some((table, format)) => {
+                let document = table.try_into();
+                (document.map_err(|e: toml::de::Error| invalid(e.message().to_owned()))?, Some(format))
+            }
         };
         let folder = folder_of(path);
         let shape = document.shape.source.parse().map_err(|e: Error| invalid(e.to_string()))?;
@@ -158,6 +163,7 @@ impl Project {
             return Err(invalid("the number of harmonics is 0".to_owned()));
         }
         let mut project = Self::new(shape, document.shape.harmonics);
+        project.older_format = older_format;
         for (i, table) in document.layers.into_iter().enumerate() {
             let place = format!("layer {} ({})", i + 1, table.name);
             let layer = table.into_layer(&folder).and_then(|l| project.push(l));
@@ -173,7 +179,7 @@ impl LayerTable {
             Template::File(file) => relative_text(file, folder)?,
             other => other.to_string(),
         };
-        let Smoothing { cutoff, roll_off, clamp } = layer.region.smoothing;
+        let Smoothing { wavelength, roll_off, clamp } = layer.region.smoothing;
         let (spheres, painted) = match &layer.region.painted {
             Painted::Everywhere => (Vec::new(), None),
             Painted::Spheres(spheres) => (spheres.iter().map(Sphere::to_string).collect(), None),
@@ -191,7 +197,8 @@ impl LayerTable {
             enabled: layer.enabled,
             solo: layer.solo,
             matching,
-            region: RegionTable { spheres, painted, cutoff, roll_off, clamp },
+            infill: layer.infill,
+            region: RegionTable { spheres, painted, wavelength, roll_off, clamp },
             scale: layer.curve.clone(),
         })
     }
@@ -208,7 +215,7 @@ impl LayerTable {
         }
         matching.extend(self.matching);
         let matching = matching.try_into().map_err(|e: toml::de::Error| bad_match(e.message().to_owned()))?;
-        let RegionTable { spheres, painted, cutoff, roll_off, clamp } = self.region;
+        let RegionTable { spheres, painted, wavelength, roll_off, clamp } = self.region;
         let painted = match painted {
             Some(text) if spheres.is_empty() => Painted::Vertices(runs::from_text(&text)?),
             Some(_) => {
@@ -221,10 +228,11 @@ impl LayerTable {
             name: self.name,
             template,
             matching,
+            infill: self.infill,
             model: self.model,
             mu: self.mu,
             strength: self.strength,
-            region: Region { painted, smoothing: Smoothing { cutoff, roll_off, clamp } },
+            region: Region { painted, smoothing: Smoothing { wavelength, roll_off, clamp } },
             curve: self.scale,
             enabled: self.enabled,
             solo: self.solo,

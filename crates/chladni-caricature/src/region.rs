@@ -10,6 +10,7 @@ use crate::difference::check_count;
 use crate::painted_spectrum::PaintedSpectrum;
 use crate::transform::synthesise;
 use crate::vector::{Vec3, distance};
+use crate::wavelength::{eigenvalue_of, wavelengths};
 
 /// The part of the shape that a layer deforms.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,10 +45,11 @@ pub struct Sphere {
 /// The low-pass that turns χ01 into χ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Smoothing {
-    /// nχ: harmonics that are kept (sharp), or the harmonic that is halved (Gaussian). The
-    /// paper uses 32, 96 and 192 of 512. Of a shape in several pieces each keeps its constant
-    /// harmonic; together they count as one.
-    pub cutoff: usize,
+    /// The wavelength, as a share of the shape's [`size`](crate::size), above which harmonics are kept
+    /// (sharp), or whose harmonics are halved (Gaussian): longer is softer. The paper's nχ harmonics
+    /// are a wavelength of about π/√nχ ([`usual_wavelength`](crate::usual_wavelength)); it uses 32, 96 and
+    /// 192 of 512. Of a shape in several pieces each keeps its constant harmonic.
+    pub wavelength: f64,
     /// The shape of the low-pass.
     pub roll_off: RollOff,
     /// Cuts χ to [0, 1]: a sharp cut rings below 0 and above 1.
@@ -55,9 +57,9 @@ pub struct Smoothing {
 }
 
 impl Default for Smoothing {
-    /// nχ = 96 with the Gaussian roll-off, clamped.
+    /// 32 %, the paper's nχ = 96, with the Gaussian roll-off, clamped.
     fn default() -> Self {
-        Self { cutoff: 96, roll_off: RollOff::Gaussian, clamp: true }
+        Self { wavelength: 0.32, roll_off: RollOff::Gaussian, clamp: true }
     }
 }
 
@@ -67,7 +69,7 @@ impl Default for Smoothing {
 pub enum RollOff {
     /// χ = Σ_{k<nχ} H_k χ̃01_k, as in the paper.
     Sharp,
-    /// Heat flow: χ̃_k = χ̃01_k 2^(−λ_k/λ_nχ). It halves harmonic nχ and does not ring.
+    /// Heat flow: χ̃_k = χ̃01_k 2^(−λ_k/λ), λ that of the wavelength, which is halved; it does not ring.
     Gaussian,
 }
 
@@ -148,13 +150,13 @@ impl Smoothing {
 
     /// The gain of each harmonic that passes.
     fn weights(&self, basis: &Basis) -> Vec<f64> {
-        let harmonics = basis.harmonics();
-        let cutoff = basis.harmonics_below(self.cutoff);
         match self.roll_off {
-            RollOff::Sharp => vec![1.0; cutoff.max(1)],
+            RollOff::Sharp => {
+                let waves = wavelengths(basis);
+                waves.into_iter().take_while(|w| *w > self.wavelength).map(|_| 1.0).collect()
+            }
             RollOff::Gaussian => {
-                let cut = basis.eigenvalues.get(cutoff.clamp(1, harmonics.max(2) - 1));
-                let cut = cut.copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
+                let cut = eigenvalue_of(basis, self.wavelength);
                 let gain = basis.eigenvalues.iter().map(|l| (-l.max(0.0) / cut).exp2());
                 // What is below a 500th no brush stroke shows.
                 gain.take_while(|w| *w > 2e-3).collect()
@@ -201,7 +203,8 @@ mod tests {
     fn a_sharp_cut_is_the_projection_on_the_first_harmonics() {
         let (body, _) = bumpy_sphere();
         let painted = half(&body);
-        let sharp = Smoothing { cutoff: 16, roll_off: RollOff::Sharp, clamp: false };
+        let wavelength = wavelengths(&body.basis)[16];
+        let sharp = Smoothing { wavelength, roll_off: RollOff::Sharp, clamp: false };
         let chi = sharp.apply(&body.basis, &painted);
         let signal: Vec<f64> = painted.iter().map(|x| f64::from(*x)).collect();
         let expected = body.basis.synthesize(&body.basis.transform(&signal)[..16]);
@@ -215,7 +218,8 @@ mod tests {
     fn the_gaussian_halves_its_cutoff_and_rings_less() {
         let (body, _) = bumpy_sphere();
         let painted = half(&body);
-        let low_pass = |roll_off| Smoothing { cutoff: 16, roll_off, clamp: false };
+        let wavelength = wavelengths(&body.basis)[16];
+        let low_pass = |roll_off| Smoothing { wavelength, roll_off, clamp: false };
         let weights = low_pass(RollOff::Gaussian).weights(&body.basis);
         assert!((weights[16] - 0.5).abs() < 1e-12 && weights[0] == 1.0);
         let ringing = |chi: Arc<[f32]>| chi.iter().map(|c| (-c).max(c - 1.0)).fold(0.0_f32, f32::max);

@@ -7,6 +7,7 @@ use chladni_harmonics::Body;
 use chladni_synth::{Coefficients, Residual, Term};
 use rayon::prelude::*;
 
+use crate::difference::check_count;
 use crate::exaggeration::single;
 use crate::fold::flipped_triangles;
 use crate::matching::own_target;
@@ -39,6 +40,8 @@ struct LayerMemo {
     painted: PaintedSpectrum,
     mask: Memo<(Painted, Smoothing), Mask>,
     own_target: Memo<(Same<Base>, Template), Arc<Target>>,
+    /// The match and how far it is filled in.
+    matched_target: Memo<(Same<Matched>, f64), Arc<Target>>,
     difference: Memo<(Same<Base>, Same<Target>), Arc<Difference>>,
     /// One per model, so that the three can be chosen between.
     fields: [FieldMemo; 3],
@@ -112,6 +115,13 @@ impl Stack {
         let (matches, layers) = (Vec::new(), HashMap::new());
         let (original, all_models_of) = (Arc::new(original), None);
         Ok(Self { body, surface, file_positions, original, matches, layers, all_models_of })
+    }
+
+    /// A stack on the same shape with another number of harmonics. Matches know nothing of harmonics and
+    /// stay.
+    pub fn with_harmonics_of(&self, body: Arc<Body>) -> Result<Self, Error> {
+        check_count("the shape", self.body.positions.len(), &body.basis)?;
+        Ok(Self { matches: self.matches.clone(), ..Self::new(body)? })
     }
 
     /// The body that is deformed.
@@ -305,14 +315,18 @@ impl LayerMemo {
             let older = || {
                 let newest_first = scene.matches.iter().rev();
                 newest_first
-                    .filter(|(known, _)| known.template == request.template)
+                    .filter(|(known, _)| known.template.alike(&request.template))
                     .find_map(|(_, m)| m.as_ref().ok())
             };
-            return match scene.matches.iter().find(|(known, _)| *known == request) {
-                None => Ok(older().map(|matched| (matched.target.clone(), true))),
-                Some((_, Ok(matched))) => Ok(Some((matched.target.clone(), false))),
-                Some((_, Err(why))) => Err(Error::Unmatched(why.clone())),
+            let (matched, outdated) = match scene.matches.iter().find(|(known, _)| *known == request) {
+                None => (older(), true),
+                Some((_, Ok(matched))) => (Some(matched), false),
+                Some((_, Err(why))) => return Err(Error::Unmatched(why.clone())),
             };
+            let Some(matched) = matched else { return Ok(None) };
+            let inputs = (Same::from(matched), layer.infill);
+            let make = || matched.target(base.basis(), layer.infill).map(Arc::new);
+            return Ok(Some((self.matched_target.get(inputs, make)?, outdated)));
         }
         let inputs = (Same::from(base), layer.template.clone());
         let make = || {

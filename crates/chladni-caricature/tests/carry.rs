@@ -80,6 +80,8 @@ fn the_same_triangles_carry_vertex_by_vertex_and_spheres_need_no_match() {
     let sphere = Sphere { center: [1.0, 0.0, 0.0], radius: 0.5 };
     let region = Region { painted: Painted::Spheres(vec![sphere]), ..Region::default() };
     spheres.push(Layer { region, ..Layer::new("ball", Template::Sphere) }).unwrap();
+    let given = GivenEllipsoid { center: [1.0, 0.0, 0.0], semi_axes: [0.5; 3], turn_deg: [0.0; 3] };
+    spheres.push(Layer::new("given", Template::Given(given))).unwrap();
     let larger =
         TriMesh { positions: mesh.positions.iter().map(|p| p.map(|c| 3.0 * c)).collect(), ..mesh.clone() };
     let carried = spheres.carried(&mesh, &larger, &Task::new()).unwrap();
@@ -89,6 +91,12 @@ fn the_same_triangles_carry_vertex_by_vertex_and_spheres_need_no_match() {
             assert!((moved[0].radius - 1.5).abs() < 1e-9 && (moved[0].center[0] - 3.0).abs() < 1e-9);
         }
         other => panic!("{other:?}"),
+    }
+    match carried.project.layers()[1].1.template {
+        Template::Given(moved) => {
+            assert!((moved.semi_axes[1] - 1.5).abs() < 1e-9 && (moved.center[0] - 3.0).abs() < 1e-9);
+        }
+        ref other => panic!("{other:?}"),
     }
 }
 

@@ -131,12 +131,34 @@ fn older_formats_load_and_newer_ones_say_so() {
     let nose = &project.layers()[0].1;
     assert_eq!(nose.template, Template::File(fixture("heads/decimated-max.obj")));
     assert_eq!((nose.model, nose.mu), (Model::Distance, -6.0));
-    let sharp = Smoothing { cutoff: 32, roll_off: RollOff::Sharp, clamp: false };
+    let sharp = Smoothing { wavelength: usual_wavelength(32.0), roll_off: RollOff::Sharp, clamp: false };
     assert_eq!(nose.region.smoothing, sharp);
     let sphere = Sphere { center: [0.0, 0.1, 0.9], radius: 0.35 };
     assert_eq!(nose.region.painted, Painted::Spheres(vec![sphere]));
-    assert_eq!(nose.curve, ScaleCurve { points: vec![[0.0, 0.0], [0.5, 2.0], [1.0, 1.0]], residual: 0.5 });
+    // It ran from 0 over 2 at half the highest frequency to 1 at the highest.
+    let finest = usual_wavelength(256.0);
+    for (wavelength, gain) in [(ScaleCurve::BROADEST, 0.09), (2.0 * finest, 2.0), (finest, 1.0), (0.1, 1.0)] {
+        assert!((nose.curve.at(wavelength) - gain).abs() < 0.02, "{}", nose.curve.at(wavelength));
+    }
+    assert_eq!(nose.curve.residual, 0.5);
+    assert!(project.taken_over().unwrap().contains("format 1"));
     assert!(!project.layers()[1].1.enabled);
+
+    let project = Project::load(&fixture("format-2.chladni")).unwrap();
+    let [(_, bent), (_, soft)] = project.layers() else { panic!("{project:?}") };
+    // Its second highest point stood at 30 % of the frequency of the last of 64 harmonics.
+    let peak = usual_wavelength(64.0) / 0.3;
+    assert!((bent.curve.at(peak) - 1.8).abs() < 0.01 && bent.curve.at(1.3 * peak) < 1.75);
+    assert_eq!(bent.region.smoothing.wavelength, usual_wavelength(96.0));
+    assert_eq!(soft.region.smoothing.wavelength, usual_wavelength(20.0));
+    // Filling in came later: what was made without it stays without.
+    assert_eq!((bent.infill, soft.infill), (0.0, 0.0));
+    assert!(project.taken_over().unwrap().contains("format 2"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("now.chladni");
+    project.save(&path).unwrap();
+    let again = Project::load(&path).unwrap();
+    assert_eq!((again.layers()[0].1.clone(), again.taken_over()), (bent.clone(), None));
 
     let newer = Project::load(&fixture("format-99.chladni"));
     assert!(matches!(newer, Err(Error::NewerFormat { found: 99, supported: FORMAT_VERSION, .. })));
@@ -146,7 +168,7 @@ fn older_formats_load_and_newer_ones_say_so() {
 fn a_file_made_by_hand_may_leave_out_what_is_usual() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.chladni");
-    let text = "format_version = 2\nshape.source = 'h.obj'\n\n[[layer]]\nname = 'n'\ntemplate = 'ellipsoid'\nmu = -1\n\
+    let text = "format_version = 3\nshape.source = 'h.obj'\n\n[[layer]]\nname = 'n'\ntemplate = 'ellipsoid'\nmu = -1\n\
                 match.seed = 7\n";
     std::fs::write(&path, text).unwrap();
     let project = Project::load(&path).unwrap();
@@ -160,13 +182,13 @@ fn a_file_made_by_hand_may_leave_out_what_is_usual() {
 fn what_is_wrong_with_a_file_is_told_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.chladni");
-    let head = "format_version = 2\nshape.source = 'h.obj'\n";
+    let head = "format_version = 3\nshape.source = 'h.obj'\n";
     let layer = "[[layer]]\nname = 'n'\ntemplate = 'sphere'\nmu = 1\n";
     let cases = [
         (String::new(), "format_version"),
         ("format_version = 'two'".into(), "format_version"),
         ("format_version = 0".into(), "never existed"),
-        ("format_version = 2".into(), "shape"),
+        ("format_version = 3".into(), "shape"),
         (format!("{head}[[layer]]\nname = "), "line 4"),
         (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'sphere'\nmu = 1\nmuu = 2\n"), "line 7, column 1"),
         (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'self:loud'\nmu = 1\n"), "layer 1 (n)"),
@@ -176,8 +198,8 @@ fn what_is_wrong_with_a_file_is_told_in_one_line() {
         (format!("{head}{layer}[layer.region]\npainted = '1'\nspheres = ['1,1,1,1']\n"), "exclude"),
         (format!("{head}{layer}[layer.match]\nmethud = 'icp'\n"), "methud"),
         (
-            format!("{head}{layer}[layer.scale]\npoints = [[0.5, 1.0], [0.1, 1.0]]\nresidual = 1.0\n"),
-            "above the point",
+            format!("{head}{layer}[layer.scale]\npoints = [[0.1, 1.0], [0.5, 1.0]]\nresidual = 1.0\n"),
+            "below the point",
         ),
         ("\u{0}\u{1}".into(), "p.chladni"),
     ];

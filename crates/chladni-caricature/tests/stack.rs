@@ -14,7 +14,7 @@ use chladni_task::Task;
 
 fn sphere_region() -> Region {
     let painted = Painted::Spheres(vec![Sphere { center: [130.0, 0.0, -5.0], radius: 20.0 }]);
-    Region { painted, smoothing: Smoothing { cutoff: 20, ..Smoothing::default() } }
+    Region { painted, smoothing: Smoothing { wavelength: usual_wavelength(20.0), ..Smoothing::default() } }
 }
 
 /// An ellipsoid layer, a low-pass layer in a region, the shape scaled down.
@@ -156,6 +156,109 @@ fn a_layer_acts_with_its_last_match_until_the_new_one_is_there() {
 }
 
 #[test]
+fn a_change_of_the_model_takes_no_more_mu_along_than_is_usual() {
+    let mut project = project();
+    let id = project.layers()[0].0;
+    let set = |project: &mut Project, to| {
+        project.apply(&Action::Set { layer: id, to }, None).unwrap();
+        let layer = project.layer(id).unwrap();
+        (layer.model, layer.mu)
+    };
+    set(&mut project, Property::Mu(-8.0));
+    assert_eq!(set(&mut project, Property::Model(Model::Distance)), (Model::Distance, -8.0));
+    assert_eq!(set(&mut project, Property::Model(Model::Normal)), (Model::Normal, -2.4));
+    assert_eq!(set(&mut project, Property::Model(Model::Coordinate)), (Model::Coordinate, -2.4));
+    assert_eq!(set(&mut project, Property::Mu(-8.0)), (Model::Coordinate, -8.0));
+    assert_eq!(set(&mut project, Property::Model(Model::Coordinate)), (Model::Coordinate, -8.0));
+    assert_eq!(set(&mut project, Property::Mu(0.5)), (Model::Coordinate, 0.5));
+    assert_eq!(set(&mut project, Property::Model(Model::Distance)), (Model::Distance, 0.5));
+}
+
+/// The template lacks the end of the lump: the way to its edge is no feature.
+#[test]
+fn what_a_match_is_not_trusted_at_is_filled_in_as_far_as_asked_and_no_longer_exaggerated() {
+    let mesh = bodies::lump();
+    let middle: f64 = mesh.positions.iter().map(|p| p[0]).sum::<f64>() / mesh.positions.len() as f64;
+    let (low, high) =
+        mesh.positions.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p[0]), h.max(p[0])));
+    let cut = middle + 0.45 * (high - middle);
+    let mut template = mesh.clone();
+    template.triangles.retain(|t| t.iter().all(|v| mesh.positions[*v as usize][0] < cut));
+    template.positions.iter_mut().for_each(|p| p[1] += 0.02 * (p[0] - low));
+    let body = Arc::new(Body::build(&mesh, &BasisSettings::new(32), &Task::new()).unwrap());
+    let mut stack = Stack::new(body.clone()).unwrap();
+    let mut project = Project::new(ShapeSource::Sample("lump".into()), 32);
+    let layer = Layer { mu: -1.0, ..Layer::new("cut", Template::File("cut.ply".into())) };
+    assert_eq!(layer.infill, 1.0, "it is on without being asked for");
+    let layer = project.push(layer).unwrap();
+    let request = stack.missing(&project).remove(0);
+    let matched = request.run(&mesh, &body, Some(&template), &Task::new()).unwrap();
+    let share = matched.infill.as_ref().unwrap().1;
+    assert!((0.01..0.5).contains(&share), "{share}");
+    stack.install(request, Ok(matched));
+    let end: Vec<usize> = (0..body.positions.len())
+        .filter(|v| body.frame.to_file(body.positions[*v])[0] > cut + 0.5 * (high - cut))
+        .collect();
+    assert!(!end.is_empty());
+    let mut moved = |infill: f64| {
+        let set = Action::Set { layer, to: Property::Infill(infill) };
+        project.apply(&set, None).unwrap();
+        let displacement = stack.evaluate(&project).displacement();
+        let length = |v: &usize| displacement[*v].iter().map(|c| c * c).sum::<f64>().sqrt();
+        end.iter().map(length).sum::<f64>() / end.len() as f64
+    };
+    let (raw, half, filled) = (moved(0.0), moved(0.5), moved(1.0));
+    assert!(filled < 0.4 * raw && filled < half && half < raw, "{raw}, {half}, {filled}");
+    assert!(project.apply(&Action::Set { layer, to: Property::Infill(1.1) }, None).is_err());
+}
+
+#[test]
+fn matches_outlive_another_number_of_harmonics() {
+    let (mesh, stack) = stack();
+    let body = Arc::new(Body::build(&mesh, &BasisSettings::new(32), &Task::new()).unwrap());
+    let mut fewer = stack.with_harmonics_of(body.clone()).unwrap();
+    assert!(fewer.missing(&project()).is_empty());
+    let evaluation = fewer.evaluate(&project());
+    assert!(evaluation.layers.iter().all(|l| l.state == LayerState::Acts));
+    assert_eq!(evaluation.layers[0].difference.as_ref().unwrap().target.spectrum().len(), 32);
+    let mut fresh = Stack::new(body.clone()).unwrap();
+    for request in fresh.missing(&project()) {
+        let matched = request.run(&mesh, &body, None, &Task::new());
+        fresh.install(request, matched);
+    }
+    assert_eq!(fresh.evaluate(&project()).result.positions, evaluation.result.positions);
+    let other = chladni_mesh::samples::icosphere(2);
+    let other = Body::build(&other, &BasisSettings::new(9), &Task::new()).unwrap();
+    assert!(stack.with_harmonics_of(Arc::new(other)).is_err());
+}
+
+#[test]
+fn a_given_ellipsoid_is_the_fitted_one_by_its_numbers() {
+    let mesh = bodies::lump();
+    let (_, mut stack) = stack();
+    let body = stack.body().clone();
+    let fitted = chladni_match::Ellipsoid::fitted(&mesh).unwrap();
+    let given = GivenEllipsoid::from(fitted);
+    let mut targets = Vec::new();
+    for template in [Template::Ellipsoid, Template::Given(given)] {
+        assert_eq!(template.to_string().parse::<Template>().unwrap(), template);
+        let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
+        project.push(Layer::new("round", template)).unwrap();
+        for request in stack.missing(&project) {
+            let matched = request.run(&mesh, &body, None, &Task::new());
+            stack.install(request, matched);
+        }
+        targets.push(stack.evaluate(&project).layers[0].difference.as_ref().unwrap().target.points.clone());
+    }
+    assert!(largest(&targets[0], &targets[1]) < 1e-9);
+    for bad in
+        ["sphere:", "sphere:0,0,0", "sphere:0,0,0,-1", "ellipsoid:0,0,0,1,1", "ellipsoid:0,0,0,1,1,inf"]
+    {
+        assert!(bad.parse::<Template>().is_err(), "{bad}");
+    }
+}
+
+#[test]
 fn mu_zero_exports_the_file_and_mu_one_is_the_template() {
     let (mesh, mut stack) = stack();
     let body = stack.body().clone();
@@ -239,17 +342,21 @@ fn of_many_pieces_each_keeps_its_own_region_however_soft() {
     let painted: Vec<f32> = (0..6 * n)
         .map(|v| if v / n == 4 || (v / n == 5 && ball.positions[v % n][2] > 0.0) { 1.0 } else { 0.0 })
         .collect();
-    // The constant and, of every ball, the three softest others: 1 + 6·3.
-    for (roll_off, cutoff) in
-        [(RollOff::Sharp, 4), (RollOff::Gaussian, 4), (RollOff::Sharp, 19), (RollOff::Gaussian, 19)]
-    {
-        let smoothing = Smoothing { cutoff, roll_off, clamp: false };
+    // Longer than all waves of a ball, and a little shorter than the longest.
+    let waves = wavelengths(&body.basis);
+    for (roll_off, wavelength, soft) in [
+        (RollOff::Sharp, 10.0, true),
+        (RollOff::Gaussian, 10.0, true),
+        (RollOff::Sharp, waves[24], false),
+        (RollOff::Gaussian, waves[24], false),
+    ] {
+        let smoothing = Smoothing { wavelength, roll_off, clamp: false };
         let chi = smoothing.apply(&body.basis, &painted);
         for (v, x) in chi.iter().enumerate().take(5 * n) {
             let expected = if v / n == 4 { 1.0 } else { 0.0 };
             assert!((x - expected).abs() < 1e-4, "{smoothing:?}: {x} on ball {}", v / n);
         }
-        if cutoff < 19 {
+        if soft {
             continue;
         }
         let half = |up: f64| {
