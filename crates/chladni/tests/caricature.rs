@@ -101,18 +101,40 @@ fn the_shape_scaled_down_is_scaled_up_and_a_region_stays_where_it_is() {
 }
 
 #[test]
+fn a_given_sphere_is_reached_and_one_seed_serves_matches_and_layers() {
+    let desk = Desk::new();
+    desk.ok("caricature shape.obj sphere:1,2,3,5 -o ball.ply --harmonics 16 --mu 1");
+    for p in desk.mesh("ball.ply").positions {
+        let radius = ((p[0] - 1.0).powi(2) + (p[1] - 2.0).powi(2) + (p[2] - 3.0).powi(2)).sqrt();
+        assert!((radius - 5.0).abs() < 1e-5, "{radius}");
+    }
+    desk.ok("match shape.obj --method ellipsoid:1,2,3,5,4,3,10,20,30");
+    let seed = |command: &str| {
+        let help = desk.ok(&format!("{command} --help"));
+        let at = help.split("--seed").nth(1).and_then(|rest| rest.split("[default: ").nth(1)).unwrap();
+        at.split(']').next().unwrap().to_owned()
+    };
+    assert_eq!(seed("match"), seed("caricature"));
+    assert_eq!(seed("match"), seed("project add-layer"));
+}
+
+#[test]
 fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     let desk = Desk::new();
     desk.ok("project new shape.obj -o p.chladni --harmonics 48");
     let nose = "--model normal --mu -0.8 --name nose --region 12,0,0,2";
     desk.ok(&format!("project add-layer p.chladni --template ellipsoid {nose}"));
-    let detail = "--mu -2 --scale-curve 0:0,0.5:2,1:1,d:0";
+    let detail = "--mu -2 --scale-curve 200%:0,90%:2,45%:1,d:0 --rigid --seed 3 --infill 0.5";
     desk.ok(&format!("project add-layer p.chladni --template self:lowpass=12 {detail}"));
     let shown = desk.ok("project show p.chladni --json");
     let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
     assert_eq!(shown["layers"][0]["name"], "nose");
     assert_eq!(shown["layers"][0]["region"], "spheres");
     assert_eq!(shown["layers"][1]["template"], "self:lowpass=12");
+    assert_eq!(shown["layers"][1]["scale_curve"]["points"][1], serde_json::json!([0.9, 2.0]));
+    let matching = &shown["layers"][1]["match"];
+    assert_eq!((&matching["scaling"], &matching["seed"]), (&"rigid".into(), &3.into()));
+    assert_eq!((&shown["layers"][0]["infill"], &shown["layers"][1]["infill"]), (&1.0.into(), &0.5.into()));
     assert!(desk.ok("project show p.chladni").contains("2. self:lowpass=12"));
 
     desk.ok("caricature --recipe p.chladni -o out.glb");
@@ -245,7 +267,12 @@ fn bad_arguments_are_told_apart() {
         ("caricature shape.obj ellipsoid -o out.obj --model loud", "loud"),
         ("caricature shape.obj ellipsoid -o out.obj --region 1,2,3", "x,y,z,radius"),
         ("caricature shape.obj ellipsoid -o out.obj --scale-curve 0:9", "scale curve"),
+        ("caricature shape.obj ellipsoid -o out.obj --scale-curve 0:1,0.4:2,1:0", "percent of the size"),
         ("caricature shape.obj ellipsoid -o out.obj --cutoff 0", "cut-off"),
+        ("caricature shape.obj ellipsoid -o out.obj --infill 2", "the infill"),
+        ("caricature shape.obj sphere:0,0,0 -o out.obj", "sphere:x,y,z,radius"),
+        ("match shape.obj --method ellipsoid:0,0,0,1,1,-1", "positive and finite"),
+        ("match shape.obj --method sphere --rigid", "--rigid"),
         ("caricature shape.obj ellipsoid -o out.obj --harmonics 0", "harmonics"),
         ("caricature --recipe absent.chladni -o out.obj", "absent.chladni"),
         ("caricature --recipe junk.chladni -o out.obj", "junk.chladni"),

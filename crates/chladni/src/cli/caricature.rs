@@ -11,6 +11,7 @@ use chladni_mesh::{Format, TriMesh};
 use super::inputs::open_mesh;
 use super::layer_options::LayerOptions;
 use super::outputs::{check_file, check_picture};
+use super::project::opened;
 use super::sculpture::{Portrait, Sculpture, format_of};
 use super::{Failure, Terminal};
 
@@ -20,8 +21,8 @@ pub struct Caricature {
     /// The shape: a mesh file or sample:NAME. With --recipe it replaces the recipe's own.
     #[arg(required_unless_present = "recipe")]
     shape: Option<String>,
-    /// What it is compared with: a mesh file, sample:NAME, ellipsoid, sphere, self:scale=0.9 or
-    /// self:lowpass=20.
+    /// What it is compared with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
+    /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 or self:lowpass=20.
     #[arg(required_unless_present = "recipe", conflicts_with = "recipe")]
     template: Option<Template>,
     /// Where the result goes: .obj, .ply, .stl or .glb (with a slider per layer). With --batch a
@@ -50,7 +51,7 @@ impl Caricature {
     /// Makes what was asked for.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         let Some(recipe) = &self.recipe else { return self.single(terminal) };
-        let project = Project::load(recipe).map_err(Failure::input)?;
+        let project = opened(recipe, terminal)?;
         match (&self.batch, &self.shape) {
             (Some(folder), _) => self.batch(&project, folder, terminal),
             (None, Some(shape)) => {

@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
-use chladni_caricature::{Layer, Model, Painted, Region, RollOff, ScaleCurve, Smoothing, Sphere, Template};
-use chladni_match::{Method, Settings, load_landmarks};
+use chladni_caricature::{
+    Layer, Model, Painted, Region, RollOff, ScaleCurve, Smoothing, Sphere, Template, parse_wavelength,
+    usual_wavelength,
+};
+use chladni_match::{Method, Scaling, Settings, load_landmarks};
 
 use super::Failure;
 
@@ -23,17 +26,18 @@ pub struct LayerOptions {
     /// Act only within this ball, x,y,z,radius in the shape's own units; may be repeated.
     #[arg(long, value_name = "X,Y,Z,RADIUS", allow_hyphen_values = true)]
     region: Vec<Sphere>,
-    /// nχ: how many harmonics the region's soft edge has; fewer is softer.
-    #[arg(long, default_value_t = Smoothing::default().cutoff, value_name = "N")]
-    cutoff: usize,
+    /// How soft the region's edge is: a wavelength as percent of the shape's size (32%), or the paper's
+    /// nχ, the number of harmonics that have longer waves (96).
+    #[arg(long, default_value = "32%", value_name = "P%|N", value_parser = cutoff)]
+    cutoff: f64,
     /// How the region's low-pass ends: gaussian, or sharp as in the paper.
     #[arg(long, default_value = "gaussian", value_parser = roll_off)]
     roll_off: RollOff,
     /// Let the smoothed region ring below 0 and above 1.
     #[arg(long)]
     no_clamp: bool,
-    /// Which scales: flat, smooth, broad, mid, fine, or points frequency:gain,… and d:gain for all
-    /// above the harmonics (0:1,0.4:2,1:0,d:0). Where none is given: flat; but smooth, without the
+    /// Which scales: flat, smooth, broad, mid, fine, or points wavelength:gain,… in percent of the shape's
+    /// size and d:gain for all that is finer than the harmonics (90%:1,40%:2,15%:0,d:0). Where none is given: flat; but smooth, without the
     /// finest, for exaggerating (μ < 0) a matched mesh, whose match is never exact there.
     #[arg(long, value_name = "CURVE")]
     scale_curve: Option<ScaleCurve>,
@@ -43,6 +47,28 @@ pub struct LayerOptions {
     /// Pairs of vertices that belong together, `shape_vertex template_vertex` a line.
     #[arg(long, value_name = "FILE")]
     landmarks: Option<PathBuf>,
+    /// Keep the template mesh's own size, as the paper does, instead of fitting it to the shape's: sizes are
+    /// then exaggerated, too.
+    #[arg(long)]
+    rigid: bool,
+    /// Seed of all that matching samples.
+    #[arg(long, default_value_t = Settings::default().seed)]
+    seed: u64,
+    /// How far the difference is filled in from its surroundings where a match is not to be trusted, such as
+    /// hair, holes and the cut of a neck: 0, as it was found, to 1.
+    #[arg(long, default_value_t = 1.0, value_name = "SHARE")]
+    infill: f64,
+}
+
+/// What `--rigid` says.
+pub fn scaling(rigid: bool) -> Scaling {
+    if rigid { Scaling::Rigid } else { Scaling::Free }
+}
+
+fn cutoff(text: &str) -> Result<f64, String> {
+    let harmonics = || text.parse::<u32>().ok().filter(|n| *n > 0);
+    let wavelength = parse_wavelength(text).or_else(|| harmonics().map(|n| usual_wavelength(n.into())));
+    wavelength.ok_or_else(|| "the cut-off must be a wavelength such as 32%, or a number of harmonics".into())
 }
 
 fn roll_off(text: &str) -> Result<RollOff, String> {
@@ -63,8 +89,8 @@ impl LayerOptions {
     pub fn layer(&self, name: &str, template: Template) -> Result<Layer, Failure> {
         let painted =
             if self.region.is_empty() { Painted::Everywhere } else { Painted::Spheres(self.region.clone()) };
-        let smoothing = Smoothing { cutoff: self.cutoff, roll_off: self.roll_off, clamp: !self.no_clamp };
-        let mut matching = Settings::default();
+        let smoothing = Smoothing { wavelength: self.cutoff, roll_off: self.roll_off, clamp: !self.no_clamp };
+        let mut matching = Settings { seed: self.seed, scaling: scaling(self.rigid), ..Settings::default() };
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
             matching.landmarks = load_landmarks(path).map_err(Failure::input)?;
@@ -75,6 +101,7 @@ impl LayerOptions {
             name: name.to_owned(),
             template,
             matching,
+            infill: self.infill,
             model: self.model,
             mu: self.mu,
             strength: self.strength,

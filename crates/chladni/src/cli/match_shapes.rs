@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Instant;
 
+use chladni_caricature::GivenEllipsoid;
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_match::{
     Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, match_shapes, onto_ellipsoid,
@@ -14,6 +15,7 @@ use chladni_task::Task;
 use chladni_view::{ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, render_picture};
 use serde::Serialize;
 
+use super::layer_options::scaling;
 use super::npz::write_npz;
 use super::outputs::{check_file, check_picture};
 use super::{Failure, Terminal};
@@ -27,14 +29,17 @@ pub struct MatchShapes {
     /// The template: a mesh file or sample:NAME; none for ellipsoid, sphere and self.
     template: Option<PathBuf>,
     /// How: same (connectivity), icp, fit, map (through a sphere, led by landmarks), ellipsoid,
-    /// sphere, self:scale=S, self:lowpass=K.
+    /// sphere, a given one (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c), self:scale=S, self:lowpass=K.
     #[arg(long, default_value = "fit")]
     method: How,
     /// Pairs that belong together: `shape_vertex template_vertex` a line, from zero, # comments.
     #[arg(long, value_name = "FILE")]
     landmarks: Option<PathBuf>,
+    /// Keep the template's own size, as the paper does, instead of fitting it to the shape's.
+    #[arg(long)]
+    rigid: bool,
     /// Seed of all sampling.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = Settings::default().seed)]
     seed: u64,
     /// Write the correspondence here (NumPy archive: point, confidence, similarity and, on
     /// template meshes, triangle and barycentric).
@@ -54,6 +59,7 @@ enum How {
     Mesh(Method),
     Ellipsoid,
     Sphere,
+    Given(Ellipsoid),
     SelfScaled(f64),
     SelfLowPassed(usize),
 }
@@ -70,11 +76,16 @@ impl FromStr for How {
             "map" => Self::Mesh(Method::Map),
             "ellipsoid" => Self::Ellipsoid,
             "sphere" => Self::Sphere,
+            _ if text.starts_with("sphere:") || text.starts_with("ellipsoid:") => {
+                let given: GivenEllipsoid =
+                    text.parse().map_err(|e: chladni_caricature::Error| e.to_string())?;
+                Self::Given(given.ellipsoid().map_err(|error| error.to_string())?)
+            }
             _ => match text.strip_prefix("self:").and_then(|rest| rest.split_once('=')) {
                 Some(("scale", s)) => Self::SelfScaled(s.parse().map_err(|_| number(s))?),
                 Some(("lowpass", k)) => Self::SelfLowPassed(k.parse().map_err(|_| number(k))?),
                 _ => {
-                    return Err("expected same, icp, fit, map, ellipsoid, sphere, self:scale=S or \
+                    return Err("expected same, icp, fit, map, ellipsoid, sphere, sphere:x,y,z,radius, self:scale=S or \
                                 self:lowpass=K"
                         .into());
                 }
@@ -117,8 +128,9 @@ impl MatchShapes {
 
     /// Before any work: is what was asked for possible, and can it be written?
     fn check(&self) -> Result<(), Failure> {
-        if !matches!(self.method, How::Mesh(_)) && (self.template.is_some() || self.landmarks.is_some()) {
-            return Err(Failure::input("this method takes neither a template nor landmarks"));
+        let of_mesh = self.template.is_some() || self.landmarks.is_some() || self.rigid;
+        if !matches!(self.method, How::Mesh(_)) && of_mesh {
+            return Err(Failure::input("this method takes neither a template, landmarks nor --rigid"));
         }
         self.output.as_deref().map_or(Ok(()), check_file)?;
         self.render.as_deref().map_or(Ok(()), check_picture)
@@ -152,11 +164,13 @@ impl MatchShapes {
                     Some(path) => load_landmarks(path).map_err(Failure::input)?,
                     None => Vec::new(),
                 };
-                let settings = Settings { method, landmarks, seed: self.seed };
+                let scaling = scaling(self.rigid);
+                let settings = Settings { method, landmarks, seed: self.seed, scaling };
                 match_shapes(shape, &template, &settings, task).map_err(failed)
             }
             How::Ellipsoid => alone(Ellipsoid::fitted(shape).and_then(|e| onto_ellipsoid(shape, &e))),
             How::Sphere => alone(Ellipsoid::fitted_sphere(shape).and_then(|e| onto_ellipsoid(shape, &e))),
+            How::Given(given) => alone(onto_ellipsoid(shape, &given)),
             How::SelfScaled(scale) => alone(self_scaled(shape, scale)),
             How::SelfLowPassed(k0) => {
                 // The constants of all pieces count as one harmonic.

@@ -1,6 +1,6 @@
 //! `chladni project`: make, change and read caricature projects without the window.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use chladni_caricature::{DEFAULT_HARMONICS, FORMAT_VERSION, Layer, Painted, Project, ShapeSource, Template};
 use serde::Serialize;
@@ -39,8 +39,9 @@ pub struct New {
 pub struct AddLayer {
     /// The project file.
     project: PathBuf,
-    /// What the shape is compared with: a mesh file, sample:NAME, ellipsoid, sphere,
-    /// self:scale=0.9, self:lowpass=20 or self:original (magnifies the layers below).
+    /// What the shape is compared with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
+    /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 (magnifies all),
+    /// self:lowpass=20 or self:original (magnifies the layers below).
     #[arg(long)]
     template: Template,
     /// The layer's name; its template's where none is given.
@@ -58,6 +59,15 @@ pub struct Show {
     /// Print JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// The project at `path`; says so where it was made by an older program.
+pub fn opened(path: &Path, terminal: &Terminal) -> Result<Project, Failure> {
+    let project = Project::load(path).map_err(Failure::input)?;
+    if let Some(told) = project.taken_over() {
+        terminal.warn(format_args!("{}: {told}", path.display()));
+    }
+    Ok(project)
 }
 
 impl ProjectCommand {
@@ -97,7 +107,7 @@ impl New {
 
 impl AddLayer {
     fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let mut project = Project::load(&self.project).map_err(Failure::input)?;
+        let mut project = opened(&self.project, terminal)?;
         if self.template.is_mesh() {
             open_mesh(&self.template.to_string(), terminal)?;
         }
@@ -140,12 +150,13 @@ struct ShownLayer {
     region: &'static str,
     spheres: Vec<String>,
     painted_vertices: Option<usize>,
-    cutoff: usize,
+    wavelength: f64,
     roll_off: chladni_caricature::RollOff,
     clamp: bool,
     scale_curve: chladni_caricature::ScaleCurve,
     #[serde(rename = "match")]
     matching: chladni_match::Settings,
+    infill: f64,
 }
 
 impl ShownLayer {
@@ -169,18 +180,19 @@ impl ShownLayer {
             region,
             spheres,
             painted_vertices,
-            cutoff: smoothing.cutoff,
+            wavelength: smoothing.wavelength,
             roll_off: smoothing.roll_off,
             clamp: smoothing.clamp,
             scale_curve: layer.curve.clone(),
             matching: layer.matching.clone(),
+            infill: layer.infill,
         }
     }
 }
 
 impl Show {
     fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let project = Project::load(&self.project).map_err(Failure::input)?;
+        let project = opened(&self.project, terminal)?;
         let shown = Shown {
             format_version: FORMAT_VERSION,
             shape: project.shape.to_string(),

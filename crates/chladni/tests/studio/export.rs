@@ -27,12 +27,12 @@ fn from_two_meshes_to_sliders_in_another_program() {
     person.drag(&[at(0.5, 0.5), at(0.5, 0.3), at(0.5, 0.15)]);
     // Another layer, taken back, and done again.
     person.click_button("Add");
-    person.click("Own size");
-    assert!(person.sees("Own size 2"));
+    person.click("Magnify all");
+    assert!(person.sees("Magnify all 2"));
     person.press_with(CTRL, Key::Z);
-    assert!(!person.sees("Own size 2"));
+    assert!(!person.sees("Magnify all 2"));
     person.press_with(CTRL | Modifiers::SHIFT, Key::Z);
-    assert!(person.sees("Own size 2"));
+    assert!(person.sees("Magnify all 2"));
 
     desk.answers.add(desk.path("p.chladni"));
     person.press_with(CTRL, Key::S);
@@ -42,7 +42,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
 
     let project = Project::load(&desk.path("p.chladni")).unwrap();
     let layers: Vec<_> = project.layers().iter().map(|(_, layer)| layer.as_ref()).collect();
-    assert_eq!(layers.iter().map(|l| l.name.as_str()).collect::<Vec<_>>(), ["template", "Own size 2"]);
+    assert_eq!(layers.iter().map(|l| l.name.as_str()).collect::<Vec<_>>(), ["template", "Magnify all 2"]);
     assert_eq!(layers[0].model, Model::Normal);
     assert_ne!(layers[0].curve, ScaleCurve::broad(), "it was bent");
     let Painted::Vertices(painted) = &layers[0].region.painted else { panic!("nothing was painted") };
@@ -51,7 +51,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
 
     // The next day.
     let mut person = desk.sit_down(&["p.chladni"]);
-    person.wait_to_see("Own size 2");
+    person.wait_to_see("Magnify all 2");
     let row = person.place_of("Layer template");
     person.click_at(row.center());
     person.wait_to_see("Covered");

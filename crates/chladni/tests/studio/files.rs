@@ -16,7 +16,7 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
     person.click_button("Add");
-    person.click("Own size");
+    person.click("Magnify all");
     let copies = || std::fs::read_dir(desk.path("recovery")).into_iter().flatten().flatten();
     let kept = || copies().any(|entry| entry.path().extension().is_some_and(|e| e == "chladni"));
     person.wait("the recovery copy", |_| kept());
@@ -29,7 +29,7 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
     person.0.run_steps(20);
     person.screenshot("studio-recover.png");
     person.click("Recover");
-    person.wait_to_see("Own size 1");
+    person.wait_to_see("Magnify all 1");
     person.wait("the old copy's end", |_| {
         copies().filter(|entry| entry.path().extension().is_some_and(|e| e == "chladni")).count() == 1
     });
@@ -73,18 +73,18 @@ fn opening_another_project_asks_about_unsaved_work() {
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
     person.click_button("Add");
-    person.click("Own size");
+    person.click("Magnify all");
     let empty = Project::new(ShapeSource::File(desk.path("template.obj")), HARMONICS);
     empty.save(&desk.path("other.chladni")).unwrap();
     desk.answers.add(desk.path("other.chladni"));
     person.press_with(CTRL, Key::O);
     assert!(person.sees("Save before opening another?"));
     person.click("Keep working");
-    assert!(person.sees("Own size 1"));
+    assert!(person.sees("Magnify all 1"));
     desk.answers.add(desk.path("other.chladni"));
     person.press_with(CTRL, Key::O);
     person.click("Lose changes");
-    person.wait_until_gone("Own size 1");
+    person.wait_until_gone("Magnify all 1");
 }
 
 #[test]
@@ -109,18 +109,18 @@ fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
 
     // Nor does what waits until it is known what becomes of unsaved work.
     person.click_button("Add");
-    person.click("Own size");
+    person.click("Magnify all");
     save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
     choose(&mut person, &["finer.obj", "template.obj"]);
     assert!(person.sees("Save before opening another?") && !person.sees("Layer template"));
     person.click("Keep working");
     person.0.run_steps(4);
-    assert!(person.sees("Own size 1") && !person.sees("Layer template"));
+    assert!(person.sees("Magnify all 1") && !person.sees("Layer template"));
     choose(&mut person, &["finer.obj", "template.obj"]);
     person.click("Lose changes");
     person.wait_to_see("2\u{202f}562 vertices");
     person.wait_to_see("Layer template");
-    assert!(!person.sees("Own size 1"));
+    assert!(!person.sees("Magnify all 1"));
 
     // A project is the shape, wherever it stands among the files.
     let project = Project::new(ShapeSource::File(desk.path("shape.obj")), HARMONICS);
@@ -137,13 +137,13 @@ fn a_project_is_saved_under_a_name_that_opens_again() {
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
     person.click_button("Add");
-    person.click("Own size");
+    person.click("Magnify all");
     desk.answers.add(desk.path("igea 1.2"));
     person.press_with(CTRL, Key::S);
     assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 1);
     // Saved again, it keeps its name.
     person.click_button("Add");
-    person.click("Own size");
+    person.click("Magnify all");
     person.press_with(CTRL, Key::S);
     assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 2);
     assert!(!desk.path("igea 1.2").exists());

@@ -93,7 +93,7 @@ fn the_first_stroke_of_a_brush_is_one_step() {
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
     person.click_button("Add");
-    person.click("Own size");
+    person.click("Magnify all");
     person.press(Key::B);
     let middle = pos2(620.0, 420.0);
     person.drag(&[middle, middle + vec2(10.0, 0.0), middle + vec2(20.0, 0.0)]);
@@ -119,7 +119,7 @@ fn a_quick_stroke_of_a_small_brush_has_no_gaps() {
     let mut person = desk.sit_down(&["finer.obj"]);
     person.wait_to_see("Layers");
     person.click_button("Add");
-    person.click("Own size");
+    person.click("Magnify all");
     person.press(Key::B);
     (0..6).for_each(|_| person.press(Key::OpenBracket));
     let (left, right) = (pos2(540.0, 420.0), pos2(740.0, 430.0));
@@ -149,7 +149,7 @@ fn layers_are_named_hidden_soloed_and_moved_by_hand() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    for template in ["Own size", "Ellipsoid"] {
+    for template in ["Magnify all", "Ellipsoid"] {
         person.click_button("Add");
         person.click(template);
     }
@@ -160,10 +160,10 @@ fn layers_are_named_hidden_soloed_and_moved_by_hand() {
     person.0.event(egui::Event::Text("Round".into()));
     person.press(Key::Enter);
     assert!(person.sees("Layer Round"));
-    let (top, below) = (person.place_of("Layer Round"), person.place_of("Layer Own size 1"));
+    let (top, below) = (person.place_of("Layer Round"), person.place_of("Layer Magnify all 1"));
     assert!(top.top() < below.top());
     let order =
-        |person: &Person| person.place_of("Layer Round").top() < person.place_of("Layer Own size 1").top();
+        |person: &Person| person.place_of("Layer Round").top() < person.place_of("Layer Magnify all 1").top();
     person.drag(&[top.center(), top.center() + vec2(0.0, 20.0), below.center()]);
     assert!(!order(&person), "dragged below the other");
     person.press_with(CTRL, Key::Z);

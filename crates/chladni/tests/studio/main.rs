@@ -13,6 +13,7 @@ mod menus;
 #[path = "../person/mod.rs"]
 mod person;
 mod screens;
+mod templates;
 mod tour;
 
 const CTRL: egui::Modifiers = egui::Modifiers::COMMAND;

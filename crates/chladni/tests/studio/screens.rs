@@ -40,7 +40,7 @@ fn every_control_lies_inside_the_window_at_any_size() {
             all_inside(&person, size, &looks);
             person.screenshot(&format!("size-{looks}-empty.png"));
             person.click_button("Add");
-            person.click("Own size");
+            person.click("Magnify all");
             person.click_button("Add");
             person.click("Ellipsoid");
             person.wait("the match", |window| !driving::shows(window, "Matching"));

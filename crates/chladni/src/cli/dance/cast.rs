@@ -8,6 +8,7 @@ use chladni_mesh::TriMesh;
 use chladni_synth::Term;
 
 use crate::cli::inputs::{build_body, open_mesh};
+use crate::cli::project::opened;
 use crate::cli::sculpture::Sculpture;
 use crate::cli::{Failure, Terminal};
 use crate::source;
@@ -26,7 +27,7 @@ impl Cast {
         if path.extension().is_none_or(|extension| extension != "chladni") {
             return Ok(Self { name: name.into(), mesh: open_mesh(name, terminal)?, project: None });
         }
-        let project = Project::load(path).map_err(Failure::input)?;
+        let project = opened(path, terminal)?;
         let (mesh, warnings) = source::shape(&project.shape, path.parent()).map_err(Failure::BadInput)?;
         for warning in warnings {
             terminal.warn(warning);

@@ -7,7 +7,7 @@ use egui::{DragValue, RichText, Slider, Ui};
 
 use super::brush::BrushTool;
 use super::crossings;
-use super::curve::{self, Bar, Pen};
+use super::curve::{self, Pen, Spectrum};
 use super::edits::Edits;
 use super::footer::grouped;
 use super::heat::Quantity;
@@ -16,10 +16,8 @@ use crate::studio::theme;
 
 /// What the panel shows beside the layer's own numbers.
 pub struct Measured<'a> {
-    /// |x̃^δ_k| over normalised frequency; empty until the match is there.
-    pub spectrum: &'a [Bar],
-    /// K, the upper end of the cut-off.
-    pub harmonics: usize,
+    /// What the model exaggerates; empty until the match is there.
+    pub spectrum: &'a Spectrum,
     /// Triangles folded by this layer.
     pub folds: usize,
     /// Triangles of the whole result that pass through others; `None` until they are counted.
@@ -29,19 +27,33 @@ pub struct Measured<'a> {
 /// What the panel asks of the room besides edits of the layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wish {
-    /// Move μ to the last value without new folds.
+    /// Move μ to the last value with no more folds than it may have.
     AsFarAsItGoes,
     /// Show on the shape, or no more.
     SeeWhere(Quantity),
 }
 
 /// What the panel itself remembers.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Controls {
     pen: Pen,
+    /// How many triangles may fold where μ goes as far as it goes, in percent.
+    may_fold_percent: f64,
+}
+
+impl Default for Controls {
+    /// One triangle of 2000: a sliver of a scan folds at once.
+    fn default() -> Self {
+        Self { pen: Pen::default(), may_fold_percent: 0.05 }
+    }
 }
 
 impl Controls {
+    /// The share of the triangles that may fold where μ goes as far as it goes.
+    pub fn may_fold(&self) -> f64 {
+        self.may_fold_percent / 100.0
+    }
+
     /// Draws the controls of `layer`.
     pub fn show(
         &mut self,
@@ -55,25 +67,31 @@ impl Controls {
         ui.add_space(theme::GAP);
         theme::heading(ui, "Model");
         theme::group(ui, "Model", |ui| model_buttons(ui, id, layer, edits));
-        let wish = theme::section(ui, "Amount", |ui| amount(ui, id, layer, measured, edits));
+        let wish = theme::section(ui, "Amount", |ui| {
+            amount(ui, id, layer, measured, &mut self.may_fold_percent, edits)
+        });
         theme::section(ui, "Region", |ui| {
-            region(ui, id, layer, measured.harmonics, edits);
+            region(ui, id, layer, edits);
             brush.show(ui);
         });
         theme::section(ui, "Scale", |ui| self.scale(ui, id, layer, measured.spectrum, edits));
         wish
     }
 
-    fn scale(&mut self, ui: &mut Ui, id: LayerId, layer: &Layer, spectrum: &[Bar], edits: &mut Edits) {
+    fn scale(&mut self, ui: &mut Ui, id: LayerId, layer: &Layer, spectrum: &Spectrum, edits: &mut Edits) {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             ui.spacing_mut().button_padding.x = 7.0;
             let presets = [
                 ("All", "Every scale alike", ScaleCurve::flat(1.0)),
-                ("Smooth", "All but the finest, where a match of two meshes is rough", ScaleCurve::smooth()),
-                ("Broad", "Large forms only", ScaleCurve::broad()),
-                ("Mid", "Features of the size of a nose", ScaleCurve::mid()),
-                ("Fine", "Wrinkles and edges", ScaleCurve::fine()),
+                (
+                    "Smooth",
+                    "All but the finest, below a quarter of its size, where a match of two meshes is rough",
+                    ScaleCurve::smooth(),
+                ),
+                ("Broad", "Large forms only: waves of more than half of its size", ScaleCurve::broad()),
+                ("Mid", "Features of the size of a nose: waves of half of its size", ScaleCurve::mid()),
+                ("Fine", "Wrinkles and edges: waves below a quarter of its size", ScaleCurve::fine()),
             ];
             for (name, tip, preset) in presets {
                 let chosen = layer.curve == preset;
@@ -97,9 +115,7 @@ impl Controls {
         let tip = "Φ_d: the gain of everything finer than the last harmonic";
         theme::row(ui, "Finest", tip, |ui| {
             let mut residual = layer.curve.residual;
-            // A project made elsewhere may hold more.
-            let slider = Slider::new(&mut residual, 0.0..=2.0).clamping(egui::SliderClamping::Never);
-            let slider = ui.add(slider.fixed_decimals(2));
+            let slider = ui.add(theme::slider(&mut residual, 0.0..=ScaleCurve::MAX_GAIN).fixed_decimals(2));
             edits.drag(id, &slider, || Property::Curve(ScaleCurve { residual, ..layer.curve.clone() }));
         });
     }
@@ -133,6 +149,7 @@ fn amount(
     id: LayerId,
     layer: &Layer,
     measured: &Measured<'_>,
+    may_fold_percent: &mut f64,
     edits: &mut Edits,
 ) -> Option<Wish> {
     let mut wish = None;
@@ -158,6 +175,17 @@ fn amount(
         let mut strength = layer.strength;
         let slider = ui.add(theme::slider(&mut strength, 0.0..=1.0).fixed_decimals(2));
         edits.drag(id, &slider, || Property::Strength(strength));
+    });
+    let tip =
+        "How many triangles may fold where μ goes as far as it goes: of a scan one sliver should not end it";
+    theme::row(ui, "May fold", tip, |ui| {
+        ui.add(
+            theme::slider(may_fold_percent, 0.0..=2.0)
+                .logarithmic(true)
+                .smallest_positive(0.01)
+                .fixed_decimals(2)
+                .suffix(" %"),
+        );
     });
     ui.scope(|ui| {
         ui.spacing_mut().interact_size.y = 18.0;
@@ -210,7 +238,7 @@ fn meter(ui: &mut Ui, good: bool, text: &str, tip: &str) -> bool {
     ui.add(egui::Button::new(text).frame(false)).on_hover_text(tip).clicked()
 }
 
-fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut Edits) {
+fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
     let everywhere = layer.region.painted == Painted::Everywhere;
     ui.horizontal_wrapped(|ui| {
         let mut paint = |edit: PaintEdit| edits.once(Action::Paint { layer: id, edit });
@@ -239,10 +267,13 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, harmonics: usize, edits: &mut
         return;
     }
     let smoothing = layer.region.smoothing;
-    theme::row(ui, "Softness", "nχ, the harmonics that the region keeps: fewer is softer", |ui| {
-        let mut cutoff = smoothing.cutoff.min(harmonics);
-        let slider = ui.add(theme::slider(&mut cutoff, 4..=harmonics.max(5)).logarithmic(true));
-        edits.drag(id, &slider, || Property::Smoothing(Smoothing { cutoff, ..smoothing }));
+    let tip = "The wavelength where the region's edge is half faded, as a share of the shape's size: longer is softer";
+    theme::row(ui, "Softness", tip, |ui| {
+        let mut percent = 100.0 * smoothing.wavelength;
+        let slider = theme::slider(&mut percent, 4.0..=320.0).logarithmic(true);
+        let slider = ui.add(slider.fixed_decimals(0).suffix(" %"));
+        let wavelength = percent / 100.0;
+        edits.drag(id, &slider, || Property::Smoothing(Smoothing { wavelength, ..smoothing }));
     });
     ui.horizontal(|ui| {
         for (roll_off, name, tip) in [

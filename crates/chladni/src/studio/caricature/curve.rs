@@ -1,4 +1,4 @@
-//! The scale curve Φ over frequency, with the spectrum of the difference behind it.
+//! The scale curve Φ over wavelength, with what the active model exaggerates behind it.
 
 use chladni_caricature::ScaleCurve;
 use egui::{Color32, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
@@ -6,9 +6,15 @@ use egui::{Color32, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
 use crate::studio::theme;
 
 /// The gain at the top of the plot.
-const TOP: f64 = 2.0;
+const TOP: f64 = ScaleCurve::MAX_GAIN;
+/// Gains with a line of their own.
+const GAINS: [f64; 4] = [0.0, 1.0, 2.0, TOP];
+/// Wavelengths that are named below the plot, shares of the size.
+const WAVES: [f64; 6] = [2.0, 1.0, 0.5, 0.2, 0.1, 0.05];
 /// How near the pointer must be to take hold of a point, in window points.
 const GRIP: f32 = 9.0;
+/// Width of the column of the residual.
+const COLUMN: f32 = 22.0;
 
 /// How the pointer edits the curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,50 +26,94 @@ pub enum Pen {
     Free,
 }
 
-/// One bar of the spectrum: normalised frequency and amplitude.
-pub type Bar = [f64; 2];
+/// What the active model exaggerates, before the curve.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spectrum {
+    /// Wavelength, as a share of the size, and amplitude of each harmonic, from broad to fine; empty until
+    /// there is a difference.
+    pub waves: Vec<[f64; 2]>,
+    /// Amplitude of all that is finer.
+    pub residual: f64,
+}
+
+/// The two parts of the drawing.
+#[derive(Clone, Copy)]
+struct Plot {
+    /// The curve over the wavelengths of harmonics.
+    curve: Rect,
+    /// Φ_d and its bar.
+    residual: Rect,
+}
+
+impl Plot {
+    fn within(rect: Rect) -> Self {
+        let inner = Rect::from_min_max(rect.min + vec2(28.0, 10.0), rect.max - vec2(12.0, 36.0));
+        let split = inner.right() - COLUMN;
+        Self {
+            curve: Rect::from_min_max(inner.min, pos2(split - 10.0, inner.bottom())),
+            residual: Rect::from_min_max(pos2(split, inner.top()), inner.max),
+        }
+    }
+}
 
 /// Draws and edits `curve`; `spectrum` is shown behind it. The response is
 /// [`changed`](Response::changed) where the curve was edited, and `drag_stopped` ends an edit.
-pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &[Bar]) -> Response {
-    let size = vec2(ui.available_width(), 150.0);
+pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &Spectrum) -> Response {
+    let size = vec2(ui.available_width(), 180.0);
     let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo {
         current_text_value: Some(told(curve)),
         ..egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve")
     });
-    let plot = plot_in(rect);
+    let plot = Plot::within(rect);
     let before = curve.clone();
-    match pen {
-        Pen::Points => drag_points(ui, &response, plot, curve),
-        Pen::Free => draw_freely(ui, &response, plot, curve),
+    let origin = ui.input(|input| input.pointer.press_origin());
+    let on_residual = origin.or(response.hover_pos()).is_some_and(|at| at.x > plot.curve.right() + 4.0);
+    if on_residual {
+        drag_residual(&response, plot.residual, curve);
+    } else {
+        match pen {
+            Pen::Points => drag_points(ui, &response, plot.curve, curve),
+            Pen::Free => draw_freely(ui, &response, plot.curve, curve),
+        }
     }
     if *curve != before {
         response.mark_changed();
     }
     paint(ui, rect, plot, curve, spectrum, pen);
-    if let Some(at) = response.hover_pos() {
-        let [u, gain] = from_screen(plot, at);
-        let font = egui::TextStyle::Small.resolve(ui.style());
-        let text = format!("{:.0} % of the highest frequency: ×{gain:.2}", u * 100.0);
-        let middle = plot.center_bottom() + vec2(0.0, 4.0);
-        let color = theme::palette(ui).weak;
-        ui.painter().text(middle, egui::Align2::CENTER_TOP, text, font, color);
-    }
+    let pointed = response.hover_pos().map(|at| {
+        if on_residual {
+            return format!("Finer than every harmonic: ×{:.2}", curve.residual);
+        }
+        let [wavelength, gain] = from_screen(plot.curve, at);
+        format!("Waves of {} of its size: ×{gain:.2}", percent(wavelength))
+    });
+    let text = pointed.unwrap_or_else(|| "Wavelength, as a share of its size".into());
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let at = pos2(rect.center().x, rect.bottom() - 3.0);
+    ui.painter().text(at, egui::Align2::CENTER_BOTTOM, text, font, theme::palette(ui).weak);
     response
 }
 
-/// The curve's own place, without its scales.
-fn plot_in(rect: Rect) -> Rect {
-    Rect::from_min_max(rect.min + vec2(26.0, 10.0), rect.max - vec2(10.0, 20.0))
+fn percent(wavelength: f64) -> String {
+    let percent = 100.0 * wavelength;
+    if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 
 /// Its points in words; of one that was drawn freely only some.
 fn told(curve: &ScaleCurve) -> String {
     let step = curve.points.len().div_ceil(8).max(1);
     let points = curve.points.iter().step_by(step);
-    let words: Vec<_> = points.map(|[u, gain]| format!("at {:.0} % ×{gain:.2}", 100.0 * u)).collect();
+    let words = points.map(|[wavelength, gain]| format!("at {} ×{gain:.2}", percent(*wavelength)));
+    let words: Vec<_> = words.chain([format!("finer ×{:.2}", curve.residual)]).collect();
     words.join(", ")
+}
+
+fn drag_residual(response: &Response, column: Rect, curve: &mut ScaleCurve) {
+    let Some(at) = response.interact_pointer_pos() else { return };
+    if response.dragged_by(egui::PointerButton::Primary) || response.clicked() {
+        curve.residual = gain_at(column, at.y);
+    }
 }
 
 fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve) {
@@ -84,28 +134,31 @@ fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve)
     if response.drag_started_by(egui::PointerButton::Primary) || response.clicked() {
         // A drag is noticed some way from where it began.
         let at = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
-        let [u, gain] = from_screen(plot, at);
-        let held = nearest(curve, at).unwrap_or_else(|| curve.set_point(u, gain, 0.0));
+        let [wavelength, gain] = from_screen(plot, at);
+        let held = nearest(curve, at).unwrap_or_else(|| curve.set_point(wavelength, gain));
         ui.data_mut(|data| data.insert_temp(held_id, held));
     }
     if response.dragged_by(egui::PointerButton::Primary)
         && let Some(held) = ui.data(|data| data.get_temp::<usize>(held_id))
         && held < curve.points.len()
     {
-        let [u, gain] = from_screen(plot, at);
-        curve.points[held] = [between_neighbours(&curve.points, held, u), gain];
+        let [wavelength, gain] = from_screen(plot, at);
+        curve.points[held] = [between_neighbours(&curve.points, held, wavelength), gain];
     }
 }
 
-/// How near two points may come.
+/// How near two points may come, as a share of the axis.
 const GAP: f64 = 1e-3;
 
-/// `u` for point `held`, kept between its neighbours so that the curve remains a function; where
+/// `wavelength` for point `held`, kept between its neighbours so that the curve remains a function; where
 /// they leave no room it stays.
-fn between_neighbours(points: &[[f64; 2]], held: usize, u: f64) -> f64 {
-    let low = if held > 0 { points[held - 1][0] + GAP } else { 0.0 };
-    let high = points.get(held + 1).map_or(1.0, |next| next[0] - GAP);
-    if low <= high { u.clamp(low, high) } else { points[held][0] }
+fn between_neighbours(points: &[[f64; 2]], held: usize, wavelength: f64) -> f64 {
+    let left = if held > 0 { share_of_axis(points[held - 1][0]) + GAP } else { 0.0 };
+    let right = points.get(held + 1).map_or(1.0, |next| share_of_axis(next[0]) - GAP);
+    if left > right {
+        return points[held][0];
+    }
+    wave_at(share_of_axis(wavelength).clamp(left, right))
 }
 
 fn draw_freely(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve) {
@@ -119,7 +172,7 @@ fn draw_freely(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve)
         if response.drag_started() { None } else { ui.data(|data| data.get_temp::<[f64; 2]>(last_id)) };
     // A step of 1/48 keeps the curve editable by its points afterwards.
     match last {
-        Some(last) if (last[0] - point[0]).abs() < 1.0 / 48.0 => {}
+        Some(last) if (share_of_axis(last[0]) - share_of_axis(point[0])).abs() < 1.0 / 48.0 => {}
         _ => {
             curve.draw(last.unwrap_or(point), point);
             ui.data_mut(|data| data.insert_temp(last_id, point));
@@ -127,83 +180,157 @@ fn draw_freely(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve)
     }
 }
 
-fn paint(ui: &Ui, rect: Rect, plot: Rect, curve: &ScaleCurve, spectrum: &[Bar], pen: Pen) {
+fn paint(ui: &Ui, rect: Rect, plot: Plot, curve: &ScaleCurve, spectrum: &Spectrum, pen: Pen) {
     let palette = theme::palette(ui);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 6.0, ui.visuals().extreme_bg_color);
-    for gain in [0.0, 1.0, TOP] {
-        let y = to_screen(plot, [0.0, gain]).y;
-        painter.hline(plot.x_range(), y, Stroke::new(1.0, palette.line.gamma_multiply(0.7)));
+    let faint = Stroke::new(1.0, palette.line.gamma_multiply(0.7));
+    let font = egui::FontId::proportional(10.5);
+    for gain in GAINS {
+        let y = height_of(plot.curve, gain);
+        painter.hline(plot.curve.x_range(), y, faint);
+        painter.hline(plot.residual.x_range(), y, faint);
+        // Gains stand left of the plot, under no line.
+        let at = pos2(rect.left() + 5.0, y);
+        painter.text(at, egui::Align2::LEFT_CENTER, format!("×{gain:.0}"), font.clone(), palette.weak);
     }
-    if spectrum.is_empty() {
+    let foot = plot.curve.bottom() + 3.0;
+    for wavelength in WAVES {
+        let x = to_screen(plot.curve, [wavelength, 0.0]).x;
+        painter.vline(x, plot.curve.y_range(), faint);
+        painter.text(
+            pos2(x, foot),
+            egui::Align2::CENTER_TOP,
+            percent_tick(wavelength),
+            font.clone(),
+            palette.weak,
+        );
+    }
+    let finer = pos2(plot.residual.center().x, foot);
+    painter.text(finer, egui::Align2::CENTER_TOP, "finer", font, palette.weak);
+    if spectrum.waves.is_empty() {
         let font = egui::FontId::proportional(11.5);
         let text = "the difference appears here";
-        painter.text(plot.center_top() + vec2(0.0, 10.0), egui::Align2::CENTER_TOP, text, font, palette.weak);
+        let at = plot.curve.center_top() + vec2(0.0, 10.0);
+        painter.text(at, egui::Align2::CENTER_TOP, text, font, palette.weak);
     }
-    paint_spectrum(&painter, plot, spectrum, palette.weak.gamma_multiply(0.45));
-    let steps = (plot.width() / 2.0).ceil().max(2.0) as usize;
+    paint_bars(
+        &painter,
+        plot,
+        curve,
+        spectrum,
+        palette.weak.gamma_multiply(0.4),
+        palette.accent.gamma_multiply(0.5),
+    );
+    paint_curve(ui, &painter, plot, curve, spectrum, pen);
+}
+
+fn percent_tick(wavelength: f64) -> String {
+    format!("{:.0}%", 100.0 * wavelength)
+}
+
+/// The curve: strong where there are harmonics, weak where only more of them would reach.
+fn paint_curve(
+    ui: &Ui,
+    painter: &egui::Painter,
+    plot: Plot,
+    curve: &ScaleCurve,
+    spectrum: &Spectrum,
+    pen: Pen,
+) {
+    let palette = theme::palette(ui);
+    let steps = (plot.curve.width() / 2.0).ceil().max(2.0) as usize;
     let line: Vec<Pos2> = (0..=steps)
         .map(|i| {
-            let u = i as f64 / steps as f64;
-            to_screen(plot, [u, curve.at(u)])
+            let wavelength = wave_at(i as f64 / steps as f64);
+            to_screen(plot.curve, [wavelength, curve.at(wavelength)])
         })
         .collect();
-    painter.line(line, Stroke::new(2.0, palette.accent));
-    // Gains stand left of the plot, under no line.
-    for gain in [0.0, 1.0, TOP] {
-        let at = pos2(rect.left() + 4.0, to_screen(plot, [0.0, gain]).y);
-        let font = egui::FontId::proportional(10.5);
-        painter.text(at, egui::Align2::LEFT_CENTER, format!("×{gain:.0}"), font, palette.weak);
-    }
-    let feet = [(0.0, egui::Align2::LEFT_BOTTOM, "broad"), (1.0, egui::Align2::RIGHT_BOTTOM, "fine")];
-    for (u, align, text) in feet {
-        let at = pos2(to_screen(plot, [u, 0.0]).x, rect.bottom() - 2.0);
-        painter.text(at, align, text, egui::FontId::proportional(10.5), palette.weak);
-    }
+    let finest = spectrum.waves.last().map_or(1.0, |wave| share_of_axis(wave[0]));
+    let reached = ((finest * steps as f64).ceil() as usize).min(steps);
+    painter.line(line[reached..].to_vec(), Stroke::new(1.5, palette.weak.gamma_multiply(0.7)));
+    painter.line(line[..=reached].to_vec(), Stroke::new(2.0, palette.accent));
+    let handle = |at: Pos2| {
+        painter.circle(at, 4.0, ui.visuals().panel_fill, Stroke::new(2.0, palette.accent));
+    };
+    let y = height_of(plot.residual, curve.residual);
+    painter.hline(plot.residual.x_range(), y, Stroke::new(2.0, palette.accent));
+    handle(pos2(plot.residual.center().x, y));
     if pen == Pen::Points {
-        for point in &curve.points {
-            painter.circle(
-                to_screen(plot, *point),
-                4.0,
-                ui.visuals().panel_fill,
-                Stroke::new(2.0, palette.accent),
-            );
+        curve.points.iter().for_each(|point| handle(to_screen(plot.curve, *point)));
+    }
+}
+
+/// The energy of each band of wavelengths on a scale of decibels, since differences fall off by orders of
+/// magnitude, and what the curve makes of it over that. The residual is one band more.
+fn paint_bars(
+    painter: &egui::Painter,
+    plot: Plot,
+    curve: &ScaleCurve,
+    spectrum: &Spectrum,
+    before: Color32,
+    after: Color32,
+) {
+    let bands = (plot.curve.width() / 6.0).max(1.0) as usize;
+    let mut energy = vec![[0.0_f64; 2]; bands];
+    for [wavelength, amplitude] in &spectrum.waves {
+        let band = ((share_of_axis(*wavelength) * bands as f64) as usize).min(bands - 1);
+        energy[band][0] += amplitude.powi(2);
+        energy[band][1] += (amplitude * curve.at(*wavelength)).powi(2);
+    }
+    let residual = [spectrum.residual.powi(2), (spectrum.residual * curve.residual).powi(2)];
+    let peak = energy.iter().chain([&residual]).map(|e| e[0]).fold(0.0, f64::max);
+    let bar = |x: egui::Rangef, [raw, curved]: [f64; 2]| {
+        for (energy, color) in [(raw, before), (curved, after)] {
+            let height = plot.curve.height() * bar_height(energy / peak) as f32;
+            let y = egui::Rangef::new(plot.curve.bottom() - height, plot.curve.bottom());
+            if height > 0.0 {
+                painter.rect_filled(Rect::from_x_y_ranges(x, y), 1.0, color);
+            }
         }
+    };
+    let width = plot.curve.width() / bands as f32;
+    for (band, energy) in energy.into_iter().enumerate() {
+        let left = plot.curve.left() + width * band as f32;
+        bar(egui::Rangef::new(left + 0.5, left + width - 0.5), energy);
     }
+    bar(plot.residual.x_range().shrink(3.0), residual);
 }
 
-/// The spectrum on a scale of decibels: differences fall off by orders of magnitude.
-fn paint_spectrum(painter: &egui::Painter, plot: Rect, spectrum: &[Bar], color: Color32) {
-    let peak = spectrum.iter().map(|bar| bar[1]).fold(0.0, f64::max);
-    if peak <= 0.0 {
-        return;
-    }
-    let columns = plot.width().max(1.0) as usize;
-    let mut highest = vec![0.0_f64; columns];
-    for [u, amplitude] in spectrum {
-        let column = ((u * columns as f64) as usize).min(columns - 1);
-        highest[column] = highest[column].max(*amplitude);
-    }
-    const FLOOR_DB: f64 = -60.0;
-    for (column, amplitude) in highest.iter().enumerate().filter(|(_, a)| **a > 0.0) {
-        let share = 1.0 - 20.0 * (amplitude / peak).log10() / FLOOR_DB;
-        let x = plot.left() + column as f32 + 0.5;
-        let y = plot.bottom() - plot.height() * share.clamp(0.0, 1.0) as f32;
-        painter.vline(x, y..=plot.bottom(), Stroke::new(1.0, color));
-    }
+/// How high a bar stands, from 0 to 1: 60 dB below the strongest is the bottom, and 12 dB above it, which is
+/// as far as the curve amplifies, the top.
+fn bar_height(energy: f64) -> f64 {
+    let decibels = 10.0 * energy.log10();
+    if decibels.is_finite() { ((decibels + 60.0) / 72.0).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-fn to_screen(plot: Rect, [u, gain]: [f64; 2]) -> Pos2 {
-    pos2(
-        plot.left() + plot.width() * u as f32,
-        plot.bottom() - plot.height() * (gain / TOP).clamp(0.0, 1.0) as f32,
-    )
+/// Where a wavelength stands on the axis, which is logarithmic: 0 is the broadest, 1 the finest.
+fn share_of_axis(wavelength: f64) -> f64 {
+    let octaves = (ScaleCurve::BROADEST / ScaleCurve::FINEST).log2();
+    ((ScaleCurve::BROADEST / wavelength).log2() / octaves).clamp(0.0, 1.0)
+}
+
+fn wave_at(share: f64) -> f64 {
+    let wavelength = ScaleCurve::BROADEST * (ScaleCurve::FINEST / ScaleCurve::BROADEST).powf(share);
+    wavelength.clamp(ScaleCurve::FINEST, ScaleCurve::BROADEST)
+}
+
+/// Gains stand at their roots: as it is in the middle, four times at the top.
+fn height_of(plot: Rect, gain: f64) -> f32 {
+    plot.bottom() - plot.height() * (gain / TOP).clamp(0.0, 1.0).sqrt() as f32
+}
+
+fn gain_at(plot: Rect, y: f32) -> f64 {
+    f64::from((plot.bottom() - y) / plot.height()).clamp(0.0, 1.0).powi(2) * TOP
+}
+
+fn to_screen(plot: Rect, [wavelength, gain]: [f64; 2]) -> Pos2 {
+    pos2(plot.left() + plot.width() * share_of_axis(wavelength) as f32, height_of(plot, gain))
 }
 
 fn from_screen(plot: Rect, at: Pos2) -> [f64; 2] {
-    let u = f64::from((at.x - plot.left()) / plot.width());
-    let gain = f64::from((plot.bottom() - at.y) / plot.height()) * TOP;
-    [u.clamp(0.0, 1.0), gain.clamp(0.0, TOP)]
+    let share = f64::from((at.x - plot.left()) / plot.width());
+    [wave_at(share.clamp(0.0, 1.0)), gain_at(plot, at.y)]
 }
 
 #[cfg(test)]
@@ -215,54 +342,83 @@ mod tests {
     #[test]
     fn screen_and_curve_agree() {
         let plot = Rect::from_min_size(pos2(10.0, 20.0), vec2(200.0, 100.0));
-        for point in [[0.0, 0.0], [0.25, 1.0], [1.0, 2.0]] {
+        for point in [[ScaleCurve::BROADEST, 0.0], [0.25, 1.0], [ScaleCurve::FINEST, 4.0]] {
             let back = from_screen(plot, to_screen(plot, point));
-            assert!((back[0] - point[0]).abs() < 1e-6 && (back[1] - point[1]).abs() < 1e-6);
+            assert!((back[0] / point[0] - 1.0).abs() < 1e-5 && (back[1] - point[1]).abs() < 1e-5, "{back:?}");
         }
     }
 
-    #[test]
-    fn a_quick_hand_moves_the_point_it_took_hold_of() {
-        let panel = |ui: &mut Ui, curve: &mut ScaleCurve| drop(edit(ui, curve, Pen::Points, &[]));
-        let mut window =
-            Harness::builder().with_size(vec2(340.0, 190.0)).build_ui_state(panel, ScaleCurve::mid());
-        let plot = plot_in(window.get_by_label("Scale curve").rect());
+    fn window() -> Harness<'static, ScaleCurve> {
+        let panel = |ui: &mut Ui, curve: &mut ScaleCurve| {
+            edit(ui, curve, Pen::Points, &Spectrum::default());
+        };
+        Harness::builder().with_size(vec2(340.0, 220.0)).build_ui_state(panel, ScaleCurve::mid())
+    }
+
+    /// Presses at `from`, moves to `to` within a frame, and lets go.
+    fn drag(window: &mut Harness<'static, ScaleCurve>, from: Pos2, to: Pos2) {
         let button = |pos, pressed| egui::Event::PointerButton {
             pos,
             button: egui::PointerButton::Primary,
             pressed,
             modifiers: egui::Modifiers::NONE,
         };
-        let grip = to_screen(plot, ScaleCurve::mid().points[2]);
-        let there = grip + vec2(20.0, 30.0);
-        window.hover_at(grip);
+        window.hover_at(from);
         window.run_steps(1);
-        window.event(button(grip, true));
+        window.event(button(from, true));
         window.run_steps(1);
-        for at in [there, there] {
+        for at in [to, to] {
             window.hover_at(at);
             window.run_steps(1);
         }
-        window.event(button(there, false));
+        window.event(button(to, false));
         window.run_steps(1);
+    }
+
+    #[test]
+    fn a_quick_hand_moves_the_point_it_took_hold_of() {
+        let mut window = window();
+        let plot = Plot::within(window.get_by_label("Scale curve").rect());
+        let grip = to_screen(plot.curve, ScaleCurve::mid().points[2]);
+        let there = grip + vec2(15.0, 30.0);
+        drag(&mut window, grip, there);
         let (before, after) = (ScaleCurve::mid().points, &window.state().points);
         assert_eq!(after.len(), before.len());
         assert_eq!((&after[..2], &after[3..]), (&before[..2], &before[3..]));
-        assert!(to_screen(plot, after[2]).distance(there) < 0.01);
+        assert!(to_screen(plot.curve, after[2]).distance(there) < 0.01);
+    }
+
+    #[test]
+    fn a_point_and_the_residual_reach_the_largest_gain() {
+        let mut window = window();
+        let plot = Plot::within(window.get_by_label("Scale curve").rect());
+        let grip = to_screen(plot.curve, ScaleCurve::mid().points[2]);
+        drag(&mut window, grip, pos2(grip.x, plot.curve.top() - 3.0));
+        assert_eq!(window.state().points[2][1], ScaleCurve::MAX_GAIN);
+        let points = window.state().points.clone();
+        drag(&mut window, plot.residual.center_bottom(), plot.residual.center_top());
+        assert_eq!((window.state().residual, &window.state().points), (ScaleCurve::MAX_GAIN, &points));
     }
 
     #[test]
     fn a_point_stays_where_its_neighbours_leave_no_room() {
-        let mut curve = ScaleCurve { points: vec![[0.0, 1.0], [0.9995, 1.0], [1.0, 1.0]], residual: 1.0 };
+        let mut curve = ScaleCurve { points: vec![[1.0, 1.0], [0.501, 1.0], [0.5, 1.0]], residual: 1.0 };
         for held in 0..3 {
-            for u in [0.0, 0.5, 1.0] {
-                curve.points[held][0] = between_neighbours(&curve.points, held, u);
+            for wavelength in [ScaleCurve::BROADEST, 0.6, ScaleCurve::FINEST] {
+                curve.points[held][0] = between_neighbours(&curve.points, held, wavelength);
                 curve.validate().unwrap();
             }
         }
-        let wide = [[0.2, 1.0], [0.5, 1.0], [0.8, 1.0]];
-        assert_eq!(between_neighbours(&wide, 1, 0.6), 0.6);
-        assert_eq!(between_neighbours(&wide, 1, 0.1), 0.2 + GAP);
-        assert_eq!(between_neighbours(&wide, 2, 2.0), 1.0);
+        let wide = [[1.0, 1.0], [0.5, 1.0], [0.2, 1.0]];
+        assert!((between_neighbours(&wide, 1, 0.4) - 0.4).abs() < 1e-12);
+        let next = between_neighbours(&wide, 1, 2.0);
+        assert!(next < 1.0 && (share_of_axis(next) - share_of_axis(1.0) - GAP).abs() < 1e-12);
+        assert_eq!(between_neighbours(&wide, 2, 0.0001), ScaleCurve::FINEST);
+    }
+
+    #[test]
+    fn a_bar_that_is_amplified_as_far_as_it_goes_still_fits() {
+        assert!((bar_height(TOP * TOP) - 1.0).abs() < 1e-3 && bar_height(1.0) > 0.8);
+        assert_eq!((bar_height(1e-7), bar_height(0.0), bar_height(f64::NAN)), (0.0, 0.0, 0.0));
     }
 }

@@ -1,9 +1,9 @@
 //! What the heat map shows, and the spectrum behind the scale curve.
 
-use chladni_caricature::normalised_frequency;
+use chladni_caricature::wavelengths;
 use chladni_view::{ColorMap, Scale};
 
-use super::curve::Bar;
+use super::curve::Spectrum;
 use super::session::Session;
 use super::stage::Coating;
 
@@ -220,12 +220,12 @@ fn marked(triangles: &[[u32; 3]], some: impl Iterator<Item = u32>, vertices: usi
     values
 }
 
-/// |x̃^δ_k| of the selected layer over normalised frequency.
-pub fn spectrum(session: &Session) -> Vec<Bar> {
-    let Some(difference) = session.selected_layer().and_then(|layer| layer.difference.as_ref()) else {
-        return Vec::new();
-    };
-    let basis = &session.stack.body().basis;
-    let bars = difference.amplitudes().into_iter().enumerate();
-    bars.map(|(k, amplitude)| [normalised_frequency(basis, k), amplitude]).collect()
+/// What the model of the selected layer exaggerates, over wavelength.
+pub fn spectrum(session: &Session) -> Spectrum {
+    let layer = session.selected.and_then(|id| session.project().layer(id));
+    let difference = session.selected_layer().and_then(|layer| layer.difference.as_ref());
+    let (Some(layer), Some(difference)) = (layer, difference) else { return Spectrum::default() };
+    let bars = difference.amplitudes(layer.model);
+    let waves = wavelengths(&session.stack.body().basis).into_iter().zip(bars.harmonics);
+    Spectrum { waves: waves.map(|(wave, amplitude)| [wave, amplitude]).collect(), residual: bars.residual }
 }

@@ -42,7 +42,7 @@ impl CaricatureRoom {
         if let Some(id) = session.selected {
             layer_keys(&ctx, session, id, edits);
             if FURTHEST.pressed(&ctx) {
-                as_far_as_it_goes(session, edits, shared);
+                as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);
             }
         }
         let place = session.project().layers().iter().position(|(id, _)| Some(*id) == session.selected);

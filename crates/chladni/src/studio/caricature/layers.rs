@@ -271,7 +271,7 @@ fn starting_points() -> [(&'static str, &'static str, Template); 6] {
         ("Sphere", "Against the sphere that fits the shape", Template::Sphere),
         ("Plain head", "Against the sample head", Template::Sample("template".into())),
         ("Own detail", "Against a smooth version of itself: its own detail grows", Template::LowPass(20)),
-        ("Own size", "Against a smaller version of itself: everything grows", Template::Scaled(0.9)),
-        ("Magnify all", "Against the shape under all layers: all changes below grow", Template::Original),
+        ("Magnify all", "Against itself scaled down: all that is there grows", Template::Scaled(0.9)),
+        ("Layers below", "Against the shape under all layers: all changes below grow", Template::Original),
     ]
 }

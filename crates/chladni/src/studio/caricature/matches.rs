@@ -1,9 +1,10 @@
 //! The match panel: which template the selected layer uses, how well it fits, and how to help it.
 
-use chladni_caricature::{Action, Layer, LayerId, MatchRequest, Property, Template};
-use chladni_match::Method;
+use chladni_caricature::{Action, Layer, LayerId, MatchRequest, Matched, Property, Template};
+use chladni_match::{Method, Scaling};
 use egui::{RichText, Ui};
 
+use super::analytic;
 use super::edits::Edits;
 use super::landmarks;
 use super::session::Session;
@@ -14,19 +15,20 @@ use crate::studio::theme;
 
 /// Draws the panel for the selected layer.
 ///
-/// `picking` says whether landmarks are picked, and is toggled by a button.
+/// `picking` says whether landmarks are picked, and is toggled by a button. True where somebody wants to see
+/// on the shape how far the match is trusted.
 pub fn show(
     ui: &mut Ui,
     session: &mut Session,
     picking: &mut bool,
     edits: &mut Edits,
     shared: &mut Shared<'_>,
-) {
+) -> bool {
     let Some((id, layer)) = session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))
     else {
-        return;
+        return false;
     };
-    theme::section(ui, "Template", |ui| template(ui, session, id, &layer, picking, edits, shared));
+    theme::section(ui, "Template", |ui| template(ui, session, id, &layer, picking, edits, shared))
 }
 
 fn template(
@@ -37,7 +39,7 @@ fn template(
     picking: &mut bool,
     edits: &mut Edits,
     shared: &mut Shared<'_>,
-) {
+) -> bool {
     ui.horizontal(|ui| {
         ui.add(egui::Label::new(template_name(&layer.template)).truncate());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -62,12 +64,33 @@ fn template(
         landmarks::show_list(ui, session, id, &layer.matching, picking, edits, shared);
         ui.add_space(theme::GAP_SMALL);
     }
+    analytic::show(ui, session, id, &layer.template, edits);
     // A match that runs is shown in the place of the report, so that nothing jumps about.
     if let Some(running) = session.running_match() {
         job::show_progress(ui, running);
-    } else if let Some(report) = session.selected_match().and_then(|matched| matched.report.clone()) {
-        quality(ui, &report);
+    } else if let Some(matched) = session.selected_match()
+        && let Some(report) = &matched.report
+    {
+        quality(ui, report);
+        return infill(ui, id, layer, matched, edits);
     }
+    false
+}
+
+/// What becomes of places that the match is not to be trusted at; true where somebody wants to see them.
+fn infill(ui: &mut Ui, id: LayerId, layer: &Layer, matched: &Matched, edits: &mut Edits) -> bool {
+    let Some((_, share)) = matched.infill else { return false };
+    let tip = "Where the match is not trusted, such as hair, holes and the cut of a neck, the difference goes on \
+               from its surroundings instead: 0 is as it was found";
+    theme::row(ui, "Fill in", tip, |ui| {
+        let mut infill = layer.infill;
+        let slider = ui.add(theme::slider(&mut infill, 0.0..=1.0).fixed_decimals(2));
+        edits.drag(id, &slider, || Property::Infill(infill));
+    });
+    let text = format!("{} of it is not trusted", percent(share));
+    let text = RichText::new(icon::label(Icon::Info, &text)).color(theme::palette(ui).weak).small();
+    let tip = "By area. Click to see how far the match is trusted, and where.";
+    ui.add(egui::Button::new(text).frame(false)).on_hover_text(tip).clicked()
 }
 
 fn method(ui: &mut Ui, session: &Session, id: LayerId, edits: &mut Edits) {
@@ -81,6 +104,12 @@ fn method(ui: &mut Ui, session: &Session, id: LayerId, edits: &mut Edits) {
         }
     });
     choice.response.accessible_name("How to match");
+    let mut fitted = matching.scaling == Scaling::Free;
+    let tip =
+        "Off: the template keeps its own size, in the units of its file, and a difference of size counts";
+    if theme::checkbox(ui, &mut fitted, "Fit its size").on_hover_text(tip).changed() {
+        matching.scaling = if fitted { Scaling::Free } else { Scaling::Rigid };
+    }
     if matching != layer.matching {
         edits.set(id, Property::Matching(matching));
     }
@@ -140,7 +169,9 @@ pub fn template_name(template: &Template) -> String {
         Template::Sample(name) => format!("sample {name}"),
         Template::Ellipsoid => "fitted ellipsoid".into(),
         Template::Sphere => "fitted sphere".into(),
-        Template::Scaled(factor) => format!("itself × {factor}"),
+        Template::Given(given) if given.semi_axes == [given.semi_axes[0]; 3] => "given sphere".into(),
+        Template::Given(_) => "given ellipsoid".into(),
+        Template::Scaled(factor) => format!("itself × {factor:.2}"),
         Template::LowPass(k0) => format!("itself below harmonic {k0}"),
         Template::Original => "the original shape".into(),
     }

@@ -1,5 +1,6 @@
 //! The caricature room: layers on the left, the shape in the middle, controls on the right.
 
+mod analytic;
 mod autosave;
 mod brush;
 mod center;
@@ -69,7 +70,7 @@ const SOLO: Shortcut = Shortcut::key(Key::S, "Only this layer, or all again");
 const NEXT_MODEL: Shortcut = Shortcut::key(Key::M, "Next model");
 const STRONGER: Shortcut = Shortcut::key(Key::Comma, "Exaggerate more: μ a step down");
 const WEAKER: Shortcut = Shortcut::key(Key::Period, "Exaggerate less: μ a step up");
-const FURTHEST: Shortcut = Shortcut::key(Key::F, "As far as it goes without new folds");
+const FURTHEST: Shortcut = Shortcut::key(Key::F, "As far as it goes with hardly a fold");
 const INVERT: Shortcut = Shortcut::key(Key::I, "Invert the region");
 const DUPLICATE: Shortcut = Shortcut::command(Key::D, "Duplicate the layer");
 const DELETE: Shortcut = Shortcut::key(Key::Delete, "Delete the layer");
@@ -327,7 +328,9 @@ impl CaricatureRoom {
                 wants_mesh = self.layers.takes_mesh();
                 ui.add_space(theme::GAP_LARGE);
                 let (was, mut picking) = (self.picking.is_some(), self.picking.is_some());
-                matches::show(ui, session, &mut picking, edits, shared);
+                if matches::show(ui, session, &mut picking, edits, shared) {
+                    self.heat.toggle(Quantity::Confidence);
+                }
                 if picking != was {
                     toggle_picking(&mut self.picking, session, shared);
                 }
@@ -344,12 +347,13 @@ impl CaricatureRoom {
                     return;
                 };
                 let spectrum = heat::spectrum(session);
-                let harmonics = session.stack.body().basis.harmonics();
                 let crossings = session.crossings.count(&session.evaluation);
                 let folds = session.folds_of(id);
-                let measured = Measured { spectrum: &spectrum, harmonics, folds, crossings };
+                let measured = Measured { spectrum: &spectrum, folds, crossings };
                 match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {
-                    Some(Wish::AsFarAsItGoes) => as_far_as_it_goes(session, edits, shared),
+                    Some(Wish::AsFarAsItGoes) => {
+                        as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);
+                    }
                     Some(Wish::SeeWhere(quantity)) => self.heat.toggle(quantity),
                     None => {}
                 }
@@ -361,9 +365,9 @@ impl CaricatureRoom {
     }
 }
 
-/// Moves μ of the selected layer to where it folds nothing new.
-fn as_far_as_it_goes(session: &Session, edits: &mut Edits, shared: &mut Shared<'_>) {
-    match (session.selected, session.furthest_mu()) {
+/// Moves μ of the selected layer to where it folds no more than a share of the triangles.
+fn as_far_as_it_goes(session: &Session, may_fold: f64, edits: &mut Edits, shared: &mut Shared<'_>) {
+    match (session.selected, session.furthest_mu(may_fold)) {
         (Some(layer), Some(mu)) => edits.set(layer, Property::Mu(mu)),
         _ => shared.notices.warn("This layer never folds in that direction, or does not act yet."),
     }

@@ -45,6 +45,7 @@ pub fn load(candidate: Candidate, read: &Sender<Arc<TriMesh>>, task: &Task) -> R
     let Candidate { mut project, path, recovered, made_on, .. } = candidate;
     let folder = path.as_deref().and_then(Path::parent);
     let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
+    warnings.extend(project.taken_over().map(|told| format!("This is {told}.")));
     let mesh = Arc::new(mesh);
     // Whoever does not look any more misses nothing.
     let _ = read.send(Arc::clone(&mesh));
@@ -197,8 +198,9 @@ impl Session {
         index.and_then(|index| self.folds.get(index)).map_or(0, Vec::len)
     }
 
-    /// The μ with the strongest exaggeration before the selected layer folds new triangles.
-    pub fn furthest_mu(&self) -> Option<f64> {
+    /// The μ with the strongest exaggeration before the selected layer folds more than this share of the
+    /// triangles.
+    pub fn furthest_mu(&self, may_fold: f64) -> Option<f64> {
         let layer = self.project().layer(self.selected?)?;
         let evaluated = self.selected_layer()?;
         let displacement = evaluated.displacement.as_ref()?;
@@ -208,8 +210,9 @@ impl Session {
         }
         let unit: Vec<[f64; 3]> = displacement.iter().map(|d| d.map(|c| c / mu)).collect();
         let surface = self.stack.surface();
-        let reach = furthest(surface, &evaluated.base.positions, &unit, mu.signum(), 0)?;
-        // A hair before the first fold.
+        let allowed = (may_fold * surface.triangles.len() as f64) as usize;
+        let reach = furthest(surface, &evaluated.base.positions, &unit, mu.signum(), allowed)?;
+        // A hair before the next fold.
         Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
     }
 
@@ -263,9 +266,8 @@ impl Session {
         };
         self.solving = None;
         let (body, warnings) = outcome?;
-        // Targets belong to a basis: they are matched again.
-        self.matching = None;
-        self.stack = Stack::new(Arc::new(body)).map_err(|error| error.to_string())?;
+        // Matches do not depend on harmonics: those that are there stay, and one that runs goes on.
+        self.stack = self.stack.with_harmonics_of(Arc::new(body)).map_err(|error| error.to_string())?;
         self.crossings = CrossingMeter::default();
         self.refresh();
         Ok(Some(warnings))
@@ -399,11 +401,38 @@ mod tests {
     }
 
     #[test]
+    fn another_number_of_harmonics_matches_nothing_anew() {
+        let mut project = Project::new(ShapeSource::Sample("head".into()), 16);
+        let layer = project.push(Layer { mu: -1.0, ..Layer::new("round", Template::Ellipsoid) }).unwrap();
+        let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
+        let mut session = Session::new(loaded).unwrap();
+        let ctx = egui::Context::default();
+        let deadline = std::time::Instant::now() + std::time::Duration::from_secs(120);
+        let mut wait_for = |session: &mut Session, done: &dyn Fn(&Session) -> bool| {
+            while !done(session) {
+                assert!(std::time::Instant::now() < deadline);
+                session.pump_harmonics(&ctx).unwrap();
+                session.pump_matches(&ctx);
+                std::thread::sleep(std::time::Duration::from_millis(5));
+            }
+        };
+        wait_for(&mut session, &|session| session.selected_match().is_some());
+        let before = Arc::clone(session.selected_match().unwrap());
+        session.apply(vec![Edit::Once(Action::SetHarmonics(24))]).unwrap();
+        wait_for(&mut session, &|session| session.stack.body().basis.harmonics() == 24);
+        assert!(session.running_match().is_none() && session.stack.missing(session.project()).is_empty());
+        assert!(Arc::ptr_eq(&before, session.selected_match().unwrap()));
+        let acting = &session.evaluation.layers[0];
+        assert_eq!((acting.id, acting.state.clone()), (layer, LayerState::Acts));
+        assert_eq!(acting.difference.as_ref().unwrap().target.spectrum().len(), 24);
+    }
+
+    #[test]
     fn what_came_before_an_error_is_done_and_seen() {
         let project = Project::new(ShapeSource::Sample("head".into()), 16);
         let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
         let mut session = Session::new(loaded).unwrap();
-        let layer = || Box::new(Layer::new("Own size", Template::Scaled(0.5)));
+        let layer = || Box::new(Layer::new("Magnify all", Template::Scaled(0.5)));
         let add = || Edit::Once(Action::Add { index: 0, layer: layer() });
         let first = session.project().next_id();
         let remove = || Edit::Once(Action::Remove(first));

@@ -56,6 +56,7 @@ pub fn caricature(path: &Path, means: Means, task: &Task) -> Result<Ready, Strin
     let project = Project::load(path).map_err(|error| error.to_string())?;
     let folder = path.parent();
     let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
+    warnings.extend(project.taken_over().map(|told| format!("This is {told}.")));
     let layered = Arc::new(body(&mesh, project.harmonics, &mut warnings, task)?);
     let voices = voices(&project, &mesh, &layered, folder, &mut warnings, task)?;
     // The layers are displacements: they do not depend on how many harmonics dance.

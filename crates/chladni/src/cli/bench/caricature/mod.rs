@@ -130,7 +130,7 @@ fn painting(stack: &Stack, time: &mut Timer<'_>) -> Result<(), Failure> {
         ("region smoothing, sharp, nχ = 96", RollOff::Sharp),
         ("region smoothing, Gaussian, nχ = 96", RollOff::Gaussian),
     ] {
-        let smoothing = Smoothing { cutoff: 96, roll_off, clamp: true };
+        let smoothing = Smoothing { roll_off, ..Smoothing::default() };
         time(what, &mut |_| {
             smoothing.apply(&basis, &painted);
             Ok(())
@@ -152,7 +152,7 @@ fn controls(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> R
     let mu = |i: usize| Property::Mu(-0.2 - 0.001 * i as f64);
     let curve = |i: usize| {
         let mut curve = ScaleCurve::mid();
-        curve.set_point(0.4, 1.0 + 0.01 * i as f64, 0.0);
+        curve.set_point(0.4, 1.0 + 0.01 * i as f64);
         Property::Curve(curve)
     };
     change("μ of the top layer", upper, &mut |i| mu(i))?;

@@ -66,7 +66,7 @@ fn strokes(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Result
         ("window: stroke mirrored, Gaussian, smoothed region", RollOff::Gaussian, 0.1, true),
         ("window: wide stroke mirrored, Gaussian, smoothed region", RollOff::Gaussian, 0.5, true),
     ] {
-        let smoothing = Smoothing { cutoff: 96, roll_off, clamp: true };
+        let smoothing = Smoothing { roll_off, ..Smoothing::default() };
         act(room, set(layer, Property::Smoothing(smoothing)))?;
         act(room, Action::Paint { layer, edit: PaintEdit::Clear })?;
         room.show_region(smoothed);
@@ -77,7 +77,7 @@ fn strokes(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Result
         Action::Paint { layer, edit }
     })?;
     timed("window: softness of the region, Gaussian", room, time, |i, _| {
-        set(layer, Property::Smoothing(Smoothing { cutoff: 90 + i % 9, ..Smoothing::default() }))
+        set(layer, Property::Smoothing(Smoothing { wavelength: 0.3 + 0.005 * (i % 9) as f64, ..Smoothing::default() }))
     })
 }
 
@@ -87,7 +87,7 @@ fn mu(i: usize) -> Property {
 
 fn curve(i: usize) -> Property {
     let mut curve = ScaleCurve::mid();
-    curve.set_point(0.4, 1.0 + 0.01 * i as f64, 0.0);
+    curve.set_point(0.4, 1.0 + 0.01 * i as f64);
     Property::Curve(curve)
 }
 

@@ -1,0 +1,109 @@
+//! Templates that are no mesh, by their numbers: the shape itself scaled or smoothed, given ellipsoids.
+
+use chladni_caricature::{GivenEllipsoid, LayerId, Property, Template, wavelengths};
+use chladni_match::Ellipsoid;
+use egui::{DragValue, RichText, Ui};
+
+use super::edits::Edits;
+use super::session::Session;
+use crate::studio::theme;
+
+/// What a shape is scaled to, and below which harmonic it is kept, where that is chosen first.
+const SCALED: Template = Template::Scaled(0.9);
+const SMOOTHED: Template = Template::LowPass(20);
+
+/// Draws the numbers of `template`, where it has any.
+pub fn show(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits: &mut Edits) {
+    match template {
+        Template::Scaled(_) | Template::LowPass(_) => itself(ui, session, id, template, edits),
+        Template::Ellipsoid | Template::Sphere => {
+            let tip = "Give its centre, its axes and its turn by numbers, from those that fit";
+            if ui.button("Set by hand").on_hover_text(tip).clicked() {
+                let round = *template == Template::Sphere;
+                let fitted = if round { Ellipsoid::fitted_sphere } else { Ellipsoid::fitted };
+                // Without a surface nothing fits; the match says so.
+                if let Ok(fitted) = fitted(&session.mesh) {
+                    edits.set(id, Property::Template(Template::Given(fitted.into())));
+                }
+            }
+        }
+        Template::Given(known) => given(ui, session, id, *known, edits),
+        Template::File(_) | Template::Sample(_) | Template::Original => {}
+    }
+}
+
+/// The shape of the layers below, scaled down or smoothed: the paper magnifies all against either.
+fn itself(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits: &mut Edits) {
+    ui.horizontal(|ui| {
+        for (choice, name, tip) in [
+            (SCALED, "Scaled", "Against itself scaled down: all that is there grows"),
+            (SMOOTHED, "Smoothed", "Against itself without its detail: the detail grows"),
+        ] {
+            let chosen = std::mem::discriminant(&choice) == std::mem::discriminant(template);
+            if ui.selectable_label(chosen, name).on_hover_text(tip).clicked() && !chosen {
+                edits.set(id, Property::Template(choice));
+            }
+        }
+    });
+    match *template {
+        Template::Scaled(mut factor) => {
+            theme::row(ui, "Scale", "Smaller makes all grow more at the same μ", |ui| {
+                let slider = ui.add(theme::slider(&mut factor, 0.0..=1.5).fixed_decimals(2));
+                edits.drag(id, &slider, || Property::Template(Template::Scaled(factor)));
+            });
+        }
+        Template::LowPass(mut k0) => {
+            let basis = &session.stack.body().basis;
+            theme::row(ui, "Low-pass", "How many of its broadest harmonics the smooth version keeps", |ui| {
+                let most = basis.harmonics().max(2);
+                let slider = ui.add(theme::slider(&mut k0, 1..=most).logarithmic(true));
+                edits.drag(id, &slider, || Property::Template(Template::LowPass(k0)));
+            });
+            let waves = wavelengths(basis);
+            if let Some(wave) = waves.get(basis.harmonics_below(k0)).filter(|wave| wave.is_finite()) {
+                let text = format!("What grows has waves of {:.0} % of its size and less", 100.0 * wave);
+                ui.label(RichText::new(text).color(theme::palette(ui).weak).small());
+            }
+        }
+        _ => {}
+    }
+}
+
+fn given(ui: &mut Ui, session: &Session, id: LayerId, known: GivenEllipsoid, edits: &mut Edits) {
+    let size = 1.0 / session.stack.body().frame.scale;
+    let mut now = known;
+    let rows: [(&str, &str, &mut [f64; 3], f64, std::ops::RangeInclusive<f64>); 3] = [
+        (
+            "Centre",
+            "x, y and z in the units of the shape's file",
+            &mut now.center,
+            0.01 * size,
+            f64::MIN..=f64::MAX,
+        ),
+        (
+            "Half axes",
+            "Half the length of each axis",
+            &mut now.semi_axes,
+            0.01 * size,
+            1e-6 * size..=1e6 * size,
+        ),
+        ("Turned", "Degrees about x, then y, then z", &mut now.turn_deg, 0.5, -360.0..=360.0),
+    ];
+    let mut responses = Vec::new();
+    for (name, tip, values, speed, range) in rows {
+        theme::row(ui, name, tip, |ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            for (value, axis) in values.iter_mut().zip(["x", "y", "z"]) {
+                let field = DragValue::new(value).speed(speed).range(range.clone()).max_decimals(3);
+                let field = ui.add_sized([52.0, ui.spacing().interact_size.y], field);
+                responses.push(field.accessible_name(format!("{name} {axis}")));
+            }
+        });
+    }
+    for response in responses {
+        edits.drag(id, &response, || Property::Template(Template::Given(now)));
+    }
+    if ui.button("Fit to the shape").on_hover_text("The ellipsoid that fits the shape").clicked() {
+        edits.set(id, Property::Template(Template::Ellipsoid));
+    }
+}

@@ -1,0 +1,113 @@
+//! What a layer compares with, by hand: templates without a mesh, and matches that are not trusted everywhere.
+
+use chladni_caricature::{Project, ScaleCurve, Template};
+use chladni_match::Scaling;
+use chladni_mesh::{load_mesh, save_mesh};
+use egui::{Key, vec2};
+use egui_kittest::kittest::Queryable;
+
+use crate::CTRL;
+use crate::driving;
+use crate::person::{Desk, Person};
+
+/// The layers as they are saved now.
+fn saved(desk: &Desk, person: &mut Person) -> Vec<chladni_caricature::Layer> {
+    let path = desk.path("saved.chladni");
+    if !path.exists() {
+        desk.answers.add(path.clone());
+    }
+    person.press_with(CTRL, Key::S);
+    Project::load(&path).unwrap().layers().iter().map(|(_, layer)| (**layer).clone()).collect()
+}
+
+/// Types `text` into the field called `name`.
+fn fill(person: &mut Person, name: &str, text: &str) {
+    person.0.get_by_label(name).click();
+    person.0.run_steps(2);
+    person.press_with(CTRL, Key::A);
+    person.0.event(egui::Event::Text(text.into()));
+    person.press(Key::Enter);
+    person.0.run_steps(2);
+}
+
+#[test]
+fn ellipsoids_are_given_by_numbers_and_all_is_magnified_against_oneself_scaled_or_smoothed() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.click_button("Add");
+    person.click("Ellipsoid");
+    person.wait("the match", |window| !driving::shows(window, "Matching"));
+    person.click("Set by hand");
+    fill(&mut person, "Half axes x", "2.5");
+    fill(&mut person, "Turned z", "30");
+    person.wait("the match", |window| !driving::shows(window, "Matching"));
+    person.0.run_steps(2);
+    person.screenshot("studio-given.png");
+    let layers = saved(&desk, &mut person);
+    let Template::Given(given) = &layers[0].template else { panic!("{:?}", layers[0].template) };
+    assert_eq!((given.semi_axes[0], given.turn_deg[2]), (2.5, 30.0));
+    assert!(given.semi_axes[1] > 2.0 && given.semi_axes[1] != 2.5);
+    person.click("Fit to the shape");
+    assert_eq!(saved(&desk, &mut person)[0].template, Template::Ellipsoid);
+
+    person.click_button("Add");
+    person.click("Magnify all");
+    assert_eq!(saved(&desk, &mut person)[1].template, Template::Scaled(0.9));
+    fill_slider(&mut person, "Scale", 0.5);
+    assert_eq!(saved(&desk, &mut person)[1].template, Template::Scaled(0.5));
+    person.click("Smoothed");
+    fill_slider(&mut person, "Low-pass", 12.0);
+    assert_eq!(saved(&desk, &mut person)[1].template, Template::LowPass(12));
+    assert!(person.sees("What grows has waves of"));
+    person.screenshot("studio-magnify.png");
+}
+
+/// Gives the slider called `name` a value, as assistive technology does.
+fn fill_slider(person: &mut Person, name: &str, value: f64) {
+    person.0.get_by_role_and_label(egui::accesskit::Role::Slider, name).set_value_accesskit(value);
+    person.0.run_steps(3);
+}
+
+#[test]
+fn a_cut_template_is_filled_in_as_far_as_asked_and_may_keep_its_size() {
+    let desk = Desk::new();
+    let mut cut = load_mesh(&desk.path("template.obj")).unwrap().mesh;
+    let positions = cut.positions.clone();
+    cut.triangles.retain(|t| t.iter().all(|v| positions[*v as usize][1] > -2.0));
+    save_mesh(&cut, &desk.path("cut.obj")).unwrap();
+    let mut person = desk.sit_down(&["shape.obj", "cut.obj"]);
+    person.wait_to_see("of it is not trusted");
+    person.click_button("of it is not trusted");
+    person.0.run_steps(3);
+    person.screenshot("studio-infill.png");
+    assert_eq!(saved(&desk, &mut person)[0].infill, 1.0);
+    fill_slider(&mut person, "Fill in", 0.25);
+    assert_eq!(saved(&desk, &mut person)[0].infill, 0.25);
+    person.click("Fit its size");
+    assert_eq!(saved(&desk, &mut person)[0].matching.scaling, Scaling::Rigid);
+    person.wait("the match", |window| !driving::shows(window, "Matching"));
+}
+
+#[test]
+fn another_number_of_harmonics_leaves_curve_and_match_as_they_are() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
+    person.wait_to_see("Covered");
+    person.click("Mid");
+    let plot = person.place_of("Scale curve");
+    person.drag(&[plot.center() + vec2(-30.0, -10.0), plot.center() + vec2(-34.0, -40.0)]);
+    let before = saved(&desk, &mut person)[0].clone();
+    assert!(before.curve != ScaleCurve::mid() && before.curve.points.len() >= 5, "it was bent");
+    person.screenshot("studio-curve.png");
+    person.click_button(" harmonics");
+    person.click("128 harmonics");
+    person.0.run_steps(2);
+    person.wait("the harmonics", |window| {
+        assert!(!driving::shows(window, "Matching"), "the match is made anew");
+        !driving::shows(window, "Solving")
+    });
+    person.wait_to_see("Covered");
+    person.screenshot("studio-curve-128.png");
+    assert_eq!(saved(&desk, &mut person)[0], before);
+}
