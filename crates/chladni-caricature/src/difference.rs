@@ -181,7 +181,7 @@ pub struct Amplitudes {
 /// The distance-minimising filter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Psi {
-    /// ψ_k, K; 0 where the shape has no amplitude of its own.
+    /// ψ_k, K; 0 where λ_k = 0 and where the shape has no amplitude of its own.
     pub psi: Vec<f64>,
     /// ψ_d, the filter above K.
     pub residual: f64,
@@ -247,16 +247,19 @@ impl Difference {
 
     fn minimise_distance(&self) -> Psi {
         let (x, d) = (self.base.spectrum(), self.delta_spectrum());
-        let largest = x.iter().map(|c| dot(*c, *c)).fold(0.0, f64::max);
+        // Where λ = 0 a harmonic is constant on each piece of the shape. Its amplitude tells where
+        // the piece lies, not what it looks like: of a single piece it is the distance between two
+        // kinds of centroid, and a filter of it a translation along whatever that happens to be.
+        // So every piece keeps its place.
+        let waves = self.base.basis.eigenvalues.iter().map(|lambda| *lambda > 0.0);
+        let squares: Vec<f64> =
+            x.iter().zip(waves).map(|(x, waves)| if waves { dot(*x, *x) } else { 0.0 }).collect();
+        let largest = squares.iter().copied().fold(0.0, f64::max);
         let negligible = largest * NEGLIGIBLE_AMPLITUDE * NEGLIGIBLE_AMPLITUDE;
-        let psi = x
-            .iter()
-            .zip(d)
-            .map(|(x, d)| {
-                let square = dot(*x, *x);
-                if square > negligible { dot(*x, *d) / square } else { 0.0 }
-            })
-            .collect();
+        let ratio = |((x, d), square): ((&Vec3, &Vec3), &f64)| {
+            if *square > negligible { dot(*x, *d) / square } else { 0.0 }
+        };
+        let psi = x.iter().zip(d).zip(&squares).map(ratio).collect();
         // Σ a⟨dx, dx^δ⟩ = Σ a⟨x, x^δ⟩ − Σ_k⟨x̃_k, x̃^δ_k⟩ (Parseval), so that neither residual
         // has to be formed.
         let mass = &self.base.basis.mass;
