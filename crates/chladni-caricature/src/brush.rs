@@ -1,250 +1,258 @@
-//! Painting χ01 on the surface.
+//! What a brush covers: the part of the shape, as it is seen, that is near enough along the surface.
 
-use std::sync::Arc;
+use chladni_mesh::MirrorPlane;
 
-use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use crate::vector::{Vec3, dot, sub};
+use crate::{Surface, SurfacePoint};
 
-use crate::vector::{Vec3, add, distance, dot, scale, sub};
-use crate::{Error, Painted, Surface, SurfacePoint};
-
-/// One change to a painted region. Replaying the same edits on the same surface gives the same
-/// region.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PaintEdit {
-    /// A press of the brush.
-    Dab(Dab),
-    /// Everything connected with this point.
-    FillComponent {
-        /// Where it was clicked.
-        at: SurfacePoint,
-        /// The value that the component takes, in [0, 1].
-        intensity: f32,
-    },
-    /// Each vertex takes the largest value among its neighbours.
-    Grow,
-    /// Each vertex takes the smallest value among its neighbours.
-    Shrink,
-    /// χ01 becomes 1 − χ01.
-    Invert,
-    /// χ01 becomes 0.
-    Clear,
-    /// The whole region at once.
-    Set(Painted),
+/// The shape as somebody sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// Its triangles, and where it lies at rest.
+    pub surface: &'a Surface,
+    /// Its N vertices where they are seen, moved by layers; working frame.
+    pub positions: &'a [[f32; 3]],
+    /// From where it is seen, far away where the view is parallel; `None` is from all sides at once.
+    pub eye: Option<[f64; 3]>,
 }
 
-/// One press of the brush: all that lies within `radius` along the surface.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Dab {
-    /// The brush's centre.
-    pub at: SurfacePoint,
-    /// Radius along the surface, working frame.
+/// A round brush.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brush {
+    /// Radius along the surface as it is seen, working frame.
     pub radius: f64,
-    /// In [0, 1]: painting raises χ01 to it, erasing lowers χ01 to 1 − it. Passing over the same
-    /// place again changes nothing.
-    pub intensity: f32,
-    /// Whether to erase.
-    pub erase: bool,
-    /// Paints the mirrored place too.
-    pub mirror: Option<Mirror>,
+    /// Covers the mirrored place too. The plane is one of the shape at rest.
+    pub mirror: Option<MirrorPlane>,
 }
 
-/// A plane of symmetry, working frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Mirror {
-    /// A point of the plane.
-    pub point: Vec3,
-    /// Its unit normal.
-    pub normal: Vec3,
+/// What a brush covers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reach {
+    /// The brush's radius.
+    pub radius: f64,
+    /// Vertices within the radius and their neighbours, ascending, each with its distance from the
+    /// brush's centre along the surface.
+    pub distances: Vec<(u32, f64)>,
+    /// The triangles over these vertices that the brush lies on, ascending: where its ring is drawn.
+    pub triangles: Vec<u32>,
 }
 
-impl Mirror {
-    /// The mirror image of `p`.
-    pub fn image(&self, p: Vec3) -> Vec3 {
-        add(p, scale(self.normal, -2.0 * dot(sub(p, self.point), self.normal)))
+impl Seen<'_> {
+    fn at(&self, v: u32) -> Vec3 {
+        self.positions[v as usize].map(f64::from)
     }
 
-    /// The plane across x, y or z through the middle of the bounding box in which the surface
-    /// comes closest to its own mirror image, and the mean distance between the two (working
-    /// frame). Shapes that face no axis get a plane too, with a distance that tells.
-    pub fn of(surface: &Surface) -> Option<(Self, f64)> {
-        let bound = |pick: fn(f64, f64) -> f64, from: f64| {
-            surface.positions.iter().fold([from; 3], |b, p| std::array::from_fn(|i| pick(b[i], p[i])))
-        };
-        let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
-        let point = scale(add(low, high), 0.5);
-        let planes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|normal| Self { point, normal });
-        let measured = planes.map(|plane| (plane, plane.asymmetry(surface)));
-        measured.into_iter().filter(|m| m.1.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
-    /// The mean distance of a few hundred mirrored vertices to the nearest vertex.
-    fn asymmetry(&self, surface: &Surface) -> f64 {
-        let stride = surface.vertices().div_ceil(300).max(1);
-        let sample: Vec<Vec3> = surface.positions.iter().step_by(stride).map(|p| self.image(*p)).collect();
-        let nearest =
-            |p: &Vec3| surface.positions.iter().map(|q| distance(*p, *q)).fold(f64::INFINITY, f64::min);
-        let distances: Vec<f64> = sample.par_iter().map(nearest).collect();
-        distances.iter().sum::<f64>() / sample.len() as f64
+    /// How far triangle `t` faces `eye`: positive where its front is seen.
+    fn facing(&self, t: u32, eye: Vec3) -> f64 {
+        let [a, b, c] = self.surface.triangles[t as usize].map(|v| self.at(v));
+        dot(crate::vector::cross(sub(b, a), sub(c, a)), sub(eye, a))
     }
 }
 
-impl PaintEdit {
-    /// The region after this edit. A first dab or fill on a region that is everywhere starts from
-    /// an empty one, unless it erases: whoever paints wants to say where.
-    pub fn apply(&self, painted: &Painted, surface: &Surface) -> Result<Painted, Error> {
-        let mut values = match (painted, self) {
-            (Painted::Everywhere, Self::Dab(dab)) if !dab.erase => vec![0.0; surface.vertices()],
-            (Painted::Everywhere, Self::FillComponent { intensity, .. }) if *intensity > 0.0 => {
-                vec![0.0; surface.vertices()]
-            }
-            (Painted::Spheres(_), _) => painted.values(&surface.file_positions()).to_vec(),
-            (Painted::Everywhere, _) => vec![1.0; surface.vertices()],
-            (Painted::Vertices(values), _) => values.to_vec(),
-        };
-        if values.len() != surface.vertices() {
-            let (found, expected) = (values.len(), surface.vertices());
-            return Err(Error::VertexCount { what: "the painted region", found, expected });
+impl Brush {
+    /// What the brush covers when it is pressed on `seen` at `at`: all that lies within its radius
+    /// along the surface, over triangles that show the eye the same side as the one at `at`. So it
+    /// goes neither through the shape nor around its edge to where nobody sees. Nothing where there
+    /// is no such triangle or the positions belong to another shape.
+    pub fn reach(&self, seen: &Seen<'_>, at: &SurfacePoint) -> Reach {
+        let mut reach = self.press(seen, at);
+        let twin = self.mirror.and_then(|plane| {
+            let image = plane.image(seen.surface.position(at)?);
+            let eye = seen.eye.map(|eye| plane.image(eye));
+            Some(self.press(&Seen { eye, ..*seen }, &seen.surface.nearest_vertex(image)?))
+        });
+        if let Some(twin) = twin {
+            reach.join(twin);
         }
-        match self {
-            Self::Dab(dab) => dab.paint(surface, &mut values)?,
-            Self::FillComponent { at, intensity } => {
-                check_intensity(*intensity)?;
-                component(surface, at).into_iter().for_each(|v| values[v as usize] = *intensity);
-            }
-            Self::Grow => values = ring(surface, &values, f32::max),
-            Self::Shrink => values = ring(surface, &values, f32::min),
-            Self::Invert => values.iter_mut().for_each(|x| *x = 1.0 - *x),
-            Self::Clear => values.fill(0.0),
-            Self::Set(whole) => return Ok(whole.clone()),
+        reach
+    }
+
+    fn press(&self, seen: &Seen<'_>, at: &SurfacePoint) -> Reach {
+        let surface = seen.surface;
+        if seen.positions.len() != surface.vertices() || at.triangle as usize >= surface.triangles.len() {
+            return Reach { radius: self.radius, ..Reach::default() };
         }
-        Ok(Painted::Vertices(Arc::from(values)))
+        let side = seen.eye.map(|eye| (eye, seen.facing(at.triangle, eye).signum()));
+        let passes = |t: u32| side.is_none_or(|(eye, side)| side * seen.facing(t, eye) >= 0.0);
+        let marched = surface.march(at, self.radius, |v| seen.at(v), passes);
+        let (mut distances, triangles) = (marched.distances, marched.triangles);
+        distances.sort_unstable_by_key(|(v, _)| *v);
+        Reach { radius: self.radius, distances, triangles }
     }
 }
 
-impl Dab {
-    fn paint(&self, surface: &Surface, values: &mut [f32]) -> Result<(), Error> {
-        check_intensity(self.intensity)?;
-        self.press(surface, &self.at, values);
-        let image = self.mirror.and_then(|m| surface.position(&self.at).map(|p| m.image(p)));
-        if let Some(twin) = image.and_then(|p| surface.nearest_vertex(p)) {
-            self.press(surface, &twin, values);
+impl Reach {
+    /// The vertices under the brush, ascending: all within the radius, or the nearest one where the
+    /// brush is smaller than a triangle.
+    pub fn vertices(&self) -> Vec<u32> {
+        let within: Vec<u32> =
+            self.distances.iter().filter(|(_, d)| *d <= self.radius).map(|(v, _)| *v).collect();
+        if !within.is_empty() {
+            return within;
         }
-        Ok(())
+        let nearest = self.distances.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map(|(v, _)| *v).into_iter().collect()
     }
 
-    fn press(&self, surface: &Surface, at: &SurfacePoint, values: &mut [f32]) {
-        for (v, _) in surface.within(at, self.radius) {
-            let x = &mut values[v as usize];
-            *x = if self.erase { x.min(1.0 - self.intensity) } else { x.max(self.intensity) };
-        }
+    fn join(&mut self, other: Self) {
+        self.distances.extend(other.distances);
+        self.distances.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        self.distances.dedup_by_key(|(v, _)| *v);
+        self.triangles.extend(other.triangles);
+        self.triangles.sort_unstable();
+        self.triangles.dedup();
     }
-}
-
-fn check_intensity(intensity: f32) -> Result<(), Error> {
-    if (0.0..=1.0).contains(&intensity) {
-        Ok(())
-    } else {
-        Err(Error::Range { what: "the brush's intensity", value: f64::from(intensity), range: "0 to 1" })
-    }
-}
-
-/// All vertices connected with the triangle of `at`.
-fn component(surface: &Surface, at: &SurfacePoint) -> Vec<u32> {
-    let mut seen = vec![false; surface.vertices()];
-    let mut found: Vec<u32> = Vec::new();
-    let mut next: Vec<u32> =
-        surface.triangles.get(at.triangle as usize).into_iter().flatten().copied().collect();
-    while let Some(v) = next.pop() {
-        if std::mem::replace(&mut seen[v as usize], true) {
-            continue;
-        }
-        found.push(v);
-        let around = surface.triangles_around(v).iter();
-        next.extend(around.flat_map(|t| surface.triangles[*t as usize]).filter(|w| !seen[*w as usize]));
-    }
-    found
-}
-
-/// Each vertex with the values of its one-ring folded in.
-fn ring(surface: &Surface, values: &[f32], fold: fn(f32, f32) -> f32) -> Vec<f32> {
-    (0..values.len())
-        .into_par_iter()
-        .map(|v| {
-            let around = surface.triangles_around(v as u32).iter();
-            let neighbours = around.flat_map(|t| surface.triangles[*t as usize]).map(|w| values[w as usize]);
-            neighbours.fold(values[v], fold)
-        })
-        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture::{bumpy_sphere, icosphere};
+    use crate::fixture::{icosphere, single};
+    use crate::vector::distance;
+    use chladni_mesh::Frame;
 
-    fn count(painted: &Painted, surface: &Surface) -> (usize, f32) {
-        let values = painted.values(&surface.file_positions());
-        (values.iter().filter(|x| **x > 0.0).count(), values.iter().copied().fold(0.0, f32::max))
+    const FILE: Frame = Frame { center: [0.0; 3], scale: 1.0 };
+
+    /// A flat plate of `side`² vertices a `step` apart at height z, facing up or down.
+    fn plate(side: u32, step: f64, z: f64, up: bool) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let middle = 0.5 * step * f64::from(side - 1);
+        let at = |i: u32| [f64::from(i % side) * step - middle, f64::from(i / side) * step - middle, z];
+        let corners = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
+        let quads = corners.flat_map(|v| [[v, v + 1, v + side + 1], [v, v + side + 1, v + side]]);
+        let triangles = quads.map(|[a, b, c]| if up { [a, b, c] } else { [a, c, b] }).collect();
+        ((0..side * side).map(at).collect(), triangles)
     }
 
-    fn dab(triangle: u32) -> Dab {
-        let at = SurfacePoint { triangle, weights: [1.0, 0.0, 0.0] };
-        Dab { at, radius: 0.3, intensity: 0.75, erase: false, mirror: None }
-    }
-
-    #[test]
-    fn painting_twice_is_painting_once_and_erasing_undoes_it() {
-        let (_, surface) = bumpy_sphere();
-        let once = PaintEdit::Dab(dab(7)).apply(&Painted::Everywhere, &surface).unwrap();
-        let (touched, most) = count(&once, &surface);
-        assert!(touched > 5 && touched < 300 && most == 0.75, "{touched}");
-        assert_eq!(PaintEdit::Dab(dab(7)).apply(&once, &surface).unwrap(), once);
-        let eraser = Dab { erase: true, intensity: 1.0, ..dab(7) };
-        let gone = PaintEdit::Dab(eraser).apply(&once, &surface).unwrap();
-        assert_eq!(count(&gone, &surface).0, 0);
-        assert!(PaintEdit::Dab(Dab { intensity: 1.5, ..dab(7) }).apply(&once, &surface).is_err());
-    }
-
-    #[test]
-    fn grow_shrink_invert_and_clear() {
-        let (_, surface) = bumpy_sphere();
-        let once = PaintEdit::Dab(dab(7)).apply(&Painted::Everywhere, &surface).unwrap();
-        let grown = PaintEdit::Grow.apply(&once, &surface).unwrap();
-        assert!(count(&grown, &surface).0 > count(&once, &surface).0);
-        assert_eq!(PaintEdit::Shrink.apply(&grown, &surface).unwrap(), once);
-        let twice = PaintEdit::Invert.apply(&PaintEdit::Invert.apply(&once, &surface).unwrap(), &surface);
-        assert_eq!(twice.unwrap(), once);
-        assert_eq!(count(&PaintEdit::Clear.apply(&once, &surface).unwrap(), &surface).0, 0);
-    }
-
-    #[test]
-    fn a_component_is_filled_alone_and_a_mirrored_dab_has_a_twin() {
-        let (points, triangles) = icosphere(2);
-        let n = points.len() as u32;
-        let two: Vec<Vec3> =
-            points.iter().copied().chain(points.iter().map(|p| add(*p, [3.0, 0.0, 0.0]))).collect();
-        let second = triangles.iter().map(|t| t.map(|v| v + n));
-        let both: Vec<[u32; 3]> = triangles.iter().copied().chain(second).collect();
-        let frame = chladni_mesh::Frame { center: [0.0; 3], scale: 1.0 };
-        let surface = Surface::of(two, both, frame);
-        // Painted on, only the component is in the region; painted away, only it is not.
-        for intensity in [1.0, 0.0] {
-            let fill = PaintEdit::FillComponent { at: dab(3).at, intensity };
-            let filled = fill.apply(&Painted::Everywhere, &surface).unwrap();
-            let values = filled.values(&surface.positions);
-            let expected = |v: usize| if v < n as usize { intensity } else { 1.0 - intensity };
-            assert!(values.iter().enumerate().all(|(v, x)| *x == expected(v)), "{intensity}");
+    /// A thin flap, such as an ear: two plates back to back, joined along their rims.
+    fn ear() -> (Surface, usize) {
+        const SIDE: u32 = 31;
+        let (mut positions, mut triangles) = plate(SIDE, 0.05, 0.02, true);
+        let (below, under) = plate(SIDE, 0.05, -0.02, false);
+        let front = positions.len() as u32;
+        positions.extend(below);
+        triangles.extend(under.iter().map(|t| t.map(|v| v + front)));
+        let rim: Vec<u32> = (0..SIDE)
+            .chain((1..SIDE).map(|y| y * SIDE + SIDE - 1))
+            .chain((0..SIDE - 1).rev().map(|x| (SIDE - 1) * SIDE + x))
+            .chain((0..SIDE - 1).rev().map(|y| y * SIDE))
+            .collect();
+        for w in rim.windows(2) {
+            triangles.extend([[w[1], w[0], w[0] + front], [w[1], w[0] + front, w[1] + front]]);
         }
+        (Surface::of(positions, triangles, FILE), front as usize)
+    }
 
-        let (plane, distance) = Mirror::of(&surface).unwrap();
-        assert!(distance < 1e-9 && (plane.point[0] - 1.5).abs() < 1e-9);
-        let mirrored = Dab { mirror: Some(Mirror { point: plane.point, normal: [1.0, 0.0, 0.0] }), ..dab(3) };
-        let painted = PaintEdit::Dab(mirrored).apply(&Painted::Everywhere, &surface).unwrap();
-        let values = painted.values(&surface.positions);
-        let (left, right) = values.split_at(n as usize);
-        let sum = |x: &[f32]| x.iter().filter(|x| **x > 0.0).count();
-        assert!(sum(left) > 0 && sum(left) == sum(right));
+    fn reach(surface: &Surface, at: Vec3, radius: f64, eye: Option<Vec3>) -> Reach {
+        let positions = single(&surface.positions);
+        let seen = Seen { surface, positions: &positions, eye };
+        Brush { radius, mirror: None }.reach(&seen, &surface.nearest_vertex(at).unwrap())
+    }
+
+    #[test]
+    fn the_back_of_an_ear_stays_bare() {
+        let (ear, front) = ear();
+        let above = Some([0.2, 0.1, 5.0]);
+        // In the middle and at the rim, where the way around is shorter than the brush.
+        for at in [[0.0, 0.0, 0.02], [0.7, 0.0, 0.02]] {
+            let seen = reach(&ear, at, 0.3, above).vertices();
+            assert!(seen.len() > 40 && seen.iter().all(|v| (*v as usize) < front), "{at:?}");
+            let in_a_ball = |v: usize| distance(ear.positions[v], at) <= 0.3;
+            assert!((front..2 * front).any(in_a_ball), "a ball goes through");
+        }
+        // From all sides at once it goes around the rim, but not through.
+        let around = reach(&ear, [0.7, 0.0, 0.02], 0.3, None).vertices();
+        assert!(around.iter().any(|v| *v as usize >= front));
+        let middle = reach(&ear, [0.0, 0.0, 0.02], 0.3, None).vertices();
+        assert!(middle.iter().all(|v| (*v as usize) < front));
+        // Whoever looks at the back paints the back.
+        let below = Some([0.2, 0.1, -5.0]);
+        let back = reach(&ear, [0.0, 0.0, -0.02], 0.3, below).vertices();
+        assert!(back.len() > 40 && back.iter().all(|v| *v as usize >= front));
+    }
+
+    #[test]
+    fn after_a_strong_layer_the_dab_is_round_where_it_is_seen() {
+        let (positions, triangles) = plate(61, 1.0 / 30.0, 0.0, true);
+        let surface = Surface::of(positions, triangles, FILE);
+        // A lower layer has made a part of it four times as wide and pulled it up.
+        let moved: Vec<[f32; 3]> = surface
+            .positions
+            .iter()
+            .map(|p| [4.0 * p[0], 2.0 * p[1], 1.0 + p[0]].map(|c| c as f32))
+            .collect();
+        let start = surface.nearest_vertex([0.0, 0.0, 0.0]).unwrap();
+        let seen = Seen { surface: &surface, positions: &moved, eye: Some([0.0, 0.0, 9.0]) };
+        let radius = 0.6;
+        let covered = Brush { radius, mirror: None }.reach(&seen, &start).vertices();
+        let center = surface.position(&start).map(|p| [4.0 * p[0], 2.0 * p[1], 1.0 + p[0]]).unwrap();
+        let edge = 4.3 / 30.0;
+        for v in 0..surface.vertices() as u32 {
+            let d = distance(moved[v as usize].map(f64::from), center);
+            let inside = covered.binary_search(&v).is_ok();
+            assert!(inside || d > radius - edge, "{d} is left out");
+            assert!(!inside || d < radius + edge, "{d} is painted");
+        }
+        // At rest the same brush would cover what is now four times as far away.
+        let rest = reach(&surface, [0.0; 3], radius, None).vertices();
+        let farthest = rest.iter().map(|v| distance(moved[*v as usize].map(f64::from), center));
+        assert!(farthest.fold(0.0, f64::max) > 2.0 * radius);
+    }
+
+    #[test]
+    fn the_ring_lies_between_what_is_painted_and_what_is_not() {
+        let (points, triangles) = icosphere(4);
+        let surface = Surface::of(points, triangles, FILE);
+        let reach = reach(&surface, [0.0, 0.0, 1.0], 0.4, Some([0.0, 0.0, 4.0]));
+        let (painted, known) = (reach.vertices(), |v: &u32| {
+            reach.distances.binary_search_by_key(v, |(v, _)| *v).map(|at| reach.distances[at].1)
+        });
+        let mut crossed = 0;
+        for t in &reach.triangles {
+            let corners = surface.triangles[*t as usize];
+            let distances = corners.map(|v| known(&v).unwrap());
+            let inside = corners.map(|v| painted.binary_search(&v).is_ok());
+            // The ring is where the distance is the radius: in a triangle of both kinds.
+            let ring = distances.iter().any(|d| *d <= 0.4) && distances.iter().any(|d| *d > 0.4);
+            assert_eq!(ring, inside.contains(&true) && inside.contains(&false));
+            crossed += usize::from(ring);
+        }
+        assert!(crossed > 20);
+        // Every triangle of a painted vertex is drawn, so that the ring is closed.
+        for v in &painted {
+            let drawn = |t: &u32| reach.triangles.binary_search(t).is_ok();
+            assert!(surface.triangles_around(*v).iter().all(drawn));
+        }
+    }
+
+    #[test]
+    fn a_mirrored_press_has_a_twin_across_a_plane_of_any_slope() {
+        let (points, triangles) = icosphere(4);
+        let surface = Surface::of(points, triangles, FILE);
+        let normal = crate::vector::scale([1.0, 2.0, -0.5], 1.0 / 5.25_f64.sqrt());
+        let plane = MirrorPlane { normal, offset: 0.0, misfit: 0.0 };
+        let positions = single(&surface.positions);
+        let seen = Seen { surface: &surface, positions: &positions, eye: None };
+        let at = surface.nearest_vertex([0.8, 0.6, 0.1]).unwrap();
+        let alone = Brush { radius: 0.25, mirror: None }.reach(&seen, &at).vertices();
+        let both = Brush { radius: 0.25, mirror: Some(plane) }.reach(&seen, &at).vertices();
+        let twin: Vec<u32> = both.iter().copied().filter(|v| alone.binary_search(v).is_err()).collect();
+        assert!(twin.len().abs_diff(alone.len()) < alone.len() / 5, "{} and {}", alone.len(), twin.len());
+        let center = plane.image(surface.position(&at).unwrap());
+        assert!(twin.iter().all(|v| distance(surface.positions[*v as usize], center) < 0.25 + 0.08));
+    }
+
+    #[test]
+    fn a_brush_smaller_than_a_triangle_paints_its_nearest_corner_and_strangers_nothing() {
+        let (points, triangles) = icosphere(1);
+        let surface = Surface::of(points, triangles, FILE);
+        let positions = single(&surface.positions);
+        let seen = Seen { surface: &surface, positions: &positions, eye: None };
+        let brush = Brush { radius: 1e-3, mirror: None };
+        let corner = SurfacePoint { triangle: 5, weights: [0.2, 0.7, 0.1] };
+        assert_eq!(brush.reach(&seen, &corner).vertices(), vec![surface.triangles[5][1]]);
+        let nowhere = SurfacePoint { triangle: 1_000_000, weights: [1.0, 0.0, 0.0] };
+        assert!(brush.reach(&seen, &nowhere).vertices().is_empty());
+        let another = Seen { positions: &positions[1..], ..seen };
+        assert!(brush.reach(&another, &corner).vertices().is_empty());
     }
 }

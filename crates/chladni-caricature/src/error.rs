@@ -82,6 +82,9 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A region cannot be softened on this surface.
+    #[error("the region cannot be softened: {0}")]
+    Softening(#[from] chladni_harmonics::HarmonicsError),
     /// The work was cancelled through its task.
     #[error(transparent)]
     Cancelled(#[from] chladni_task::Cancelled),

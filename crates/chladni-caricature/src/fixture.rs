@@ -85,6 +85,11 @@ pub(crate) fn polynomials(points: &[Vec3], mass: Vec<f64>) -> Basis {
     Basis { eigenvalues, vectors: columns.concat(), mass, certificate }
 }
 
+/// Positions in the precision of pictures.
+pub(crate) fn single(positions: &[Vec3]) -> Vec<[f32; 3]> {
+    positions.iter().map(|p| p.map(|c| c as f32)).collect()
+}
+
 /// The icosahedron subdivided `levels` times, on the unit sphere.
 pub(crate) fn icosphere(levels: usize) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let g = (1.0 + 5.0_f64.sqrt()) / 2.0;

@@ -43,8 +43,13 @@ impl Eq for Front {}
 impl Surface {
     /// Where `point` lies at rest, working frame; `None` where there is no such triangle.
     pub fn position(&self, point: &SurfacePoint) -> Option<Vec3> {
+        self.position_where(point, |v| self.positions[v as usize])
+    }
+
+    /// Where `point` lies with every vertex where `at` puts it.
+    fn position_where(&self, point: &SurfacePoint, at: impl Fn(u32) -> Vec3) -> Option<Vec3> {
         let t = self.triangles.get(point.triangle as usize)?;
-        let corner = |i: usize| scale(self.positions[t[i] as usize], point.weights[i]);
+        let corner = |i: usize| scale(at(t[i]), point.weights[i]);
         Some(add(add(corner(0), corner(1)), corner(2)))
     }
 
@@ -62,20 +67,29 @@ impl Surface {
         Some(SurfacePoint { triangle, weights: scale(weights, 1.0 / total) })
     }
 
-    /// The vertices within `radius` (working frame) of `start` along the surface, each with its
-    /// distance, nearest first. Empty where there is no such triangle.
+    /// How far the vertices around `start` are from it along the surface, with every vertex where
+    /// `at` puts it and only triangles that `passes` allows: those within `radius`, nearest first,
+    /// then their neighbours beyond it. Empty where there is no such triangle.
     ///
     /// Fast marching (Kimmel & Sethian 1998) with each front edge unfolded about a virtual
     /// source: exact on flat parts, within a few percent elsewhere, and never shorter than the
     /// straight line by more than rounding.
-    pub fn within(&self, start: &SurfacePoint, radius: f64) -> Vec<(u32, f64)> {
-        let Some(origin) = self.position(start) else { return Vec::new() };
+    pub(crate) fn march(
+        &self,
+        start: &SurfacePoint,
+        radius: f64,
+        at: impl Fn(u32) -> Vec3,
+        passes: impl Fn(u32) -> bool,
+    ) -> Marched {
+        let mut marched = Marched::default();
+        let Some(origin) = self.position_where(start, &at) else { return marched };
         let mut best = vec![f64::INFINITY; self.vertices()];
         let mut done = vec![false; self.vertices()];
         let mut front = BinaryHeap::new();
-        let mut reached = Vec::new();
+        let mut touched = Vec::new();
         for &v in &self.triangles[start.triangle as usize] {
-            best[v as usize] = distance(origin, self.positions[v as usize]);
+            best[v as usize] = distance(origin, at(v));
+            touched.push(v);
             front.push(Front { distance: best[v as usize], vertex: v });
         }
         while let Some(Front { distance: d, vertex: v }) = front.pop() {
@@ -86,33 +100,51 @@ impl Surface {
                 break;
             }
             done[v as usize] = true;
-            reached.push((v, d));
-            for t in self.triangles_around(v) {
-                for &w in &self.triangles[*t as usize] {
+            marched.distances.push((v, d));
+            for &t in self.triangles_around(v).iter().filter(|t| passes(**t)) {
+                marched.triangles.push(t);
+                for &w in &self.triangles[t as usize] {
                     if done[w as usize] {
                         continue;
                     }
-                    let candidate = self.through(*t, v, w, &best, &done);
+                    let candidate = self.through(t, v, w, &best, &done, &at);
                     if candidate < best[w as usize] {
+                        if best[w as usize] == f64::INFINITY {
+                            touched.push(w);
+                        }
                         best[w as usize] = candidate;
                         front.push(Front { distance: candidate, vertex: w });
                     }
                 }
             }
         }
-        reached
+        touched.sort_unstable();
+        touched.dedup();
+        let beyond = touched.into_iter().filter(|v| !done[*v as usize]);
+        marched.distances.extend(beyond.map(|v| (v, best[v as usize])));
+        marched.triangles.sort_unstable();
+        marched.triangles.dedup();
+        marched
     }
 
     /// The distance of `w` through triangle `t`, of which `v` is settled and the third corner
     /// may be.
-    fn through(&self, t: u32, v: u32, w: u32, best: &[f64], done: &[bool]) -> f64 {
-        let at = |v: u32| self.positions[v as usize];
+    fn through(&self, t: u32, v: u32, w: u32, best: &[f64], done: &[bool], at: &impl Fn(u32) -> Vec3) -> f64 {
         let along_edge = best[v as usize] + distance(at(v), at(w));
         let third = self.triangles[t as usize].into_iter().find(|u| *u != v && *u != w);
         let Some(u) = third.filter(|u| done[*u as usize]) else { return along_edge };
         let across = unfolded(at(v), at(u), at(w), best[v as usize], best[u as usize]);
         along_edge.min(across.unwrap_or(f64::INFINITY))
     }
+}
+
+/// What a march over the surface came by.
+#[derive(Debug, Default)]
+pub(crate) struct Marched {
+    /// Vertices and their distances.
+    pub distances: Vec<(u32, f64)>,
+    /// The triangles that it went through, ascending; all their corners have a distance.
+    pub triangles: Vec<u32>,
 }
 
 /// The distance to `c` from the virtual source that lies at distances `da`, `db` from a and b in
@@ -143,6 +175,11 @@ mod tests {
 
     const FILE: Frame = Frame { center: [0.0; 3], scale: 1.0 };
 
+    fn within(surface: &Surface, start: &SurfacePoint, radius: f64) -> Vec<(u32, f64)> {
+        let marched = surface.march(start, radius, |v| surface.positions[v as usize], |_| true);
+        marched.distances.into_iter().filter(|(_, d)| *d <= radius).collect()
+    }
+
     #[test]
     fn on_a_sphere_distances_are_arcs() {
         let (points, triangles) = icosphere(4);
@@ -150,7 +187,7 @@ mod tests {
         let start = SurfacePoint { triangle: 100, weights: [0.2, 0.5, 0.3] };
         let origin = surface.position(&start).unwrap();
         let origin = scale(origin, 1.0 / dot(origin, origin).sqrt());
-        let reached = surface.within(&start, 2.0);
+        let reached = within(&surface, &start, 2.0);
         assert!(reached.len() > 1000);
         assert!(reached.windows(2).all(|w| w[0].1 <= w[1].1));
         for (v, d) in reached {
@@ -170,7 +207,7 @@ mod tests {
         let start = surface.nearest_vertex([10.2, 9.9, 3.0]).unwrap();
         let origin = surface.position(&start).unwrap();
         assert_eq!(origin, [10.0, 10.0, 0.0]);
-        let reached = surface.within(&start, 8.0);
+        let reached = within(&surface, &start, 8.0);
         let expected = surface.positions.iter().filter(|p| distance(**p, origin) <= 7.8).count();
         assert!(reached.len() >= expected);
         for (v, d) in reached {

@@ -76,6 +76,10 @@ fn from_2_to_3(table: &mut Table) {
             let cutoff = region.remove("cutoff").and_then(|cutoff| cutoff.as_integer());
             let wavelength = usual_wavelength(cutoff.unwrap_or(96).max(1) as f64);
             region.insert("wavelength".into(), Value::Float(wavelength));
+            // A low-pass by harmonics that fell off like a Gaussian and rang a little; heat halves the same.
+            if region.get("roll_off").and_then(Value::as_str) == Some("gaussian") {
+                region.insert("roll_off".into(), Value::String("heat".into()));
+            }
         }
         let points = layer.get_mut("scale").and_then(|scale| scale.get_mut("points"));
         if let Some(points) = points

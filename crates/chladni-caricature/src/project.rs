@@ -99,8 +99,8 @@ impl Project {
     pub fn taken_over(&self) -> Option<String> {
         let format = self.older_format?;
         Some(format!(
-            "a project of format {format}: its curves and soft edges are wavelengths now, so that the shape may \
-             differ a little"
+            "a project of format {format}: its curves and soft edges are wavelengths now, and heat softens what a \
+             Gaussian did, so that the shape may differ a little"
         ))
     }
 

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use chladni_harmonics::Basis;
+use chladni_harmonics::{Basis, Body};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::difference::check_count;
 use crate::painted_spectrum::PaintedSpectrum;
+use crate::softening::Softening;
 use crate::transform::synthesise;
 use crate::vector::{Vec3, distance};
 use crate::wavelength::{eigenvalue_of, wavelengths};
@@ -46,20 +47,20 @@ pub struct Sphere {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Smoothing {
     /// The wavelength, as a share of the shape's [`size`](crate::size), above which harmonics are kept
-    /// (sharp), or whose harmonics are halved (Gaussian): longer is softer. The paper's nχ harmonics
+    /// (sharp), or whose harmonics are halved (heat): longer is softer. The paper's nχ harmonics
     /// are a wavelength of about π/√nχ ([`usual_wavelength`](crate::usual_wavelength)); it uses 32, 96 and
     /// 192 of 512. Of a shape in several pieces each keeps its constant harmonic.
     pub wavelength: f64,
     /// The shape of the low-pass.
     pub roll_off: RollOff,
-    /// Cuts χ to [0, 1]: a sharp cut rings below 0 and above 1.
+    /// Cuts χ to [0, 1] after a sharp cut, which rings below 0 and above 1. Heat never leaves it.
     pub clamp: bool,
 }
 
 impl Default for Smoothing {
-    /// 32 %, the paper's nχ = 96, with the Gaussian roll-off, clamped.
+    /// 32 %, the paper's nχ = 96, by heat.
     fn default() -> Self {
-        Self { wavelength: 0.32, roll_off: RollOff::Gaussian, clamp: true }
+        Self { wavelength: 0.32, roll_off: RollOff::Heat, clamp: true }
     }
 }
 
@@ -67,10 +68,12 @@ impl Default for Smoothing {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RollOff {
-    /// χ = Σ_{k<nχ} H_k χ̃01_k, as in the paper.
+    /// χ = Σ_{k<nχ} H_k χ̃01_k, as in the paper. It rings.
     Sharp,
-    /// Heat flow: χ̃_k = χ̃01_k 2^(−λ_k/λ), λ that of the wavelength, which is halved; it does not ring.
-    Gaussian,
+    /// One implicit step of the heat equation, χ = (M + tS)⁻¹ M χ01 with t = 1/λ, λ that of the
+    /// wavelength: all of the spectrum takes part, and harmonic k is multiplied by 1 / (1 + λ_k/λ).
+    /// χ is an average of χ01, so that it never rings.
+    Heat,
 }
 
 impl Default for Region {
@@ -87,14 +90,14 @@ impl Region {
         basis: &Basis,
         file_positions: &[Vec3],
         spectrum: &mut PaintedSpectrum,
+        softening: &mut Softening,
     ) -> Result<Option<Arc<[f32]>>, Error> {
         if self.painted == Painted::Everywhere {
             return Ok(None);
         }
         let painted = self.painted.values(file_positions);
         check_count("the painted region", painted.len(), basis)?;
-        let harmonics = self.smoothing.harmonics(basis);
-        Ok(Some(self.smoothing.apply_to(basis, spectrum.follow(basis, &painted, harmonics))))
+        self.smoothing.apply_with(basis, &painted, spectrum, softening).map(Some)
     }
 }
 
@@ -127,43 +130,49 @@ fn spheres_to_vertices(spheres: &[Sphere], file_positions: &[Vec3]) -> Arc<[f32]
 }
 
 impl Smoothing {
-    /// χ of a painted signal with one value per operator vertex.
-    pub fn apply(&self, basis: &Basis, painted: &[f32]) -> Arc<[f32]> {
-        self.apply_to(basis, PaintedSpectrum::default().follow(basis, painted, self.harmonics(basis)))
+    /// χ of a painted signal with one value per operator vertex of `body`. A [`Stack`](crate::Stack)
+    /// keeps what this makes anew each time.
+    pub fn apply(&self, body: &Arc<Body>, painted: &[f32]) -> Result<Arc<[f32]>, Error> {
+        check_count("the painted region", painted.len(), &body.basis)?;
+        let mut softening = Softening::of(body.clone());
+        self.apply_with(&body.basis, painted, &mut PaintedSpectrum::default(), &mut softening)
     }
 
-    /// χ of the signal whose transform is `spectrum`, at least as long as the low-pass.
-    pub(crate) fn apply_to(&self, basis: &Basis, spectrum: &[f64]) -> Arc<[f32]> {
-        let weights = self.weights(basis);
-        let low: Vec<[f64; 1]> = spectrum.iter().zip(&weights).map(|(c, w)| [c * w]).collect();
-        let mut smooth = vec![0.0_f32; basis.vertices()];
-        synthesise(basis, &low, &mut smooth, |_, [sum], out| {
-            *out = if self.clamp { sum.clamp(0.0, 1.0) as f32 } else { sum as f32 };
-        });
-        smooth.into()
-    }
-
-    /// How many harmonics pass.
-    pub(crate) fn harmonics(&self, basis: &Basis) -> usize {
-        self.weights(basis).len()
-    }
-
-    /// The gain of each harmonic that passes.
-    fn weights(&self, basis: &Basis) -> Vec<f64> {
+    fn apply_with(
+        &self,
+        basis: &Basis,
+        painted: &[f32],
+        spectrum: &mut PaintedSpectrum,
+        softening: &mut Softening,
+    ) -> Result<Arc<[f32]>, Error> {
         match self.roll_off {
+            RollOff::Heat => {
+                let smooth = softening.step(self.heat_time(basis))?.apply(painted);
+                // Rounding alone can leave the range.
+                Ok(smooth.into_iter().map(|x| x.clamp(0.0, 1.0) as f32).collect())
+            }
             RollOff::Sharp => {
                 let waves = wavelengths(basis);
-                waves.into_iter().take_while(|w| *w > self.wavelength).map(|_| 1.0).collect()
-            }
-            RollOff::Gaussian => {
-                let cut = eigenvalue_of(basis, self.wavelength);
-                let gain = basis.eigenvalues.iter().map(|l| (-l.max(0.0) / cut).exp2());
-                // What is below a 500th no brush stroke shows.
-                gain.take_while(|w| *w > 2e-3).collect()
+                let passing = waves.iter().take_while(|w| **w > self.wavelength).count().max(1);
+                let low = spectrum.follow(basis, painted, passing).iter().take(passing);
+                let low: Vec<[f64; 1]> = low.map(|c| [*c]).collect();
+                let mut smooth = vec![0.0_f32; basis.vertices()];
+                synthesise(basis, &low, &mut smooth, |_, [sum], out| {
+                    *out = if self.clamp { sum.clamp(0.0, 1.0) as f32 } else { sum as f32 };
+                });
+                Ok(smooth.into())
             }
         }
     }
+
+    /// t = 1/λ, the length of the heat step that halves harmonics of the wavelength.
+    fn heat_time(&self, basis: &Basis) -> f64 {
+        1.0 / eigenvalue_of(basis, self.wavelength).max(LOWEST_WAVE)
+    }
 }
+
+/// Far below the λ of any wave on a shape of the working frame's size: heat then levels whole pieces.
+const LOWEST_WAVE: f64 = 1e-4;
 
 /// `x,y,z,radius` in file units.
 impl std::str::FromStr for Sphere {
@@ -195,48 +204,87 @@ mod tests {
     use super::*;
     use crate::fixture::bumpy_sphere;
 
-    fn half(body: &chladni_harmonics::Body) -> Vec<f32> {
+    fn half(body: &Body) -> Vec<f32> {
         body.positions.iter().map(|p| if p[0] > 0.1 { 1.0 } else { 0.0 }).collect()
     }
 
     #[test]
-    fn a_sharp_cut_is_the_projection_on_the_first_harmonics() {
+    fn a_sharp_cut_is_the_projection_on_the_first_harmonics_and_rings() {
         let (body, _) = bumpy_sphere();
         let painted = half(&body);
         let wavelength = wavelengths(&body.basis)[16];
         let sharp = Smoothing { wavelength, roll_off: RollOff::Sharp, clamp: false };
-        let chi = sharp.apply(&body.basis, &painted);
+        let chi = sharp.apply(&body, &painted).unwrap();
         let signal: Vec<f64> = painted.iter().map(|x| f64::from(*x)).collect();
         let expected = body.basis.synthesize(&body.basis.transform(&signal)[..16]);
         chi.iter().zip(expected).for_each(|(a, b)| assert!((f64::from(*a) - b).abs() < 1e-6));
         assert!(chi.iter().any(|c| *c < 0.0) && chi.iter().any(|c| *c > 1.0), "a sharp cut rings");
-        let clamped = Smoothing { clamp: true, ..sharp }.apply(&body.basis, &painted);
+        let clamped = Smoothing { clamp: true, ..sharp }.apply(&body, &painted).unwrap();
         assert!(clamped.iter().all(|c| (0.0..=1.0).contains(c)));
     }
 
+    /// A rock with harmonics of its own.
+    fn rock() -> Arc<Body> {
+        let mut mesh = chladni_mesh::samples::icosphere(3);
+        for p in &mut mesh.positions {
+            let bump = 1.0 + 0.3 * (3.0 * p[0]).sin() * p[1] + 0.1 * (7.0 * p[2]).cos();
+            *p = crate::vector::scale(*p, bump);
+        }
+        let settings = chladni_harmonics::BasisSettings::new(64);
+        Arc::new(Body::build(&mesh, &settings, &chladni_task::Task::new()).unwrap())
+    }
+
     #[test]
-    fn the_gaussian_halves_its_cutoff_and_rings_less() {
-        let (body, _) = bumpy_sphere();
+    fn heat_never_rings_and_halves_its_cutoff() {
+        let body = rock();
         let painted = half(&body);
-        let wavelength = wavelengths(&body.basis)[16];
-        let low_pass = |roll_off| Smoothing { wavelength, roll_off, clamp: false };
-        let weights = low_pass(RollOff::Gaussian).weights(&body.basis);
-        assert!((weights[16] - 0.5).abs() < 1e-12 && weights[0] == 1.0);
-        let ringing = |chi: Arc<[f32]>| chi.iter().map(|c| (-c).max(c - 1.0)).fold(0.0_f32, f32::max);
-        let sharp = ringing(low_pass(RollOff::Sharp).apply(&body.basis, &painted));
-        let gaussian = ringing(low_pass(RollOff::Gaussian).apply(&body.basis, &painted));
-        assert!(gaussian < 0.5 * sharp, "{gaussian} against {sharp}");
+        let plain: Vec<f64> = painted.iter().map(|x| f64::from(*x)).collect();
+        let before = body.basis.transform(&plain);
+        let waves = wavelengths(&body.basis);
+        let chosen = [1, 4, 16, 63].map(|k| (waves[k], Some(k)));
+        for (wavelength, halved) in chosen.into_iter().chain([(1e-3, None), (40.0, None), (1e30, None)]) {
+            let heat = Smoothing { wavelength, roll_off: RollOff::Heat, clamp: false };
+            // The step itself, before anything could be clamped.
+            let mut softening = Softening::of(body.clone());
+            let chi = softening.step(heat.heat_time(&body.basis)).unwrap().apply(&painted);
+            assert!(chi.iter().all(|c| *c >= 0.0 && *c <= 1.0 + 1e-12), "{wavelength}");
+            let after = body.basis.transform(&chi);
+            if let Some(k) = halved {
+                assert!((after[k] - 0.5 * before[k]).abs() < 1e-9, "{wavelength}");
+            }
+            let told = heat.apply(&body, &painted).unwrap();
+            assert!(told.iter().zip(&chi).all(|(a, b)| (f64::from(*a) - b).abs() < 1e-6));
+        }
+    }
+
+    #[test]
+    fn a_longer_wavelength_is_softer() {
+        let body = rock();
+        let painted = half(&body);
+        let steepest = |wavelength| {
+            let chi = Smoothing { wavelength, ..Smoothing::default() }.apply(&body, &painted).unwrap();
+            let sides = body.triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+            sides.map(|[a, b]| (chi[*a as usize] - chi[*b as usize]).abs()).fold(0.0, f32::max)
+        };
+        let steep = [0.1, 0.3, 0.9, 3.0].map(steepest);
+        assert!(steep.windows(2).all(|pair| pair[0] > 1.3 * pair[1]), "{steep:?}");
     }
 
     #[test]
     fn everything_painted_stays_one() {
-        let (body, _) = bumpy_sphere();
+        let body = rock();
         let all = vec![1.0; body.positions.len()];
-        for roll_off in [RollOff::Sharp, RollOff::Gaussian] {
+        for roll_off in [RollOff::Sharp, RollOff::Heat] {
             let smoothing = Smoothing { roll_off, clamp: false, ..Smoothing::default() };
-            let chi = smoothing.apply(&body.basis, &all);
+            let chi = smoothing.apply(&body, &all).unwrap();
             assert!(chi.iter().all(|c| (c - 1.0).abs() < 1e-6));
         }
+    }
+
+    #[test]
+    fn a_signal_of_another_shape_is_an_error() {
+        let (body, _) = bumpy_sphere();
+        assert!(Smoothing::default().apply(&body, &[1.0; 3]).is_err());
     }
 
     #[test]

@@ -13,6 +13,7 @@ use crate::fold::flipped_triangles;
 use crate::matching::own_target;
 use crate::memo::{Memo, Same};
 use crate::painted_spectrum::PaintedSpectrum;
+use crate::softening::Softening;
 use crate::vector::{Vec3, add};
 use crate::{
     Base, Difference, Error, Field, Layer, LayerId, MatchRequest, Matched, Model, Painted, Project,
@@ -31,6 +32,7 @@ pub struct Stack {
     original: Arc<Base>,
     matches: Vec<(MatchRequest, Result<Arc<Matched>, String>)>,
     layers: HashMap<LayerId, LayerMemo>,
+    softening: Softening,
     all_models_of: Option<LayerId>,
 }
 
@@ -113,15 +115,17 @@ impl Stack {
         let original = Base::new(body.basis.clone(), surface.clone(), body.positions.clone())?;
         let file_positions = surface.file_positions();
         let (matches, layers) = (Vec::new(), HashMap::new());
+        let softening = Softening::of(body.clone());
         let (original, all_models_of) = (Arc::new(original), None);
-        Ok(Self { body, surface, file_positions, original, matches, layers, all_models_of })
+        Ok(Self { body, surface, file_positions, original, matches, layers, softening, all_models_of })
     }
 
     /// A stack on the same shape with another number of harmonics. Matches know nothing of harmonics and
     /// stay.
     pub fn with_harmonics_of(&self, body: Arc<Body>) -> Result<Self, Error> {
         check_count("the shape", self.body.positions.len(), &body.basis)?;
-        Ok(Self { matches: self.matches.clone(), ..Self::new(body)? })
+        let softening = self.softening.with_harmonics_of(body.clone());
+        Ok(Self { matches: self.matches.clone(), softening, ..Self::new(body)? })
     }
 
     /// The body that is deformed.
@@ -137,6 +141,13 @@ impl Stack {
     /// The shape under all layers.
     pub fn original(&self) -> &Arc<Base> {
         &self.original
+    }
+
+    /// What has to be done once before regions can be softened, half a second for 50,000 vertices: a
+    /// window does it on another thread while the brush is taken up. [`evaluate`](Self::evaluate)
+    /// waits for it, or does it where nobody did.
+    pub fn brush_preparation(&self) -> impl FnOnce() + Send + 'static {
+        self.softening.preparation()
     }
 
     /// The matches that acting layers wait for, each once. Run them away from the window and
@@ -197,7 +208,7 @@ impl Stack {
                 displacement: None,
             };
             if project.acts(layer) {
-                match memo.evaluate(&scene, layer, &base) {
+                match memo.evaluate(&scene, &mut self.softening, layer, &base) {
                     Ok(Some(acting)) => {
                         base = acting.result;
                         evaluated.state =
@@ -273,6 +284,7 @@ impl LayerMemo {
     fn evaluate(
         &mut self,
         scene: &Scene<'_>,
+        softening: &mut Softening,
         layer: &Layer,
         base: &Arc<Base>,
     ) -> Result<Option<Acting>, Error> {
@@ -282,7 +294,7 @@ impl LayerMemo {
         let difference = self.difference.get(inputs, new)?;
         let region = &layer.region;
         let painted = &mut self.painted;
-        let smooth = || region.smoothed(base.basis(), scene.places, painted);
+        let smooth = || region.smoothed(base.basis(), scene.places, painted, softening);
         let mask = self.mask.get((region.painted.clone(), region.smoothing), smooth)?;
         let field = if scene.all_models {
             let [coordinate, normal, distance] = self.all_fields(&difference, &layer.curve);

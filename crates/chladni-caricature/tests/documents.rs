@@ -12,10 +12,9 @@ use proptest::prelude::*;
 
 fn action() -> impl Strategy<Value = Action> {
     let id = || (1..9_u64).prop_map(LayerId);
-    let at = (0..1280_u32).prop_map(|triangle| SurfacePoint { triangle, weights: [0.2, 0.3, 0.5] });
-    let dab = (at, 0.05..0.5_f64, 0_f32..=1.0, any::<bool>()).prop_map(|(at, radius, intensity, erase)| {
-        PaintEdit::Dab(Dab { at, radius, intensity, erase, mirror: None })
-    });
+    let vertices = prop::collection::vec(0..642_u32, 0..60);
+    let dab = (vertices, 0_f32..=1.0, any::<bool>())
+        .prop_map(|(vertices, intensity, erase)| PaintEdit::Dab(Dab { vertices, intensity, erase }));
     let edit = prop_oneof![dab, Just(PaintEdit::Grow), Just(PaintEdit::Invert), Just(PaintEdit::Clear)];
     let property = prop_oneof![
         (-3.0..3.0).prop_map(Property::Mu),

@@ -60,6 +60,6 @@ pub use request::{
 };
 pub use samples::Samples;
 pub use scene::{
-    Brush, Cell, Figure, IDENTITY, ItemBuffers, Marker, Paint, Skin, Topology, VertexPaint, Wire,
+    BrushRing, Cell, Figure, IDENTITY, ItemBuffers, Marker, Paint, Skin, Topology, VertexPaint, Wire,
 };
 pub use style::{Background, Light, Lights, Material};

@@ -28,8 +28,6 @@ pub(crate) struct Kind {
     /// Whether the key light's shadows are looked up: sixteen samples a pixel that a software device
     /// would take even where their result is thrown away.
     pub(crate) shadows: bool,
-    /// Whether there is a brush ring to draw.
-    pub(crate) brush: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,6 +36,8 @@ pub(crate) enum Part {
     Shadow,
     Backdrop,
     Surface(Coat, Side),
+    /// A brush's ring on a surface that is drawn already.
+    Brush,
     Markers,
     HiddenMarkers,
     /// Smooths the edges of a picture of one sample a pixel.
@@ -63,7 +63,7 @@ pub(crate) enum Side {
 
 impl Kind {
     pub(crate) fn new(part: Part, samples: Samples) -> Self {
-        Self { part, samples, shadows: false, brush: false }
+        Self { part, samples, shadows: false }
     }
 }
 
@@ -189,6 +189,7 @@ impl Pipelines {
             |format, location| [wgpu::VertexAttribute { format, offset: 0, shader_location: location }];
         let (position, normal) = (attribute(Float32x3, 0), attribute(Float32x3, 1));
         let (value, color) = (attribute(Float32, 2), attribute(Unorm8x4, 2));
+        let reach = attribute(Float32, 1);
         let marker = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
         let slot = |step_mode, stride, attributes| {
             Some(wgpu::VertexBufferLayout { array_stride: stride, step_mode, attributes })
@@ -207,6 +208,7 @@ impl Pipelines {
                 ("color_vertex", Some("color_fragment"), vec![at, towards, each(4, &color)])
             }
             Part::Surface(Coat::Corners, _) => ("corner_vertex", Some("corner_fragment"), vec![]),
+            Part::Brush => ("brush_vertex", Some("brush_fragment"), vec![at, each(4, &reach)]),
             Part::Markers | Part::HiddenMarkers => {
                 let fragment =
                     if kind.part == Part::Markers { "marker_fragment" } else { "hidden_marker_fragment" };
@@ -222,11 +224,7 @@ impl Pipelines {
         };
         let targets = [Some(self.target(kind.part))];
         let (module, flag) = (&self.module, |on: bool| f64::from(u8::from(on)));
-        let constants = [
-            ("SHADOWS", flag(kind.shadows)),
-            ("BRUSH", flag(kind.brush)),
-            ("FILTERED", flag(kind.samples == Samples::Four)),
-        ];
+        let constants = [("SHADOWS", flag(kind.shadows)), ("FILTERED", flag(kind.samples == Samples::Four))];
         let compilation = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(vertex),
@@ -276,16 +274,21 @@ impl Part {
             Self::Smooth => return None,
             Self::Shadow | Self::Surface(..) => (true, LessEqual),
             Self::Backdrop => (false, Always),
-            Self::Markers => (false, LessEqual),
+            Self::Markers | Self::Brush => (false, LessEqual),
             Self::HiddenMarkers => (false, Greater),
         };
-        let bias = wgpu::DepthBiasState { constant: 2, slope_scale: 1.5, clamp: 0.0 };
+        let (constant, slope_scale) = match self {
+            Self::Shadow => (2, 1.5),
+            // The surface under it was drawn by another shader, which may round otherwise.
+            Self::Brush => (-2, -1.0),
+            _ => (0, 0.0),
+        };
         Some(wgpu::DepthStencilState {
             format: DEPTH,
             depth_write_enabled: Some(write),
             depth_compare: Some(compare),
             stencil: wgpu::StencilState::default(),
-            bias: if self == Self::Shadow { bias } else { wgpu::DepthBiasState::default() },
+            bias: wgpu::DepthBiasState { constant, slope_scale, clamp: 0.0 },
         })
     }
 }

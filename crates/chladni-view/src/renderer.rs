@@ -58,7 +58,6 @@ struct FigureUniform {
     wire: [f32; 4],
     wire_width: [f32; 4],
     brush: [f32; 4],
-    brush_color: [f32; 4],
 }
 
 #[repr(C)]
@@ -221,7 +220,7 @@ impl Renderer {
         }
         for side in sides(figure) {
             let part = Part::Surface(coat, side);
-            let kind = Kind { part, samples, shadows, brush: figure.brush.is_some() };
+            let kind = Kind { part, samples, shadows };
             pass.set_pipeline(self.pipelines.get(&self.gpu.device, kind));
             if coat == Coat::Corners {
                 pass.draw(0..corners, 0..1);
@@ -231,6 +230,13 @@ impl Renderer {
         }
         if coat == Coat::Corners {
             pass.set_bind_group(2, &self.images.group, &[]);
+        }
+        if let Some(ring) = figure.brush.filter(|ring| ring.corners > 0) {
+            pass.set_pipeline(self.pipelines.get(&self.gpu.device, Kind::new(Part::Brush, samples)));
+            pass.set_vertex_buffer(0, buffers.positions.slice(item_bytes(figure)));
+            pass.set_vertex_buffer(1, ring.reach.buffer.slice(..));
+            pass.set_index_buffer(ring.triangles.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..ring.corners, 0, 0..1);
         }
     }
 
@@ -362,6 +368,10 @@ fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
             buffers.items, buffers.vertices, topology.vertices
         )));
     }
+    if let Some(ring) = figure.brush.filter(|ring| ring.reach.vertices != buffers.vertices) {
+        let (found, wanted) = (ring.reach.vertices, buffers.vertices);
+        return Err(ViewError::Shape(format!("a brush on {found} vertices of {wanted}")));
+    }
     match figure.paint {
         Paint::Values(paint, _) | Paint::Colors(paint) if paint.vertices != buffers.vertices => {
             Err(ViewError::Shape(format!("{} painted vertices of {}", paint.vertices, buffers.vertices)))
@@ -417,8 +427,7 @@ fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
         scale,
         wire: figure.wire.map_or([0.0; 4], |wire| srgb(wire.color, wire.opacity)),
         wire_width: [figure.wire.map_or(0.0, |wire| wire.width_px), first_vertex, 0.0, 0.0],
-        brush: figure.brush.map_or([0.0; 4], |brush| rgb(brush.center, brush.radius)),
-        brush_color: figure.brush.map_or([0.0; 4], |brush| srgb(brush.color, 1.0)),
+        brush: figure.brush.map_or([0.0; 4], |ring| srgb(ring.color, ring.radius)),
     }
 }
 

@@ -289,15 +289,69 @@ impl Default for Wire {
     }
 }
 
-/// A ring on the surface around a point: where a brush would paint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Brush {
-    /// In the scene.
-    pub center: [f32; 3],
-    /// In the scene's units.
-    pub radius: f32,
-    /// sRGB.
-    pub color: [u8; 3],
+/// Where a brush would paint: a ring on part of a surface, and a breath of its colour inside.
+#[derive(Clone, Debug)]
+pub struct BrushRing {
+    /// How far each vertex is from the brush's centre, as far as that matters.
+    pub(crate) reach: VertexPaint,
+    values: Vec<f32>,
+    /// The triangles that it lies on.
+    pub(crate) triangles: wgpu::Buffer,
+    pub(crate) corners: u32,
+    pub(crate) radius: f32,
+    pub(crate) color: [u8; 3],
+}
+
+impl BrushRing {
+    /// A ring of colour `color` (sRGB) for shapes of `vertices` vertices, which lies nowhere yet.
+    pub fn new(gpu: &Gpu, vertices: usize, color: [u8; 3]) -> Self {
+        let triangles = index_buffer(gpu, 1);
+        let (reach, values) = (VertexPaint::new(gpu, vertices), vec![0.0; vertices]);
+        Self { reach, values, triangles, corners: 0, radius: 0.0, color }
+    }
+
+    /// Lays the ring where the distance is `radius`, on `triangles` whose corners have a `reach`, their
+    /// distance from the brush's centre.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] for a vertex out of range.
+    pub fn lay(
+        &mut self,
+        gpu: &Gpu,
+        radius: f32,
+        reach: impl Iterator<Item = (u32, f32)>,
+        triangles: &[[u32; 3]],
+    ) -> Result<(), ViewError> {
+        let vertices = self.values.len();
+        let out_of_range = |v: u32| ViewError::Shape(format!("a brush names vertex {v} of {vertices}"));
+        for (v, distance) in reach {
+            *self.values.get_mut(v as usize).ok_or_else(|| out_of_range(v))? = distance;
+        }
+        if let Some(v) = triangles.iter().flatten().find(|v| **v as usize >= vertices) {
+            return Err(out_of_range(*v));
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(triangles);
+        if self.triangles.size() < bytes.len() as u64 {
+            self.triangles = index_buffer(gpu, triangles.len().next_power_of_two());
+        }
+        gpu.queue.write_buffer(&self.triangles, 0, bytes);
+        (self.radius, self.corners) = (radius, 3 * triangles.len() as u32);
+        self.reach.write_values(gpu, &self.values)
+    }
+
+    /// Takes the ring off.
+    pub fn lift(&mut self) {
+        self.corners = 0;
+    }
+}
+
+fn index_buffer(gpu: &Gpu, triangles: usize) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("brush"),
+        size: (12 * triangles) as u64,
+        usage: wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
 }
 
 /// One item in a cell.
@@ -320,7 +374,7 @@ pub struct Figure<'a> {
     /// Edges, where they are to be seen.
     pub wire: Option<Wire>,
     /// Brush ring, where there is one.
-    pub brush: Option<Brush>,
+    pub brush: Option<&'a BrushRing>,
 }
 
 /// A similarity that changes nothing.

@@ -38,15 +38,13 @@ struct Figure {
     wire: vec4f,
     // Width of the wire in pixels; first vertex; ambient share; -.
     wire_width: vec4f,
-    // Centre in the scene, radius (0: none).
+    // sRGB of a brush's ring; w: its radius.
     brush: vec4f,
-    brush_color: vec4f,
 }
 
 // What a pipeline can do without is left out when it is compiled: a software device computes both
 // sides of every branch.
 override SHADOWS = true;
-override BRUSH = true;
 // Whether shadows are filtered between the texels of their map: without, a pixel must be no smaller.
 override FILTERED = true;
 
@@ -217,15 +215,6 @@ fn studio(d: vec3f, roughness: f32) -> vec3f {
     return c;
 }
 
-// From the viewer's axes to the scene: the view turns and shifts only.
-fn to_scene(direction: vec3f) -> vec3f {
-    return direction * mat3x3f(cell.view[0].xyz, cell.view[1].xyz, cell.view[2].xyz);
-}
-
-fn place_of(at: vec3f) -> vec3f {
-    return to_scene(at - cell.view[3].xyz);
-}
-
 // Share of the key light that reaches a place in its map.
 fn lit_by_key(map_at: vec3f, map_step: vec3f, pixel: vec2f) -> f32 {
     if !SHADOWS { return 1.0; }
@@ -335,14 +324,6 @@ fn towards_viewer(at: vec3f) -> vec3f {
     return select(normalize(-at), vec3f(0.0, 0.0, 1.0), cell.output.z > 0.5);
 }
 
-// The brush's ring and a breath of its colour inside; `step` is how far `at` moves in a pixel.
-fn brushed(c: vec3f, reach: f32, step: f32) -> vec3f {
-    if !BRUSH { return c; }
-    let ring = 1.0 - smoothstep(0.7, 1.7, abs(reach - figure.brush.w) / max(step, 1e-9));
-    let inside = select(0.0, 0.13, reach < figure.brush.w);
-    return mix(c, figure.brush_color.rgb, figure.brush_color.a * max(ring, inside));
-}
-
 // A surface of its own colour under the lamps, as the target's numbers.
 fn modelled(color: vec3f, at: vec3f, normal: vec3f, front: bool, key: f32) -> vec3f {
     let v = towards_viewer(at);
@@ -364,38 +345,52 @@ fn map_color(value: f32) -> vec3f {
     return textureSampleLevel(maps, map_sampler, vec2f((t * 255.0 + 0.5) / 256.0, row), 0.0).rgb;
 }
 
+// The part of a surface under a brush, with the distance from the brush's centre along it.
+struct Brushed {
+    @builtin(position) clip: vec4f,
+    @location(0) reach: f32,
+}
+
+@vertex
+fn brush_vertex(@location(0) position: vec3f, @location(1) reach: f32) -> Brushed {
+    return Brushed(cell.projection * (cell.view * (figure.model * vec4f(position, 1.0))), reach);
+}
+
+// The brush's ring and a breath of its colour inside.
+@fragment
+fn brush_fragment(in: Brushed) -> @location(0) vec4f {
+    let step = fwidth(in.reach);
+    let ring = 1.0 - smoothstep(0.7, 1.7, abs(in.reach - figure.brush.w) / max(step, 1e-9));
+    let inside = select(0.0, 0.13, in.reach < figure.brush.w);
+    var c = figure.brush.rgb;
+    if cell.output.x < 0.5 { c = to_linear(c); }
+    return vec4f(c, 1.0) * max(ring, inside);
+}
+
 @fragment
 fn plain_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    let reach = distance(place_of(in.at), figure.brush.xyz);
-    let step = fwidth(reach);
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
     let c = modelled(figure.color.rgb, in.at, in.normal, front, key);
-    return vec4f(brushed(c, reach, step), 1.0) * figure.color.a;
+    return vec4f(c, 1.0) * figure.color.a;
 }
 
 @fragment
 fn value_fragment(in: ValuedSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    let reach = distance(place_of(in.at), figure.brush.xyz);
-    let step = fwidth(reach);
     let c = mapped(map_color(in.value), in.at, in.normal, front);
-    return vec4f(brushed(c, reach, step), 1.0) * figure.color.a;
+    return vec4f(c, 1.0) * figure.color.a;
 }
 
 @fragment
 fn color_fragment(in: ColoredSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    let reach = distance(place_of(in.at), figure.brush.xyz);
-    let step = fwidth(reach);
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
     let c = modelled(in.color, in.at, in.normal, front, key);
-    return vec4f(brushed(c, reach, step), 1.0) * figure.color.a;
+    return vec4f(c, 1.0) * figure.color.a;
 }
 
 @fragment
 fn corner_fragment(in: CornerSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     // Derivatives first, while all neighbours run.
     let edge = fwidth(in.barycentric);
-    let reach = distance(place_of(in.at), figure.brush.xyz);
-    let step = fwidth(reach);
     let skin_color = textureSample(skin, skin_sampler, in.paint.xy).rgb;
     let kind = u32(figure.back.w);
     var c: vec3f;
@@ -408,7 +403,6 @@ fn corner_fragment(in: CornerSurface, @builtin(front_facing) front: bool) -> @lo
         let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
         c = modelled(base, in.at, in.normal, front, key);
     }
-    c = brushed(c, reach, step);
     if figure.wire_width.x > 0.0 {
         let d = in.barycentric / max(edge, vec3f(1e-9));
         let near = min(d.x, min(d.y, d.z));

@@ -8,8 +8,8 @@
 mod shapes;
 
 use chladni_view::{
-    Background, Brush, Camera, Canvas, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint,
-    Picture, PictureRequest, PictureShape, Rect, Renderer, Samples, Scale, Skin, Style, Topology,
+    Background, BrushRing, Camera, Canvas, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material,
+    Paint, Picture, PictureRequest, PictureShape, Rect, Renderer, Samples, Scale, Skin, Style, Topology,
     VertexPaint, View, ViewError, Wire, render_picture, render_picture_with, smooth_normals,
 };
 use shapes::{gpu, sphere};
@@ -205,9 +205,33 @@ fn wires_skins_colours_brushes_and_markers_leave_their_marks() {
     let (above, below) = (skinned.pixel(60, 35).unwrap(), skinned.pixel(60, 85).unwrap());
     assert!(above[0] > 2 * above[2] && below[2] > 2 * below[0], "{above:?} {below:?}");
 
-    let brush = Brush { center: [0.0, 0.0, 1.0], radius: 0.4, color: [255, 0, 255] };
-    let brushed = draw(Figure { brush: Some(brush), ..plain }, &[]);
+    // A ring lies on the triangles that it is laid on, on their near side, and nowhere else.
+    let mut ring = BrushRing::new(&gpu, n, [255, 0, 255]);
+    let reach = |v: usize| {
+        let [x, y, z] = positions[v];
+        (v as u32, (x * x + y * y + (z - 1.0) * (z - 1.0)).sqrt())
+    };
+    let half: Vec<[u32; 3]> =
+        triangles.iter().copied().filter(|t| t.iter().any(|v| reach(*v as usize).1 < 0.4)).collect();
+    ring.lay(&gpu, 0.4, (0..n).map(reach), &half).unwrap();
+    let brushed = draw(Figure { brush: Some(&ring), ..plain }, &[]);
     assert!((30..2500).contains(&differing(&bare, &brushed)));
+    let pink = |picture: &Picture, x, y| {
+        let [r, g, b, _] = picture.pixel(x, y).unwrap();
+        i32::from(r) + i32::from(b) - 2 * i32::from(g)
+    };
+    // 0.4 of the sphere's radius from its middle, of 0.9 of half the picture.
+    let along: Vec<i32> = (60..120).map(|x| pink(&brushed, x, 60)).collect();
+    let strongest = (0..60).max_by_key(|i| along[*i]).unwrap();
+    assert!((18..27).contains(&strongest), "the ring is {strongest} pixels from the middle");
+    let far_side: Vec<[u32; 3]> =
+        triangles.iter().copied().filter(|t| t.iter().all(|v| positions[*v as usize][2] < 0.0)).collect();
+    ring.lay(&gpu, 0.4, (0..n).map(reach), &far_side).unwrap();
+    assert_eq!(differing(&bare, &draw(Figure { brush: Some(&ring), ..plain }, &[])), 0);
+    ring.lift();
+    assert_eq!(differing(&bare, &draw(Figure { brush: Some(&ring), ..plain }, &[])), 0);
+    assert!(ring.lay(&gpu, 0.4, [(n as u32, 0.0)].into_iter(), &[]).is_err());
+    assert!(ring.lay(&gpu, 0.4, [].into_iter(), &[[0, 1, n as u32]]).is_err());
 
     let marker = |z| Marker { position: [0.0, 0.0, z], radius_px: 6.0, color: [255, 0, 0, 255] };
     let in_front = draw(plain, &[marker(1.0)]).pixel(60, 60).unwrap();

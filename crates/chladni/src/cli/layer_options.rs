@@ -30,10 +30,10 @@ pub struct LayerOptions {
     /// nχ, the number of harmonics that have longer waves (96).
     #[arg(long, default_value = "32%", value_name = "P%|N", value_parser = cutoff)]
     cutoff: f64,
-    /// How the region's low-pass ends: gaussian, or sharp as in the paper.
-    #[arg(long, default_value = "gaussian", value_parser = roll_off)]
+    /// How the region's edge is softened: by heat, which never rings, or sharp as in the paper.
+    #[arg(long, default_value = "heat", value_parser = roll_off)]
     roll_off: RollOff,
-    /// Let the smoothed region ring below 0 and above 1.
+    /// Let a sharp region ring below 0 and above 1.
     #[arg(long)]
     no_clamp: bool,
     /// Which scales: flat, smooth, broad, mid, fine, or points wavelength:gain,… in percent of the shape's
@@ -73,9 +73,10 @@ fn cutoff(text: &str) -> Result<f64, String> {
 
 fn roll_off(text: &str) -> Result<RollOff, String> {
     match text {
-        "gaussian" => Ok(RollOff::Gaussian),
+        // What older command lines say.
+        "heat" | "gaussian" => Ok(RollOff::Heat),
         "sharp" => Ok(RollOff::Sharp),
-        _ => Err("must be gaussian or sharp".into()),
+        _ => Err("must be heat or sharp".into()),
     }
 }
 

@@ -1,11 +1,11 @@
 //! The brush that paints a layer's region.
 
-use chladni_caricature::{Action, Dab, LayerId, PaintEdit, SurfacePoint};
+use chladni_caricature::{Action, Dab, LayerId, PaintEdit};
+use chladni_mesh::MirrorPlane;
 use egui::{RichText, Slider, Ui};
 
 use super::edits::Edits;
-use super::session::Session;
-use super::stage::Touch;
+use super::stage::Press;
 use crate::studio::icon::{self, Icon};
 use crate::studio::theme;
 
@@ -48,8 +48,8 @@ impl BrushTool {
         self.radius = (self.radius * factor).clamp(0.005, 1.5);
     }
 
-    /// Draws the brush's controls.
-    pub fn show(&mut self, ui: &mut Ui) {
+    /// Draws the brush's controls. `plane` is the shape's own mirror, once it was looked for.
+    pub fn show(&mut self, ui: &mut Ui, plane: Option<Option<MirrorPlane>>) {
         ui.horizontal(|ui| {
             let name = if self.active { "Painting" } else { "Paint" };
             ui.toggle_value(&mut self.active, icon::label(Icon::Brush, name))
@@ -70,7 +70,7 @@ impl BrushTool {
         theme::row(
             ui,
             "Size",
-            "Radius along the surface, as a share of the shape; [ and ] change it",
+            "Radius along the surface as it is seen, as a share of the shape; [ and ] change it",
             |ui| {
                 ui.add(Slider::new(&mut self.radius, 0.005..=1.5).logarithmic(true).fixed_decimals(3));
             },
@@ -84,16 +84,18 @@ impl BrushTool {
             theme::checkbox(ui, &mut self.fill, "Fill")
                 .on_hover_text("A click fills everything that is connected");
         });
+        if self.mirror {
+            show_mirror(ui, plane);
+        }
     }
 
-    /// Turns a drag on the shape into dabs.
+    /// Turns a drag on the shape into dabs of what was ringed.
     pub fn paint(
         &mut self,
         ui: &Ui,
         response: &egui::Response,
-        touches: impl Iterator<Item = Touch>,
+        presses: &[Press],
         layer: LayerId,
-        session: &Session,
         edits: &mut Edits,
     ) {
         let modifiers = ui.input(|input| input.modifiers);
@@ -102,20 +104,13 @@ impl BrushTool {
         }
         let primary = egui::PointerButton::Primary;
         let pressed = response.dragged_by(primary) || response.clicked_by(primary);
-        for touch in touches.filter(|_| pressed) {
-            let at = SurfacePoint { triangle: touch.triangle, weights: touch.barycentric.map(f64::from) };
+        for press in presses.iter().filter(|_| pressed) {
             let erase = self.erase ^ modifiers.ctrl;
             let edit = if self.fill {
-                PaintEdit::FillComponent { at, intensity: if erase { 0.0 } else { self.intensity } }
+                let intensity = if erase { 0.0 } else { self.intensity };
+                PaintEdit::FillComponent { at: press.touch.on_surface(), intensity }
             } else {
-                let mirror = self.mirror.then(|| session.mirror()).flatten();
-                PaintEdit::Dab(Dab {
-                    at,
-                    radius: f64::from(self.radius),
-                    intensity: self.intensity,
-                    erase,
-                    mirror,
-                })
+                PaintEdit::Dab(Dab::of(&press.reach, self.intensity, erase))
             };
             edits.live(Action::Paint { layer, edit });
         }
@@ -123,4 +118,31 @@ impl BrushTool {
             edits.finish();
         }
     }
+}
+
+/// How far a mirror may miss the shape, as a share of its bounding box's diagonal, before painting
+/// by it is a surprise.
+const MIRROR_TOLERANCE: f64 = 0.015;
+
+/// How well the shape's mirror plane fits.
+fn show_mirror(ui: &mut Ui, plane: Option<Option<MirrorPlane>>) {
+    let palette = theme::palette(ui);
+    let (text, color) = match plane {
+        None => ("Looking for the mirror plane…".to_owned(), palette.weak),
+        Some(None) => ("The shape has no extent to mirror".to_owned(), palette.warning),
+        Some(Some(plane)) => {
+            let share = 100.0 * plane.misfit;
+            let good = plane.misfit <= MIRROR_TOLERANCE;
+            let text = if good {
+                format!("Its mirror image misses the shape by {share:.1} %")
+            } else {
+                format!("Not symmetric: its mirror image misses by {share:.1} %")
+            };
+            (text, if good { palette.weak } else { palette.warning })
+        }
+    };
+    let tip = "The plane in which the shape comes closest to its own mirror image, and how far mirrored \
+               vertices then miss the surface: root mean square of the best nine tenths, as a share of the \
+               bounding box's diagonal";
+    ui.label(RichText::new(text).color(color).small()).on_hover_text(tip);
 }

@@ -1,6 +1,6 @@
 //! What stands in the middle of the room: the toolbar and the stage.
 
-use chladni_caricature::{Model, Property};
+use chladni_caricature::{Brush, Model, Property};
 use eframe::egui_wgpu::RenderState;
 use egui::{Key, RichText, Ui};
 
@@ -8,7 +8,7 @@ use super::brush::BrushTool;
 use super::edits::Edits;
 use super::heat::{Heat, Painting, Quantity};
 use super::session::Session;
-use super::stage::{self, Look, Show, Shown, Stage};
+use super::stage::{self, BrushInHand, Look, Show, Shown, Stage};
 use super::{CaricatureRoom, single};
 use crate::studio::room::Shared;
 use crate::studio::{job, shortcut, theme};
@@ -107,7 +107,7 @@ pub(super) fn update_stage(
 fn show_stage(
     ui: &mut Ui,
     shared: &mut Shared<'_>,
-    session: &Session,
+    session: &mut Session,
     stage: &mut Stage,
     brush: &mut BrushTool,
     mut look: Look,
@@ -118,11 +118,18 @@ fn show_stage(
         look.show = Show::Original;
     }
     let gpu: &RenderState = shared.gpu;
-    let ring = brush.active.then_some(brush.radius);
-    let Shown { response, touch, trail, figure } =
-        stage.show(ui, gpu, rect, look, ring, &[]).map_err(|error| error.to_string())?;
+    if brush.active {
+        session.prepare_brush(ui.ctx());
+    }
+    let mirror = if brush.active && brush.mirror { session.mirror() } else { None };
+    let in_hand = brush.active.then(|| BrushInHand {
+        brush: Brush { radius: f64::from(brush.radius), mirror },
+        surface: session.stack.surface(),
+    });
+    let Shown { response, presses, figure } =
+        stage.show(ui, gpu, rect, look, in_hand, &[]).map_err(|error| error.to_string())?;
     if let Some(layer) = session.selected.filter(|_| brush.active) {
-        brush.paint(ui, &response, trail.into_iter().chain(touch), layer, session, edits);
+        brush.paint(ui, &response, &presses, layer, edits);
     } else if response.clicked()
         && look.show == Show::Models
         && let Some(model) = figure.and_then(|figure| Model::ALL.get(figure.checked_sub(stage::MODELS)?))

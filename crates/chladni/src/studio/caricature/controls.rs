@@ -3,6 +3,7 @@
 use chladni_caricature::{
     Action, Layer, LayerId, Model, PaintEdit, Painted, Property, RollOff, ScaleCurve, Smoothing,
 };
+use chladni_mesh::MirrorPlane;
 use egui::{DragValue, RichText, Slider, Ui};
 
 use super::brush::BrushTool;
@@ -18,6 +19,8 @@ use crate::studio::theme;
 pub struct Measured<'a> {
     /// What the model exaggerates; empty until the match is there.
     pub spectrum: &'a Spectrum,
+    /// The shape's own mirror plane, once it was looked for.
+    pub mirror: Option<Option<MirrorPlane>>,
     /// Triangles folded by this layer.
     pub folds: usize,
     /// Triangles of the whole result that pass through others; `None` until they are counted.
@@ -72,7 +75,7 @@ impl Controls {
         });
         theme::section(ui, "Region", |ui| {
             region(ui, id, layer, edits);
-            brush.show(ui);
+            brush.show(ui, measured.mirror);
         });
         theme::section(ui, "Scale", |ui| self.scale(ui, id, layer, measured.spectrum, edits));
         wish
@@ -277,12 +280,15 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
     });
     ui.horizontal(|ui| {
         for (roll_off, name, tip) in [
-            (RollOff::Gaussian, "Soft edge", "Heat flow: never rings"),
-            (RollOff::Sharp, "Sharp cut", "The paper's cut: rings a little around the edge"),
+            (RollOff::Heat, "Soft edge", "A step of heat flow: an average, which never rings"),
+            (RollOff::Sharp, "Sharp cut", "The paper's cut: rings below 0 and above 1 around the edge"),
         ] {
             if ui.selectable_label(smoothing.roll_off == roll_off, name).on_hover_text(tip).clicked() {
                 edits.set(id, Property::Smoothing(Smoothing { roll_off, ..smoothing }));
             }
+        }
+        if smoothing.roll_off == RollOff::Heat {
+            return;
         }
         let mut clamp = smoothing.clamp;
         if theme::checkbox(ui, &mut clamp, "Clamp")

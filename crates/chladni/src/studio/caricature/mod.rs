@@ -349,7 +349,8 @@ impl CaricatureRoom {
                 let spectrum = heat::spectrum(session);
                 let crossings = session.crossings.count(&session.evaluation);
                 let folds = session.folds_of(id);
-                let measured = Measured { spectrum: &spectrum, folds, crossings };
+                let mirror = session.known_mirror();
+                let measured = Measured { spectrum: &spectrum, mirror, folds, crossings };
                 match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {
                     Some(Wish::AsFarAsItGoes) => {
                         as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);

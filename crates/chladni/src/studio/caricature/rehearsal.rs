@@ -3,7 +3,8 @@
 
 use std::sync::mpsc::channel;
 
-use chladni_caricature::{Action, Mirror, Project, Surface};
+use chladni_caricature::{Action, Project, Surface};
+use chladni_mesh::MirrorPlane;
 use chladni_task::Task;
 use chladni_view::Gpu;
 
@@ -78,7 +79,7 @@ impl Rehearsal {
     }
 
     /// The plane that mirrored strokes are mirrored in.
-    pub fn mirror(&self) -> Option<Mirror> {
+    pub fn mirror(&self) -> Option<MirrorPlane> {
         self.session.mirror()
     }
 }

@@ -1,16 +1,15 @@
 //! An open project in the window: document, body, evaluation, and the jobs that feed them.
 
-use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::mpsc::Sender;
+use std::sync::{Arc, OnceLock};
 
 use chladni_caricature::{
-    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Mirror,
-    Project, Recovered, ShapeSource, Stack, Template, furthest,
+    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project,
+    Recovered, ShapeSource, Stack, Surface, Template, furthest,
 };
 use chladni_harmonics::Body;
-use chladni_mesh::TriMesh;
+use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
 use chladni_task::Task;
 
 use super::crossings::CrossingMeter;
@@ -81,7 +80,9 @@ pub struct Session {
     /// Where the result passes through itself.
     pub crossings: CrossingMeter,
     matching: Option<(MatchRequest, Job<Result<Matched, Error>>)>,
-    mirror: OnceCell<Option<Mirror>>,
+    mirror: Arc<OnceLock<Option<MirrorPlane>>>,
+    /// Makes ready what a brush needs, from the moment when it is taken up.
+    brush: Option<Job<()>>,
     /// K that was last asked for, whether or not the shape has as many.
     harmonics: usize,
     solving: Option<Job<Solved>>,
@@ -108,7 +109,8 @@ impl Session {
             folds: Vec::new(),
             crossings: CrossingMeter::default(),
             matching: None,
-            mirror: OnceCell::new(),
+            mirror: Arc::default(),
+            brush: None,
             harmonics,
             solving: None,
         };
@@ -116,10 +118,28 @@ impl Session {
         Ok(session)
     }
 
-    /// The plane in which the shape comes closest to its mirror image; looked for once.
-    pub fn mirror(&self) -> Option<Mirror> {
-        let found = || Mirror::of(self.stack.surface()).map(|(mirror, _)| mirror);
-        *self.mirror.get_or_init(found)
+    /// Makes ready, beside the window, what the first stroke of a brush needs.
+    pub fn prepare_brush(&mut self, ctx: &egui::Context) {
+        if self.brush.is_some() {
+            return;
+        }
+        let soften = self.stack.brush_preparation();
+        let (mirror, surface) = (Arc::clone(&self.mirror), Arc::clone(self.stack.surface()));
+        self.brush = Some(Job::start("Preparing the brush", ctx, move |task| {
+            soften();
+            mirror.get_or_init(|| own_mirror(&surface, task));
+        }));
+    }
+
+    /// The plane in which the shape comes closest to its mirror image; waits for it where it is
+    /// being looked for.
+    pub fn mirror(&self) -> Option<MirrorPlane> {
+        *self.mirror.get_or_init(|| own_mirror(self.stack.surface(), &Task::new()))
+    }
+
+    /// The same, once it was found or not found.
+    pub fn known_mirror(&self) -> Option<Option<MirrorPlane>> {
+        self.mirror.get().copied()
     }
 
     /// The document as it is now.
@@ -268,6 +288,7 @@ impl Session {
         let (body, warnings) = outcome?;
         // Matches do not depend on harmonics: those that are there stay, and one that runs goes on.
         self.stack = self.stack.with_harmonics_of(Arc::new(body)).map_err(|error| error.to_string())?;
+        self.brush = None;
         self.crossings = CrossingMeter::default();
         self.refresh();
         Ok(Some(warnings))
@@ -361,6 +382,11 @@ impl Session {
             (None, ShapeSource::Sample(name)) => format!("sample {name}"),
         }
     }
+}
+
+/// `None` where the shape has no extent, and where nobody waits for it any more.
+fn own_mirror(surface: &Surface, task: &Task) -> Option<MirrorPlane> {
+    MirrorSearch::of(&surface.positions, &surface.triangles)?.best(&[], task).ok().flatten()
 }
 
 /// Whether the two are the same layer that moves the same shape in the same way.

@@ -1,9 +1,10 @@
 //! The shape in the caricature room: one figure large or three models side by side, heat maps,
 //! wires, and the brush on its surface.
 
+use chladni_caricature::{Brush, Reach, Seen, Surface, SurfacePoint};
 use chladni_view::{
-    Background, Brush, Camera, Cell, Figure, Gpu, ItemBuffers, Marker, PickTree, Rect, Scale, Skin, Topology,
-    VertexPaint, View, ViewError, layout,
+    Background, BrushRing, Camera, Cell, Figure, Gpu, ItemBuffers, Marker, PickTree, Projection, Rect, Scale,
+    Skin, Topology, VertexPaint, View, ViewError, layout,
 };
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
@@ -72,6 +73,8 @@ pub enum Coating {
 
 /// What painted places look like, sRGB: far from clay for eyes of every kind.
 const PAINTED: [u8; 3] = [52, 122, 190];
+/// What the brush's ring looks like, sRGB.
+const RING: [u8; 3] = [236, 170, 70];
 /// What marked places look like, sRGB.
 const MARKED: [u8; 3] = [214, 40, 30];
 
@@ -86,15 +89,37 @@ pub struct Touch {
     pub point: [f32; 3],
 }
 
+impl Touch {
+    /// The same place on the surface at rest.
+    pub fn on_surface(&self) -> SurfacePoint {
+        SurfacePoint { triangle: self.triangle, weights: self.barycentric.map(f64::from) }
+    }
+}
+
+/// A brush in hand and the surface that it paints.
+#[derive(Clone, Copy)]
+pub struct BrushInHand<'a> {
+    /// The brush.
+    pub brush: Brush,
+    /// The surface at rest.
+    pub surface: &'a Surface,
+}
+
+/// One press of the brush.
+pub struct Press {
+    /// Its centre.
+    pub touch: Touch,
+    /// What it covers of the figure under the pointer, as it is seen.
+    pub reach: Reach,
+}
+
 /// What came of drawing the stage.
 pub struct Shown {
     /// Clicks and drags on it.
     pub response: egui::Response,
-    /// What the pointer touches, where it is on a shape.
-    pub touch: Option<Touch>,
-    /// What a dragged brush passed over since the last frame, so close together that its dabs
-    /// overlap however quick the hand or slow the frames.
-    pub trail: Vec<Touch>,
+    /// What a brush passed over since the last frame where it is dragged, so close together that its
+    /// dabs overlap however quick the hand or slow the frames; then what it is on, which is ringed.
+    pub presses: Vec<Press>,
     /// The figure in whose cell the pointer is.
     pub figure: Option<usize>,
 }
@@ -118,6 +143,7 @@ pub struct Stage {
     pick: Option<(usize, PickTree)>,
     /// Where a dragged brush was in the last frame, in pixels of the canvas.
     brushed: Option<[f32; 2]>,
+    ring: BrushRing,
     fitted: bool,
     last_look: Option<Look>,
 }
@@ -151,6 +177,7 @@ impl Stage {
         };
         let buffers = ItemBuffers::new(gpu, n, FIGURES);
         let (values, tints) = (VertexPaint::new(gpu, n), VertexPaint::new(gpu, n));
+        let ring = BrushRing::new(gpu, n, RING);
         let normals = chladni_view::smooth_normals(positions, triangles);
         let mut stage = Self {
             viewport,
@@ -167,6 +194,7 @@ impl Stage {
             triangles: triangles.to_vec(),
             pick: None,
             brushed: None,
+            ring,
             fitted: false,
             last_look: None,
         };
@@ -275,7 +303,7 @@ impl Stage {
         state: &RenderState,
         rect: egui::Rect,
         look: Look,
-        brush_radius: Option<f32>,
+        brush: Option<BrushInHand<'_>>,
         markers: &[Marker],
     ) -> Result<Shown, ViewError> {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
@@ -293,7 +321,7 @@ impl Stage {
             self.fitted = true;
             self.viewport.invalidate();
         }
-        let free = brush_radius.is_none();
+        let free = brush.is_none();
         if viewport::navigate_by(ui, &response, &mut self.camera, free)
             || self.last_look.replace(look) != Some(look)
         {
@@ -310,26 +338,58 @@ impl Stage {
         let began =
             ui.input(|input| input.pointer.press_origin()).filter(|_| response.drag_started_by(primary));
         let from = began.map(|at| viewport::to_pixels(ui, rect, at)).or(self.brushed);
-        let stroke = brush_radius.zip(pointed.as_ref()).filter(|_| response.dragged_by(primary));
+        let stroke = brush.zip(pointed.as_ref()).filter(|_| response.dragged_by(primary));
         self.brushed = stroke.map(|(_, pointed)| pointed.at);
         let trail = match (stroke, from) {
-            (Some((radius, pointed)), Some(from)) => self.trail(from, pointed, touch, 0.5 * radius),
+            (Some((hand, pointed)), Some(from)) => {
+                self.trail(from, pointed, touch, 0.5 * hand.brush.radius as f32)
+            }
             _ => Vec::new(),
         };
-        let brush = brush_radius.zip(touch).map(|(radius, touch)| Brush {
-            center: touch.point,
-            radius,
-            color: [236, 170, 70],
-        });
-        if brush_radius.is_some() && (response.hovered() || response.dragged()) {
+        let mut presses = Vec::new();
+        if let Some((hand, pointed)) = brush.zip(pointed.as_ref()) {
+            let touches = trail.into_iter().chain(touch);
+            presses.extend(touches.map(|touch| self.press(hand, pointed, touch)));
+            self.ring_around(presses.last().filter(|_| touch.is_some()), hand.surface)?;
+        } else {
+            self.ring.lift();
+        }
+        if brush.is_some() && (response.hovered() || response.dragged()) {
             self.viewport.invalidate();
         }
-        self.draw(ui, state, rect, look, figures, &cells, brush, markers)?;
+        self.draw(ui, state, rect, look, figures, &cells, markers)?;
         if let Coat::Values(_, scale) = &self.coat {
             show_legend(ui, rect, *scale);
         }
         show_names(ui, rect, look.show, &cells);
-        Ok(Shown { response, touch, trail, figure: pointed.map(|pointed| pointed.figure) })
+        Ok(Shown { response, presses, figure: pointed.map(|pointed| pointed.figure) })
+    }
+
+    /// What the brush covers where it touches the figure that is `pointed` at.
+    fn press(&self, hand: BrushInHand<'_>, pointed: &Pointed, touch: Touch) -> Press {
+        let [x, y] = pointed.at;
+        let ray = self.camera.ray(x, y, pointed.cell);
+        let far = match self.camera.projection {
+            Projection::Perspective => 0.0,
+            // Everything is seen along the same direction.
+            Projection::Orthographic => 1e6,
+        };
+        let eye = std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]));
+        let positions = &self.poses[pointed.figure].0;
+        let seen = Seen { surface: hand.surface, positions, eye: Some(eye) };
+        Press { touch, reach: hand.brush.reach(&seen, &touch.on_surface()) }
+    }
+
+    /// Lays the ring where `press` would paint.
+    fn ring_around(&mut self, press: Option<&Press>, surface: &Surface) -> Result<(), ViewError> {
+        let Some(Press { reach, .. }) = press else {
+            self.ring.lift();
+            return Ok(());
+        };
+        let triangles: Vec<[u32; 3]> =
+            reach.triangles.iter().filter_map(|t| surface.triangles.get(*t as usize)).copied().collect();
+        let distances = reach.distances.iter().map(|(v, d)| (*v, *d as f32));
+        self.ring.lay(self.viewport.gpu(), reach.radius as f32, distances, &triangles)
     }
 
     /// What lies under the way `from` a pixel to where `pointed` is, about `step` apart, without
@@ -355,14 +415,13 @@ impl Stage {
         look: Look,
         figures: &[usize],
         cells: &[Rect],
-        brush: Option<Brush>,
         markers: &[Marker],
     ) -> Result<(), ViewError> {
         let drawn: Vec<[Figure<'_>; 1]> = figures
             .iter()
             .map(|item| {
                 let figure = look.figure(&self.topology, &self.buffers, *item, self.coat.paint());
-                [Figure { brush, ..figure }]
+                [Figure { brush: Some(&self.ring), ..figure }]
             })
             .collect();
         let (background, lights) = (backdrop(ui), look.lights());

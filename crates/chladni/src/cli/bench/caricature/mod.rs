@@ -6,9 +6,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_caricature::{
-    Action, Dab, Error, History, Layer, LayerId, Mirror, Model, PaintEdit, Painted, Project, Property,
-    RollOff, ScaleCurve, ShapeSource, Smoothing, Stack, Template, flipped_triangles, furthest,
+    Action, Brush, Dab, Error, History, Layer, LayerId, Model, PaintEdit, Painted, Project, Property,
+    RollOff, ScaleCurve, Seen, ShapeSource, Smoothing, Stack, Surface, SurfacePoint, Template,
+    flipped_triangles, furthest,
 };
+use chladni_harmonics::HeatFlow;
+use chladni_mesh::{MirrorPlane, MirrorSearch};
+use chladni_task::Task;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -107,36 +111,52 @@ fn ids(history: &History) -> Vec<LayerId> {
     history.project().layers().iter().map(|(id, _)| *id).collect()
 }
 
+/// A press of a brush of `radius` somewhere on a surface at rest, seen from outside.
+fn press(surface: &Surface, i: usize, radius: f64, mirror: Option<MirrorPlane>) -> PaintEdit {
+    let triangle = ((i * 7919) % surface.triangles.len().max(1)) as u32;
+    let at = SurfacePoint { triangle, weights: [0.3, 0.3, 0.4] };
+    let positions: Vec<[f32; 3]> = surface.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+    let eye = surface.position(&at).map(|p| p.map(|c| 4.0 * c));
+    let reach = Brush { radius, mirror }.reach(&Seen { surface, positions: &positions, eye }, &at);
+    PaintEdit::Dab(Dab::of(&reach, 1.0, false))
+}
+
 fn painting(stack: &Stack, time: &mut Timer<'_>) -> Result<(), Failure> {
     let surface = stack.surface().clone();
-    let basis = stack.body().basis.clone();
-    let triangles = surface.triangles.len();
-    let dab = |i: usize, radius: f64, mirror: Option<Mirror>| {
-        let triangle = ((i * 7919) % triangles) as u32;
-        let at = chladni_caricature::SurfacePoint { triangle, weights: [0.3, 0.3, 0.4] };
-        PaintEdit::Dab(Dab { at, radius, intensity: 1.0, erase: false, mirror })
-    };
     let mut painted = Painted::Everywhere;
     time("one dab of a brush, a tenth of the shape's half size", &mut |i| {
-        painted = dab(i, 0.1, None).apply(&painted, &surface)?;
+        painted = press(&surface, i, 0.1, None).apply(&painted, &surface)?;
         Ok(())
     })?;
     time("one dab, half of the shape's half size", &mut |i| {
-        painted = dab(i, 0.5, None).apply(&painted, &surface)?;
+        painted = press(&surface, i, 0.5, None).apply(&painted, &surface)?;
         Ok(())
     })?;
     let painted = painted.values(&surface.file_positions());
-    for (what, roll_off) in [
-        ("region smoothing, sharp, nχ = 96", RollOff::Sharp),
-        ("region smoothing, Gaussian, nχ = 96", RollOff::Gaussian),
-    ] {
-        let smoothing = Smoothing { roll_off, ..Smoothing::default() };
-        time(what, &mut |_| {
-            smoothing.apply(&basis, &painted);
-            Ok(())
-        })?;
-    }
-    Ok(())
+    let flow = HeatFlow::of(stack.body()).map(Arc::new).map_err(Failure::other)?;
+    let step = flow.step(0.01).map_err(Failure::other)?;
+    time("region smoothing, heat: one solve", &mut |_| {
+        std::hint::black_box(step.apply(&painted));
+        Ok(())
+    })?;
+    time("region smoothing, heat: factorisation for another softness", &mut |i| {
+        flow.step(0.01 + 1e-4 * i as f64)?;
+        Ok(())
+    })?;
+    time("region smoothing, heat: Laplacian and its order, once a shape", &mut |_| {
+        HeatFlow::of(stack.body())?;
+        Ok(())
+    })?;
+    let sharp = Smoothing { roll_off: RollOff::Sharp, ..Smoothing::default() };
+    time("region smoothing, sharp", &mut |_| {
+        sharp.apply(stack.body(), &painted)?;
+        Ok(())
+    })?;
+    time("mirror plane, once a shape", &mut |_| {
+        let search = MirrorSearch::of(&surface.positions, &surface.triangles);
+        search.ok_or("no extent")?.best(&[], &Task::new())?;
+        Ok(())
+    })
 }
 
 fn controls(stack: &mut Stack, history: &mut History, time: &mut Timer<'_>) -> Result<(), Failure> {

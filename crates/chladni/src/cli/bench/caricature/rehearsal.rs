@@ -2,13 +2,13 @@
 //! frame, drawing itself left out.
 
 use chladni_caricature::{
-    Action, Dab, Error, Layer, LayerId, Mirror, Model, PaintEdit, Project, Property, RollOff, ScaleCurve,
-    ShapeSource, Smoothing, SurfacePoint, Template,
+    Action, Error, Layer, LayerId, Model, PaintEdit, Project, Property, RollOff, ScaleCurve, ShapeSource,
+    Smoothing, Template,
 };
 use chladni_task::Task;
 use chladni_view::Gpu;
 
-use super::{Failure, Timer};
+use super::{Failure, Timer, press};
 use crate::studio::Rehearsal;
 
 /// Two layers against things without files, the upper one selected.
@@ -54,29 +54,27 @@ fn timed(
 
 fn strokes(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Result<(), Failure> {
     let mirror = room.mirror();
-    let triangles = room.surface().triangles.len();
-    let dab = |i: usize, radius: f64, mirror: Option<Mirror>| {
-        let at = SurfacePoint { triangle: ((i * 7919) % triangles) as u32, weights: [0.3, 0.3, 0.4] };
-        PaintEdit::Dab(Dab { at, radius, intensity: 1.0, erase: false, mirror })
-    };
     for (what, roll_off, radius, smoothed) in [
         ("window: stroke mirrored, sharp, region as painted", RollOff::Sharp, 0.1, false),
         ("window: stroke mirrored, sharp, smoothed region", RollOff::Sharp, 0.1, true),
-        ("window: stroke mirrored, Gaussian, region as painted", RollOff::Gaussian, 0.1, false),
-        ("window: stroke mirrored, Gaussian, smoothed region", RollOff::Gaussian, 0.1, true),
-        ("window: wide stroke mirrored, Gaussian, smoothed region", RollOff::Gaussian, 0.5, true),
+        ("window: stroke mirrored, heat, region as painted", RollOff::Heat, 0.1, false),
+        ("window: stroke mirrored, heat, smoothed region", RollOff::Heat, 0.1, true),
+        ("window: wide stroke mirrored, heat, smoothed region", RollOff::Heat, 0.5, true),
     ] {
         let smoothing = Smoothing { roll_off, ..Smoothing::default() };
         act(room, set(layer, Property::Smoothing(smoothing)))?;
         act(room, Action::Paint { layer, edit: PaintEdit::Clear })?;
         room.show_region(smoothed);
-        timed(what, room, time, |i, _| Action::Paint { layer, edit: dab(i, radius, mirror) })?;
+        timed(what, room, time, |i, room| {
+            let edit = press(room.surface(), i, radius, mirror);
+            Action::Paint { layer, edit }
+        })?;
     }
-    timed("window: invert the region, Gaussian", room, time, |_, _| {
+    timed("window: invert the region, heat", room, time, |_, _| {
         let edit = PaintEdit::Invert;
         Action::Paint { layer, edit }
     })?;
-    timed("window: softness of the region, Gaussian", room, time, |i, _| {
+    timed("window: softness of the region, heat", room, time, |i, _| {
         set(layer, Property::Smoothing(Smoothing { wavelength: 0.3 + 0.005 * (i % 9) as f64, ..Smoothing::default() }))
     })
 }

@@ -1,0 +1,206 @@
+//! Painting χ01 on the surface.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, Painted, Reach, Surface, SurfacePoint};
+
+/// One change to a painted region. Replaying the same edits on the same surface gives the same
+/// region.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PaintEdit {
+    /// A press of the brush.
+    Dab(Dab),
+    /// Everything connected with this point.
+    FillComponent {
+        /// Where it was clicked.
+        at: SurfacePoint,
+        /// The value that the component takes, in [0, 1].
+        intensity: f32,
+    },
+    /// Each vertex takes the largest value among its neighbours.
+    Grow,
+    /// Each vertex takes the smallest value among its neighbours.
+    Shrink,
+    /// χ01 becomes 1 − χ01.
+    Invert,
+    /// χ01 becomes 0.
+    Clear,
+    /// The whole region at once.
+    Set(Painted),
+}
+
+/// One press of the brush. It names the vertices that it covered on the shape as it was seen, so that
+/// it says the same whatever becomes of the layers below.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Dab {
+    /// The vertices under the brush, each < N.
+    pub vertices: Vec<u32>,
+    /// In [0, 1]: painting raises χ01 to it, erasing lowers χ01 to 1 − it. Passing over the same
+    /// place again changes nothing.
+    pub intensity: f32,
+    /// Whether to erase.
+    pub erase: bool,
+}
+
+impl PaintEdit {
+    /// The region after this edit. A first dab or fill on a region that is everywhere starts from
+    /// an empty one, unless it erases: whoever paints wants to say where.
+    pub fn apply(&self, painted: &Painted, surface: &Surface) -> Result<Painted, Error> {
+        let mut values = match (painted, self) {
+            (Painted::Everywhere, Self::Dab(dab)) if !dab.erase => vec![0.0; surface.vertices()],
+            (Painted::Everywhere, Self::FillComponent { intensity, .. }) if *intensity > 0.0 => {
+                vec![0.0; surface.vertices()]
+            }
+            (Painted::Spheres(_), _) => painted.values(&surface.file_positions()).to_vec(),
+            (Painted::Everywhere, _) => vec![1.0; surface.vertices()],
+            (Painted::Vertices(values), _) => values.to_vec(),
+        };
+        if values.len() != surface.vertices() {
+            let (found, expected) = (values.len(), surface.vertices());
+            return Err(Error::VertexCount { what: "the painted region", found, expected });
+        }
+        match self {
+            Self::Dab(dab) => dab.paint(&mut values)?,
+            Self::FillComponent { at, intensity } => {
+                check_intensity(*intensity)?;
+                component(surface, at).into_iter().for_each(|v| values[v as usize] = *intensity);
+            }
+            Self::Grow => values = ring(surface, &values, f32::max),
+            Self::Shrink => values = ring(surface, &values, f32::min),
+            Self::Invert => values.iter_mut().for_each(|x| *x = 1.0 - *x),
+            Self::Clear => values.fill(0.0),
+            Self::Set(whole) => return Ok(whole.clone()),
+        }
+        Ok(Painted::Vertices(Arc::from(values)))
+    }
+}
+
+impl Dab {
+    /// A press of the brush that covers what `reach` shows.
+    pub fn of(reach: &Reach, intensity: f32, erase: bool) -> Self {
+        Self { vertices: reach.vertices(), intensity, erase }
+    }
+
+    fn paint(&self, values: &mut [f32]) -> Result<(), Error> {
+        check_intensity(self.intensity)?;
+        for v in &self.vertices {
+            let Some(x) = values.get_mut(*v as usize) else {
+                let (what, range) = ("a painted vertex", "one of the shape's");
+                return Err(Error::Range { what, value: f64::from(*v), range });
+            };
+            *x = if self.erase { x.min(1.0 - self.intensity) } else { x.max(self.intensity) };
+        }
+        Ok(())
+    }
+}
+
+fn check_intensity(intensity: f32) -> Result<(), Error> {
+    if (0.0..=1.0).contains(&intensity) {
+        Ok(())
+    } else {
+        Err(Error::Range { what: "the brush's intensity", value: f64::from(intensity), range: "0 to 1" })
+    }
+}
+
+/// All vertices connected with the triangle of `at`.
+fn component(surface: &Surface, at: &SurfacePoint) -> Vec<u32> {
+    let mut seen = vec![false; surface.vertices()];
+    let mut found: Vec<u32> = Vec::new();
+    let mut next: Vec<u32> =
+        surface.triangles.get(at.triangle as usize).into_iter().flatten().copied().collect();
+    while let Some(v) = next.pop() {
+        if std::mem::replace(&mut seen[v as usize], true) {
+            continue;
+        }
+        found.push(v);
+        let around = surface.triangles_around(v).iter();
+        next.extend(around.flat_map(|t| surface.triangles[*t as usize]).filter(|w| !seen[*w as usize]));
+    }
+    found
+}
+
+/// Each vertex with the values of its one-ring folded in.
+fn ring(surface: &Surface, values: &[f32], fold: fn(f32, f32) -> f32) -> Vec<f32> {
+    (0..values.len())
+        .into_par_iter()
+        .map(|v| {
+            let around = surface.triangles_around(v as u32).iter();
+            let neighbours = around.flat_map(|t| surface.triangles[*t as usize]).map(|w| values[w as usize]);
+            neighbours.fold(values[v], fold)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{bumpy_sphere, icosphere};
+    use crate::vector::{Vec3, add};
+    use crate::{Brush, Seen};
+
+    fn count(painted: &Painted, surface: &Surface) -> (usize, f32) {
+        let values = painted.values(&surface.file_positions());
+        (values.iter().filter(|x| **x > 0.0).count(), values.iter().copied().fold(0.0, f32::max))
+    }
+
+    fn at(triangle: u32) -> SurfacePoint {
+        SurfacePoint { triangle, weights: [1.0, 0.0, 0.0] }
+    }
+
+    fn dab(surface: &Surface, triangle: u32) -> Dab {
+        let positions = crate::fixture::single(&surface.positions);
+        let seen = Seen { surface, positions: &positions, eye: None };
+        Dab::of(&Brush { radius: 0.3, mirror: None }.reach(&seen, &at(triangle)), 0.75, false)
+    }
+
+    #[test]
+    fn painting_twice_is_painting_once_and_erasing_undoes_it() {
+        let (_, surface) = bumpy_sphere();
+        let once = PaintEdit::Dab(dab(&surface, 7)).apply(&Painted::Everywhere, &surface).unwrap();
+        let (touched, most) = count(&once, &surface);
+        assert!(touched > 5 && touched < 300 && most == 0.75, "{touched}");
+        assert_eq!(PaintEdit::Dab(dab(&surface, 7)).apply(&once, &surface).unwrap(), once);
+        let eraser = Dab { erase: true, intensity: 1.0, ..dab(&surface, 7) };
+        let gone = PaintEdit::Dab(eraser).apply(&once, &surface).unwrap();
+        assert_eq!(count(&gone, &surface).0, 0);
+        let beyond = Dab { vertices: vec![1_000_000], ..dab(&surface, 7) };
+        assert!(PaintEdit::Dab(beyond).apply(&once, &surface).is_err());
+        assert!(PaintEdit::Dab(Dab { intensity: 1.5, ..dab(&surface, 7) }).apply(&once, &surface).is_err());
+    }
+
+    #[test]
+    fn grow_shrink_invert_and_clear() {
+        let (_, surface) = bumpy_sphere();
+        let once = PaintEdit::Dab(dab(&surface, 7)).apply(&Painted::Everywhere, &surface).unwrap();
+        let grown = PaintEdit::Grow.apply(&once, &surface).unwrap();
+        assert!(count(&grown, &surface).0 > count(&once, &surface).0);
+        assert_eq!(PaintEdit::Shrink.apply(&grown, &surface).unwrap(), once);
+        let twice = PaintEdit::Invert.apply(&PaintEdit::Invert.apply(&once, &surface).unwrap(), &surface);
+        assert_eq!(twice.unwrap(), once);
+        assert_eq!(count(&PaintEdit::Clear.apply(&once, &surface).unwrap(), &surface).0, 0);
+    }
+
+    #[test]
+    fn a_component_is_filled_alone() {
+        let (points, triangles) = icosphere(2);
+        let n = points.len() as u32;
+        let two: Vec<Vec3> =
+            points.iter().copied().chain(points.iter().map(|p| add(*p, [3.0, 0.0, 0.0]))).collect();
+        let second = triangles.iter().map(|t| t.map(|v| v + n));
+        let both: Vec<[u32; 3]> = triangles.iter().copied().chain(second).collect();
+        let frame = chladni_mesh::Frame { center: [0.0; 3], scale: 1.0 };
+        let surface = Surface::of(two, both, frame);
+        // Painted on, only the component is in the region; painted away, only it is not.
+        for intensity in [1.0, 0.0] {
+            let fill = PaintEdit::FillComponent { at: at(3), intensity };
+            let filled = fill.apply(&Painted::Everywhere, &surface).unwrap();
+            let values = filled.values(&surface.positions);
+            let expected = |v: usize| if v < n as usize { intensity } else { 1.0 - intensity };
+            assert!(values.iter().enumerate().all(|(v, x)| *x == expected(v)), "{intensity}");
+        }
+    }
+}

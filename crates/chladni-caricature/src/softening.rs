@@ -1,0 +1,64 @@
+//! Heat steps on the shape at rest, which soften the edges of regions.
+
+use std::sync::{Arc, OnceLock};
+
+use chladni_harmonics::{Body, HarmonicsError, HeatFlow, HeatStep};
+
+/// The heat steps that the layers of a stack ask for. Layers of equal softness share a factorisation.
+#[derive(Debug)]
+pub(crate) struct Softening {
+    flow: Arc<SharedFlow>,
+    /// By their length, the last used at the end.
+    steps: Vec<(f64, Arc<HeatStep>)>,
+}
+
+/// A Laplacian that is made when it is first asked for, by whoever asks first.
+#[derive(Debug)]
+struct SharedFlow {
+    body: Arc<Body>,
+    flow: OnceLock<Result<Arc<HeatFlow>, HarmonicsError>>,
+}
+
+impl SharedFlow {
+    fn get(&self) -> Result<&Arc<HeatFlow>, HarmonicsError> {
+        self.flow.get_or_init(|| HeatFlow::of(&self.body).map(Arc::new)).as_ref().map_err(Clone::clone)
+    }
+}
+
+/// A factorisation of 50,000 vertices takes some 25 MB; a softness that is dragged makes many.
+const MAX_STEPS: usize = 4;
+
+impl Softening {
+    pub(crate) fn of(body: Arc<Body>) -> Self {
+        Self { flow: Arc::new(SharedFlow { body, flow: OnceLock::new() }), steps: Vec::new() }
+    }
+
+    /// For the same shape with other harmonics, of which heat knows nothing.
+    pub(crate) fn with_harmonics_of(&self, body: Arc<Body>) -> Self {
+        let flow = self.flow.flow.clone();
+        Self { flow: Arc::new(SharedFlow { body, flow }), steps: self.steps.clone() }
+    }
+
+    /// What takes time before the first region can be softened, to be done elsewhere. Whoever asks
+    /// for a step meanwhile waits for it.
+    pub(crate) fn preparation(&self) -> impl FnOnce() + Send + 'static {
+        let flow = self.flow.clone();
+        move || {
+            // An error is told by the first step that is asked for.
+            let _ = flow.get();
+        }
+    }
+
+    /// The step of length `time`.
+    pub(crate) fn step(&mut self, time: f64) -> Result<Arc<HeatStep>, HarmonicsError> {
+        let step = match self.steps.iter().position(|(known, _)| *known == time) {
+            Some(at) => self.steps.remove(at).1,
+            None => Arc::new(self.flow.get()?.step(time)?),
+        };
+        self.steps.push((time, step.clone()));
+        if self.steps.len() > MAX_STEPS {
+            self.steps.remove(0);
+        }
+        Ok(step)
+    }
+}
