@@ -111,6 +111,34 @@ fn the_first_stroke_of_a_brush_is_one_step() {
     assert_eq!(painted(), Painted::Everywhere);
 }
 
+#[test]
+fn a_mirrored_stroke_paints_both_sides_and_says_how_well_they_match() {
+    let desk = Desk::new();
+    let head = chladni_mesh::samples::sample("head").unwrap();
+    save_mesh(&head, &desk.path("head.obj")).unwrap();
+    let mut person = desk.sit_down(&["head.obj"]);
+    person.wait_to_see("Layers");
+    person.click_button("Add");
+    person.click("Magnify all");
+    person.press(Key::B);
+    assert!(!person.sees("mirror image misses"));
+    person.click("Mirror");
+    person.wait_to_see("Its mirror image misses the shape by 0.0");
+    // Beside the nose, on one side of it.
+    let cheek = pos2(560.0, 430.0);
+    person.drag(&[cheek, cheek + vec2(10.0, 4.0)]);
+    person.screenshot("studio-mirrored.png");
+    desk.answers.add(desk.path("painted.chladni"));
+    person.press_with(CTRL, Key::S);
+    let project = Project::load(&desk.path("painted.chladni")).unwrap();
+    let Painted::Vertices(painted) = &project.layers()[0].1.region.painted else { panic!("nothing painted") };
+    let painted_x = painted.iter().zip(&head.positions).filter(|(chi, _)| **chi > 0.0).map(|(_, p)| p[0]);
+    let (left, right): (Vec<f64>, Vec<f64>) = painted_x.partition(|x| *x < 0.0);
+    assert!(left.len() > 5 && left.len().abs_diff(right.len()) <= 1 + left.len() / 5, "{left:?} {right:?}");
+    let inner = |x: &[f64]| x.iter().map(|x| x.abs()).sum::<f64>() / x.len() as f64;
+    assert!((inner(&left) - inner(&right)).abs() < 0.1 * inner(&left));
+}
+
 /// However quick the hand or slow the frames.
 #[test]
 fn a_quick_stroke_of_a_small_brush_has_no_gaps() {

@@ -290,7 +290,7 @@ impl CaricatureRoom {
         }
         let recovered = loaded.recovered.take();
         let look = loaded.look.take();
-        let session = Session::new(loaded)?;
+        let session = Session::new(loaded);
         let body = session.stack.body();
         let positions = single(&body.positions);
         let stage = Stage::new(viewport::gpu_of(shared.gpu), &positions, &body.triangles, look)

@@ -30,7 +30,7 @@ impl Rehearsal {
     pub fn of(project: Project, gpu: &Gpu, task: &Task) -> Result<Self, String> {
         let candidate = Candidate::new(project);
         let loaded = session::load(candidate, &channel().0, task)?;
-        let mut session = Session::new(loaded)?;
+        let mut session = Session::new(loaded);
         let nobody = egui::Context::default();
         while !session.stack.missing(session.project()).is_empty() {
             if let (Some(why), _) = session.pump_matches(&nobody) {

@@ -5,10 +5,9 @@ use std::sync::mpsc::Sender;
 use std::sync::{Arc, OnceLock};
 
 use chladni_caricature::{
-    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project,
-    Recovered, ShapeSource, Stack, Surface, Template, furthest,
+    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Painted,
+    Project, Recovered, ShapeSource, Stack, Surface, Template, furthest,
 };
-use chladni_harmonics::Body;
 use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
 use chladni_task::Task;
 
@@ -30,8 +29,8 @@ pub struct Loaded {
     /// The recovery copy that the project comes from.
     pub recovered: Option<Recovered>,
     mesh: Arc<TriMesh>,
-    /// The shape with its harmonics.
-    pub body: Arc<Body>,
+    /// On the shape with its harmonics.
+    stack: Stack,
     /// The colours that the file has.
     pub look: Option<OwnLook>,
     /// What was mended in the file, and what is wrong with the harmonics.
@@ -57,8 +56,11 @@ pub fn load(candidate: Candidate, read: &Sender<Arc<TriMesh>>, task: &Task) -> R
     let (body, doubts) = solve(&mesh, project.harmonics, task)?;
     warnings.extend(doubts);
     let look = OwnLook::of(&mesh, &body, &mut warnings);
-    let body = Arc::new(body);
-    Ok(Loaded { project, path, new, recovered, mesh, body, look, warnings })
+    let stack = Stack::new(Arc::new(body)).map_err(|error| error.to_string())?;
+    if project.layers().iter().any(|(_, layer)| layer.region.painted != Painted::Everywhere) {
+        stack.brush_preparation()();
+    }
+    Ok(Loaded { project, path, new, recovered, mesh, stack, look, warnings })
 }
 
 /// A project with everything it needs to be drawn and changed.
@@ -90,8 +92,8 @@ pub struct Session {
 
 impl Session {
     /// A session on what was loaded.
-    pub fn new(loaded: Loaded) -> Result<Self, String> {
-        let mut stack = Stack::new(loaded.body).map_err(|error| error.to_string())?;
+    pub fn new(loaded: Loaded) -> Self {
+        let mut stack = loaded.stack;
         let evaluation = stack.evaluate(&loaded.project);
         let selected = loaded.project.layers().last().map(|(id, _)| *id);
         let harmonics = loaded.project.harmonics;
@@ -115,7 +117,7 @@ impl Session {
             solving: None,
         };
         session.refresh();
-        Ok(session)
+        session
     }
 
     /// Makes ready, beside the window, what the first stroke of a brush needs.
@@ -423,7 +425,8 @@ mod tests {
         chladni_mesh::save_mesh(&soup, &path).unwrap();
         let project = Project::new(ShapeSource::File(path), 100);
         let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
-        assert_eq!((loaded.body.positions.len(), loaded.body.basis.harmonics()), (42, 42));
+        let body = loaded.stack.body();
+        assert_eq!((body.positions.len(), body.basis.harmonics()), (42, 42));
     }
 
     #[test]
@@ -431,7 +434,7 @@ mod tests {
         let mut project = Project::new(ShapeSource::Sample("head".into()), 16);
         let layer = project.push(Layer { mu: -1.0, ..Layer::new("round", Template::Ellipsoid) }).unwrap();
         let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
-        let mut session = Session::new(loaded).unwrap();
+        let mut session = Session::new(loaded);
         let ctx = egui::Context::default();
         let deadline = std::time::Instant::now() + std::time::Duration::from_secs(120);
         let mut wait_for = |session: &mut Session, done: &dyn Fn(&Session) -> bool| {
@@ -457,7 +460,7 @@ mod tests {
     fn what_came_before_an_error_is_done_and_seen() {
         let project = Project::new(ShapeSource::Sample("head".into()), 16);
         let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
-        let mut session = Session::new(loaded).unwrap();
+        let mut session = Session::new(loaded);
         let layer = || Box::new(Layer::new("Magnify all", Template::Scaled(0.5)));
         let add = || Edit::Once(Action::Add { index: 0, layer: layer() });
         let first = session.project().next_id();
