@@ -150,9 +150,11 @@ fn older_formats_load_and_newer_ones_say_so() {
     assert!((bent.curve.at(peak) - 1.8).abs() < 0.01 && bent.curve.at(1.3 * peak) < 1.75);
     assert_eq!(bent.region.smoothing.wavelength, usual_wavelength(96.0));
     assert_eq!(soft.region.smoothing.wavelength, usual_wavelength(20.0));
+    assert_eq!(soft.region.smoothing.roll_off, RollOff::Heat);
     // Filling in came later: what was made without it stays without.
     assert_eq!((bent.infill, soft.infill), (0.0, 0.0));
-    assert!(project.taken_over().unwrap().contains("format 2"));
+    let told = project.taken_over().unwrap();
+    assert!(told.contains("format 2") && told.contains("heat"), "{told}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("now.chladni");
     project.save(&path).unwrap();

@@ -75,7 +75,13 @@ fn strokes(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Result
         Action::Paint { layer, edit }
     })?;
     timed("window: softness of the region, heat", room, time, |i, _| {
-        set(layer, Property::Smoothing(Smoothing { wavelength: 0.3 + 0.005 * (i % 9) as f64, ..Smoothing::default() }))
+        set(
+            layer,
+            Property::Smoothing(Smoothing {
+                wavelength: 0.3 + 0.005 * (i % 9) as f64,
+                ..Smoothing::default()
+            }),
+        )
     })
 }
 
