@@ -91,12 +91,54 @@ pub struct Spectrum {
     pub left: Vec<f32>,
     /// Of the right channel, one per band.
     pub right: Vec<f32>,
+    /// What `side` was multiplied by.
+    pub side_gain: f32,
 }
 
 impl Spectrum {
     fn silent(bands: usize) -> Self {
         let silence = vec![0.0; bands];
-        Self { mid: silence.clone(), side: silence.clone(), left: silence.clone(), right: silence }
+        let right = silence.clone();
+        Self { mid: silence.clone(), side: silence.clone(), left: silence, right, side_gain: 1.0 }
+    }
+}
+
+/// What is left of one band: squares of its four amplitudes over its total amplitude √(|L|² + |R|²).
+///
+/// The decay is linear in these, so that their sum follows the total amplitude as the paper's f
+/// follows its own, and the four stay those of one pair of channels: |S|² + |U|² = ½ (|L|² + |R|²)
+/// of whatever moments are mixed, which magnitudes that follow each for itself do not.
+#[derive(Clone, Copy, Debug, Default)]
+struct Followed {
+    left: f32,
+    right: f32,
+    mid: f32,
+    side: f32,
+}
+
+impl Followed {
+    /// Of one moment.
+    fn of(left: f32, right: f32, mid: f32, side: f32) -> Self {
+        let total = left.hypot(right);
+        if total <= 0.0 {
+            return Self::default();
+        }
+        let over = |amplitude: f32| amplitude * (amplitude / total);
+        Self { left: over(left), right: over(right), mid: over(mid), side: over(side) }
+    }
+
+    /// `keep` of what was, and the rest of what is now.
+    fn follow(&mut self, now: Self, keep: f32) {
+        let mix = |was: f32, is: f32| keep * was + (1.0 - keep) * is;
+        self.left = mix(self.left, now.left);
+        self.right = mix(self.right, now.right);
+        self.mid = mix(self.mid, now.mid);
+        self.side = mix(self.side, now.side);
+    }
+
+    /// The amplitude behind one of the four.
+    fn amplitude(&self, part: f32) -> f32 {
+        (part * (self.left + self.right)).sqrt()
     }
 }
 
@@ -117,6 +159,7 @@ pub struct SpectrumAnalyser {
     power: Vec<f32>,
     /// This frame's amplitudes before decay and level.
     fresh: Spectrum,
+    followed: Vec<Followed>,
     spectrum: Spectrum,
     follower: LevelFollower,
     lag_secs: f64,
@@ -154,6 +197,7 @@ impl SpectrumAnalyser {
             power: vec![0.0; n / 2 + 1],
             fft,
             fresh: silence.clone(),
+            followed: vec![Followed::default(); settings.bands],
             spectrum: silence,
             follower: LevelFollower::new(),
             lag_secs: lag_secs(&settings),
@@ -184,6 +228,7 @@ impl SpectrumAnalyser {
     /// Forgets level and decay, as after a seek or at a new song.
     pub fn reset(&mut self) {
         self.spectrum = Spectrum::silent(self.settings.bands);
+        self.followed.fill(Followed::default());
         self.follower = LevelFollower::new();
     }
 
@@ -199,7 +244,7 @@ impl SpectrumAnalyser {
     ///
     /// Mid and side are combined as complex spectra, then magnitudes are taken. Then, for each band,
     /// f ← w′ f + (1 − w′) f_new with w′ = w^(`dt_secs` / 50 ms): two steps of 25 ms do what one
-    /// of 50 ms does.
+    /// of 50 ms does. f is √(|L|² + |R|²); the four amplitudes are its shares.
     pub fn analyse(&mut self, left: &[f32], right: &[f32], dt_secs: f64) -> &Spectrum {
         let dt_secs = if dt_secs.is_finite() { dt_secs.max(0.0) } else { 0.0 };
         self.transform(left, right);
@@ -221,16 +266,16 @@ impl SpectrumAnalyser {
             Level::Fixed(gain) => gain,
         };
         let keep = f64::from(self.settings.decay).powf(dt_secs / DECAY_INTERVAL_SECS) as f32;
-        let side_gain = gain * self.settings.side_gain;
-        for (f, fresh, gain) in [
-            (&mut self.spectrum.mid, &self.fresh.mid, gain),
-            (&mut self.spectrum.side, &self.fresh.side, side_gain),
-            (&mut self.spectrum.left, &self.fresh.left, gain),
-            (&mut self.spectrum.right, &self.fresh.right, gain),
-        ] {
-            for (f, fresh) in f.iter_mut().zip(fresh) {
-                *f = keep * *f + (1.0 - keep) * gain * fresh;
-            }
+        let (fresh, spectrum) = (&self.fresh, &mut self.spectrum);
+        spectrum.side_gain = self.settings.side_gain;
+        for (b, followed) in self.followed.iter_mut().enumerate() {
+            let [left, right, mid, side] =
+                [&fresh.left, &fresh.right, &fresh.mid, &fresh.side].map(|amplitudes| gain * amplitudes[b]);
+            followed.follow(Followed::of(left, right, mid, side), keep);
+            spectrum.left[b] = followed.amplitude(followed.left);
+            spectrum.right[b] = followed.amplitude(followed.right);
+            spectrum.mid[b] = followed.amplitude(followed.mid);
+            spectrum.side[b] = self.settings.side_gain * followed.amplitude(followed.side);
         }
         &self.spectrum
     }
