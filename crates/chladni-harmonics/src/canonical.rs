@@ -41,7 +41,7 @@ pub(crate) fn choose(basis: &mut Basis, positions: &[[f64; 3]], stiffness: &Symm
         let certified = &mut basis.certificate.max_relative_residual;
         *certified = certified.max(worst);
     }
-    let heights: Vec<f64> = positions.iter().map(|p| (0..3).map(|i| OUTWARD[i] * p[i]).sum()).collect();
+    let heights: Vec<f64> = positions.iter().map(height).collect();
     basis.vectors.par_chunks_exact_mut(n).for_each(|h| {
         if points_inward(h, &heights) {
             h.iter_mut().for_each(|x| *x = -*x);
@@ -64,8 +64,17 @@ pub fn mix(columns: &[f64], mass: &[f64], positions: &[[f64; 3]]) -> Option<Mat<
     symmetric_eigen(&symmetric, Par::Seq).map(|(_, mix)| mix)
 }
 
-/// Whether the sign rule turns a harmonic round: the outermost of the vertices near its largest
-/// magnitude has a negative value. `heights` is the place of each vertex along the outward direction.
+/// Whether the sign rule turns a harmonic round.
+pub fn is_turned(h: &[f64], positions: &[[f64; 3]]) -> bool {
+    points_inward(h, &positions.iter().map(height).collect::<Vec<f64>>())
+}
+
+/// The place of a vertex along the outward direction.
+fn height(p: &[f64; 3]) -> f64 {
+    (0..3).map(|i| OUTWARD[i] * p[i]).sum()
+}
+
+/// The outermost of the vertices near a harmonic's largest magnitude has a negative value.
 fn points_inward(h: &[f64], heights: &[f64]) -> bool {
     let threshold = PEAK * h.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let mut outermost = (f64::NEG_INFINITY, 0.0);

@@ -1,12 +1,16 @@
 //! A body made ready to dance: what every frame needs to know of it.
 
-use chladni_harmonics::Body;
+use std::ops::Range;
+
+use chladni_harmonics::{Basis, Body};
 use chladni_synth::Residual;
 use rayon::prelude::*;
 
 use crate::probes::Probes;
 use crate::sides::Sides;
-use crate::{Class, Error};
+use crate::swing::Swing;
+use crate::unison::unisons;
+use crate::{Class, Error, SymmetrySettings};
 
 /// What the mappings of all items share of one body. Working frame.
 #[derive(Clone, Debug)]
@@ -26,6 +30,11 @@ pub struct Dancer {
     /// Diagonal of the bounding box, the yardstick of every displacement.
     pub box_diagonal: f32,
     pub(crate) probes: Probes,
+    pub(crate) swing: Swing,
+    /// For each harmonic those that it sounds together with.
+    unisons: Vec<Range<u32>>,
+    /// For each harmonic, max_v |Σ H_k(v) x̃_k| over its unison.
+    filter_reach: Vec<f32>,
 }
 
 impl Dancer {
@@ -62,16 +71,25 @@ impl Dancer {
             .map(|k| basis.harmonic(k).iter().fold(0.0, |m: f64, h| m.max(h.abs())) as f32)
             .collect();
         let spectrum: Vec<[f32; 3]> = spectrum64.iter().map(|x| x.map(|c| c as f32)).collect();
-        let unit: Vec<f32> = (0..k).map(|k| reach[k] * length(spectrum[k])).collect();
+        let runs = unisons(basis, classes, SymmetrySettings::default().cluster_gap);
+        let unison_reach: Vec<f32> =
+            runs.par_iter().map(|run| farthest_in_unison(basis, &spectrum64, run.clone())).collect();
+        let unisons = runs.iter().flat_map(|run| vec![run.start as u32..run.end as u32; run.len()]).collect();
+        let filter_reach: Vec<f32> =
+            runs.iter().zip(&unison_reach).flat_map(|(run, &reach)| vec![reach; run.len()]).collect();
+        let sides = Sides::of(body, classes);
         Ok(Self {
             eigenvalues: basis.eigenvalues.clone(),
-            sides: Sides::of(body, classes),
-            probes: Probes::new(body, &unit),
+            swing: Swing::of(body, classes, &sides),
+            sides,
+            probes: Probes::new(body, &filter_reach),
             spectrum,
             reach,
             classes: classes.to_vec(),
             residual: Residual::Vector(residual),
             box_diagonal: box_diagonal(&body.positions),
+            unisons,
+            filter_reach,
         })
     }
 
@@ -87,10 +105,28 @@ impl Dancer {
         rest_positions.iter().map(|&p| p.map(|c| c * (1.0 + outwards / length(p).max(1e-6)))).collect()
     }
 
-    /// How far the most moved vertex goes when harmonic k is amplified by 1 in the filter form.
+    /// How far the most moved vertex goes when harmonic k, and what it sounds together with, is
+    /// amplified by 1 in the filter form.
     pub fn filter_reach(&self, k: usize) -> f32 {
-        self.reach[k] * length(self.spectrum[k])
+        self.filter_reach[k]
     }
+
+    /// Harmonic k and those of the same eigenvalue and class: which of them is which is a matter of
+    /// choice, so that the filter form lets them sound as one.
+    pub(crate) fn unison(&self, k: u32) -> Range<u32> {
+        self.unisons[k as usize].clone()
+    }
+}
+
+/// max_v |Σ H_k(v) x̃_k| over a run of harmonics.
+fn farthest_in_unison(basis: &Basis, spectrum: &[[f64; 3]], run: Range<usize>) -> f32 {
+    let mut sum = vec![[0.0f64; 3]; basis.vertices()];
+    for k in run {
+        for (sum, h) in sum.iter_mut().zip(basis.harmonic(k)) {
+            *sum = std::array::from_fn(|i| sum[i] + h * spectrum[k][i]);
+        }
+    }
+    sum.iter().map(|d| d.iter().map(|c| c * c).sum::<f64>()).fold(0.0, f64::max).sqrt() as f32
 }
 
 fn length(v: [f32; 3]) -> f32 {

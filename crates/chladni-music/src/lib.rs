@@ -42,7 +42,10 @@ mod probes;
 mod session;
 mod sides;
 mod stage;
+mod stereo;
+mod swing;
 mod symmetry;
+mod unison;
 mod veil;
 mod voice;
 

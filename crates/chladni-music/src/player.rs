@@ -1,10 +1,12 @@
 //! One mapping made ready for one dancer: sound in, coefficients out, every frame.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use chladni_synth::{Coefficients, Item, Term};
 use serde::{Deserialize, Serialize};
 
+use crate::stereo::StereoMix;
 use crate::{Class, Dancer, Error, Mapping};
 
 /// How the gains of the harmonics move the shape (docs/music.md, "Forms").
@@ -50,7 +52,8 @@ impl Choir {
     }
 }
 
-/// f at one moment: amplitudes of the sound bands, all four of one length #ω, about [0, 1].
+/// f at one moment: amplitudes of the sound bands, all four of one length #ω, about [0, 1], and those
+/// of one pair of channels: |S|² + |U|² = ½ (|L|² + |R|²).
 #[derive(Clone, Copy, Debug)]
 pub struct Bands<'a> {
     /// |L(ω)|.
@@ -61,6 +64,8 @@ pub struct Bands<'a> {
     pub mid: &'a [f32],
     /// f_u = |L − R| / 2, already amplified by the side gain.
     pub side: &'a [f32],
+    /// g, the side gain.
+    pub side_gain: f32,
 }
 
 /// How a mapping is turned into movement; the same for all items of a gallery.
@@ -103,15 +108,30 @@ impl Default for Playing {
     }
 }
 
-/// A harmonic that some band drives: its strength and its bands, t⁻¹({k}).
+/// Harmonics that some band drives, one or several in unison.
 #[derive(Clone, Copy, Debug)]
 struct Voiced {
-    harmonic: u32,
-    first_band: u32,
-    end_band: u32,
-    /// gain · M · a(k).
-    strength: f32,
+    first: u32,
+    end: u32,
+    first_driver: u32,
+    end_driver: u32,
     antisymmetric: bool,
+}
+
+impl Voiced {
+    fn harmonics(&self) -> Range<usize> {
+        self.first as usize..self.end as usize
+    }
+}
+
+/// A band ω that drives harmonics.
+#[derive(Clone, Copy, Debug)]
+struct Driver {
+    /// The first of them.
+    first: u32,
+    band: u32,
+    /// gain · M · a(t(ω)).
+    strength: f32,
 }
 
 /// One mapping, compiled for a dancer, a number of bands and a way of playing.
@@ -120,7 +140,8 @@ struct Voiced {
 #[derive(Clone, Debug)]
 pub struct Player {
     voiced: Vec<Voiced>,
-    bands: Vec<u32>,
+    /// Ordered by what they drive.
+    drivers: Vec<Driver>,
     band_count: usize,
     stereo_mu: f32,
     playing: Playing,
@@ -145,44 +166,50 @@ impl Player {
         let targets = mapping.targets(bands, k_count);
         let amplification = mapping.amplification_on(k_count);
         let in_use = playing.harmonics.map_or(k_count, |k| (k as usize).min(k_count));
-        let reach = |k: usize| match playing.form {
-            Form::Filter | Form::HalfMask => dancer.filter_reach(k),
-            Form::Modal => dancer.reach[k],
+        let reach = |k: u32| match playing.form {
+            Form::Filter | Form::HalfMask => dancer.filter_reach(k as usize),
+            Form::Modal => {
+                let partner = dancer.swing.partner(k).unwrap_or(k);
+                dancer.reach[k as usize].max(dancer.reach[partner as usize])
+            }
         };
         // Gain 1 is where a full-scale band moves the most moved vertex by the set share of
         // the box, whichever band of this mapping moves it most. Choir and harmonics in use
         // do not enter, so that they mute without making the rest louder.
-        let farthest = targets
-            .iter()
-            .map(|&k| (amplification[k as usize] * reach(k as usize)).abs())
-            .fold(0.0, f32::max);
+        let farthest =
+            targets.iter().map(|&k| (amplification[k as usize] * reach(k)).abs()).fold(0.0, f32::max);
         let wanted = playing.calibration * dancer.box_diagonal;
         // Rounding noise is not a movement to be calibrated: such a mapping stays at rest.
         let scale = if farthest > 1e-6 * dancer.box_diagonal { wanted / farthest } else { 0.0 };
-        let mut by_target: Vec<u32> = (0..bands as u32).collect();
-        by_target.sort_by_key(|&b| (targets[b as usize], b));
+        let mut drivers = Vec::with_capacity(2 * bands);
+        for (band, &k) in (0..).zip(&targets) {
+            let strength = playing.gain * mapping.gain * scale * amplification[k as usize];
+            // Along the normal each harmonic has its own direction, and the other class its share.
+            let driven = match playing.form {
+                Form::Filter | Form::HalfMask => [Some(dancer.unison(k).start), None],
+                Form::Modal => [Some(k), dancer.swing.partner(k)],
+            };
+            drivers.extend(driven.into_iter().flatten().map(|first| Driver { first, band, strength }));
+        }
+        drivers.retain(|driver| driver.strength != 0.0);
+        drivers.sort_by_key(|driver| (driver.first, driver.band));
         let mut voiced: Vec<Voiced> = Vec::new();
-        for (i, &b) in by_target.iter().enumerate() {
-            let k = targets[b as usize];
+        for (i, &Driver { first, .. }) in drivers.iter().enumerate() {
             match voiced.last_mut() {
-                Some(last) if last.harmonic == k => last.end_band = i as u32 + 1,
+                Some(last) if last.first == first => last.end_driver = i as u32 + 1,
                 _ => voiced.push(Voiced {
-                    harmonic: k,
-                    first_band: i as u32,
-                    end_band: i as u32 + 1,
-                    strength: playing.gain * mapping.gain * scale * amplification[k as usize],
-                    antisymmetric: dancer.classes[k as usize] == Class::Antisymmetric,
+                    first,
+                    end: if playing.form == Form::Modal { first + 1 } else { dancer.unison(first).end },
+                    first_driver: i as u32,
+                    end_driver: i as u32 + 1,
+                    antisymmetric: dancer.classes[first as usize] == Class::Antisymmetric,
                 }),
             }
         }
-        voiced.retain(|v| {
-            v.strength != 0.0
-                && (v.harmonic as usize) < in_use
-                && playing.choir.admits(dancer.classes[v.harmonic as usize])
-        });
+        voiced.retain(|v| v.end as usize <= in_use && playing.choir.admits(dancer.classes[v.first as usize]));
         Ok(Self {
             voiced,
-            bands: by_target,
+            drivers,
             band_count: bands,
             stereo_mu: mapping.stereo_mu,
             playing,
@@ -228,23 +255,6 @@ impl Player {
         Item { terms }
     }
 
-    /// φ(k) − 1 for all k (equation of section 5c): K values into `out`, zero where nothing
-    /// sounds. Uses mid and side; nothing is allocated.
-    ///
-    /// Undecided harmonics follow the symmetric ones: a shape without a mirror would stand
-    /// still to a song in mono otherwise. Errors if a length is wrong.
-    pub fn gains(&self, bands: &Bands<'_>, out: &mut [f32]) -> Result<(), Error> {
-        self.check(bands)?;
-        if out.len() != self.dancer.harmonics() {
-            return Err(Error::Size { what: "gains", found: out.len(), expected: self.dancer.harmonics() });
-        }
-        out.fill(0.0);
-        for v in &self.voiced {
-            out[v.harmonic as usize] = self.stereo_gain(v, bands.mid, |b| bands.side[b]);
-        }
-        Ok(())
-    }
-
     /// Writes what the sound does into `item`, which [`item`](Self::item) of a player of the
     /// same form and dancer made. Returns the share of the limit that the movement reached
     /// before it was softened. Nothing is allocated.
@@ -254,6 +264,7 @@ impl Player {
         if item.terms.len() != terms {
             return Err(Error::Size { what: "terms", found: item.terms.len(), expected: terms });
         }
+        let mix = StereoMix::new(self.stereo_mu, bands);
         for (side, term) in item.terms.iter_mut().enumerate() {
             if term.residual.is_some() {
                 term.residual_gain = self.playing.detail - 1.0;
@@ -264,25 +275,25 @@ impl Player {
                     c.fill([0.0; 3]);
                     for v in &self.voiced {
                         let gain = match (self.playing.form, side) {
-                            (Form::HalfMask, 0) => v.strength * self.sum(v, |b| bands.left[b]),
-                            (Form::HalfMask, _) => v.strength * self.sum(v, |b| bands.right[b]),
-                            _ => self.stereo_gain(v, bands.mid, |b| bands.side[b]),
+                            (Form::HalfMask, 0) => self.sum(v, |b| bands.left[b]),
+                            (Form::HalfMask, _) => self.sum(v, |b| bands.right[b]),
+                            _ if v.antisymmetric => self.sum(v, |b| mix.antisymmetric(bands, b)),
+                            _ => self.sum(v, |b| mix.symmetric(bands, b)),
                         };
-                        let k = v.harmonic as usize;
-                        c[k] = self.dancer.spectrum[k].map(|x| gain * x);
+                        for k in v.harmonics() {
+                            c[k] = self.dancer.spectrum[k].map(|x| gain * x);
+                        }
                     }
                 }
                 Coefficients::Normal(c) => {
                     fit(c, self.dancer.harmonics())?;
                     c.fill(0.0);
-                    // Amplitudes have no sign; the side of a plate that swings must: towards
-                    // the louder channel.
-                    let signed = |b: usize| {
-                        let (l, r) = (bands.left[b] * bands.left[b], bands.right[b] * bands.right[b]);
-                        if l + r > 0.0 { bands.side[b] * (l - r) / (l + r) } else { 0.0 }
-                    };
                     for v in &self.voiced {
-                        c[v.harmonic as usize] = self.stereo_gain(v, bands.mid, signed);
+                        let gain = match v.antisymmetric {
+                            true => self.sum(v, |b| mix.swing(bands, b)),
+                            false => self.sum(v, |b| mix.symmetric(bands, b)),
+                        };
+                        c[v.first as usize] = self.dancer.swing.sign(v.first) * gain;
                     }
                 }
             }
@@ -290,14 +301,9 @@ impl Player {
         Ok(self.soften(item))
     }
 
-    fn stereo_gain(&self, v: &Voiced, mid: &[f32], side: impl Fn(usize) -> f32) -> f32 {
-        let f_s = self.sum(v, |b| mid[b]);
-        let f_u = self.sum(v, side);
-        v.strength * if v.antisymmetric { f_u + self.stereo_mu * f_s } else { f_s - self.stereo_mu * f_u }
-    }
-
     fn sum(&self, v: &Voiced, f: impl Fn(usize) -> f32) -> f32 {
-        self.bands[v.first_band as usize..v.end_band as usize].iter().map(|&b| f(b as usize)).sum()
+        let drivers = &self.drivers[v.first_driver as usize..v.end_driver as usize];
+        drivers.iter().map(|d| d.strength * f(d.band as usize)).sum()
     }
 
     /// Scales the item so that no probe goes beyond the limit.

@@ -58,7 +58,7 @@ fn farthest(d: &[[f64; 3]]) -> f64 {
 #[test]
 fn no_amplification_leaves_every_form_at_rest_exactly() {
     let full = vec![1.0; BANDS];
-    let bands = Bands { left: &full, right: &full, mid: &full, side: &full };
+    let bands = Bands { left: &full, right: &full, mid: &full, side: &full, side_gain: 1.0 };
     for form in [Form::Filter, Form::Modal, Form::HalfMask] {
         let d = displacements(
             octopus(),
@@ -80,7 +80,7 @@ fn a_tone_hard_left_moves_the_left_half_five_times_more() {
         let half: Vec<f32> = tone.iter().map(|f| 0.5 * f).collect();
         let side: Vec<f32> = tone.iter().map(|f| 5.0 * f).collect();
         let energies = |left: &[f32], right: &[f32]| {
-            let bands = Bands { left, right, mid: &half, side: &side };
+            let bands = Bands { left, right, mid: &half, side: &side, side_gain: 10.0 };
             let d = displacements(
                 ready,
                 &mapping,
@@ -115,7 +115,7 @@ fn the_filter_form_keeps_a_mirror_symmetric_shape_symmetric() {
     };
     let tone: Vec<f32> = (0..BANDS).map(|b| 1.0 / (1.0 + b as f32)).collect();
     let silence = vec![0.0; BANDS];
-    let bands = Bands { left: &tone, right: &silence, mid: &tone, side: &tone };
+    let bands = Bands { left: &tone, right: &silence, mid: &tone, side: &tone, side_gain: 1.0 };
     let mapping = Mapping { stereo_mu: 0.3, ..Mapping::direct(&ready.dancer.eigenvalues, BANDS) };
     let d = displacements(ready, &mapping, &bands, Playing::default());
     let most = farthest(&d);
@@ -146,7 +146,7 @@ fn a_full_scale_band_moves_each_shape_by_the_calibrated_amount() {
             let mut most = 0.0f64;
             for band in 0..BANDS {
                 let f = only(band);
-                let bands = Bands { left: &f, right: &f, mid: &f, side: &f };
+                let bands = Bands { left: &f, right: &f, mid: &f, side: &f, side_gain: 1.0 };
                 most = most.max(farthest(&displacements(ready, &mapping, &bands, Playing::default())));
             }
             let share = most / f64::from(ready.dancer.box_diagonal);
@@ -171,7 +171,7 @@ fn a_preset_bred_on_the_octopus_plays_on_the_head() {
         (0..BANDS)
             .map(|band| {
                 let f = only(band);
-                let bands = Bands { left: &f, right: &f, mid: &f, side: &f };
+                let bands = Bands { left: &f, right: &f, mid: &f, side: &f, side_gain: 1.0 };
                 farthest(&displacements(ready, &preset.mapping, &bands, Playing::default()))
             })
             .fold(0.0, f64::max)
@@ -229,7 +229,8 @@ fn a_session_replays_bit_for_bit_through_its_file() {
             let from = 40_000 + frame * 2000;
             let s =
                 analyser.analyse(&song.left[from..from + window], &song.right[from..from + window], 0.045);
-            let bands = Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side };
+            let bands =
+                Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side, side_gain: s.side_gain };
             let beat = Beat { count: 6.0 + frame as f64 * 0.1, confidence: 1.0 };
             bits.extend(coefficients_of(ensemble.play(instrument, &bands, beat).unwrap()));
         }
@@ -252,7 +253,7 @@ fn files_of_newer_versions_and_of_nonsense_are_refused() {
 fn the_limit_holds_where_it_is_not_probed() {
     let ready = octopus();
     let full = vec![1.0; BANDS];
-    let bands = Bands { left: &full, right: &full, mid: &full, side: &full };
+    let bands = Bands { left: &full, right: &full, mid: &full, side: &full, side_gain: 1.0 };
     let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
     for form in [Form::Filter, Form::Modal, Form::HalfMask] {
         let playing = Playing { form, gain: 20.0, ..Playing::default() };

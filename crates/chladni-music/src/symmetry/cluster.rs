@@ -1,6 +1,8 @@
 //! From a mirror to classes: what it does to each harmonic, and to groups of repeated ones.
 
-use chladni_harmonics::Basis;
+use std::ops::Range;
+
+use chladni_harmonics::{Basis, Body, canonical};
 use chladni_mesh::OnSurface;
 use chladni_task::Task;
 use rayon::prelude::*;
@@ -38,17 +40,18 @@ impl Rotation {
 /// ⟨H_k, H_k∘T⟩ / (‖H_k‖ ‖H_k∘T‖) for each harmonic, after the rotation of each group of
 /// repeated eigenvalues that takes the mirror apart into +1 and −1.
 pub(super) fn mirrored(
-    basis: &Basis,
+    body: &Body,
     image: &[OnSurface],
     settings: &SymmetrySettings,
     task: &Task,
 ) -> Result<(Vec<f64>, Vec<Rotation>), Error> {
-    let groups = groups(basis, settings.cluster_gap);
+    let basis = &*body.basis;
+    let groups = repeated(basis, settings.cluster_gap);
     let found: Vec<(Vec<f64>, Option<Rotation>)> = groups
         .into_par_iter()
         .map(|group| {
             task.check()?;
-            Ok(classify(basis, image, group))
+            Ok(classify(body, image, group, settings))
         })
         .collect::<Result<_, Error>>()?;
     let mut scores = Vec::with_capacity(basis.harmonics());
@@ -62,12 +65,12 @@ pub(super) fn mirrored(
 
 /// Runs of harmonics whose neighbouring eigenvalues differ by less than `gap`, relatively.
 /// The constant harmonics of a shape in several components are one such run.
-fn groups(basis: &Basis, gap: f64) -> Vec<std::ops::Range<usize>> {
+pub(crate) fn repeated(basis: &Basis, gap: f64) -> Vec<Range<usize>> {
     /// Larger groups are not repeated eigenvalues but a crowded spectrum.
     const LARGEST: usize = 24;
     let constant = first_waving(basis);
     let lambda = &basis.eigenvalues;
-    let mut groups: Vec<std::ops::Range<usize>> = Vec::new();
+    let mut groups: Vec<Range<usize>> = Vec::new();
     for k in 0..basis.harmonics() {
         let joins = k > 0 && (k < constant || (k > constant && lambda[k] - lambda[k - 1] < gap * lambda[k]));
         match groups.last_mut() {
@@ -79,10 +82,12 @@ fn groups(basis: &Basis, gap: f64) -> Vec<std::ops::Range<usize>> {
 }
 
 fn classify(
-    basis: &Basis,
+    body: &Body,
     image: &[OnSurface],
-    group: std::ops::Range<usize>,
+    group: Range<usize>,
+    settings: &SymmetrySettings,
 ) -> (Vec<f64>, Option<Rotation>) {
+    let basis = &*body.basis;
     let size = group.len();
     let images: Vec<Vec<f64>> = group
         .clone()
@@ -104,8 +109,51 @@ fn classify(
     if size == 1 {
         return (vec![matrix[0][0].clamp(-1.0, 1.0)], None);
     }
-    let symmetric =
+    let symmetric: Vec<Vec<f64>> =
         (0..size).map(|i| (0..size).map(|j| 0.5 * (matrix[i][j] + matrix[j][i])).collect()).collect();
-    let (values, mix) = symmetric_eigen(symmetric);
-    (values.into_iter().map(|v| v.clamp(-1.0, 1.0)).collect(), Some(Rotation { first: group.start, mix }))
+    let (values, mix) = symmetric_eigen(symmetric.clone());
+    let mix = choose_within_classes(body, &group, &values, mix, settings);
+    let score = |j: usize| -> f64 {
+        let image = |i: usize| (0..size).map(|l| symmetric[i][l] * mix[l][j]).sum::<f64>();
+        (0..size).map(|i| mix[i][j] * image(i)).sum()
+    };
+    let scores = (0..size).map(|j| score(j).clamp(-1.0, 1.0)).collect();
+    (scores, Some(Rotation { first: group.start, mix }))
+}
+
+/// Columns of `mix` that belong to one class are still any of many; the geometry chooses, as it does among
+/// the harmonics of one eigenvalue.
+fn choose_within_classes(
+    body: &Body,
+    group: &Range<usize>,
+    values: &[f64],
+    mix: Vec<Vec<f64>>,
+    settings: &SymmetrySettings,
+) -> Vec<Vec<f64>> {
+    let basis = &*body.basis;
+    let mut chosen = mix.clone();
+    let mut start = 0;
+    for class in values.chunk_by(|a, b| settings.class(*a) == settings.class(*b)) {
+        let columns = start..start + class.len();
+        start = columns.end;
+        let mixed = |j: usize| {
+            let rows = mix.iter().zip(group.clone());
+            let mut h = vec![0.0; basis.vertices()];
+            for (row, k) in rows {
+                h.iter_mut().zip(basis.harmonic(k)).for_each(|(h, old)| *h += row[j] * old);
+            }
+            h
+        };
+        if class.len() < 2 {
+            continue;
+        }
+        let vectors: Vec<f64> = columns.clone().flat_map(mixed).collect();
+        let Some(turn) = canonical::mix(&vectors, &basis.mass, &body.positions) else { continue };
+        for (chosen, row) in chosen.iter_mut().zip(&mix) {
+            for (to, j) in columns.clone().enumerate() {
+                chosen[j] = columns.clone().enumerate().map(|(from, i)| row[i] * turn[(from, to)]).sum();
+            }
+        }
+    }
+    chosen
 }

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 pub use cluster::Rotation;
+pub(crate) use cluster::repeated;
 
 /// What the mirror does to a harmonic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -73,6 +74,17 @@ impl Default for SymmetrySettings {
     }
 }
 
+impl SymmetrySettings {
+    /// The class of a harmonic of this score.
+    fn class(&self, score: f64) -> Class {
+        match score {
+            s if s >= self.decided => Class::Symmetric,
+            s if s <= -self.decided => Class::Antisymmetric,
+            _ => Class::Undecided,
+        }
+    }
+}
+
 /// The symmetry of a body's harmonics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Symmetry {
@@ -114,17 +126,12 @@ impl Symmetry {
         let extrema = paper::Extrema::of(body, settings);
         task.check()?;
         if let Some((plane, image)) = mirror(body, &extrema.pairs, settings, task)? {
-            let (scores, rotations) = cluster::mirrored(basis, &image, settings, task)?;
-            return Ok(Self::new(
-                extrema,
-                scores,
-                rotations,
-                SymmetryMethod::Mirror(plane),
-                settings.decided,
-            ));
+            let (scores, rotations) = cluster::mirrored(body, &image, settings, task)?;
+            return Ok(Self::new(extrema, scores, rotations, SymmetryMethod::Mirror(plane), settings));
         }
-        let scores = extrema.vote(basis);
-        Ok(Self::new(extrema, scores, Vec::new(), SymmetryMethod::Vote, f64::MIN_POSITIVE))
+        let scores = extrema.vote(basis, settings);
+        let by_majority = SymmetrySettings { decided: f64::MIN_POSITIVE, ..*settings };
+        Ok(Self::new(extrema, scores, Vec::new(), SymmetryMethod::Vote, &by_majority))
     }
 
     fn new(
@@ -132,16 +139,9 @@ impl Symmetry {
         scores: Vec<f64>,
         rotations: Vec<Rotation>,
         method: SymmetryMethod,
-        decided: f64,
+        settings: &SymmetrySettings,
     ) -> Self {
-        let classes = scores
-            .iter()
-            .map(|&score| match score {
-                s if s >= decided => Class::Symmetric,
-                s if s <= -decided => Class::Antisymmetric,
-                _ => Class::Undecided,
-            })
-            .collect();
+        let classes = scores.iter().map(|&score| settings.class(score)).collect();
         let paper::Extrema { counts, vertices, pairs, .. } = extrema;
         Self { classes, scores, extrema_counts: counts, extrema: vertices, pairs, rotations, method }
     }
@@ -179,7 +179,7 @@ fn mirror(
 }
 
 /// Index of the first harmonic that is not constant on a component.
-fn first_waving(basis: &Basis) -> usize {
+pub(crate) fn first_waving(basis: &Basis) -> usize {
     let largest = basis.eigenvalues.last().copied().unwrap_or(0.0);
     basis.eigenvalues.partition_point(|&l| l <= 1e-9 * largest)
 }

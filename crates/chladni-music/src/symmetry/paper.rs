@@ -1,9 +1,12 @@
 //! The paper's fast test (section 5b): extrema, pairs of nearest signature, and the vote.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use chladni_harmonics::{Basis, Body};
 use chladni_mesh::vertex_neighbors;
 
-use super::{SymmetrySettings, first_waving};
+use super::{SymmetrySettings, first_waving, repeated};
 
 /// At least this many extrema must remain.
 const LEAST_KEPT: usize = 8;
@@ -22,18 +25,14 @@ impl Extrema {
     pub(super) fn of(body: &Body, settings: &SymmetrySettings) -> Self {
         let basis = &*body.basis;
         let n = basis.vertices();
-        let first = first_waving(basis);
-        let last = (first + settings.signature_harmonics.min(255)).min(basis.harmonics());
+        let tones = tones(basis, settings);
         let neighbors = vertex_neighbors(n, &body.triangles);
         let mut counts = vec![0u8; n];
-        for k in first..last {
-            let h = basis.harmonic(k);
+        for tone in &tones {
             for (v, count) in counts.iter_mut().enumerate() {
-                let ring = neighbors.row(v);
-                let is_extremum = !ring.is_empty()
-                    && (ring.iter().all(|&w| h[w as usize] < h[v])
-                        || ring.iter().all(|&w| h[w as usize] > h[v]));
-                *count += u8::from(is_extremum);
+                if tone.is_extremum(v, neighbors.row(v)) {
+                    *count = count.saturating_add(tone.harmonics.len() as u8);
+                }
             }
         }
         let least = (1..=settings.least_extrema.clamp(1, 255))
@@ -42,42 +41,76 @@ impl Extrema {
             .unwrap_or(1);
         let vertices: Vec<u32> =
             (0..n).filter(|&v| usize::from(counts[v]) >= least).map(|v| v as u32).collect();
-        let pairs = pairs(body, &vertices, first, last);
+        let pairs = pairs(&vertices, &tones);
         Self { counts, vertices, pairs }
     }
 
-    /// For each harmonic (pairs with H_i ≈ H_j minus pairs with H_i ≈ −H_j) / pairs.
-    pub(super) fn vote(&self, basis: &Basis) -> Vec<f64> {
+    /// For each harmonic (pairs with H_i ≈ H_j minus pairs with H_i ≈ −H_j) / pairs; those of a
+    /// repeated eigenvalue vote together, with H_i the row of their values at i.
+    pub(super) fn vote(&self, basis: &Basis, settings: &SymmetrySettings) -> Vec<f64> {
         let first = first_waving(basis);
-        (0..basis.harmonics())
-            .map(|k| {
-                if k < first {
-                    return 1.0;
-                }
-                let h = basis.harmonic(k);
-                let votes: i64 = self
-                    .pairs
-                    .iter()
-                    .map(|p| {
-                        let [a, b] = p.map(|v| h[v as usize]);
-                        let alike = ALIKE * (a.abs() + b.abs());
-                        i64::from((a - b).abs() <= alike) - i64::from((a + b).abs() <= alike)
-                    })
-                    .sum();
-                votes as f64 / self.pairs.len().max(1) as f64
-            })
-            .collect()
+        let mut scores = vec![1.0; first];
+        for group in repeated(basis, settings.cluster_gap).into_iter().filter(|group| group.start >= first) {
+            let norm = |f: &dyn Fn(&[f64]) -> f64| {
+                group.clone().map(|k| f(basis.harmonic(k)).powi(2)).sum::<f64>().sqrt()
+            };
+            let votes: i64 = self
+                .pairs
+                .iter()
+                .map(|p| {
+                    let [a, b] = p.map(|v| v as usize);
+                    let alike = ALIKE * (norm(&|h| h[a]) + norm(&|h| h[b]));
+                    i64::from(norm(&|h| h[a] - h[b]) <= alike) - i64::from(norm(&|h| h[a] + h[b]) <= alike)
+                })
+                .sum();
+            scores.extend(group.map(|_| votes as f64 / self.pairs.len().max(1) as f64));
+        }
+        scores
     }
 }
 
+/// The harmonics of one eigenvalue, as the test looks at them: one as it is; of several the length
+/// of the row of their values, which does not depend on the choice of them.
+struct Tone<'a> {
+    harmonics: Range<usize>,
+    values: Cow<'a, [f64]>,
+    eigenvalue: f64,
+}
+
+impl Tone<'_> {
+    fn is_extremum(&self, v: usize, ring: &[u32]) -> bool {
+        let h = &self.values;
+        let least = ring.iter().all(|&w| h[w as usize] > h[v]);
+        let most = ring.iter().all(|&w| h[w as usize] < h[v]);
+        // Where the length of a row is least nothing in particular need be.
+        !ring.is_empty() && (most || (least && self.harmonics.len() == 1))
+    }
+}
+
+/// The first n_k non-constant harmonics, and what repeats the last of them.
+fn tones<'a>(basis: &'a Basis, settings: &SymmetrySettings) -> Vec<Tone<'a>> {
+    let first = first_waving(basis);
+    let last = first + settings.signature_harmonics.min(255);
+    repeated(basis, settings.cluster_gap)
+        .into_iter()
+        .filter(|group| (first..last).contains(&group.start))
+        .map(|group| {
+            let values = match group.len() {
+                1 => Cow::Borrowed(basis.harmonic(group.start)),
+                _ => (0..basis.vertices())
+                    .map(|v| group.clone().map(|k| basis.harmonic(k)[v].powi(2)).sum::<f64>().sqrt())
+                    .collect(),
+            };
+            Tone { eigenvalue: basis.eigenvalues[group.start], harmonics: group, values }
+        })
+        .collect()
+}
+
 /// Mutually nearest absolute GPS signatures |H_k(i)| / √λ_k among `vertices`.
-fn pairs(body: &Body, vertices: &[u32], first: usize, last: usize) -> Vec<[u32; 2]> {
-    let basis = &*body.basis;
+fn pairs(vertices: &[u32], tones: &[Tone<'_>]) -> Vec<[u32; 2]> {
     let signatures: Vec<Vec<f64>> = vertices
         .iter()
-        .map(|&v| {
-            (first..last).map(|k| basis.harmonic(k)[v as usize].abs() / basis.eigenvalues[k].sqrt()).collect()
-        })
+        .map(|&v| tones.iter().map(|tone| tone.values[v as usize].abs() / tone.eigenvalue.sqrt()).collect())
         .collect();
     let distance = |i: usize, j: usize| -> f64 {
         signatures[i].iter().zip(&signatures[j]).map(|(a, b)| (a - b).powi(2)).sum()

@@ -46,7 +46,13 @@ impl Hearing {
         let end = center.round() as i64 + window as i64 / 2;
         self.song.window_ending_at(end, &mut self.left, &mut self.right);
         let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
-        Ok(Bands { left: &spectrum.left, right: &spectrum.right, mid: &spectrum.mid, side: &spectrum.side })
+        Ok(Bands {
+            left: &spectrum.left,
+            right: &spectrum.right,
+            mid: &spectrum.mid,
+            side: &spectrum.side,
+            side_gain: spectrum.side_gain,
+        })
     }
 }
 

@@ -80,8 +80,13 @@ pub fn stereo(ready: &Ready) -> Result<Vec<Stereo>, Failure> {
                 let silence = vec![0.0; n];
                 let [left, right] = if side == 0 { [&tone, &silence] } else { [&silence, &tone] };
                 let heard = analyser.analyse(left, right, 1.0);
-                let bands =
-                    Bands { left: &heard.left, right: &heard.right, mid: &heard.mid, side: &heard.side };
+                let bands = Bands {
+                    left: &heard.left,
+                    right: &heard.right,
+                    mid: &heard.mid,
+                    side: &heard.side,
+                    side_gain: heard.side_gain,
+                };
                 let moved = ready.displacements(&mapping, &bands, Playing { form, ..Playing::default() })?;
                 let mut energy = [0.0; 2];
                 for ((d, x), a) in moved.iter().zip(&ready.body.positions).zip(&ready.body.basis.mass) {
@@ -164,7 +169,7 @@ fn loudest(ready: &Ready, mapping: &Mapping, bands: usize) -> Result<f64, Failur
         let mut full = silence.clone();
         full[band] = 1.0;
         for (mid, side) in [(&full, &silence), (&silence, &full)] {
-            let heard = Bands { left: &full, right: &full, mid, side };
+            let heard = Bands { left: &full, right: &full, mid, side, side_gain: 1.0 };
             most = most.max(farthest(&ready.displacements(mapping, &heard, Playing::default())?));
         }
     }

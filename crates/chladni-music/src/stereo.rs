@@ -1,0 +1,144 @@
+//! What symmetric and antisymmetric harmonics hear of stereo sound (section 5c).
+
+use crate::Bands;
+
+/// How middle S = (L + R) / 2 and side U = (L − R) / 2 are mixed for one item at one moment.
+///
+/// Mixtures are of complex spectra, of which only squares are known:
+/// |α S + β U|² = α² |S|² + β² |U|² + 2 α β Re(S Ū), with Re(S Ū) = (|L|² − |R|²) / 4.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StereoMix {
+    mu: f32,
+    /// g^(1−μ): at μ = 1 nothing is amplified, and S − U is R, U + S is L.
+    side_gain: f32,
+    /// g, which the side that the bands bring is already multiplied by.
+    bands_gain: f32,
+}
+
+impl StereoMix {
+    pub fn new(mu: f32, bands: &Bands<'_>) -> Self {
+        let bands_gain = bands.side_gain.max(0.0);
+        Self { mu, side_gain: bands_gain.powf(1.0 - mu), bands_gain }
+    }
+
+    /// |S − μ g U|, what symmetric harmonics hear of band `b`.
+    pub fn symmetric(&self, bands: &Bands<'_>, b: usize) -> f32 {
+        if self.mu == 0.0 { bands.mid[b] } else { self.magnitude(bands, b, 1.0, -self.mu * self.side_gain) }
+    }
+
+    /// |g U + μ S|, what antisymmetric harmonics hear of it.
+    pub fn antisymmetric(&self, bands: &Bands<'_>, b: usize) -> f32 {
+        if self.mu == 0.0 { bands.side[b] } else { self.magnitude(bands, b, self.mu, self.side_gain) }
+    }
+
+    /// The same with a sign, for harmonics that swing: positive towards the left.
+    ///
+    /// It is the part of g U that is in step with S, and never more than S, so that what S moves on both
+    /// sides comes to rest on one and is not turned over there. As μ goes to 1 a single channel is heard,
+    /// which has no other side to swing to.
+    pub fn swing(&self, bands: &Bands<'_>, b: usize) -> f32 {
+        let s = bands.mid[b];
+        let in_step = if s > 0.0 { self.side_gain * in_step(bands, b) / s } else { 0.0 };
+        let towards = in_step.clamp(-s, s);
+        towards + self.mu * (self.antisymmetric(bands, b) - towards)
+    }
+
+    /// |α S + β U|.
+    fn magnitude(&self, bands: &Bands<'_>, b: usize, alpha: f32, beta: f32) -> f32 {
+        let (l, r, s) = (bands.left[b], bands.right[b], bands.mid[b]);
+        // Where the side is not amplified away it is known better than as a difference.
+        let side_square = match self.bands_gain {
+            g if g > 0.0 => (bands.side[b] / g).powi(2),
+            _ => (0.5 * (l * l + r * r) - s * s).max(0.0),
+        };
+        let square =
+            alpha * alpha * s * s + beta * beta * side_square + 2.0 * alpha * beta * in_step(bands, b);
+        square.max(0.0).sqrt()
+    }
+}
+
+/// Re(S Ū).
+fn in_step(bands: &Bands<'_>, b: usize) -> f32 {
+    let (l, r) = (bands.left[b], bands.right[b]);
+    0.25 * (l - r) * (l + r)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// One band of two complex channels.
+    struct Heard {
+        left: [f32; 1],
+        right: [f32; 1],
+        mid: [f32; 1],
+        side: [f32; 1],
+        side_gain: f32,
+    }
+
+    type Complex = (f32, f32);
+
+    fn sum(a: Complex, b: Complex, alpha: f32, beta: f32) -> Complex {
+        (alpha * a.0 + beta * b.0, alpha * a.1 + beta * b.1)
+    }
+
+    fn size((re, im): Complex) -> f32 {
+        re.hypot(im)
+    }
+
+    impl Heard {
+        fn of(l: Complex, r: Complex, side_gain: f32) -> Self {
+            let side = side_gain * size(sum(l, r, 0.5, -0.5));
+            Self {
+                left: [size(l)],
+                right: [size(r)],
+                mid: [size(sum(l, r, 0.5, 0.5))],
+                side: [side],
+                side_gain,
+            }
+        }
+
+        fn bands(&self) -> Bands<'_> {
+            let Self { left, right, mid, side, side_gain } = self;
+            Bands { left, right, mid, side, side_gain: *side_gain }
+        }
+    }
+
+    #[test]
+    fn in_phase_at_one_each_class_hears_exactly_one_channel() {
+        let heard = Heard::of((1.0, 0.0), (0.8, 0.0), 10.0);
+        let mix = StereoMix::new(1.0, &heard.bands());
+        assert!((mix.symmetric(&heard.bands(), 0) - 0.8).abs() < 1e-6);
+        assert!((mix.antisymmetric(&heard.bands(), 0) - 1.0).abs() < 1e-6);
+        assert!((mix.swing(&heard.bands(), 0) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn at_zero_a_channel_alone_rests_the_other_half_and_mono_swings_nothing() {
+        for (l, r, swing) in [(1.0, 0.0, 0.5), (0.0, 1.0, -0.5), (1.0, 1.0, 0.0)] {
+            let heard = Heard::of((l, 0.0), (0.0, r), 10.0);
+            let heard = if l == r { Heard::of((l, 0.0), (r, 0.0), 10.0) } else { heard };
+            let mix = StereoMix::new(0.0, &heard.bands());
+            assert_eq!(mix.swing(&heard.bands(), 0), swing);
+            assert_eq!(mix.symmetric(&heard.bands(), 0), heard.mid[0]);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn magnitudes_are_those_of_the_mixed_spectra(
+            l in (-1.0f32..1.0, -1.0f32..1.0), r in (-1.0f32..1.0, -1.0f32..1.0),
+            mu in 0.0f32..=1.0, side_gain in 0.0f32..20.0)
+        {
+            let heard = Heard::of(l, r, side_gain);
+            let mix = StereoMix::new(mu, &heard.bands());
+            let g = side_gain.powf(1.0 - mu);
+            let (s, u) = (sum(l, r, 0.5, 0.5), sum(l, r, 0.5, -0.5));
+            let near = 2e-3 * (1.0 + g);
+            prop_assert!((mix.symmetric(&heard.bands(), 0) - size(sum(s, u, 1.0, -mu * g))).abs() < near);
+            prop_assert!((mix.antisymmetric(&heard.bands(), 0) - size(sum(s, u, mu, g))).abs() < near);
+            prop_assert!(mix.swing(&heard.bands(), 0).abs() <= mix.antisymmetric(&heard.bands(), 0) + heard.mid[0] + near);
+        }
+    }
+}
