@@ -12,7 +12,7 @@ use chladni::studio::{Folders, Opening};
 use chladni_mesh::{samples, save_mesh};
 use chladni_music::{Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
 use chladni_sound::{Capture, CaptureFeed};
-use driving::{Window, open_with, shows, wait};
+use driving::{Window, no_time, open_with, shows, wait};
 use egui::{Event, Key, Pos2, ViewportCommand};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -40,7 +40,7 @@ impl Evening {
         let files = vec![path("ball.obj"), path("session.toml")];
         let (input, feed) = Capture::fed(RATE_HZ).unwrap();
         let folders = Folders { settings: Some(path("settings.toml")), ..Folders::default() };
-        let opening = Opening { folders, files, input: Some(input), ..Opening::default() };
+        let opening = Opening { folders, files, input: Some(input), now: no_time, ..Opening::default() };
         let builder = Harness::builder().with_size([640.0, 640.0]).with_step_dt(1.0 / fps as f32);
         let mut window = open_with(opening, builder);
         // The sample that opens meanwhile has twelve items; the stage has no top bar.

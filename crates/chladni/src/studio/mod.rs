@@ -143,6 +143,9 @@ pub struct Opening {
     pub input: Option<chladni_sound::Capture>,
     /// What a window before it has left, and where it leaves what is open should its device be lost.
     pub handover: Handover,
+    /// Tells how long work takes where less is done on a slow machine. Tests hand in a clock of their own, so
+    /// that they see the same on every machine.
+    pub now: fn() -> Instant,
 }
 
 impl Default for Opening {
@@ -155,6 +158,7 @@ impl Default for Opening {
             first_picture: None,
             input: None,
             handover: Handover::default(),
+            now: Instant::now,
         }
     }
 }
@@ -170,6 +174,7 @@ pub struct Studio {
     chooser: Box<dyn Chooser>,
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
+    now: fn() -> Instant,
     settings: Settings,
     saved_settings: Settings,
     notices: Notices,
@@ -198,7 +203,7 @@ impl Studio {
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
         let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
         let mut notices = Notices::default();
-        let Opening { folders, chooser, files, measure, first_picture, input, handover } = opening;
+        let Opening { folders, chooser, files, measure, first_picture, input, handover, now } = opening;
         let first_run = folders.settings.as_ref().is_some_and(|path| !path.exists());
         let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
@@ -239,6 +244,7 @@ impl Studio {
             chooser,
             measure,
             first_picture,
+            now,
             notices,
             rooms,
             current,
@@ -281,6 +287,7 @@ impl Studio {
             settings: &mut self.settings,
             folders: &self.folders,
             chooser: self.chooser.as_mut(),
+            now: self.now,
         };
         Some(act(room.as_mut(), &mut shared))
     }

@@ -94,4 +94,6 @@ pub struct Shared<'a> {
     pub folders: &'a Folders,
     /// Whom to ask for files.
     pub chooser: &'a mut dyn Chooser,
+    /// How long work takes is measured by this clock.
+    pub now: fn() -> std::time::Instant,
 }

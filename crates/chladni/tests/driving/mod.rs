@@ -55,6 +55,13 @@ pub fn takes_pictures() -> bool {
     std::env::var_os("CHLADNI_SCREENSHOTS").is_some()
 }
 
+/// A clock that stands still: no work takes any time, and a slow machine does not do less.
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn no_time() -> Instant {
+    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    *START.get_or_init(Instant::now)
+}
+
 /// Opens the window with so many points.
 pub fn open(opening: Opening, size: [f32; 2]) -> Window {
     open_with(opening, Harness::builder().with_size(size))

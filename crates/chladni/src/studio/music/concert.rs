@@ -307,7 +307,7 @@ impl Concert {
         listening: &mut Listening,
         wishes: &mut Vec<Wish>,
     ) -> Result<(), String> {
-        let began = std::time::Instant::now();
+        let began = (shared.now)();
         let whole = ui.available_rect_before_wrap();
         self.seconds = ui.input(|input| input.time);
         let heard = listening.hear(self.seconds, self.instrument.parameters())?;
@@ -346,7 +346,8 @@ impl Concert {
             if !self.levels.is_empty() {
                 self.seen.extend(items.iter().map(coarse::harmonics_seen));
             }
-            if let Some(told) = self.pace.frame(began, self.ensemble.dancer().harmonics()) {
+            let took = (shared.now)().saturating_duration_since(began);
+            if let Some(told) = self.pace.frame(took, self.ensemble.dancer().harmonics()) {
                 self.ensemble.use_at_most(self.pace.harmonics());
                 shared.notices.warn(told);
             }

@@ -304,8 +304,13 @@ impl Listening {
             confidence: if playing { moment.confidence as f32 } else { 0.0 },
         };
         let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
-        let bands =
-            Bands { left: &spectrum.left, right: &spectrum.right, mid: &spectrum.mid, side: &spectrum.side };
+        let bands = Bands {
+            left: &spectrum.left,
+            right: &spectrum.right,
+            mid: &spectrum.mid,
+            side: &spectrum.side,
+            side_gain: spectrum.side_gain,
+        };
         Ok(Heard { at_secs, beat, bands })
     }
 

@@ -1,6 +1,6 @@
 //! Frames before detail: fewer harmonics where the machine does not keep up, more where it does.
 
-use std::time::Instant;
+use std::time::Duration;
 
 /// Hearing, mapping and synthesis may take this long.
 const BUDGET_SECS: f64 = 0.020;
@@ -31,10 +31,10 @@ impl Pace {
         self.mean_secs
     }
 
-    /// Counts a frame that began at `began` and is about to be drawn, of a body of `all`
-    /// harmonics. Says so when the number in use has changed.
-    pub fn frame(&mut self, began: Instant, all: usize) -> Option<String> {
-        self.count(began.elapsed().as_secs_f64(), all as u32)
+    /// Counts a frame that took so long until it is drawn, of a body of `all` harmonics. Says so
+    /// when the number in use has changed.
+    pub fn frame(&mut self, took: Duration, all: usize) -> Option<String> {
+        self.count(took.as_secs_f64(), all as u32)
     }
 
     fn count(&mut self, secs: f64, all: u32) -> Option<String> {

@@ -1,14 +1,12 @@
 //! The stage's curtain: nothing but the dance, on the screen it was given.
 
-use std::time::{Duration, Instant};
-
 use egui::{Align2, Color32, FontId, Ui, ViewportCommand};
 
 use super::concert::Concert;
 use super::preferences::Screen;
 
 /// How long pointer and hint stay after the pointer has moved.
-const LINGER: Duration = Duration::from_secs(2);
+const LINGER_SECS: f64 = 2.0;
 
 /// What was done to the window for the stage, to be undone afterwards.
 #[derive(Debug, Default)]
@@ -16,7 +14,8 @@ pub struct Curtain {
     open: bool,
     /// The window was made to fill a screen by the stage, not by the user.
     filled: bool,
-    moved: Option<Instant>,
+    /// When the pointer last moved, by the window's clock.
+    moved_secs: Option<f64>,
 }
 
 impl Curtain {
@@ -26,7 +25,7 @@ impl Curtain {
             return;
         }
         self.open = on_stage;
-        self.moved = None;
+        self.moved_secs = None;
         if !on_stage {
             if std::mem::take(&mut self.filled) {
                 ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
@@ -44,10 +43,11 @@ impl Curtain {
 
     /// Hides the pointer; where it moves, shows it for a moment with the keys that help.
     pub fn show(&mut self, ui: &mut Ui, concert: &Concert) {
+        let now_secs = ui.input(|input| input.time);
         if ui.input(|input| input.pointer.is_moving()) {
-            self.moved = Some(Instant::now());
+            self.moved_secs = Some(now_secs);
         }
-        if self.moved.is_none_or(|moved| moved.elapsed() > LINGER) {
+        if self.moved_secs.is_none_or(|moved_secs| now_secs - moved_secs > LINGER_SECS) {
             ui.ctx().set_cursor_icon(egui::CursorIcon::None);
             return;
         }
