@@ -59,7 +59,7 @@ pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_
 pub use gallery::{GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation, ItemId, Origin};
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
 pub use parameter::{Parameter, Parameters, Switch};
-pub use player::{Bands, Choir, Form, Player, Playing, blend};
+pub use player::{Bands, Choir, Control as FormControl, Form, Player, Playing, blend};
 pub use preset::{Ancestor, FORMAT_VERSION, Preset, Session, lineage};
 pub use session::{Action, Instrument, LoggedAction, Moment};
 pub use sides::{SideSource, Sides};

@@ -14,15 +14,44 @@ use crate::{Class, Dancer, Error, Mapping};
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
     /// The paper's filter: C_k = (φ_k − 1) x̃_k. A mirror-symmetric shape stays so.
-    #[default]
     Filter,
-    /// H_k along the normal with its own sign: c_k = φ_k − 1, as on a sounding plate.
+    /// H_k along the normal: c_k = ±(φ_k − 1), as on a sounding plate. The middle moves symmetric harmonics,
+    /// the side antisymmetric ones, which swing towards the louder channel.
     Modal,
-    /// The filter twice: the left channel under χ_L, the right one under χ_R.
+    /// The filter twice: the left channel under χ_L, the right one under χ_R. The only one in which a
+    /// channel is seen where it is heard whatever the shape, and so the one to begin with.
+    #[default]
     HalfMask,
 }
 
+/// What a form may have no use for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Control {
+    /// μ, of one item or of all.
+    StereoMu,
+    /// The gain of the side.
+    SideGain,
+    /// φ_d.
+    Detail,
+}
+
 impl Form {
+    /// Why a control means nothing in this form, for the person who would turn it; `None` where it acts.
+    pub fn ignores(self, control: Control) -> Option<&'static str> {
+        match (self, control) {
+            (Self::HalfMask, Control::StereoMu) => {
+                Some("Without effect in halves: each half hears its own channel. Filter and modal mix by μ.")
+            }
+            (Self::HalfMask, Control::SideGain) => Some(
+                "Without effect in halves: each half hears its own channel. Filter and modal amplify the side.",
+            ),
+            (Self::Modal, Control::Detail) => {
+                Some("Without effect in modal: nothing finer than the last harmonic moves along the normals.")
+            }
+            _ => None,
+        }
+    }
+
     /// How many terms of an item its mapping takes; voices come after them.
     pub fn terms(self) -> usize {
         if self == Self::HalfMask { 2 } else { 1 }
@@ -78,7 +107,7 @@ pub struct Playing {
     pub choir: Choir,
     /// Overall strength, [0, 20]; multiplies every mapping's own gain.
     pub gain: f32,
-    /// Exchanges left and right of the half-mask form.
+    /// Exchanges left and right.
     pub flip_sides: bool,
     /// What a full-scale band does at gain 1: the share of the bounding box's diagonal that
     /// the most moved vertex goes, (0, 1].
@@ -96,7 +125,7 @@ pub struct Playing {
 impl Default for Playing {
     fn default() -> Self {
         Self {
-            form: Form::Filter,
+            form: Form::default(),
             choir: Choir::All,
             gain: 1.0,
             flip_sides: false,
@@ -264,7 +293,7 @@ impl Player {
         if item.terms.len() != terms {
             return Err(Error::Size { what: "terms", found: item.terms.len(), expected: terms });
         }
-        let mix = StereoMix::new(self.stereo_mu, bands);
+        let mix = StereoMix::new(self.stereo_mu, bands, self.playing.flip_sides);
         for (side, term) in item.terms.iter_mut().enumerate() {
             if term.residual.is_some() {
                 term.residual_gain = self.playing.detail - 1.0;

@@ -13,12 +13,15 @@ pub(crate) struct StereoMix {
     side_gain: f32,
     /// g, which the side that the bands bring is already multiplied by.
     bands_gain: f32,
+    /// −1 where left and right are exchanged: U turns round.
+    turn: f32,
 }
 
 impl StereoMix {
-    pub fn new(mu: f32, bands: &Bands<'_>) -> Self {
+    pub fn new(mu: f32, bands: &Bands<'_>, flip_sides: bool) -> Self {
         let bands_gain = bands.side_gain.max(0.0);
-        Self { mu, side_gain: bands_gain.powf(1.0 - mu), bands_gain }
+        let turn = if flip_sides { -1.0 } else { 1.0 };
+        Self { mu, side_gain: bands_gain.powf(1.0 - mu), bands_gain, turn }
     }
 
     /// |S − μ g U|, what symmetric harmonics hear of band `b`.
@@ -38,7 +41,7 @@ impl StereoMix {
     /// which has no other side to swing to.
     pub fn swing(&self, bands: &Bands<'_>, b: usize) -> f32 {
         let s = bands.mid[b];
-        let in_step = if s > 0.0 { self.side_gain * in_step(bands, b) / s } else { 0.0 };
+        let in_step = if s > 0.0 { self.side_gain * self.in_step(bands, b) / s } else { 0.0 };
         let towards = in_step.clamp(-s, s);
         towards + self.mu * (self.antisymmetric(bands, b) - towards)
     }
@@ -51,16 +54,15 @@ impl StereoMix {
             g if g > 0.0 => (bands.side[b] / g).powi(2),
             _ => (0.5 * (l * l + r * r) - s * s).max(0.0),
         };
-        let square =
-            alpha * alpha * s * s + beta * beta * side_square + 2.0 * alpha * beta * in_step(bands, b);
-        square.max(0.0).sqrt()
+        let crossed = 2.0 * alpha * beta * self.in_step(bands, b);
+        (alpha * alpha * s * s + beta * beta * side_square + crossed).max(0.0).sqrt()
     }
-}
 
-/// Re(S Ū).
-fn in_step(bands: &Bands<'_>, b: usize) -> f32 {
-    let (l, r) = (bands.left[b], bands.right[b]);
-    0.25 * (l - r) * (l + r)
+    /// Re(S Ū).
+    fn in_step(&self, bands: &Bands<'_>, b: usize) -> f32 {
+        let (l, r) = (bands.left[b], bands.right[b]);
+        self.turn * 0.25 * (l - r) * (l + r)
+    }
 }
 
 #[cfg(test)]
@@ -108,10 +110,12 @@ mod tests {
     #[test]
     fn in_phase_at_one_each_class_hears_exactly_one_channel() {
         let heard = Heard::of((1.0, 0.0), (0.8, 0.0), 10.0);
-        let mix = StereoMix::new(1.0, &heard.bands());
-        assert!((mix.symmetric(&heard.bands(), 0) - 0.8).abs() < 1e-6);
-        assert!((mix.antisymmetric(&heard.bands(), 0) - 1.0).abs() < 1e-6);
-        assert!((mix.swing(&heard.bands(), 0) - 1.0).abs() < 1e-6);
+        for (flip_sides, antisymmetric, symmetric) in [(false, 1.0, 0.8), (true, 0.8, 1.0)] {
+            let mix = StereoMix::new(1.0, &heard.bands(), flip_sides);
+            assert!((mix.symmetric(&heard.bands(), 0) - symmetric).abs() < 1e-6);
+            assert!((mix.antisymmetric(&heard.bands(), 0) - antisymmetric).abs() < 1e-6);
+            assert!((mix.swing(&heard.bands(), 0) - antisymmetric).abs() < 1e-6);
+        }
     }
 
     #[test]
@@ -119,7 +123,7 @@ mod tests {
         for (l, r, swing) in [(1.0, 0.0, 0.5), (0.0, 1.0, -0.5), (1.0, 1.0, 0.0)] {
             let heard = Heard::of((l, 0.0), (0.0, r), 10.0);
             let heard = if l == r { Heard::of((l, 0.0), (r, 0.0), 10.0) } else { heard };
-            let mix = StereoMix::new(0.0, &heard.bands());
+            let mix = StereoMix::new(0.0, &heard.bands(), false);
             assert_eq!(mix.swing(&heard.bands(), 0), swing);
             assert_eq!(mix.symmetric(&heard.bands(), 0), heard.mid[0]);
         }
@@ -132,7 +136,7 @@ mod tests {
             mu in 0.0f32..=1.0, side_gain in 0.0f32..20.0)
         {
             let heard = Heard::of(l, r, side_gain);
-            let mix = StereoMix::new(mu, &heard.bands());
+            let mix = StereoMix::new(mu, &heard.bands(), false);
             let g = side_gain.powf(1.0 - mu);
             let (s, u) = (sum(l, r, 0.5, 0.5), sum(l, r, 0.5, -0.5));
             let near = 2e-3 * (1.0 + g);

@@ -7,7 +7,7 @@ use crate::sides::Sides;
 use crate::{Class, symmetry};
 
 /// Partners are sought among so many neighbours in frequency to either side.
-const NEIGHBOURS: usize = 12;
+const NEIGHBOURS: usize = 24;
 /// Partners agree at least so well, of 1.
 const LEAST_AGREEMENT: f64 = 0.05;
 /// Less than this share of the largest lean there can be is rounding.

@@ -70,33 +70,39 @@ fn no_amplification_leaves_every_form_at_rest_exactly() {
     }
 }
 
-#[test]
-fn a_tone_hard_left_moves_the_left_half_five_times_more() {
-    let ready = octopus();
+/// Displacement energies of the left and the right half under a tone in either channel or in both, as the
+/// spectrum hears it.
+fn energies(ready: &Ready, form: Form, tone_hz: f32, left: f32, right: f32) -> [f64; 2] {
     let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
-    let silence = vec![0.0; BANDS];
-    for band in [5, 20, 60] {
-        let tone = only(band);
-        let half: Vec<f32> = tone.iter().map(|f| 0.5 * f).collect();
-        let side: Vec<f32> = tone.iter().map(|f| 5.0 * f).collect();
-        let energies = |left: &[f32], right: &[f32]| {
-            let bands = Bands { left, right, mid: &half, side: &side, side_gain: 10.0 };
-            let d = displacements(
-                ready,
-                &mapping,
-                &bands,
-                Playing { form: Form::HalfMask, ..Playing::default() },
-            );
-            let mut energy = [0.0; 2];
-            for ((d, x), a) in d.iter().zip(&ready.body.positions).zip(&ready.body.basis.mass) {
-                energy[usize::from(x[0] > 0.0)] += a * d.iter().map(|c| c * c).sum::<f64>();
+    let mut analyser = SpectrumAnalyser::new(SpectrumSettings::new(44_100)).unwrap();
+    let tone = |gain: f32| -> Vec<f32> {
+        let wave = |i: usize| gain * (std::f32::consts::TAU * tone_hz * i as f32 / 44_100.0).sin();
+        (0..analyser.window_frames()).map(wave).collect()
+    };
+    let (left, right) = (tone(left), tone(right));
+    let s = analyser.analyse(&left, &right, 1.0);
+    let bands = Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side, side_gain: s.side_gain };
+    let d = displacements(ready, &mapping, &bands, Playing { form, ..Playing::default() });
+    let mut energy = [0.0; 2];
+    for ((d, x), a) in d.iter().zip(&ready.body.positions).zip(&ready.body.basis.mass) {
+        energy[usize::from(x[0] > 0.0)] += a * d.iter().map(|c| c * c).sum::<f64>();
+    }
+    energy
+}
+
+#[test]
+fn a_channel_alone_moves_its_own_half_and_both_move_both_alike() {
+    for (ready, name) in [(octopus(), "octopus"), (head(), "head")] {
+        for (form, least) in [(Form::HalfMask, 5.0), (Form::Modal, 2.0)] {
+            for tone_hz in [110.0, 440.0, 1760.0] {
+                let [left, right] = energies(ready, form, tone_hz, 0.5, 0.0);
+                assert!(left >= least * right, "{name}, {form:?}, {tone_hz} Hz left: {left} {right}");
+                let [left, right] = energies(ready, form, tone_hz, 0.0, 0.5);
+                assert!(right >= least * left, "{name}, {form:?}, {tone_hz} Hz right: {left} {right}");
+                let [left, right] = energies(ready, form, tone_hz, 0.5, 0.5);
+                assert!(left > 0.0 && (left / right - 1.0).abs() < 0.02, "{name}, {form:?}: {left} {right}");
             }
-            energy
-        };
-        let [left, right] = energies(&tone, &silence);
-        assert!(left > 0.0 && left >= 5.0 * right, "band {band}, left: {left} {right}");
-        let [left, right] = energies(&silence, &tone);
-        assert!(right > 0.0 && right >= 5.0 * left, "band {band}, right: {left} {right}");
+        }
     }
 }
 
@@ -117,7 +123,8 @@ fn the_filter_form_keeps_a_mirror_symmetric_shape_symmetric() {
     let silence = vec![0.0; BANDS];
     let bands = Bands { left: &tone, right: &silence, mid: &tone, side: &tone, side_gain: 1.0 };
     let mapping = Mapping { stereo_mu: 0.3, ..Mapping::direct(&ready.dancer.eigenvalues, BANDS) };
-    let d = displacements(ready, &mapping, &bands, Playing::default());
+    let playing = Playing { form: Form::Filter, ..Playing::default() };
+    let d = displacements(ready, &mapping, &bands, playing);
     let most = farthest(&d);
     let mut pairs = 0;
     let mut worst = 0.0f64;
