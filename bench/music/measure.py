@@ -11,6 +11,7 @@ import numpy as np
 import scipy.spatial
 import trimesh
 
+from seen import seen
 from sync import sync
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
@@ -72,16 +73,20 @@ def main():
         lines.append(f"| {r['form']} | {r['vertices']:,} | {r['harmonics']} | {r['items']} | {parts} |")
     lines += [
         "",
-        "Left and right: a tone in one channel, the direct mapping on the octopus (K = 128). *Ratio*: displacement energy of "
-        "the tone's half over that of the other (target of the half-mask form: 5). *Mirror error*: how far the shape is from "
-        "its own mirror image, over the largest displacement (the filter form keeps it).",
+        "Left and right: a tone in one channel or in both, the direct mapping, K = 128. *Ratio*: displacement energy of "
+        "the tone's half over that of the other; of both, left over right (targets: 5 in halves, 2 in modal, and 1 to 2 % in mono). "
+        "*Outwards*: mean displacement along the normals of the tone's half minus that of the other, over the root mean square "
+        "(modal: never negative). *Mirror error*: how far the shape is from its own mirror image, over the largest displacement "
+        "(the filter form keeps it; mono keeps it in all forms).",
         "",
-        "| form | tone | channel | ratio | mirror error |",
-        "|---|---|---|---|---|",
+        "| shape | form | tone | channel | ratio | outwards | mirror error |",
+        "|---|---|---|---|---|---|---|",
     ]
     for r in measured["stereo"]:
+        ratio = f"{r['energy_ratio']:.{3 if r['channel'] == 'both' else 1}f}"
         lines.append(
-            f"| {r['form']} | {r['tone_hz']:.0f} Hz | {r['channel']} | {r['energy_ratio']:.1f} | {r['mirror_error']:.0e} |"
+            f"| {r['shape']} | {r['form']} | {r['tone_hz']:.0f} Hz | {r['channel']} | {ratio} | {r['direction']:+.2f} | "
+            f"{r['mirror_error']:.0e} |"
         )
     t = measured["transfer"]
     lines += [
@@ -105,6 +110,20 @@ def main():
         for name, path in shapes:
             agree, of, n = symmetry(path, folder)
             lines.append(f"| {name} | {n:,} | {agree} | {of} | {100 * agree / of:.1f} % |")
+        lines += [
+            "",
+            "Films of a swelling tone of 220 Hz (`bench/music/seen.py`), defaults: how many times as much the sounding half of the "
+            "picture changes from frame to frame as the other (target: 3), and left over right of the same tone in both channels.",
+            "",
+            "| shape | hard left | hard right | both |",
+            "|---|---|---|---|",
+        ]
+        filmed = ["animals/spot.obj", "shapes/suzanne.obj", "shapes/armadillo.obj"]
+        bodies = [(n, n) for n in ["sample:octopus", "sample:head"]]
+        bodies += [(n, data / n) for n in filmed if (data / n).exists()]
+        for name, body in bodies:
+            left, right, both = seen(chladni, folder, body)
+            lines.append(f"| {name} | {left:.1f} | {right:.1f} | {both:.2f} |")
         lines += [
             "",
             "A click track as a film (`bench/music/sync.py`): when the click sounds and when the picture moves most, both decoded from "

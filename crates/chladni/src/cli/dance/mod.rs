@@ -70,8 +70,8 @@ pub struct Dance {
     /// Show the whole gallery of this many items (6, 9, 12 or 16) instead of one.
     #[arg(long, value_name = "S", conflicts_with_all = ["preset", "session"])]
     gallery: Option<usize>,
-    /// filter: the paper's; modal: along the normals, as a sounding plate; half-mask: left and
-    /// right move apart. A session's own form unless given.
+    /// half-mask: each half dances to its own channel; modal: along the normals, as a sounding plate;
+    /// filter: the paper's, which shows left and right alike. A session's own form unless given, else half-mask.
     #[arg(long, value_parser = parse_form)]
     form: Option<Form>,
     /// How strongly it moves, 0 to 20.

@@ -1,5 +1,6 @@
 //! `chladni bench music`: how fast the music instrument is, and how true.
 
+mod stereo;
 mod timing;
 mod truth;
 
@@ -32,7 +33,7 @@ pub struct BenchMusic {
 #[derive(Serialize)]
 struct Report {
     timing: Vec<timing::Measured>,
-    stereo: Vec<truth::Stereo>,
+    stereo: Vec<stereo::Stereo>,
     transfer: truth::Transfer,
 }
 
@@ -42,8 +43,9 @@ impl BenchMusic {
         let timing = timing::measure(&self, terminal)?;
         let octopus = truth::Ready::sample("octopus", terminal)?;
         let head = truth::Ready::sample("head", terminal)?;
-        let report =
-            Report { timing, stereo: truth::stereo(&octopus)?, transfer: truth::transfer(&octopus, &head)? };
+        let mut stereo = stereo::stereo(&octopus)?;
+        stereo.extend(stereo::stereo(&head)?);
+        let report = Report { timing, stereo, transfer: truth::transfer(&octopus, &head)? };
         if self.json {
             return terminal.json(&report);
         }
@@ -56,8 +58,9 @@ impl BenchMusic {
         }
         for r in &report.stereo {
             terminal.result(format_args!(
-                "{:?}, tone of {:.0} Hz hard {}: that half moves {:.1} times the energy of the other, mirror error {:.1e}",
-                r.form, r.tone_hz, r.channel, r.energy_ratio, r.mirror_error
+                "{}, {:?}, tone of {:.0} Hz, {}: that half moves {:.2} times the energy of the other, outwards by {:+.2}, \
+                 mirror error {:.1e}",
+                r.shape, r.form, r.tone_hz, r.channel, r.energy_ratio, r.direction, r.mirror_error
             ))?;
         }
         let t = &report.transfer;

@@ -1,14 +1,13 @@
-//! Left and right, and presets that move from shape to shape.
+//! Samples that are ready to dance, and presets that move from shape to shape.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use chladni_harmonics::Body;
 use chladni_mesh::samples;
 use chladni_music::{
-    Action, Bands, Dancer, Form, GalleryShape, Instrument, Mapping, Moment, Player, Playing, Preset, Symmetry,
+    Action, Bands, Dancer, GalleryShape, Instrument, Mapping, Moment, Player, Playing, Preset, Symmetry,
 };
-use chladni_sound::{SpectrumAnalyser, SpectrumSettings};
+use chladni_sound::SpectrumSettings;
 use chladni_synth::displacements_f64;
 use serde::Serialize;
 
@@ -16,27 +15,29 @@ use crate::cli::inputs::build_body;
 use crate::cli::{Failure, Terminal};
 
 const HARMONICS: usize = 128;
-const RATE_HZ: u32 = 44_100;
+pub const RATE_HZ: u32 = 44_100;
 
 /// A sample that is ready to dance.
 pub struct Ready {
-    body: Body,
-    dancer: Arc<Dancer>,
+    pub name: &'static str,
+    pub body: Body,
+    pub dancer: Arc<Dancer>,
 }
 
 impl Ready {
     /// The sample called `name`.
-    pub fn sample(name: &str, terminal: &Terminal) -> Result<Self, Failure> {
+    pub fn sample(name: &'static str, terminal: &Terminal) -> Result<Self, Failure> {
         let mesh = samples::sample(name).ok_or_else(|| Failure::BadInput(format!("no sample {name}")))?;
         let (body, _) = build_body(name, &mesh, HARMONICS, terminal)?;
         let symmetry =
             terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(Failure::other)?;
         let body = symmetry.rotated(&body);
         let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).map_err(Failure::other)?);
-        Ok(Self { body, dancer })
+        Ok(Self { name, body, dancer })
     }
 
-    fn displacements(
+    /// What `mapping` does to it.
+    pub fn displacements(
         &self,
         mapping: &Mapping,
         bands: &Bands<'_>,
@@ -50,81 +51,8 @@ impl Ready {
     }
 }
 
-/// What a tone in one channel does.
-#[derive(Serialize)]
-pub struct Stereo {
-    pub form: Form,
-    pub channel: &'static str,
-    pub tone_hz: f64,
-    /// Area-weighted displacement energy of the tone's half over that of the other.
-    pub energy_ratio: f64,
-    /// How far the deformed shape is from its own mirror image, over the largest displacement.
-    pub mirror_error: f64,
-}
-
-/// Tones hard left and hard right, through the real spectrum, on the octopus.
-pub fn stereo(ready: &Ready) -> Result<Vec<Stereo>, Failure> {
-    let mapping = Mapping::direct(&ready.dancer.eigenvalues, SpectrumSettings::new(RATE_HZ).bands);
-    let mirror = mirror(&ready.body.positions);
-    let mut rows = Vec::new();
-    for form in [Form::HalfMask, Form::Modal, Form::Filter] {
-        for tone_hz in [110.0, 440.0, 1760.0] {
-            for (side, channel) in ["left", "right"].into_iter().enumerate() {
-                let mut analyser =
-                    SpectrumAnalyser::new(SpectrumSettings::new(RATE_HZ)).map_err(Failure::other)?;
-                let n = analyser.window_frames();
-                let wave = |i: usize| {
-                    0.5 * (std::f64::consts::TAU * tone_hz * i as f64 / f64::from(RATE_HZ)).sin() as f32
-                };
-                let tone: Vec<f32> = (0..n).map(wave).collect();
-                let silence = vec![0.0; n];
-                let [left, right] = if side == 0 { [&tone, &silence] } else { [&silence, &tone] };
-                let heard = analyser.analyse(left, right, 1.0);
-                let bands = Bands {
-                    left: &heard.left,
-                    right: &heard.right,
-                    mid: &heard.mid,
-                    side: &heard.side,
-                    side_gain: heard.side_gain,
-                };
-                let moved = ready.displacements(&mapping, &bands, Playing { form, ..Playing::default() })?;
-                let mut energy = [0.0; 2];
-                for ((d, x), a) in moved.iter().zip(&ready.body.positions).zip(&ready.body.basis.mass) {
-                    energy[usize::from(x[0] > 0.0)] += a * d.iter().map(|c| c * c).sum::<f64>();
-                }
-                let energy_ratio = energy[side] / energy[1 - side].max(f64::MIN_POSITIVE);
-                let mirror_error = asymmetry(&moved, &mirror);
-                rows.push(Stereo { form, channel, tone_hz, energy_ratio, mirror_error });
-            }
-        }
-    }
-    Ok(rows)
-}
-
-/// The vertex at the mirror image of each vertex in x = 0, where there is one.
-fn mirror(positions: &[[f64; 3]]) -> Vec<Option<usize>> {
-    let key = |p: [f64; 3]| p.map(|c| (c * 1e5).round() as i64);
-    let at: HashMap<[i64; 3], usize> = positions.iter().enumerate().map(|(v, p)| (key(*p), v)).collect();
-    let image = |p: &[f64; 3]| {
-        let [x, y, z] = key(*p);
-        // Rounding may put the mirror image into a neighbouring cell.
-        (0..27)
-            .map(|i: i64| [-x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1])
-            .find_map(|k| at.get(&k).copied())
-    };
-    positions.iter().map(image).collect()
-}
-
-fn asymmetry(moved: &[[f64; 3]], mirror: &[Option<usize>]) -> f64 {
-    let mut worst = 0.0f64;
-    for (d, image) in moved.iter().zip(mirror) {
-        let Some(e) = image.and_then(|w| moved.get(w)) else { continue };
-        worst = worst.max((d[0] + e[0]).abs()).max((d[1] - e[1]).abs()).max((d[2] - e[2]).abs());
-    }
-    worst / farthest(moved).max(f64::MIN_POSITIVE)
-}
-
-fn farthest(moved: &[[f64; 3]]) -> f64 {
+/// The farthest that any vertex goes.
+pub fn farthest(moved: &[[f64; 3]]) -> f64 {
     moved.iter().map(|d| d.iter().map(|c| c * c).sum::<f64>().sqrt()).fold(0.0, f64::max)
 }
 
