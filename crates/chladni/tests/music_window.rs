@@ -485,6 +485,35 @@ fn looking_at_knobs_dances_and_voices_changes_none_of_them() {
 }
 
 #[test]
+fn a_control_without_effect_in_a_form_says_so_and_is_inactive() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    click(&mut window, "Knobs");
+    let idle = |window: &Window, name: &str| {
+        window.get_by_role_and_label(Role::Slider, name).accesskit_node().is_disabled()
+    };
+    for (form, side_gain, detail) in
+        [("Halves", true, false), ("Filter", false, false), ("Modal", false, true)]
+    {
+        click(&mut window, form);
+        assert_eq!((idle(&window, "Side gain"), idle(&window, "Fine detail")), (side_gain, detail), "{form}");
+        assert_eq!(shows(&window, "Without effect in halves"), side_gain, "{form}");
+        assert_eq!(shows(&window, "Without effect in modal"), detail, "{form}");
+        if form == "Halves" {
+            screenshot(&mut window, "window-music-halves.png");
+        }
+        window.get_by_label("Dance 1").hover();
+        window.run_steps(2);
+        window.key_press(Key::E);
+        window.run_steps(3);
+        assert_eq!(shows(&window, "not in halves"), side_gain, "{form}");
+        assert_eq!(window.query_by_role_and_label(Role::Slider, "μ").is_none(), side_gain, "{form}");
+        window.key_press(Key::Escape);
+        window.run_steps(2);
+    }
+}
+
+#[test]
 fn what_cannot_be_opened_is_told_and_the_dance_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);

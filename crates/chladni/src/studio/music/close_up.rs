@@ -1,6 +1,6 @@
 //! One item large: its name, its knobs, and t and a to be drawn by hand.
 
-use chladni_music::{Action, GalleryItem, Instrument, Mapping, direct_transfer};
+use chladni_music::{Action, FormControl, GalleryItem, Instrument, Mapping, direct_transfer};
 use egui::{Rect, RichText, TextEdit, Ui, UiBuilder, pos2, vec2};
 
 use super::concert::View;
@@ -152,13 +152,7 @@ fn header(
     ui.separator();
     let weak = theme::palette(ui).weak;
     ui.spacing_mut().slider_width = 70.0;
-    let mut stereo_mu = item.mapping.stereo_mu;
-    let label = ui.label(RichText::new("μ").color(weak)).id;
-    let tip = "0: the middle of the sound moves symmetric harmonics, its sides antisymmetric ones; 1 mixes";
-    let slider = theme::slider(&mut stereo_mu, 0.0..=1.0).fixed_decimals(2);
-    if ui.add(slider).labelled_by(label).on_hover_text(tip).changed() {
-        wishes.push(Wish::Do(Action::SetStereoMu { item: index, stereo_mu }));
-    }
+    stereo_mu(ui, instrument, item, index, wishes);
     let mut gain = item.mapping.gain;
     let label = ui.label(RichText::new("Gain").color(weak)).id;
     let slider = theme::slider(&mut gain, 0.0..=4.0).fixed_decimals(2);
@@ -166,6 +160,25 @@ fn header(
         wishes.push(Wish::Do(Action::SetItemGain { item: index, gain }));
     }
     shapes_menu(ui, item, index, heard, wishes);
+}
+
+/// The item's μ, where the form has a use for it.
+fn stereo_mu(ui: &mut Ui, instrument: &Instrument, item: &GalleryItem, index: usize, wishes: &mut Vec<Wish>) {
+    let weak = theme::palette(ui).weak;
+    let label = RichText::new("μ").color(weak);
+    if let Some(why) = instrument.parameters().form.ignores(FormControl::StereoMu) {
+        ui.label(label).on_hover_text(why);
+        ui.label(RichText::new("not in halves").small().color(weak)).on_hover_text(why);
+        return;
+    }
+    let mut stereo_mu = item.mapping.stereo_mu;
+    let label = ui.label(label).id;
+    let tip = "0: the middle of the sound moves symmetric harmonics, its sides antisymmetric ones; at 1 \
+               symmetric ones hear the right channel alone and antisymmetric ones the left";
+    let slider = theme::slider(&mut stereo_mu, 0.0..=1.0).fixed_decimals(2);
+    if ui.add(slider).labelled_by(label).on_hover_text(tip).changed() {
+        wishes.push(Wish::Do(Action::SetStereoMu { item: index, stereo_mu }));
+    }
 }
 
 /// An icon with its name, or alone where the bench is narrow.

@@ -66,7 +66,7 @@ impl Drawers {
         self.tabs(ui);
         let instrument = concert.instrument();
         ScrollArea::vertical().id_salt(self.open as usize).show(ui, |ui| match self.open {
-            Drawer::Knobs => knobs::show(ui, instrument, wishes),
+            Drawer::Knobs => knobs::show(ui, instrument, !concert.voice_names().is_empty(), wishes),
             Drawer::Songs => songs::show(ui, listening, &mut self.inputs, shared.notices, wishes),
             Drawer::Shelf => {
                 self.shelf.ready(shared.folders.dances.as_deref(), shared.notices);

@@ -1,6 +1,6 @@
 //! The knobs and switches of the instrument.
 
-use chladni_music::{Action, Choir, Form, Instrument, Parameter, Parameters, Switch};
+use chladni_music::{Action, Choir, Form, FormControl, Instrument, Parameter, Parameters, Switch};
 use egui::{RichText, Slider, Ui};
 
 use super::wish::Wish;
@@ -9,14 +9,15 @@ use crate::studio::theme;
 /// Width of the names.
 const LABEL: f32 = 98.0;
 
-/// Draws them all and collects what was turned.
-pub fn show(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
+/// Draws them all and collects what was turned. `voices` may listen to the side in any form.
+pub fn show(ui: &mut Ui, instrument: &Instrument, voices: bool, wishes: &mut Vec<Wish>) {
     let parameters = instrument.parameters();
     group(ui, "Form", |ui| form(ui, parameters, wishes));
     for (name, rows) in GROUPS {
         group(ui, name, |ui| {
             for (parameter, name, tip) in *rows {
-                knob(ui, instrument, *parameter, name, tip, wishes);
+                let idle = idle(parameters.form, *parameter, voices);
+                knob(ui, instrument, *parameter, (name, tip), idle, wishes);
             }
         });
     }
@@ -35,13 +36,19 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
 fn form(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
     ui.horizontal(|ui| {
         for (form, name, tip) in [
+            (Form::HalfMask, "Halves", "The left channel moves the left half, the right one the right"),
+            (
+                Form::Modal,
+                "Modal",
+                "Along the normals, as a sounding plate: the middle moves symmetric harmonics, the side \
+                 antisymmetric ones, towards the louder channel",
+            ),
             (
                 Form::Filter,
                 "Filter",
-                "The paper's: the shape's own harmonics grow and shrink; a symmetric shape stays so",
+                "The paper's: the shape's own harmonics grow and shrink; a symmetric shape stays so, and left \
+                 and right look alike",
             ),
-            (Form::Modal, "Modal", "Along the normals, as a sounding plate: left and right move apart"),
-            (Form::HalfMask, "Halves", "The left channel moves the left half, the right one the right"),
         ] {
             if ui.selectable_label(parameters.form == form, name).on_hover_text(tip).clicked() {
                 wishes.push(Wish::Do(Action::SetForm { form }));
@@ -139,12 +146,21 @@ fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     theme::group(ui, name, content);
 }
 
+/// Why a knob has no effect now.
+fn idle(form: Form, parameter: Parameter, voices: bool) -> Option<&'static str> {
+    match parameter {
+        Parameter::SideGain if !voices => form.ignores(FormControl::SideGain),
+        Parameter::Detail => form.ignores(FormControl::Detail),
+        _ => None,
+    }
+}
+
 fn knob(
     ui: &mut Ui,
     instrument: &Instrument,
     parameter: Parameter,
-    name: &str,
-    tip: &str,
+    (name, tip): (&str, &str),
+    idle: Option<&'static str>,
     wishes: &mut Vec<Wish>,
 ) {
     let mut value = instrument.parameters().get(parameter);
@@ -159,9 +175,14 @@ fn knob(
         }
         _ => slider.fixed_decimals(2),
     };
-    let slider = theme::wide_row(ui, LABEL, name, tip, |ui| ui.add(slider));
-    if slider.on_hover_text(tip).changed() {
+    let slider = theme::wide_row(ui, LABEL, name, tip, |ui| ui.add_enabled(idle.is_none(), slider));
+    let slider = slider.on_hover_text(tip).on_disabled_hover_text(idle.unwrap_or_default());
+    if slider.changed() {
         wishes.push(Wish::Do(Action::Set { parameter, value }));
+    }
+    if let Some(why) = idle {
+        let weak = theme::palette(ui).weak;
+        ui.label(RichText::new(why).small().color(weak));
     }
 }
 
