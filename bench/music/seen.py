@@ -32,7 +32,7 @@ def halves(chladni, folder, body, left, right, options):
     tone(song, left, right)
     size = f"{SIZE[0]}x{SIZE[1]}"
     command = [chladni, "--quiet", "dance", str(body), str(song), "-o", str(film), "--size", size, "--fps", str(FPS), *options]
-    subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     frames = np.frombuffer(decode(film, "-an", "-f", "rawvideo", "-pix_fmt", "rgb24"), np.uint8)
     frames = frames.reshape(-1, SIZE[1], SIZE[0], 3).astype(float)
     change = np.abs(np.diff(frames, axis=0)).mean((1, 3))
@@ -40,12 +40,12 @@ def halves(chladni, folder, body, left, right, options):
 
 
 def seen(chladni, folder, body, options=()):
-    """How many times as much the sounding half changes as the other, hard left and hard right; and left over right in mono."""
+    """How many times as much the sounding half changes as the other, hard left and hard right. What is at rest changes by nothing;
+    a thousandth of a grey level stands for that."""
     hard_left = halves(chladni, folder, body, 1, 0, options)
     hard_right = halves(chladni, folder, body, 0, 1, options)
-    both = halves(chladni, folder, body, 1, 1, options)
     least = 1e-3
-    return hard_left[0] / max(hard_left[1], least), hard_right[1] / max(hard_right[0], least), both[0] / max(both[1], least)
+    return hard_left[0] / max(hard_left[1], least), hard_right[1] / max(hard_right[0], least)
 
 
 if __name__ == "__main__":
@@ -53,5 +53,5 @@ if __name__ == "__main__":
     split = arguments.index("--") if "--" in arguments else len(arguments)
     with tempfile.TemporaryDirectory() as name:
         for body in arguments[:split]:
-            left, right, both = seen(sys.argv[1], pathlib.Path(name), body, arguments[split + 1 :])
-            print(f"{body}: hard left {left:.1f}, hard right {right:.1f}, both {both:.2f}")
+            left, right = seen(sys.argv[1], pathlib.Path(name), body, arguments[split + 1 :])
+            print(f"{body}: hard left {left:.1f}, hard right {right:.1f}")

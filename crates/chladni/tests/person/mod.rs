@@ -84,7 +84,7 @@ impl Person {
         person
     }
 
-    /// Steps until `ready`, as a person waits; fails after a minute.
+    /// Steps until `ready`, as a person waits.
     pub fn wait(&mut self, what: &str, ready: impl Fn(&Window) -> bool) {
         driving::wait(&mut self.0, what, ready);
     }
