@@ -76,7 +76,7 @@ def main():
         "Left and right: a tone in one channel or in both, the direct mapping, K = 128. *Ratio*: displacement energy of "
         "the tone's half over that of the other; of both, left over right (targets: 5 in halves, 2 in modal, and 1 to 2 % in mono). "
         "*Outwards*: mean displacement along the normals of the tone's half minus that of the other, over the root mean square "
-        "(modal: positive where the tone's antisymmetric harmonics lean at all). *Mirror error*: how far the shape is from its own mirror image, over the largest displacement "
+        "(modal: above -0.05, as some harmonics hardly lean to either side). *Mirror error*: how far the shape is from its own mirror image, over the largest displacement "
         "(the filter form keeps it; mono keeps it in all forms).",
         "",
         "| shape | form | tone | channel | ratio | outwards | mirror error |",
