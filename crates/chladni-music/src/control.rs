@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Action, Parameter, Parameters, Switch};
+use crate::{Action, Choir, Form, Parameter, Parameters, Switch};
 
 /// Something on a controller that can be touched.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -86,6 +86,12 @@ pub enum Target {
     Parameter(Parameter),
     /// A switch: each press turns it over.
     Switch(Switch),
+    /// Harmonics in use.
+    Harmonics,
+    /// The next form.
+    Form,
+    /// The next choir.
+    Choir,
     /// Breeds the chosen items.
     Breed,
     /// Puts the favourites on stage, or steps to the next.
@@ -102,7 +108,9 @@ pub enum Target {
 
 impl Target {
     /// The targets that are pressed rather than turned, without the switches.
-    pub const BUTTONS: [Self; 6] = [
+    pub const BUTTONS: [Self; 8] = [
+        Self::Form,
+        Self::Choir,
         Self::Breed,
         Self::NextFavourite,
         Self::PreviousFavourite,
@@ -195,7 +203,14 @@ impl Bindings {
             Target::Parameter(parameter) => {
                 Some(Cue::Do(Action::Set { parameter, value: parameter.at_share(value) }))
             }
+            Target::Harmonics => {
+                // From 2 on: 0 would be all of them.
+                let harmonics = (MOST_HARMONICS * value).round().max(2.0) as u32;
+                Some(Cue::Do(Action::SetHarmonics { harmonics }))
+            }
             _ if !pressed => None,
+            Target::Form => next(&FORMS, parameters.form).map(|form| Cue::Do(Action::SetForm { form })),
+            Target::Choir => next(&CHOIRS, parameters.choir).map(|choir| Cue::Do(Action::SetChoir { choir })),
             Target::Switch(switch) => Some(Cue::Do(Action::Switch { switch, on: !parameters.is_on(switch) })),
             Target::Breed => Some(Cue::Do(Action::Breed)),
             Target::LeaveStage => Some(Cue::Do(Action::LeaveStage)),
@@ -232,25 +247,72 @@ impl Bindings {
     }
 }
 
+/// The forms and choirs by their names, in the order of their numbers.
+const FORMS: [(&str, Form); 3] =
+    [("filter", Form::Filter), ("modal", Form::Modal), ("half-mask", Form::HalfMask)];
+const CHOIRS: [(&str, Choir); 3] =
+    [("all", Choir::All), ("symmetric", Choir::Symmetric), ("antisymmetric", Choir::Antisymmetric)];
+/// The most harmonics that a fader counts.
+const MOST_HARMONICS: f32 = 512.0;
+
+/// What turns a knob, a switch or a choice by its name, alike for OSC, scripts and the command line: knobs
+/// take their own units, switches `on`, `off` or a number, `form` and `choir` a name or a number from 0 on,
+/// `harmonics` how many are in use (0 is all).
+pub fn setting(name: &str, value: &str) -> Option<Action> {
+    let number = || value.parse::<f32>().ok().filter(|value| value.is_finite());
+    if let Some(parameter) = Parameter::ALL.into_iter().find(|p| p.name() == name) {
+        let (low, high) = parameter.range();
+        let value = number()?.clamp(low, high);
+        return Some(Action::Set { parameter, value });
+    }
+    if let Some(switch) = Switch::ALL.into_iter().find(|s| s.name() == name) {
+        let on = match value {
+            "on" => true,
+            "off" => false,
+            _ => number()? >= 0.5,
+        };
+        return Some(Action::Switch { switch, on });
+    }
+    match name {
+        "form" => Some(Action::SetForm { form: choice(&FORMS, value)? }),
+        "choir" => Some(Action::SetChoir { choir: choice(&CHOIRS, value)? }),
+        "harmonics" => {
+            Some(Action::SetHarmonics { harmonics: number()?.round().clamp(0.0, 16_384.0) as u32 })
+        }
+        _ => None,
+    }
+}
+
+fn choice<T: Copy>(choices: &[(&str, T)], value: &str) -> Option<T> {
+    let number =
+        || value.parse::<f32>().ok().filter(|value| *value >= 0.0).map(|value| value.round() as usize);
+    let named = choices.iter().find(|(name, _)| *name == value);
+    named.or_else(|| choices.get(number()?)).map(|(_, choice)| *choice)
+}
+
+/// The choice after `now`.
+fn next<T: Copy + PartialEq>(choices: &[(&str, T)], now: T) -> Option<T> {
+    let at = choices.iter().position(|(_, choice)| *choice == now)?;
+    choices.get((at + 1) % choices.len()).map(|(_, choice)| *choice)
+}
+
 /// What an OSC message to one of this instrument's own addresses asks for, without any binding:
-/// `/chladni/NAME VALUE` sets the parameter NAME to a value in its own units, or the switch NAME
-/// to 0 or 1; `/chladni/breed`, `/chladni/next`, `/chladni/previous`, `/chladni/leave`,
-/// `/chladni/tap` and `/chladni/play` press a button (a value of 0 is its release).
+/// `/chladni/NAME VALUE` is [`setting`]; `/chladni/NAME/CHOICE` is the same for a form or a choir;
+/// `/chladni/breed`, `/chladni/next`, `/chladni/previous`, `/chladni/leave`, `/chladni/tap` and
+/// `/chladni/play` press a button (a value of 0 is its release).
 pub fn osc_cue(address: &str, value: Option<f32>) -> Option<Cue> {
     let name = address.strip_prefix("/chladni/")?;
     if value.is_some_and(f32::is_nan) {
         return None;
     }
-    if let Some(parameter) = Parameter::ALL.into_iter().find(|p| p.name() == name) {
-        let (low, high) = parameter.range();
-        let value = value.filter(|value| value.is_finite())?.clamp(low, high);
-        return Some(Cue::Do(Action::Set { parameter, value }));
-    }
-    if let Some(switch) = Switch::ALL.into_iter().find(|s| s.name() == name) {
-        return Some(Cue::Do(Action::Switch { switch, on: value? >= 0.5 }));
+    if let Some(action) = value.and_then(|value| setting(name, &value.to_string())) {
+        return Some(Cue::Do(action));
     }
     if value == Some(0.0) {
         return None;
+    }
+    if let Some((name, choice)) = name.split_once('/') {
+        return setting(name, choice).map(Cue::Do);
     }
     match name {
         "breed" => Some(Cue::Do(Action::Breed)),
@@ -345,6 +407,20 @@ mod tests {
         assert_eq!(osc_cue("/chladni/flash-limit", Some(0.0)), Some(Cue::Do(off)));
         assert_eq!(osc_cue("/chladni/flash-limit", Some(f32::NAN)), None);
         assert_eq!(osc_cue("/chladni/breed", None), Some(Cue::Do(Action::Breed)));
+        let modal = Some(Cue::Do(Action::SetForm { form: Form::Modal }));
+        assert_eq!(osc_cue("/chladni/form", Some(1.0)), modal);
+        assert_eq!(osc_cue("/chladni/form/modal", None), modal);
+        let few = Some(Cue::Do(Action::SetHarmonics { harmonics: 128 }));
+        assert_eq!(osc_cue("/chladni/harmonics", Some(128.0)), few);
+        assert_eq!(osc_cue("/chladni/stereo-mu", Some(0.25)), set(Parameter::StereoMu, 0.25));
+        assert_eq!(setting("choir", "symmetric"), Some(Action::SetChoir { choir: Choir::Symmetric }));
+        assert_eq!(
+            setting("beat-turns", "off"),
+            Some(Action::Switch { switch: Switch::BeatTurns, on: false })
+        );
+        for (name, value) in [("form", "7"), ("form", "-1"), ("gain", "loud"), ("volume", "1")] {
+            assert_eq!(setting(name, value), None, "{name} {value}");
+        }
         assert_eq!(osc_cue("/chladni/tap", Some(0.0)), None);
         for nothing in ["", "/", "/chladni", "/chladni/", "/other/gain", "chladni/gain"] {
             assert_eq!(osc_cue(nothing, Some(1.0)), None);

@@ -6,7 +6,7 @@ use chladni_synth::{Item, Term};
 
 use crate::gallery::ItemId;
 use crate::voice::{Voice, VoiceSettings, Voices};
-use crate::{Bands, Beat, Dancer, Error, Instrument, Mapping, Parameter, Player, Playing, blend};
+use crate::{Bands, Beat, Dancer, Error, Instrument, Mapping, Parameter, Player, Playing, Settings, blend};
 
 /// Plays all items of the gallery that is shown, or the one on stage, for one dancer.
 ///
@@ -77,7 +77,7 @@ impl Ensemble {
     /// What the sound does at `beat`: S items of the gallery in order, or one item while there
     /// is something on stage.
     pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<&[Item], Error> {
-        let playing = self.playing(instrument);
+        let playing = self.within(instrument.parameters().playing());
         self.play_voices(instrument, bands, beat)?;
         let count = if let Some(scene) = instrument.scene(beat.count) {
             let cast = [scene.to, scene.from];
@@ -106,15 +106,17 @@ impl Ensemble {
         Ok(&self.items[..count])
     }
 
-    /// Plays a mapping that is in no gallery, to try it out: one item.
+    /// Plays a mapping that is in no gallery, to try it out, with knobs turned as `settings` say: one item.
     pub fn audition(
         &mut self,
         instrument: &Instrument,
-        mapping: &Mapping,
+        (mapping, settings): (&Mapping, &Settings),
         bands: &Bands<'_>,
         beat: Beat,
     ) -> Result<&[Item], Error> {
-        let playing = self.playing(instrument);
+        let mut parameters = instrument.parameters().clone();
+        parameters.apply(settings)?;
+        let playing = self.within(parameters.playing());
         self.play_voices(instrument, bands, beat)?;
         let soloist = self.soloist.take().filter(|(slot, _)| slot.plays(None, mapping, playing, bands));
         let (mut slot, mut items) = match soloist {
@@ -131,8 +133,8 @@ impl Ensemble {
         Ok(&self.soloist.insert((slot, items)).1)
     }
 
-    fn playing(&self, instrument: &Instrument) -> Playing {
-        let playing = instrument.parameters().playing();
+    /// As much as the machine keeps up with.
+    fn within(&self, playing: Playing) -> Playing {
         let harmonics = match (playing.harmonics, self.most_harmonics) {
             (Some(asked), Some(most)) => Some(asked.min(most)),
             (asked, most) => asked.or(most),

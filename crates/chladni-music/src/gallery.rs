@@ -83,6 +83,14 @@ pub struct GalleryShape {
     pub bands: usize,
 }
 
+impl GalleryShape {
+    /// How many waves of each harmonic go into the length of the body: √λ_k/π, as the working frame makes
+    /// its longest side 2. It depends on the body's shape alone, not on its size or on K.
+    pub fn waves_per_size(&self) -> Vec<f32> {
+        self.eigenvalues.iter().map(|l| (l.max(0.0).sqrt() / std::f64::consts::PI) as f32).collect()
+    }
+}
+
 /// All generations of one seed. Everything random comes from the seed and from the number of
 /// draws made before, so that the same calls give the same items, bit for bit.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,12 +1,14 @@
 //! Every knob and switch of the instrument, by name and range: what a slider, a MIDI
 //! controller or an OSC message turns.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::{Choir, Error, Form, Playing};
 
 /// A number that can be turned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
     /// w: how much of the spectrum of 50 ms ago is left.
@@ -35,11 +37,13 @@ pub enum Parameter {
     LightSwingRad,
     /// How much brighter the lights are on the beat.
     LightPulse,
+    /// μ of all dances, while [`Switch::OwnMu`] is off.
+    StereoMu,
 }
 
 impl Parameter {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Decay,
         Self::SideGain,
         Self::Bands,
@@ -53,6 +57,20 @@ impl Parameter {
         Self::TurnRad,
         Self::LightSwingRad,
         Self::LightPulse,
+        Self::StereoMu,
+    ];
+
+    /// Those that change how one dance looks, wherever it is danced.
+    const OF_A_DANCE: [Self; 9] = [
+        Self::Decay,
+        Self::SideGain,
+        Self::Bands,
+        Self::Gain,
+        Self::Calibration,
+        Self::Limit,
+        Self::Detail,
+        Self::NormalBlending,
+        Self::StereoMu,
     ];
 
     /// Its name in session files, MIDI maps and OSC addresses.
@@ -95,12 +113,13 @@ impl Parameter {
             Self::TurnRad => ("turn-rad", 0.0, 3.2, 0.35),
             Self::LightSwingRad => ("light-swing-rad", 0.0, 3.2, 0.9),
             Self::LightPulse => ("light-pulse", 0.0, 1.0, 0.15),
+            Self::StereoMu => ("stereo-mu", 0.0, 1.0, 0.0),
         }
     }
 }
 
 /// Something that is on or off.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Switch {
     /// The beat turns the model.
@@ -115,18 +134,24 @@ pub enum Switch {
     FlashLimit,
     /// Sound bands lie in equal steps of pitch rather than of frequency.
     LogBands,
+    /// Each dance has a μ of its own; else all have [`Parameter::StereoMu`].
+    OwnMu,
 }
 
 impl Switch {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::BeatTurns,
         Self::BeatLights,
         Self::BeatSteps,
         Self::FlipSides,
         Self::FlashLimit,
         Self::LogBands,
+        Self::OwnMu,
     ];
+
+    /// Those that change how one dance looks, wherever it is danced.
+    const OF_A_DANCE: [Self; 3] = [Self::FlipSides, Self::LogBands, Self::OwnMu];
 
     /// Its name in session files and OSC addresses.
     pub fn name(self) -> &'static str {
@@ -137,6 +162,7 @@ impl Switch {
             Self::FlipSides => "flip-sides",
             Self::FlashLimit => "flash-limit",
             Self::LogBands => "log-bands",
+            Self::OwnMu => "own-mu",
         }
     }
 }
@@ -158,7 +184,7 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             values: Parameter::ALL.map(Parameter::initial),
-            on: [true, true, false, false, true, true],
+            on: [true, true, false, false, true, true, true],
             form: Form::default(),
             choir: Choir::default(),
             harmonics: None,
@@ -204,7 +230,101 @@ impl Parameters {
             limit: self.get(Parameter::Limit),
             detail: self.get(Parameter::Detail),
             harmonics: self.harmonics,
+            stereo_mu: (!self.is_on(Switch::OwnMu)).then(|| self.get(Parameter::StereoMu)),
         }
+    }
+
+    /// Where everything stands.
+    pub fn settings(&self) -> Settings {
+        self.some(&Parameter::ALL, &Switch::ALL)
+    }
+
+    /// Where that stands which changes how one dance looks: what a preset keeps.
+    pub fn of_a_dance(&self) -> Settings {
+        self.some(&Parameter::OF_A_DANCE, &Switch::OF_A_DANCE)
+    }
+
+    fn some(&self, knobs: &[Parameter], switches: &[Switch]) -> Settings {
+        Settings {
+            form: Some(self.form),
+            choir: Some(self.choir),
+            harmonics: Some(self.harmonics.unwrap_or(0)),
+            knobs: knobs.iter().map(|&knob| (knob, self.get(knob))).collect(),
+            switches: switches.iter().map(|&switch| (switch, self.is_on(switch))).collect(),
+        }
+    }
+
+    /// Puts everything where `settings` say; what they do not name stays. On error nothing changes.
+    pub fn apply(&mut self, settings: &Settings) -> Result<(), Error> {
+        settings.validate()?;
+        self.form = settings.form.unwrap_or(self.form);
+        self.choir = settings.choir.unwrap_or(self.choir);
+        let harmonics = settings.harmonics.or(self.harmonics);
+        self.harmonics = harmonics.filter(|&harmonics| harmonics > 0);
+        settings.knobs.iter().try_for_each(|(&knob, &value)| self.set(knob, value))?;
+        settings.switches.iter().for_each(|(&switch, &on)| self.switch(switch, on));
+        Ok(())
+    }
+}
+
+/// Where some or all of the knobs and switches are to stand: what presets and shows keep of them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Filter, modal or half-mask.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub form: Option<Form>,
+    /// Which harmonics may sound.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choir: Option<Choir>,
+    /// Harmonics in use; 0 is all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub harmonics: Option<u32>,
+    /// By their names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub knobs: BTreeMap<Parameter, f32>,
+    /// By their names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub switches: BTreeMap<Switch, bool>,
+}
+
+impl Settings {
+    /// Whether nothing is named.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Where everything stood to begin with when sessions and presets were of version 1.
+    pub(crate) fn of_version_1() -> Self {
+        use Parameter as P;
+        let knobs = [
+            (P::Decay, 0.5),
+            (P::SideGain, 10.0),
+            (P::Bands, 128.0),
+            (P::Gain, 1.0),
+            (P::Calibration, 0.08),
+            (P::Limit, 0.18),
+            (P::Detail, 1.0),
+            (P::NormalBlending, 0.0),
+            (P::TransitionBeats, 4.0),
+            (P::BeatsPerStep, 16.0),
+            (P::TurnRad, 0.35),
+            (P::LightSwingRad, 0.9),
+            (P::LightPulse, 0.15),
+        ];
+        let on = [Switch::BeatTurns, Switch::BeatLights, Switch::FlashLimit, Switch::LogBands, Switch::OwnMu];
+        Self {
+            form: Some(Form::Filter),
+            choir: Some(Choir::All),
+            harmonics: None,
+            knobs: knobs.into(),
+            switches: Switch::ALL.into_iter().map(|switch| (switch, on.contains(&switch))).collect(),
+        }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        let mut tried = Parameters::default();
+        self.knobs.iter().try_for_each(|(&knob, &value)| tried.set(knob, value))
     }
 }
 

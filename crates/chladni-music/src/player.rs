@@ -120,6 +120,8 @@ pub struct Playing {
     pub detail: f32,
     /// Harmonics in use: those from here on stay silent. `None` is all K.
     pub harmonics: Option<u32>,
+    /// μ of all dances, in [0, 1]; `None` leaves each its own.
+    pub stereo_mu: Option<f32>,
 }
 
 impl Default for Playing {
@@ -133,6 +135,7 @@ impl Default for Playing {
             limit: 0.18,
             detail: 1.0,
             harmonics: None,
+            stereo_mu: None,
         }
     }
 }
@@ -240,7 +243,7 @@ impl Player {
             voiced,
             drivers,
             band_count: bands,
-            stereo_mu: mapping.stereo_mu,
+            stereo_mu: playing.stereo_mu.unwrap_or(mapping.stereo_mu),
             playing,
             scale,
             dancer: dancer.clone(),
@@ -377,6 +380,8 @@ impl Playing {
         check("gain", self.gain, (0.0..=20.0).contains(&self.gain), "[0, 20]")?;
         check("calibration", self.calibration, share(self.calibration), "(0, 1]")?;
         check("limit", self.limit, share(self.limit), "(0, 1]")?;
+        let mu = self.stereo_mu.unwrap_or(0.0);
+        check("stereo-mu", mu, (0.0..=1.0).contains(&mu), "[0, 1]")?;
         check("detail", self.detail, (-10.0..=10.0).contains(&self.detail), "[-10, 10]")
     }
 }

@@ -1,22 +1,22 @@
-//! Presets and sessions as small text files.
+//! Presets: one dance as a small text file that plays on any shape.
 
-use std::io::Read;
 use std::path::Path;
 
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::gallery::{GalleryItem, GalleryShape};
-use crate::{Error, Instrument, LoggedAction, Mapping, Origin};
+use crate::text_file::{self, FORMAT_VERSION};
+use crate::{Error, Instrument, Mapping, Origin, Settings};
 
-/// The format version of preset and session files that this program writes.
-pub const FORMAT_VERSION: u32 = 1;
+/// Two waves of one length differ by less than this: solvers of other harmonic counts agree so far.
+const SAME_WAVE: f32 = 1e-3;
 
-/// A mapping with a name: plays on any shape.
+/// A mapping with a name, the wavelengths that it is meant for, and the knobs that change its look:
+/// plays on any shape, with any number of harmonics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
-    /// 1.
+    /// 2; 1 where it was written before wavelengths were.
     pub format_version: u32,
     /// What it is called.
     pub name: String,
@@ -28,8 +28,15 @@ pub struct Preset {
     /// How the item came to be, then how its ancestors did, each named by id; newest first.
     #[serde(default)]
     pub lineage: Vec<Ancestor>,
-    /// What it plays.
+    /// What it plays, on the harmonics that it was made on.
     pub mapping: Mapping,
+    /// Of those harmonics, how many waves go into the length of the shape; ascending. Empty in version 1,
+    /// whose harmonics are shares of however many there are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub waves_per_size: Vec<f32>,
+    /// The form and the knobs that change how it looks.
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub settings: Settings,
 }
 
 /// One line of a lineage.
@@ -81,135 +88,107 @@ impl Preset {
             tags,
             seed: instrument.seed(),
             lineage: lineage(instrument, item),
-            mapping: item.mapping.clone(),
+            mapping: Mapping {
+                amplification: item.mapping.amplification_on(instrument.shape().eigenvalues.len()),
+                ..item.mapping.clone()
+            },
+            waves_per_size: instrument.shape().waves_per_size(),
+            settings: instrument.parameters().of_a_dance(),
         }
+    }
+
+    /// The mapping for a body: each harmonic that it drives is the one whose waves are as long there, as
+    /// shares of the size. Waves that are finer than the finest there stay silent.
+    pub fn mapping_on(&self, shape: &GalleryShape) -> Mapping {
+        let (there, here) = (&self.waves_per_size, shape.waves_per_size());
+        let (Some(last_there), Some(top)) = (there.len().checked_sub(1), here.len().checked_sub(1)) else {
+            return self.mapping.clone();
+        };
+        if there.len() == here.len() && there.iter().zip(&here).all(|(a, b)| is_same_wave(*a, *b)) {
+            return self.mapping.clone();
+        }
+        let mut finer = false;
+        let transfer = self.mapping.transfer.iter().map(|t| {
+            let k = (t.clamp(0.0, 1.0) * last_there as f32).round() as usize;
+            let found = harmonic_of(&here, there[k.min(last_there)], k);
+            finer |= found.is_none();
+            found.unwrap_or(top) as f32 / top.max(1) as f32
+        });
+        let transfer = transfer.collect();
+        let a = self.mapping.amplification_on(there.len());
+        let amplification = here.iter().enumerate().map(|(k, &wave)| {
+            // What would go to finer waves piles up on the finest one, which is muted for it.
+            let muted = finer && k == top;
+            harmonic_of(there, wave, k).filter(|_| !muted).map_or(0.0, |i| a[i])
+        });
+        Mapping { transfer, amplification: amplification.collect(), ..self.mapping.clone() }
+    }
+
+    /// What a person should know who opens it: nothing, but for old files.
+    pub fn caution(&self) -> Option<String> {
+        self.waves_per_size.is_empty().then(|| {
+            format!(
+                "“{}” is a preset of version {}: it moves the same only where as many harmonics are used as where \
+                 it was made, and its form and knobs are not known. Keep it again to bring it up to date.",
+                self.name, self.format_version
+            )
+        })
     }
 
     /// Reads the text of a preset file. Errors name the line, or a newer format version.
     pub fn from_text(text: &str) -> Result<Self, Error> {
-        let preset: Self = parse("preset", text)?;
-        preset.mapping.validate()?;
+        text_file::version("preset", text)?;
+        let preset: Self = text_file::parse("preset", text)?;
+        preset.validate()?;
         Ok(preset)
     }
 
     /// The text of a preset file.
     pub fn to_text(&self) -> Result<String, Error> {
-        print("preset", self)
+        text_file::print("preset", self)
     }
 
     /// Reads a preset file of at most 16 MiB.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        Self::from_text(&read(path, 16)?)
+        Self::from_text(&text_file::read(path, 16)?)
     }
 
     /// Writes a preset file whole or not at all.
     pub fn save(&self, path: &Path) -> Result<(), Error> {
-        write(path, &self.to_text()?)
+        text_file::write(path, &self.to_text()?)
     }
-}
 
-/// A session: what was played and all that was done, so that it can be rendered again.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Session {
-    /// 1.
-    pub format_version: u32,
-    /// The song's file, as the user named it; may be empty.
-    #[serde(default)]
-    pub song: String,
-    /// The seed of the gallery.
-    pub seed: u64,
-    /// S.
-    pub size: usize,
-    /// All that was done, oldest first.
-    #[serde(default)]
-    pub actions: Vec<LoggedAction>,
-}
-
-impl Session {
-    /// The session of an instrument that listened to `song`.
-    pub fn of(instrument: &Instrument, song: &str) -> Self {
-        Self {
-            format_version: FORMAT_VERSION,
-            song: song.to_owned(),
-            seed: instrument.seed(),
-            size: instrument.size(),
-            actions: instrument.log().to_vec(),
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        self.mapping.validate()?;
+        self.settings.validate()?;
+        let waves = &self.waves_per_size;
+        let bad = |why: &str| Err(Error::BadMapping { what: "waves_per_size", why: why.into() });
+        if waves.len() > crate::MAX_GENES {
+            return bad("has more values than harmonics can be");
         }
-    }
-
-    /// The instrument at its beginning, for a body; apply `actions` as time goes by.
-    pub fn begin(&self, shape: GalleryShape) -> Result<Instrument, Error> {
-        Instrument::new(self.seed, self.size, shape)
-    }
-
-    /// The instrument after all actions.
-    pub fn replay(&self, shape: GalleryShape) -> Result<Instrument, Error> {
-        let mut instrument = self.begin(shape)?;
-        for line in &self.actions {
-            instrument.apply(line.moment, line.action.clone())?;
+        if waves.iter().any(|w| !(w.is_finite() && *w >= 0.0)) || waves.windows(2).any(|w| w[1] < w[0]) {
+            return bad("must be ascending numbers, from 0 on");
         }
-        Ok(instrument)
-    }
-
-    /// Reads the text of a session file.
-    pub fn from_text(text: &str) -> Result<Self, Error> {
-        parse("session", text)
-    }
-
-    /// The text of a session file.
-    pub fn to_text(&self) -> Result<String, Error> {
-        print("session", self)
-    }
-
-    /// Reads a session file of at most 64 MiB: hours of knobs that are turned all the time.
-    pub fn load(path: &Path) -> Result<Self, Error> {
-        Self::from_text(&read(path, 64)?)
-    }
-
-    /// Writes a session file whole or not at all.
-    pub fn save(&self, path: &Path) -> Result<(), Error> {
-        write(path, &self.to_text()?)
+        Ok(())
     }
 }
 
-#[derive(Deserialize)]
-struct Version {
-    format_version: u32,
+fn is_same_wave(a: f32, b: f32) -> bool {
+    // The waves of constant harmonics are as long as rounding makes them.
+    (a - b).abs() <= SAME_WAVE * (1.0 + a.max(b))
 }
 
-fn parse<T: DeserializeOwned>(kind: &'static str, text: &str) -> Result<T, Error> {
-    let bad = |error: toml::de::Error| {
-        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
-        let line = 1 + before.matches('\n').count();
-        Error::Parse { kind, why: format!("line {line}: {}", error.message().trim().replace('\n', " ")) }
-    };
-    // The version first: a newer file has fields of which nothing is known.
-    let version: Version = toml::from_str(text).map_err(bad)?;
-    if version.format_version > FORMAT_VERSION {
-        return Err(Error::Version { kind, found: version.format_version, known: FORMAT_VERSION });
+/// The harmonic of `waves` whose wave is `wave`: the one of number `k` where that agrees (equal waves
+/// have no other order), else the nearest; `None` where all are longer.
+fn harmonic_of(waves: &[f32], wave: f32, k: usize) -> Option<usize> {
+    if waves.get(k).is_some_and(|w| is_same_wave(*w, wave)) {
+        return Some(k);
     }
-    toml::from_str(text).map_err(bad)
-}
-
-fn print<T: Serialize>(kind: &'static str, value: &T) -> Result<String, Error> {
-    toml::to_string(value).map_err(|error| Error::Parse { kind, why: error.to_string() })
-}
-
-fn read(path: &Path, most_mib: u64) -> Result<String, Error> {
-    let file = |why| Error::File { path: path.to_owned(), why };
-    let most = most_mib << 20;
-    let mut text = String::new();
-    // Not by what the system says of its size: a device or a pipe has none.
-    let source = std::fs::File::open(path).map_err(file)?;
-    source.take(most + 1).read_to_string(&mut text).map_err(file)?;
-    if text.len() as u64 > most {
-        let why = format!("larger than {most_mib} MiB");
-        return Err(file(std::io::Error::new(std::io::ErrorKind::InvalidData, why)));
+    let last = waves.len().checked_sub(1)?;
+    if wave > waves[last] && !is_same_wave(wave, waves[last]) {
+        return None;
     }
-    Ok(text)
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Error> {
-    chladni_task::write_atomic(path, text.as_bytes())
-        .map_err(|why| Error::File { path: path.to_owned(), why })
+    let after = waves.partition_point(|w| *w < wave).min(last);
+    let before = after.saturating_sub(1);
+    Some(if wave - waves[before] < waves[after] - wave { before } else { after })
 }

@@ -8,7 +8,7 @@ use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::samples;
 use chladni_music::{
     Action, Bands, Beat, Dancer, Ensemble, Form, Gallery, GalleryShape, Instrument, Mapping, Moment, Player,
-    Playing, Preset, Session, Symmetry,
+    Playing, Preset, Show, Symmetry,
 };
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
 use chladni_synth::{Item, displacements_f64};
@@ -182,7 +182,8 @@ fn a_preset_bred_on_the_octopus_plays_on_the_head() {
             .map(|band| {
                 let f = only(band);
                 let bands = Bands { left: &f, right: &f, mid: &f, side: &f, side_gain: 1.0 };
-                farthest(&displacements(ready, &preset.mapping, &bands, Playing::default()))
+                let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands: BANDS };
+                farthest(&displacements(ready, &preset.mapping_on(&shape), &bands, Playing::default()))
             })
             .fold(0.0, f64::max)
             / f64::from(ready.dancer.box_diagonal)
@@ -190,6 +191,106 @@ fn a_preset_bred_on_the_octopus_plays_on_the_head() {
     for share in [most(octopus()), most(head())] {
         let calibrated = f64::from(0.08 * preset.mapping.gain);
         assert!((0.5..=2.0).contains(&(share / calibrated)), "{share} for {calibrated}");
+    }
+}
+
+#[test]
+fn a_preset_moves_a_shape_alike_with_half_and_twice_as_many_harmonics() {
+    let fewer = {
+        let mesh = samples::sample("octopus").unwrap();
+        let body = Body::build(&mesh, &BasisSettings::new(K / 2), &Task::new()).unwrap();
+        let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
+        let body = symmetry.rotated(&body);
+        let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).unwrap());
+        Ready { body, dancer }
+    };
+    let more = octopus();
+    let shape = |ready: &Ready| GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands: BANDS };
+    // How far two movements are apart, as a share of the larger one.
+    let apart = |a: &[[f64; 3]], b: &[[f64; 3]]| {
+        let difference = |i: usize| std::array::from_fn(|axis| a[i][axis] - b[i][axis]);
+        let differences: Vec<[f64; 3]> = (0..a.len()).map(difference).collect();
+        farthest(&differences) / farthest(a).max(farthest(b))
+    };
+    let loud = vec![0.3; BANDS];
+    let bands = Bands { left: &loud, right: &loud, mid: &loud, side: &loud, side_gain: 1.0 };
+    for made_on in [&fewer, more] {
+        let mut instrument = Instrument::new(3, 6, shape(made_on)).unwrap();
+        // Waves that both have.
+        let top = K as f32 / 2.0 / made_on.dancer.harmonics() as f32;
+        let transfer = (0..BANDS).map(|b| 0.9 * top * b as f32 / BANDS as f32).collect();
+        let amplification =
+            (0..made_on.dancer.harmonics()).map(|k| if k % 3 == 0 { -0.5 } else { 0.7 }).collect();
+        let mapping = Mapping { transfer, amplification, stereo_mu: 0.0, gain: 0.4 };
+        let load = Action::Load { item: 1, name: "made".into(), mapping: mapping.clone() };
+        instrument.apply(Moment::default(), load).unwrap();
+        let item = &instrument.gallery().items()[1];
+        let text = Preset::of(&instrument, item, vec![]).to_text().unwrap();
+        let preset = Preset::from_text(&text).unwrap();
+        let moved = |ready: &Ready| {
+            displacements(ready, &preset.mapping_on(&shape(ready)), &bands, Playing::default())
+        };
+        let own = displacements(made_on, &mapping, &bands, Playing::default());
+        assert!(apart(&own, &moved(made_on)) < 1e-6);
+        let by_waves = apart(&moved(&fewer), &moved(more));
+        // As shares of K the same numbers mean other waves.
+        let by_share = apart(
+            &displacements(&fewer, &preset.mapping, &bands, Playing::default()),
+            &displacements(more, &preset.mapping, &bands, Playing::default()),
+        );
+        assert!(by_waves < 0.02 && by_share > 0.2, "{by_waves} by waves, {by_share} by shares of K");
+    }
+}
+
+#[test]
+fn a_preset_brings_its_form_and_knobs_and_an_old_one_says_that_it_has_none() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let mut made = Instrument::new(3, 6, shape.clone()).unwrap();
+    let now = Moment::default();
+    made.apply(now, Action::SetForm { form: Form::Modal }).unwrap();
+    made.apply(now, Action::Set { parameter: chladni_music::Parameter::Decay, value: 0.9 }).unwrap();
+    made.apply(now, Action::Set { parameter: chladni_music::Parameter::TurnRad, value: 2.0 }).unwrap();
+    let preset = Preset::of(&made, &made.gallery().items()[2], vec![]);
+    let preset = Preset::from_text(&preset.to_text().unwrap()).unwrap();
+    assert_eq!(preset.caution(), None);
+    let mut other = Instrument::new(4, 6, shape).unwrap();
+    let turn = other.parameters().get(chladni_music::Parameter::TurnRad);
+    other.apply(now, Action::Take { item: 5, preset: Box::new(preset.clone()) }).unwrap();
+    assert_eq!(other.gallery().items()[5].mapping, preset.mapping);
+    assert_eq!(other.parameters().form, Form::Modal);
+    assert_eq!(other.parameters().get(chladni_music::Parameter::Decay), 0.9);
+    // The beat's turn is of the stage, not of the dance.
+    assert_eq!(other.parameters().get(chladni_music::Parameter::TurnRad), turn);
+    let old = "format_version = 1\nname = \"x\"\nseed = 1\n[mapping]\ntransfer = [0.5]\namplification = [0.5]\nstereo_mu = 0.0\ngain = 1.0\n";
+    let old = Preset::from_text(old).unwrap();
+    assert!(old.caution().unwrap().contains("version 1") && old.settings.is_empty());
+    assert_eq!(old.mapping_on(other.shape()), old.mapping);
+}
+
+#[test]
+fn a_session_of_version_1_opens_as_a_show_with_the_knobs_of_then() {
+    let text = "format_version = 1\nsong = \"old.ogg\"\nseed = 5\nsize = 6\n[[actions]]\nat_secs = 0.5\n\
+                at_beat = 1.0\ndo = \"set\"\nparameter = \"gain\"\nvalue = 2.5\n";
+    let show = Show::from_text(text).unwrap();
+    assert!(show.caution().is_some());
+    assert_eq!(show.songs[0].path, "old.ogg");
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let instrument = show.replay(shape.clone()).unwrap();
+    assert_eq!(instrument.parameters().form, Form::Filter);
+    assert_eq!(instrument.parameters().get(chladni_music::Parameter::Gain), 2.5);
+    assert_eq!(instrument.parameters().get(chladni_music::Parameter::Limit), 0.18);
+    // Saved again it is of this version, and the same.
+    let again = Show::from_text(&Show::of(&instrument).to_text().unwrap()).unwrap();
+    assert!(again.caution().is_none());
+    assert_eq!(again.replay(shape).unwrap(), instrument);
+    for (bad, why) in [
+        ("heard = [{ at_secs = 2.0, song = 1, playing = true }]", "no song 1"),
+        ("heard = [{ at_secs = 2.0, playing = true }, { at_secs = 1.0, playing = true }]", "in order"),
+        ("duration_secs = nan", "times"),
+        ("viewpoint = { distance = 0.0 }", "viewpoint"),
+    ] {
+        let text = format!("format_version = 2\nseed = 5\nsize = 6\n{bad}\n");
+        assert!(Show::from_text(&text).unwrap_err().to_string().contains(why), "{bad}");
     }
 }
 
@@ -225,8 +326,8 @@ fn a_session_replays_bit_for_bit_through_its_file() {
         live.apply(Moment { at_secs, at_beat: 2.0 * at_secs }, action).unwrap();
     }
     assert!(live.apply(Moment::default(), Action::Lock { item: 9, on: true }).is_err());
-    let text = Session::of(&live, "song.ogg").to_text().unwrap();
-    let replayed = Session::from_text(&text).unwrap().replay(shape).unwrap();
+    let text = Show::of(&live).to_text().unwrap();
+    let replayed = Show::from_text(&text).unwrap().replay(shape).unwrap();
     assert_eq!(live, replayed);
 
     let song = sample_tune();
@@ -253,7 +354,7 @@ fn a_session_replays_bit_for_bit_through_its_file() {
 
 #[test]
 fn files_of_newer_versions_and_of_nonsense_are_refused() {
-    assert!(Session::from_text("format_version = 99").unwrap_err().to_string().contains("99"));
+    assert!(Show::from_text("format_version = 99").unwrap_err().to_string().contains("99"));
     assert!(Preset::from_text("name = 3").is_err());
     let text = "format_version = 1\nname = \"x\"\nseed = 1\n[mapping]\ntransfer = [2.0]\namplification = [0.5]\nstereo_mu = 0.0\ngain = 1.0\n";
     assert!(Preset::from_text(text).unwrap_err().to_string().contains("transfer"));
@@ -280,9 +381,9 @@ fn a_long_evening_is_read_again_and_what_never_ends_is_refused() {
     let turn = "[[actions]]\nat_secs = 0.0\nat_beat = 0.0\ndo = \"set\"\nparameter = \"gain\"\nvalue = 1.5\n";
     let text = format!("format_version = 1\nseed = 5\nsize = 6\n{}", turn.repeat((17 << 20) / turn.len()));
     std::fs::write(&path, &text).unwrap();
-    assert!(Session::load(&path).unwrap().actions.len() > 190_000);
+    assert!(Show::load(&path).unwrap().actions.len() > 190_000);
     std::fs::write(&path, text.repeat(4)).unwrap();
-    assert!(Session::load(&path).unwrap_err().to_string().contains("larger than 64 MiB"));
+    assert!(Show::load(&path).unwrap_err().to_string().contains("larger than the 64 MiB"));
     std::fs::remove_file(&path).unwrap();
     if cfg!(target_os = "linux") {
         assert!(Preset::load(std::path::Path::new("/dev/zero")).is_err());

@@ -7,7 +7,7 @@ use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::samples;
 use chladni_music::{
     Action, Bands, Beat, Dancer, Driver, Ensemble, Error, GalleryShape, Instrument, Mapping, Moment,
-    Parameter, Session, Symmetry, Voice, VoiceSettings, Voices,
+    Parameter, Show, Symmetry, Voice, VoiceSettings, Voices,
 };
 use chladni_synth::{Coefficients, Item, Residual, Term, displacements_f64};
 use chladni_task::Task;
@@ -134,8 +134,8 @@ fn voices_move_every_item_of_an_ensemble_and_a_session_keeps_them() {
     instrument.apply(now, Action::Perform { item: 2 }).unwrap();
     let staged = ensemble.play(&instrument, &mono(&mid), Beat::default()).unwrap();
     assert!(staged.len() == 1 && (moved(&staged[0])[0] - 0.05).abs() < 1e-6);
-    let text = Session::of(&instrument, "").to_text().unwrap();
-    assert_eq!(Session::from_text(&text).unwrap().replay(shape).unwrap(), instrument);
+    let text = Show::of(&instrument).to_text().unwrap();
+    assert_eq!(Show::from_text(&text).unwrap().replay(shape).unwrap(), instrument);
 }
 
 proptest! {

@@ -35,12 +35,12 @@ pub use beat::{
     track_beats_causally,
 };
 pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
-pub use decode::{Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav};
+pub use decode::{SONG_EXTENSIONS, Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav};
 pub use error::SoundError;
 pub use player::{
     OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, output_devices,
 };
-pub use spectrum::{FrontEnd, Level, Spectrum, SpectrumAnalyser, SpectrumSettings};
+pub use spectrum::{FrontEnd, Level, SongSpectrum, Spectrum, SpectrumAnalyser, SpectrumSettings};
 pub use tune::{TUNE_BPM, TUNE_RATE_HZ, sample_tune, sample_tune_beats_secs};
 
 /// The lowest sampling rate taken for real.

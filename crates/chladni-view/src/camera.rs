@@ -123,6 +123,14 @@ impl Camera {
         self.target = (Vec3::from(self.target) + (up * dy - right * dx) * per_pixel).to_array();
     }
 
+    /// What [`pan`](Self::pan) in a viewport of height 1 has brought the target here from `target`.
+    pub fn shift_since(&self, target: [f32; 3]) -> [f32; 2] {
+        let [right, up, _] = self.axes();
+        let moved = Vec3::from(self.target) - Vec3::from(target);
+        let height = 2.0 * self.distance * (0.5 * self.fov_y_rad).tan();
+        [-moved.dot(right) / height, moved.dot(up) / height]
+    }
+
     /// Comes nearer by `steps` of the wheel (negative: goes away), a tenth of the distance each.
     pub fn zoom(&mut self, steps: f32) {
         let nearest = self.reach * 0.02;

@@ -243,13 +243,53 @@ fn films_deformed_on_cpu_and_gpu_agree() {
 }
 
 #[test]
-fn a_film_beside_the_window_ends_when_it_is_cancelled() {
+fn knobs_switches_and_choices_are_set_by_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mesh, wav] = ["ball.obj", "strobe.wav"].map(|name| folder.path().join(name));
+    ball(&mesh);
+    strobe(&wav);
+    let [mesh, wav] = [&mesh, &wav].map(|path| path.to_str().unwrap());
+    let moved = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let rest = ["-k", "24", "--duration", "0.5", "--coefficients", out.to_str().unwrap()];
+        assert_eq!(run(&[&["dance", mesh, wav][..], &rest, more].concat()), 0);
+        array(&out, "coefficients").1
+    };
+    let plain = moved("plain.npz", &["--form", "filter"]);
+    assert!(plain.iter().any(|c| *c != 0.0));
+    assert_eq!(plain, moved("named.npz", &["--set", "form=filter", "--set", "decay=0.5"]));
+    assert_ne!(plain, moved("decay.npz", &["--form", "filter", "--set", "decay=0.9"]));
+    let few = moved("few.npz", &["--form", "filter", "--set", "harmonics=4"]);
+    assert!(few.chunks(3).enumerate().all(|(i, c)| i % 24 < 4 || c == [0.0; 3]));
+    for bad in ["volume=1", "decay", "form=7"] {
+        let out = folder.path().join("bad.npz");
+        let rest = ["--set", bad, "--coefficients", out.to_str().unwrap()];
+        assert_eq!(run(&[&["dance", mesh, wav][..], &rest].concat()), 2, "{bad}");
+    }
+}
+
+#[test]
+fn a_film_that_is_cancelled_leaves_nothing() {
+    use chladni::cli::{Failure, Terminal, dance};
     let folder = tempfile::tempdir().unwrap();
     let film = folder.path().join("film.gif");
-    let words = ["dance", "sample:octopus", "sample:tune", "-k", "16", "-o", film.to_str().unwrap()];
+    let output = dance::Output {
+        film: Some(film),
+        is_folder: false,
+        coefficients: None,
+        width: 64,
+        height: 64,
+        rate: chladni_view::FrameRate::per_second(30),
+        samples: None,
+        synthesis: chladni_synth::Backend::Auto,
+        allow_flashes: false,
+    };
+    let show = chladni_music::Show::from_text("format_version = 1\nseed = 1\nsize = 6\n").unwrap();
+    let song = ("sample:tune".to_owned(), chladni_music::BeatReading::default());
+    let request = dance::Request::of_show(show, "sample:octopus".into(), vec![song], output);
     let task = chladni_task::Task::new();
     task.cancel();
-    let ended = chladni::cli::beside(&words.map(Into::into), &task);
-    assert_eq!(ended, Err(chladni::cli::Failure::Cancelled));
+    let ended = dance::make(request, &Terminal::nobodys(&task)).map(drop);
+    assert_eq!(ended, Err(Failure::Cancelled));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

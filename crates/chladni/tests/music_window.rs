@@ -7,8 +7,8 @@ mod driving;
 use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;
 
-use chladni::studio::{Folders, Handover, Opening};
-use chladni_music::{Preset, Session};
+use chladni::studio::{Folders, Handover, Opening, Trace};
+use chladni_music::{Preset, Show};
 use chladni_sound::{Song, WavSample, write_wav};
 use driving::{
     Answers, Window, lose, no_time, open, open_with, open_with_device, screenshot, shows, takes_pictures,
@@ -230,7 +230,7 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     let session = folder.path().join("evening.toml");
     answers.add(session.clone());
     click_containing(&mut window, "File");
-    click_containing(&mut window, "Save session");
+    click_containing(&mut window, "Save show");
     drop(window);
 
     // What was done in the window is a film, the same one each time.
@@ -249,7 +249,7 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
 
     // The next evening: the shelf is as it was, and the session goes on.
     let mut window = enter(Opening { folders, files: vec![session.clone()], ..Opening::default() });
-    wait(&mut window, "the session", |w| shows(w, "4 / 4"));
+    wait(&mut window, "the show", |w| shows(w, "4 / 4"));
     window.get_by_role_and_label(Role::CheckBox, "Squid");
     for (size, next) in [(12, 16), (16, 9), (9, 6)] {
         click_containing(&mut window, &format!("{size} items, seed 2012"));
@@ -323,7 +323,7 @@ fn what_was_bred_goes_on_on_another_shape_and_favourites_are_asked_about_on_clos
     let session = folder.path().join("evening.toml");
     answers.add(session.clone());
     click(&mut window, "Save and close");
-    assert!(Session::load(&session).unwrap().actions.len() == 6);
+    assert!(Show::load(&session).unwrap().actions.len() == 6);
 }
 
 /// Pictures of the room on usual screens, and that nothing on them hangs over their edge.
@@ -480,7 +480,7 @@ fn looking_at_knobs_dances_and_voices_changes_none_of_them() {
     answers.add(path("after.toml"));
     window.key_press_modifiers(Modifiers::COMMAND, Key::S);
     window.run_steps(3);
-    let [before, after] = ["before.toml", "after.toml"].map(|name| Session::load(&path(name)).unwrap());
+    let [before, after] = ["before.toml", "after.toml"].map(|name| Show::load(&path(name)).unwrap());
     assert_eq!(before.actions, after.actions);
 }
 
@@ -621,10 +621,278 @@ fn what_dances_is_filmed_beside_the_window() {
     let mut window = enter(Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() });
     answers.add(path("film.gif"));
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.run_steps(3);
+    click(&mut window, "Small");
+    click(&mut window, "12");
+    screenshot(&mut window, "window-music-film.png");
+    click(&mut window, "Film to …");
     wait(&mut window, "progress", |w| shows(w, "Filming film.gif"));
     screenshot(&mut window, "window-music-filming.png");
     wait(&mut window, "the film", |w| shows(w, "Filmed"));
-    assert_eq!(&std::fs::read(path("film.gif")).unwrap()[..6], b"GIF89a");
+    let film = std::fs::read(path("film.gif")).unwrap();
+    assert_eq!(&film[..6], b"GIF89a");
+    assert_eq!([film[6], film[7], film[8], film[9]], [128, 2, 104, 1], "640 × 360");
+}
+
+/// A ball that is quickly solved and drawn, and four seconds of a song with a beat, of which the channels differ.
+fn ball_and_song(folder: &Path) -> [std::path::PathBuf; 2] {
+    let [ball, wav] = ["ball.obj", "song.wav"].map(|name| folder.join(name));
+    let mut mesh = chladni_mesh::samples::icosphere(2);
+    for p in &mut mesh.positions {
+        p[1] *= 1.3 + 0.2 * p[0];
+        p[2] *= 0.9 + 0.1 * p[1];
+    }
+    chladni_mesh::save_mesh(&mesh, &ball).unwrap();
+    let mut song = chladni_sound::sample_tune();
+    let from = 6 * song.rate_hz as usize;
+    song.left = song.left[from..from + 4 * song.rate_hz as usize].to_vec();
+    song.right = song.right[from..from + 4 * song.rate_hz as usize].to_vec();
+    write_wav(&wav, &song, WavSample::Int16).unwrap();
+    [ball, wav]
+}
+
+/// A window on a ball and a song, which has been read, and where its shows go.
+fn recorded(folder: &Path, trace: &Trace) -> (Window, Answers) {
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let files = ball_and_song(folder).to_vec();
+    let opening = Opening {
+        folders: folders(folder),
+        chooser,
+        files,
+        trace: Some(trace.clone()),
+        ..Opening::default()
+    };
+    let mut window = enter(opening);
+    wait(&mut window, "the song", |_| trace.borrow().last().is_some_and(|frame| frame.is_known));
+    window.run_steps(5);
+    (window, answers)
+}
+
+/// Steps for a while, as time goes by.
+fn run_for(window: &mut Window, secs: f64) {
+    let start = std::time::Instant::now();
+    while start.elapsed().as_secs_f64() < secs {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        window.run_steps(1);
+    }
+}
+
+#[test]
+fn a_run_of_the_window_filmed_by_the_command_has_the_same_coefficients_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = Trace::default();
+    let (mut window, answers) = recorded(folder.path(), &trace);
+    // It plays, breeds, turns knobs, pauses, leaps, and puts a dance on stage.
+    click(&mut window, "Dance 2");
+    click(&mut window, "Dance 5");
+    click_containing(&mut window, "Breed 2");
+    run_for(&mut window, 0.4);
+    click(&mut window, "Halves");
+    run_for(&mut window, 0.3);
+    window.key_press(Key::Space);
+    run_for(&mut window, 0.4);
+    window.key_press(Key::Space);
+    run_for(&mut window, 0.3);
+    window.get_by_label("Where in the song").focus();
+    window.run_steps(1);
+    for _ in 0..4 {
+        window.key_press(Key::ArrowRight);
+    }
+    run_for(&mut window, 0.5);
+    window.get_by_label("Dance 3").hover();
+    window.run_steps(2);
+    window.key_press(Key::S);
+    run_for(&mut window, 0.6);
+    window.key_press(Key::Escape);
+    run_for(&mut window, 0.4);
+    let show_file = folder.path().join("run.toml");
+    answers.add(show_file.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    drop(window);
+
+    let show = Show::load(&show_file).unwrap();
+    assert!(show.heard.iter().any(|stretch| !stretch.playing), "no pause in {:?}", show.heard);
+    assert!(show.heard.len() >= 4, "no leap in {:?}", show.heard);
+    let frames = trace.borrow();
+    // From when the song was known, but not while what was heard before it faded.
+    let known = frames.iter().find(|frame| frame.is_known).unwrap().at_secs + 0.4;
+    let acts: Vec<f64> = show.actions.iter().map(|line| line.moment.at_secs).collect();
+    // In a frame in which something is done it is not seen yet.
+    let end = show.duration_secs.unwrap() - 0.1;
+    let steady = |at_secs: f64| at_secs > known && at_secs < end && !acts.contains(&at_secs);
+    let steady: Vec<_> = frames.iter().filter(|frame| steady(frame.at_secs)).collect();
+    let mut compared = 0;
+    for frame in steady.iter().step_by((steady.len() / 12).max(1)) {
+        let out = folder.path().join("frame.npz");
+        let start = frame.at_secs.to_string();
+        let [show, npz] = [&show_file, &out].map(|path| path.to_str().unwrap());
+        let dance = ["chladni", "--quiet", "dance", "--show", show, "--start", &start, "--duration", "0.03"];
+        assert_eq!(chladni::cli::run(dance.iter().chain(&["--coefficients", npz])), 0);
+        let mut npz = npyz::npz::NpzArchive::open(&out).unwrap();
+        let filmed = npz.by_name("coefficients").unwrap().unwrap().into_vec::<f32>().unwrap();
+        let seen: Vec<u32> = frame.coefficients.iter().map(|c| c.to_bits()).collect();
+        let filmed: Vec<u32> = filmed.iter().map(|c| c.to_bits()).collect();
+        assert_eq!(seen.len(), filmed.len(), "at {start} s");
+        let other = seen.iter().zip(&filmed).filter(|(a, b)| a != b).count();
+        assert_eq!(
+            other,
+            0,
+            "of {} coefficients at {start} s, known from {known} s: {:?}",
+            seen.len(),
+            show_file
+        );
+        compared += usize::from(filmed.iter().any(|bits| *bits != 0));
+    }
+    assert!(compared >= 6, "{compared} frames moved");
+}
+
+#[test]
+fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = Trace::default();
+    let (mut window, answers) = recorded(folder.path(), &trace);
+    click(&mut window, "Look");
+    click(&mut window, "Bronze");
+    // Turned, shifted and nearer.
+    let middle = window.get_by_label("Dance 6").rect().center();
+    for (modifiers, by) in [(Modifiers::NONE, [60.0, 25.0]), (Modifiers::SHIFT, [18.0, -9.0])] {
+        let button =
+            |pos, pressed| Event::PointerButton { pos, button: PointerButton::Middle, pressed, modifiers };
+        let end = middle + egui::Vec2::from(by);
+        for event in
+            [Event::PointerMoved(middle), button(middle, true), Event::PointerMoved(end), button(end, false)]
+        {
+            window.event_modifiers(event, modifiers);
+            window.run_steps(1);
+        }
+    }
+    window.event(Event::PointerMoved(middle));
+    window.event(Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, 50.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+        source: egui::MouseWheelSource::Wheel,
+    });
+    run_for(&mut window, 0.5);
+    window.event(Event::PointerMoved(window.get_by_label("Dance 3").rect().center()));
+    window.run_steps(2);
+    window.key_press(Key::S);
+    run_for(&mut window, 1.2);
+    window.key_press(Key::Space);
+    // Until it rests, and is drawn as finely as a film.
+    run_for(&mut window, 1.5);
+    let picture = window.render().unwrap();
+    let (width, height) = (picture.width(), picture.height());
+    let at_secs = trace.borrow().last().unwrap().at_secs;
+    assert!(trace.borrow().last().unwrap().on_stage);
+    run_for(&mut window, 0.3);
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    let show_file = folder.path().join("stage.toml");
+    answers.add(show_file.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    drop(window);
+    let viewpoint = Show::load(&show_file).unwrap().viewpoint;
+    assert!(
+        viewpoint.yaw_rad.abs() > 0.1 && viewpoint.distance < 0.97 && viewpoint.shift[0] > 0.01,
+        "{viewpoint:?}"
+    );
+
+    let frames = folder.path().join("frames");
+    let (size, start) = (format!("{width}x{height}"), at_secs.to_string());
+    let [show, out] = [&show_file, &frames].map(|path| path.to_str().unwrap());
+    let dance =
+        ["chladni", "--quiet", "dance", "--show", show, "--frames", out, "--size", &size, "--samples", "4"];
+    assert_eq!(chladni::cli::run(dance.iter().chain(&["--start", &start, "--duration", "0.03"])), 0);
+    let png = std::fs::read(frames.join("frame-00000.png")).unwrap();
+    let film = chladni_view::Picture::decode(&png).unwrap();
+    if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {
+        picture.save(Path::new(&folder).join("stage-window.png")).unwrap();
+        std::fs::write(Path::new(&folder).join("stage-film.png"), png).unwrap();
+    }
+    assert_eq!((film.width, film.height), (width, height));
+    let seen = picture.into_raw();
+    // Windows are drawn with eight bits twice; edges may round otherwise.
+    let differ = seen.iter().zip(&film.rgba).filter(|(a, b)| a.abs_diff(**b) > 12).count();
+    assert!(differ < seen.len() / 200, "{differ} of {} channels differ", seen.len());
+    let ground = &film.rgba[..3];
+    let shape =
+        film.rgba.chunks(4).filter(|p| p.iter().zip(ground).any(|(a, b)| a.abs_diff(*b) > 40)).count();
+    assert!(shape > film.rgba.len() / 400, "nothing is seen");
+}
+
+#[test]
+fn a_show_opens_with_its_shape_its_songs_its_look_and_its_view() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = Trace::default();
+    let (mut window, answers) = recorded(folder.path(), &trace);
+    click(&mut window, "Look");
+    click(&mut window, "Clay");
+    window.get_by_label("Dance 3").hover();
+    window.run_steps(2);
+    window.key_press(Key::F);
+    run_for(&mut window, 0.3);
+    let show_file = folder.path().join("evening.toml");
+    answers.add(show_file.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    drop(window);
+    // In another window, with other preferences and on another shape.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let chooser = Box::new(answers.clone());
+    let folders = folders(elsewhere.path());
+    let again = Trace::default();
+    let opening = Opening { folders, chooser, trace: Some(again.clone()), ..Opening::default() };
+    let mut window = enter(opening);
+    answers.add(show_file.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the song of the show", |w| w.query_by_label("song").is_some());
+    wait(&mut window, "what it sounds like", |_| again.borrow().last().is_some_and(|frame| frame.is_known));
+    click(&mut window, "Shelf");
+    assert!(shows(&window, "Keep on the shelf: Dance 3"));
+    answers.add(folder.path().join("later.toml"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    let [before, after] =
+        [show_file, folder.path().join("later.toml")].map(|path| Show::load(&path).unwrap());
+    assert_eq!(before.body, after.body);
+    assert_eq!((before.harmonics, before.looks, before.songs), (after.harmonics, after.looks, after.songs));
+    assert_eq!((before.actions, before.viewpoint), (after.actions, after.viewpoint));
+    assert_eq!(before.heard[..], after.heard[..before.heard.len()]);
+    assert!(after.duration_secs > before.duration_secs);
+}
+
+#[test]
+fn every_format_that_is_decoded_is_offered_and_volume_and_device_are_chosen_and_remembered() {
+    let folder = tempfile::tempdir().unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let folders = folders(folder.path());
+    let settings = folders.settings.clone().unwrap();
+    let mut window = enter(Opening { folders, chooser, ..Opening::default() });
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    window.run_steps(2);
+    let offered = answers.offered();
+    for format in
+        ["wav", "aiff", "flac", "mp3", "ogg", "opus", "m4a", "mka", "webm", "obj", "toml", "chladni"]
+    {
+        assert!(offered.iter().any(|known| known == format), "{format} is not offered");
+    }
+    click(&mut window, "Songs");
+    window.get_by_role_and_label(Role::SpinButton, "Volume").focus();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::SpinButton, "Volume").type_text("0.25");
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert!(shows(&window, "The system's own"));
+    screenshot(&mut window, "window-music-sound.png");
+    drop(window);
+    let kept = std::fs::read_to_string(settings).unwrap();
+    assert!(kept.contains("volume = 0.25"), "{kept}");
 }
 
 #[test]

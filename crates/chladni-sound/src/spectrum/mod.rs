@@ -3,7 +3,9 @@
 mod analyser;
 mod bands;
 mod level;
+mod song;
 
 pub use analyser::{Spectrum, SpectrumAnalyser, SpectrumSettings};
 pub use bands::FrontEnd;
 pub use level::Level;
+pub use song::SongSpectrum;

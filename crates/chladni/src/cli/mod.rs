@@ -6,7 +6,7 @@ mod bench;
 mod cache;
 mod caricature;
 mod choose_file;
-mod dance;
+pub mod dance;
 mod demo;
 mod failure;
 mod info;
@@ -120,13 +120,6 @@ fn in_one_line(error: &clap::Error) -> String {
         said.push_str(line);
     }
     format!("{} (--help lists what there is)", said.strip_prefix("error: ").unwrap_or(&said))
-}
-
-/// Runs the words of a command beside the window, watched and cancelled through `task`; its warnings.
-pub fn beside(words: &[std::ffi::OsString], task: &chladni_task::Task) -> Result<Vec<String>, Failure> {
-    let terminal = Terminal::nobodys(task);
-    follow(words, &terminal)?;
-    Ok(terminal.unheard())
 }
 
 /// Runs the words of another command as if they were typed: for commands made of others.

@@ -127,6 +127,27 @@ fn open_once(opening: Opening) -> Result<(), StudioError> {
     Ok(())
 }
 
+/// What the music room played, frame after frame: for those who compare it with a film.
+pub type Trace = Rc<RefCell<Vec<PlayedFrame>>>;
+
+/// One frame of the music room.
+#[derive(Clone, Debug)]
+pub struct PlayedFrame {
+    /// Since the show began.
+    pub at_secs: f64,
+    /// The song is known as a whole, so that a film hears the same.
+    pub is_known: bool,
+    /// Something is on stage.
+    pub on_stage: bool,
+    /// Of the mapping's first term, of the first item.
+    pub coefficients: Vec<f32>,
+}
+
+/// What shapes look like until somebody chooses otherwise.
+pub fn first_looks() -> chladni_music::Looks {
+    music::Preferences::default().looks()
+}
+
 /// What a window opens with.
 pub struct Opening {
     /// Where it keeps what outlives it; nowhere by default.
@@ -141,6 +162,8 @@ pub struct Opening {
     pub first_picture: Option<Rc<FirstPicture>>,
     /// What the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
+    /// Is told what the music room plays in each frame.
+    pub trace: Option<Trace>,
     /// What a window before it has left, and where it leaves what is open should its device be lost.
     pub handover: Handover,
     /// Tells how long work takes where less is done on a slow machine. Tests hand in a clock of their own, so
@@ -157,6 +180,7 @@ impl Default for Opening {
             measure: None,
             first_picture: None,
             input: None,
+            trace: None,
             handover: Handover::default(),
             now: Instant::now,
         }
@@ -203,7 +227,7 @@ impl Studio {
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
         let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
         let mut notices = Notices::default();
-        let Opening { folders, chooser, files, measure, first_picture, input, handover, now } = opening;
+        let Opening { folders, chooser, files, measure, first_picture, input, trace, handover, now } = opening;
         let first_run = folders.settings.as_ref().is_some_and(|path| !path.exists());
         let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
@@ -228,7 +252,7 @@ impl Studio {
                 (left.rooms, left.current)
             }
             None => {
-                let music = music::MusicRoom::listening_to(input);
+                let music = music::MusicRoom::listening_to(input, trace);
                 (vec![Box::new(caricature::CaricatureRoom::default()), Box::new(music)], None)
             }
         };

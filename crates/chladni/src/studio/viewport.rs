@@ -41,6 +41,8 @@ pub struct Viewport {
     gpu: Gpu,
     renderer: Renderer,
     canvas: Option<(Canvas, egui::TextureId)>,
+    /// The picture before, where that is shown until the one on the canvas may be.
+    kept: Option<(Canvas, egui::TextureId)>,
     stale: bool,
     /// Pixels of the window that the picture fills.
     shown: Rect,
@@ -62,6 +64,7 @@ impl Viewport {
             renderer: Renderer::new(&gpu),
             gpu,
             canvas: None,
+            kept: None,
             stale: true,
             shown: Rect::default(),
             effort,
@@ -114,14 +117,14 @@ impl Viewport {
     }
 
     /// As [`show`](Self::show), but leaves showing to [`paint`](Self::paint) and says nothing where
-    /// frames are late.
+    /// frames are late. True where a picture was drawn.
     pub fn draw<'a>(
         &mut self,
         ui: &egui::Ui,
         state: &RenderState,
         rect: egui::Rect,
         scene: impl FnOnce(Rect) -> Vec<Cell<'a>>,
-    ) -> Result<(), ViewError> {
+    ) -> Result<bool, ViewError> {
         let limit = self.gpu.device.limits().max_texture_dimension_2d;
         let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).clamp(1, limit);
         let shown = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
@@ -141,9 +144,9 @@ impl Viewport {
                 Some(moved_secs) => {
                     let left = (moved_secs + REST_SECS - now_secs).max(0.01);
                     ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(left));
-                    return Ok(());
+                    return Ok(false);
                 }
-                None => return Ok(()),
+                None => return Ok(false),
             }
         };
         if quality == Quality::STILL {
@@ -151,7 +154,7 @@ impl Viewport {
         }
         let scaled = |length: u32| (u64::from(length) * u64::from(quality.percent) / 100) as u32;
         self.fit(state, scaled(shown.width).max(1), scaled(shown.height).max(1), quality.samples)?;
-        let Some((canvas, _)) = &self.canvas else { return Ok(()) };
+        let Some((canvas, _)) = &self.canvas else { return Ok(false) };
         let mut cells = scene(shown);
         for cell in &mut cells {
             let r = cell.viewport;
@@ -164,12 +167,26 @@ impl Viewport {
         self.renderer.draw(canvas, &cells)?;
         self.stale = false;
         ui.ctx().data_mut(|data| data.insert_temp(egui::Id::unique(DRAWN), true));
-        Ok(())
+        Ok(true)
     }
 
     /// Shows the picture that was drawn last.
     pub fn paint(&self, ui: &egui::Ui, rect: egui::Rect) {
         if let Some((_, texture)) = &self.canvas {
+            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
+        }
+    }
+
+    /// Keeps the picture that was drawn last to be shown by [`paint_kept`](Self::paint_kept); the next one
+    /// is drawn on another canvas.
+    pub fn keep(&mut self) {
+        std::mem::swap(&mut self.canvas, &mut self.kept);
+    }
+
+    /// Shows the picture that was kept last.
+    pub fn paint_kept(&self, ui: &egui::Ui, rect: egui::Rect) {
+        if let Some((_, texture)) = &self.kept {
             let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
             ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
         }

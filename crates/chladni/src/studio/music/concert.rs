@@ -1,11 +1,13 @@
 //! A body that dances: instrument, synthesizer and the picture of all items.
 
 use chladni_music::{
-    Action, Beat, Ensemble, FlashGuard, GalleryShape, Instrument, Mapping, Moment, Parameter, Session,
-    Switch, Veil, react,
+    Action, Ensemble, FlashGuard, GalleryShape, Instrument, Mapping, Moment, Parameter, Preset, Reaction,
+    Settings, Show, Switch, Veil, Viewpoint,
 };
-use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, GpuContext, SynthModel, Synthesizer};
-use chladni_view::{Camera, Cell, Figure, Gpu, ItemBuffers, Rect, Topology, layout};
+use chladni_synth::{
+    AutoSynthesizer, Backend, Coefficients, FrameSettings, GpuContext, SynthModel, Synthesizer,
+};
+use chladni_view::{Camera, Figure, Gpu, ItemBuffers, Rect, Topology};
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Ui};
 
@@ -17,17 +19,16 @@ use super::harmonics::Harmonics;
 use super::listening::Listening;
 use super::loading::Ready;
 use super::pace::Pace;
-use super::preferences::Look;
 use super::stillness::{self, Shown};
 use super::wish::Wish;
+use crate::dance::{FIRST_VIEW, Look, Staging, reaction};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
+use crate::studio::{PlayedFrame, Trace};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
-/// How much of its cell the shape may fill where it is moved as far as the limit allows.
-const FILL: f32 = 0.96;
 
 /// What the middle of the room shows while nothing is on stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,16 +68,15 @@ pub struct Concert {
     seen: Vec<usize>,
     /// Vertices that were drawn of a shape, in the mean.
     drawn_vertices: usize,
-    rest: Vec<[f32; 3]>,
-    /// What has to fit into a cell, for a limit of displacement.
-    room: (f32, Vec<[f32; 3]>),
-    camera: Camera,
+    staging: Staging,
+    viewpoint: Viewpoint,
     glimpse: Glimpse,
     guard: FlashGuard,
     /// The last picture; `None` where something else was shown.
     shown: Option<Shown>,
     moving: bool,
-    veil: Veil,
+    /// How bright the picture is that was kept is known.
+    judged: bool,
     seconds: f64,
     moment: Moment,
     /// The item that keys act on: under the pointer where it moves, else where arrows went.
@@ -84,7 +84,7 @@ pub struct Concert {
     columns: usize,
     view: View,
     draft: Option<Draft>,
-    tried_out: Option<Mapping>,
+    tried_out: Option<(Mapping, Settings)>,
     harmonics: Harmonics,
     pace: Pace,
     voice_names: Vec<String>,
@@ -103,7 +103,9 @@ impl Concert {
             Topology::new(gpu, model.vertices(), &ready.body.triangles).map_err(|error| error.to_string())?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
-        let levels = on_device(gpu, rest.len(), ready.levels)?;
+        let vertices = rest.len();
+        let staging = Staging::new(ready.dancer.clone(), rest);
+        let levels = on_device(gpu, vertices, ready.levels)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
         Ok(Self {
@@ -114,16 +116,15 @@ impl Concert {
             topology,
             levels,
             seen: Vec::new(),
-            drawn_vertices: rest.len(),
-            rest,
-            room: (0.0, Vec::new()),
+            drawn_vertices: vertices,
+            staging,
             viewport,
-            camera: Camera { pitch_rad: 0.14, ..Camera::default() },
+            viewpoint: FIRST_VIEW,
             glimpse: Glimpse::default(),
             guard: FlashGuard::default(),
             shown: None,
             moving: true,
-            veil: Veil::Clear,
+            judged: false,
             seconds: 0.0,
             moment: Moment::default(),
             marked: None,
@@ -140,7 +141,7 @@ impl Concert {
     /// Goes on on another device, with the same dances.
     pub fn change_device(&mut self, state: &RenderState) -> Result<(), String> {
         let viewport = Viewport::new(state);
-        let (gpu, vertices) = (viewport.gpu(), self.rest.len());
+        let (gpu, vertices) = (viewport.gpu(), self.staging.rest().len());
         self.topology =
             Topology::new(gpu, vertices, self.harmonics.triangles()).map_err(|error| error.to_string())?;
         let levels = std::mem::take(&mut self.levels).into_iter().map(|(level, _)| level);
@@ -148,7 +149,7 @@ impl Concert {
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         self.synthesizer = AutoSynthesizer::new(&context, self.synthesizer.model().clone(), Backend::Auto);
         self.harmonics.forget_device();
-        (self.glimpse, self.shown) = (Glimpse::default(), None);
+        (self.glimpse, self.judged, self.shown) = (Glimpse::default(), false, None);
         self.viewport = viewport;
         Ok(())
     }
@@ -185,7 +186,7 @@ impl Concert {
 
     /// Vertices of the shape, and how many of them were drawn last, in the mean.
     pub fn drawn_vertices(&self) -> (usize, usize) {
-        (self.rest.len(), self.drawn_vertices)
+        (self.staging.rest().len(), self.drawn_vertices)
     }
 
     /// Does what the user asked, at the moment that is heard. A stage that would open and close
@@ -206,20 +207,38 @@ impl Concert {
         Ok(())
     }
 
-    /// Replaces the gallery by that of a session, as it was in the end.
-    pub fn replay(&mut self, session: &Session) -> Result<(), String> {
+    /// Width and height of the picture that was drawn last, in pixels.
+    pub fn picture_size(&self) -> [u32; 2] {
+        self.shown.as_ref().map_or([1280, 720], |shown| shown.staged.size())
+    }
+
+    /// Where the viewer stands.
+    pub fn viewpoint(&self) -> Viewpoint {
+        self.viewpoint
+    }
+
+    /// Counts the beats of all that was done anew.
+    pub fn count_beats(&mut self, beats: impl Fn(f64) -> f64) -> Result<(), String> {
+        self.instrument = self.instrument.with_beats(beats).map_err(|error| error.to_string())?;
+        Ok(())
+    }
+
+    /// Replaces the gallery by that of a show, as it was in the end.
+    pub fn replay(&mut self, show: &Show) -> Result<(), String> {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: self.ensemble.dancer().eigenvalues.clone(), bands };
-        self.instrument = session.replay(shape).map_err(|error| error.to_string())?;
+        self.instrument = show.replay(shape).map_err(|error| error.to_string())?;
         self.saved = self.instrument.log().len();
         self.view = View::Gallery;
+        self.viewpoint = show.viewpoint;
         Ok(())
     }
 
     /// Does on this body all that was done on another.
     pub fn go_on_from(&mut self, before: &Self) -> Result<(), String> {
-        self.replay(&Session::of(&before.instrument, ""))?;
+        self.replay(&Show::of(&before.instrument))?;
         self.saved = before.saved;
+        self.viewpoint = FIRST_VIEW;
         Ok(())
     }
 
@@ -273,9 +292,9 @@ impl Concert {
         self.marked = None;
     }
 
-    /// Plays a mapping in the gallery's place in the next frame.
-    pub fn try_out(&mut self, mapping: Mapping) {
-        self.tried_out = Some(mapping);
+    /// Plays a preset in the gallery's place in the next frame.
+    pub fn try_out(&mut self, preset: &Preset) {
+        self.tried_out = Some((preset.mapping_on(self.instrument.shape()), preset.settings.clone()));
     }
 
     /// What an item is marked as.
@@ -305,24 +324,29 @@ impl Concert {
         ui: &mut Ui,
         shared: &mut Shared<'_>,
         listening: &mut Listening,
+        trace: Option<&Trace>,
         wishes: &mut Vec<Wish>,
     ) -> Result<(), String> {
         let began = (shared.now)();
         let whole = ui.available_rect_before_wrap();
         self.seconds = ui.input(|input| input.time);
+        if listening.beats_changed() {
+            self.count_beats(|at_secs| listening.beats_at(at_secs))?;
+        }
         let heard = listening.hear(self.seconds, self.instrument.parameters())?;
         self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
-        let beat = heard.beat;
+        let (beat, reaction) = (heard.beat, reaction(&self.instrument, heard.beat, heard.fading));
         let on_stage = self.on_stage();
         if let View::Harmonics(first) = self.view
             && !on_stage
         {
             let response = ui.allocate_rect(whole, egui::Sense::click_and_drag());
-            viewport::navigate(ui, &response, &mut self.camera);
-            let camera = self.camera;
+            navigate(ui, &response, &mut self.viewpoint, 1.0);
+            let camera = camera_at(&self.viewpoint);
             if self.shown.take().is_some() {
                 self.harmonics.leave();
             }
+            (self.glimpse, self.judged) = (Glimpse::default(), false);
             ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
             let (viewport, topology) = (&mut self.viewport, &self.topology);
             self.moving = self.harmonics.show(ui, shared, viewport, topology, camera, whole, first)?;
@@ -330,10 +354,21 @@ impl Concert {
         }
         let solo = self.tried_out.take().or_else(|| self.close_up_mapping()).filter(|_| !on_stage);
         let items = match &solo {
-            Some(mapping) => self.ensemble.audition(&self.instrument, mapping, &heard.bands, beat),
+            Some((mapping, settings)) => {
+                self.ensemble.audition(&self.instrument, (mapping, settings), &heard.bands, beat)
+            }
             None => self.ensemble.play(&self.instrument, &heard.bands, beat),
         }
         .map_err(|error| error.to_string())?;
+        if let (Some(trace), Some(item)) = (trace, items.first()) {
+            let coefficients = match item.terms.first().map(|term| &term.coefficients) {
+                Some(Coefficients::Vector(c)) => c.as_flattened().to_vec(),
+                Some(Coefficients::Normal(c)) => c.clone(),
+                None => Vec::new(),
+            };
+            let (at_secs, is_known) = (heard.at_secs, heard.is_known);
+            trace.borrow_mut().push(PlayedFrame { at_secs, is_known, on_stage, coefficients });
+        }
         // Full blending is the paper's: the mean of the exact and the rest normal.
         let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
         let count = items.len();
@@ -359,15 +394,20 @@ impl Concert {
         let close_up = matches!(self.view, View::CloseUp(_)) && !on_stage;
         let (rect, bench) = if close_up { close_up::split(whole) } else { (whole, whole) };
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
-        viewport::navigate(ui, &response, &mut self.camera);
-        let cells = self.cells(ui, rect, count);
+        let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
+        let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
+        let (cells, columns) = Staging::cells(area, count);
+        self.columns = columns;
+        let cells_high = cells.first().map_or(1.0, |cell| area.height as f32 / cell.height.max(1) as f32);
+        navigate(ui, &response, &mut self.viewpoint, cells_high);
         let look = shared.settings.music.look();
-        self.draw(ui, shared, rect, &cells, beat, look, pose)?;
+        self.draw(ui, shared, (rect, area), &cells, reaction, look, pose)?;
         match self.view {
             View::CloseUp(item) if close_up => {
+                let (spectrum, bands_hz) = listening.spectrum();
                 let heard = close_up::Heard {
-                    mid: &listening.spectrum().mid,
-                    bands_hz: listening.bands_hz(),
+                    mid: &spectrum.mid,
+                    bands_hz,
                     eigenvalues: &self.ensemble.dancer().eigenvalues,
                 };
                 close_up::show(ui, bench, &self.instrument, item, &mut self.draft, &heard, wishes);
@@ -391,48 +431,27 @@ impl Concert {
     }
 
     /// What the close-up plays: the stroke that is being drawn, or the item as it is.
-    fn close_up_mapping(&self) -> Option<Mapping> {
+    fn close_up_mapping(&self) -> Option<(Mapping, Settings)> {
         let View::CloseUp(item) = self.view else { return None };
         let item = self.instrument.gallery().items().get(item)?;
-        Some(self.draft.as_ref().map_or_else(|| item.mapping.clone(), |draft| draft.mapping.clone()))
-    }
-
-    fn cells(&mut self, ui: &Ui, rect: egui::Rect, count: usize) -> Vec<Rect> {
-        let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
-        let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
-        let (rows, columns) = layout::rows_and_columns(area.width, area.height, count, 1.0);
-        self.columns = columns;
-        let gap = pixels(6.0).min(area.width / 8);
-        layout::grid(area, rows, columns, gap, count)
+        let mapping = self.draft.as_ref().map_or(&item.mapping, |draft| &draft.mapping);
+        Some((mapping.clone(), Settings::default()))
     }
 
     fn draw(
         &mut self,
         ui: &mut Ui,
         shared: &Shared<'_>,
-        rect: egui::Rect,
+        (rect, area): (egui::Rect, Rect),
         cells: &[Rect],
-        beat: Beat,
+        reaction: Reaction,
         look: Look,
         pose: u64,
     ) -> Result<(), String> {
-        let parameters = self.instrument.parameters();
-        let reaction = react(beat, self.instrument.seed(), parameters);
-        let aspect = cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        let mut camera = self.camera;
-        let zoom = camera.distance / Camera::default().distance;
-        let limit = parameters.get(Parameter::Limit);
-        if self.room.0 != limit {
-            self.room = (limit, self.ensemble.dancer().room(&self.rest, limit));
-        }
-        camera.fit_turntable(&self.room.1, aspect, FILL);
-        camera.distance *= zoom;
-        camera.yaw_rad = self.camera.yaw_rad - reaction.turn_rad;
-        let mut lights = look.lights.turned(reaction.light_turn_rad);
-        lights.exposure *= reaction.light_gain;
-        let limited = parameters.is_on(Switch::FlashLimit);
-        let Look { material, background, .. } = look;
-        let shown = Shown { pose, camera, lights, material, background, cells: cells.to_vec() };
+        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
+        let staged = self.staging.set(area, cells.len(), &self.viewpoint, &look, reaction, &self.instrument);
+        let material = staged.material;
+        let shown = Shown { pose, staged: staged.clone() };
         self.moving = self.shown.as_ref() != Some(&shown);
         if self.moving {
             self.viewport.invalidate();
@@ -446,53 +465,83 @@ impl Concert {
                 let seen = self.seen.get(item).copied().unwrap_or(0);
                 let needed = coarse::vertices_needed(seen, pixels);
                 let level = self.levels.iter().rev().find(|(level, _)| level.vertices >= needed);
-                drawn_vertices += level.map_or(self.rest.len(), |(level, _)| level.vertices);
+                drawn_vertices += level.map_or(self.staging.rest().len(), |(level, _)| level.vertices);
                 let topology = level.map_or(&self.topology, |(_, topology)| topology);
                 Figure { material, ..Figure::new(topology, &buffers, item) }
             })
             .collect();
         self.drawn_vertices = drawn_vertices / cells.len().max(1);
-        self.viewport
-            .draw(ui, shared.gpu, rect, |_| {
-                cells
-                    .iter()
-                    .zip(&figures)
-                    .map(|(cell, figure)| Cell {
-                        viewport: *cell,
-                        camera,
-                        lights,
-                        background,
-                        figures: std::slice::from_ref(figure),
-                        markers: &[],
-                    })
-                    .collect()
-            })
-            .map_err(|error| error.to_string())?;
-        self.shown = Some(shown);
         let behind = theme::palette(ui).stage;
         ui.painter().rect_filled(rect, 0.0, behind);
-        // The same picture flashes no more once its veil is gone.
-        if self.moving || self.veil != Veil::Clear {
-            self.veil = if limited { self.veil(behind)? } else { Veil::Clear };
-            self.moving |= self.veil != Veil::Clear;
+        if !limited {
+            if self.glimpse.is_coming() {
+                (self.glimpse, self.judged) = (Glimpse::default(), false);
+            }
+            self.viewport
+                .draw(ui, shared.gpu, rect, |_| staged.cells(&figures))
+                .map_err(|error| error.to_string())?;
+            self.shown = Some(shown);
+            self.viewport.paint(ui, rect);
+            return Ok(());
         }
-        match self.veil {
-            Veil::Clear => self.viewport.paint(ui, rect),
-            Veil::Black(opacity) | Veil::White(opacity) => {
-                self.viewport.paint(ui, rect);
-                let black = matches!(self.veil, Veil::Black(_));
-                let film = if black { Color32::from_black_alpha } else { Color32::from_white_alpha };
-                ui.painter().rect_filled(rect, 0.0, film(opacity));
+        // The picture is shown once it is known how bright it is; until then the one before is, and no other
+        // one is begun.
+        if self.glimpse.look(self.viewport.gpu())? {
+            self.viewport.keep();
+            self.judged = true;
+        }
+        if !self.glimpse.is_coming() {
+            let drawn = self.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures));
+            if drawn.map_err(|error| error.to_string())?
+                && let Some(canvas) = self.viewport.canvas()
+            {
+                self.glimpse.begin(self.viewport.gpu(), canvas, behind);
+            }
+            self.shown = Some(shown);
+        }
+        let veil =
+            if self.judged { self.guard.veil(self.seconds, self.glimpse.histogram()) } else { Veil::Clear };
+        self.moving |= self.glimpse.is_coming() || veil != Veil::Clear;
+        self.viewport.paint_kept(ui, rect);
+        match veil {
+            Veil::Clear => {}
+            Veil::Black(opacity) => {
+                ui.painter().rect_filled(rect, 0.0, Color32::from_black_alpha(opacity));
+            }
+            Veil::White(opacity) => {
+                ui.painter().rect_filled(rect, 0.0, Color32::from_white_alpha(opacity));
             }
         }
         Ok(())
     }
+}
 
-    /// What keeps the picture that is about to be shown from flashing.
-    fn veil(&mut self, behind: Color32) -> Result<Veil, String> {
-        let Some(canvas) = self.viewport.canvas() else { return Ok(Veil::Clear) };
-        let picture = self.glimpse.of(self.viewport.gpu(), canvas, behind)?;
-        Ok(self.guard.veil(self.seconds, picture))
+/// A camera that stands at a viewpoint of a picture whose size nobody knows yet.
+fn camera_at(viewpoint: &Viewpoint) -> Camera {
+    let camera = Camera { yaw_rad: viewpoint.yaw_rad, pitch_rad: viewpoint.pitch_rad, ..Camera::default() };
+    let mut camera = Camera { distance: viewpoint.distance * camera.distance, ..camera };
+    camera.pan(viewpoint.shift[0], viewpoint.shift[1], 1.0);
+    camera
+}
+
+/// Moves the viewer by pointer and keys on `response`, which is so many cells high.
+fn navigate(ui: &Ui, response: &egui::Response, viewpoint: &mut Viewpoint, cells_high: f32) {
+    let before = camera_at(viewpoint);
+    let mut camera = before;
+    if viewport::navigate(ui, response, &mut camera) {
+        let shift = camera.shift_since(before.target);
+        // It comes nearer to the middle of the picture, not to that of the shape.
+        let nearer = before.distance / camera.distance;
+        *viewpoint = Viewpoint {
+            yaw_rad: camera.yaw_rad,
+            pitch_rad: camera.pitch_rad,
+            distance: camera.distance / Camera::default().distance,
+            shift: std::array::from_fn(|i| nearer * viewpoint.shift[i] + cells_high * shift[i]),
+        };
+    }
+    let asks = response.hovered() || response.has_focus();
+    if asks && viewport::VIEW_KEYS[4].pressed(ui.ctx()) {
+        *viewpoint = Viewpoint { distance: 1.0, shift: [0.0; 2], ..*viewpoint };
     }
 }
 

@@ -7,7 +7,7 @@ use super::harmonics::CELLS;
 use super::listening::Listening;
 use super::remote::Remote;
 use super::shelf::Shelf;
-use super::songs::{self, Inputs};
+use super::songs::{self, Devices};
 use super::wish::Wish;
 use super::{knobs, look, voices};
 use crate::studio::icon::{self, Icon};
@@ -50,7 +50,7 @@ pub struct Drawers {
     pub shelf: Shelf,
     /// Controllers.
     pub remote: Remote,
-    inputs: Inputs,
+    devices: Devices,
 }
 
 impl Drawers {
@@ -67,7 +67,10 @@ impl Drawers {
         let instrument = concert.instrument();
         ScrollArea::vertical().id_salt(self.open as usize).show(ui, |ui| match self.open {
             Drawer::Knobs => knobs::show(ui, instrument, !concert.voice_names().is_empty(), wishes),
-            Drawer::Songs => songs::show(ui, listening, &mut self.inputs, shared.notices, wishes),
+            Drawer::Songs => {
+                let preferences = &mut shared.settings.music;
+                songs::show(ui, listening, &mut self.devices, preferences, shared.notices, wishes);
+            }
             Drawer::Shelf => {
                 self.shelf.ready(shared.folders.dances.as_deref(), shared.notices);
                 self.shelf.show(ui, instrument, shared.notices, wishes);

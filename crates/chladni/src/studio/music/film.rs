@@ -1,29 +1,46 @@
-//! Films of what dances, made beside the window by the command `dance`.
+//! Films of what dances: what of it, how large and how fast is asked; they are made beside the window.
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use chladni_music::{Action, Instrument, Moment, Session};
-use chladni_view::ffmpeg_is_there;
-use egui::Ui;
+use chladni_music::{Action, BeatReading, LoggedAction, Moment, Show, Switch};
+use chladni_synth::Backend;
+use chladni_view::{FrameRate, ffmpeg_is_there};
+use egui::{DragValue, RichText, Ui};
 
 use super::concert::View;
-use super::preferences::Preferences;
-use crate::cli;
+use crate::cli::dance::{Output, Request};
+use crate::cli::{Terminal, dance};
 use crate::studio::job::{self, Job, Outcome};
 use crate::studio::room::Shared;
+use crate::studio::theme;
 
 /// What the menu says of it.
-pub const TIP: &str = "The whole song with its sound: of a close-up this dance, else the favourites in turn, or the \
-                       gallery. `chladni dance` films in any size";
+pub const TIP: &str = "With its sound, in any size: what dances now for a whole song, or all that was done";
 
 /// How long a closing window waits for a film to end.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// A film that is being made.
+/// Sizes that are offered, in pixels.
+const SIZES: [(&str, [u32; 2]); 6] = [
+    ("720p", [1280, 720]),
+    ("1080p", [1920, 1080]),
+    ("4K", [3840, 2160]),
+    ("Square", [1080, 1080]),
+    ("Upright", [1080, 1920]),
+    ("Small", [640, 360]),
+];
+/// Rates that are offered, in frames a second.
+const RATES: [u32; 6] = [12, 24, 25, 30, 50, 60];
+/// The longest side of a film, in pixels.
+const LONGEST_SIDE: u32 = 8192;
+
+/// The form that asks, and the film that is being made.
 #[derive(Default)]
-pub struct Filming(Option<Job<Result<Made, String>>>);
+pub struct Filming {
+    form: Option<Form>,
+    running: Option<Job<Result<Made, String>>>,
+}
 
 /// A film, and what went otherwise than asked.
 struct Made {
@@ -32,46 +49,94 @@ struct Made {
 }
 
 /// What is filmed.
-pub struct Scene<'a> {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum What {
+    /// What dances now, for a whole song.
+    AsItIs,
+    /// All that was done since the show began.
+    TheShow,
+}
+
+#[derive(Clone, Debug)]
+struct Form {
+    what: What,
+    size: [u32; 2],
+    fps: u32,
+    /// Of the song or the show; the end where `to_secs` is 0.
+    from_secs: f64,
+    to_secs: f64,
+}
+
+/// What could be filmed now.
+pub struct Scene {
+    /// All that was done, as it would be saved.
+    pub show: Show,
     /// The shape or caricature, as `dance` calls it.
-    pub body: OsString,
-    /// The song, as `dance` calls it.
-    pub song: OsString,
-    pub harmonics: usize,
-    pub instrument: &'a Instrument,
+    pub body: String,
+    /// The show's songs, as `dance` calls them, by number.
+    pub songs: Vec<(String, BeatReading)>,
+    /// The number of the one that is heard; none of live input.
+    pub song: Option<usize>,
+    /// What the middle of the room shows.
     pub view: View,
+    /// How many favourites there are.
+    pub favourites: usize,
 }
 
 impl Filming {
-    /// Asks where to, and begins.
-    pub fn begin(&mut self, scene: Scene<'_>, shared: &mut Shared<'_>) -> Result<(), String> {
-        if self.0.is_some() {
+    /// Opens the form.
+    pub fn ask(&mut self) -> Result<(), String> {
+        if self.running.is_some() {
             return Err("A film is being made already.".into());
         }
+        let first = Form { what: What::AsItIs, size: SIZES[0].1, fps: 30, from_secs: 0.0, to_secs: 0.0 };
+        self.form.get_or_insert(first);
+        Ok(())
+    }
+
+    /// Draws the form; true once the person wants the film.
+    pub fn show_form(&mut self, ctx: &egui::Context, window: [u32; 2], show_secs: f64) -> bool {
+        let Some(form) = &mut self.form else { return false };
+        let (mut film, mut open) = (false, true);
+        let dialog = egui::Window::new("Film").collapsible(false).resizable(false);
+        dialog.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).open(&mut open).show(ctx, |ui| {
+            form.show(ui, window, show_secs);
+            ui.add_space(theme::GAP);
+            film = ui.button("Film to …").on_hover_text("Choose where it goes, and begin").clicked();
+        });
+        if ctx.input(|input| input.key_pressed(egui::Key::Escape)) || !open {
+            self.form = None;
+            return false;
+        }
+        film
+    }
+
+    /// Whether the form is open: it has the keys.
+    pub fn asks(&self) -> bool {
+        self.form.is_some()
+    }
+
+    /// Asks where to, and begins.
+    pub fn begin(&mut self, scene: Scene, shared: &mut Shared<'_>) -> Result<(), String> {
+        let Some(form) = self.form.clone() else { return Ok(()) };
         let kinds: [(&str, &[&str]); 2] = [("MP4 with sound", &["mp4"]), ("GIF", &["gif"])];
         let (kinds, name) =
             if ffmpeg_is_there() { (&kinds[..], "dance.mp4") } else { (&kinds[1..], "dance.gif") };
         let Some(path) = shared.chooser.save(kinds, Path::new(name)) else { return Ok(()) };
-        let session = tempfile::Builder::new()
-            .prefix("chladni-")
-            .suffix(".toml")
-            .tempfile()
-            .map_err(|error| format!("no room for the session: {error}"))?;
-        as_it_is(&scene).save(session.path()).map_err(|error| error.to_string())?;
-        let words = words(&scene, session.path(), &path, &shared.settings.music);
+        let request = form.request(scene, path.clone())?;
+        self.form = None;
         let label = format!("Filming {}", path.file_name().unwrap_or_default().to_string_lossy());
-        self.0 = Some(Job::start(label, &shared.ctx, move |task| {
-            // It lies there until the film is made.
-            let _session = session;
-            let warnings = cli::beside(&words, task).map_err(|failure| failure.to_string())?;
-            Ok(Made { path, warnings })
+        self.running = Some(Job::start(label, &shared.ctx, move |task| {
+            let terminal = Terminal::nobodys(task);
+            dance::make(request, &terminal).map_err(|failure| failure.to_string())?;
+            Ok(Made { path, warnings: terminal.unheard() })
         }));
         Ok(())
     }
 
     /// Tells what came of it.
     pub fn poll(&mut self, shared: &mut Shared<'_>) {
-        match self.0.as_ref().map(Job::poll) {
+        match self.running.as_ref().map(Job::poll) {
             None | Some(Outcome::Running) => return,
             Some(Outcome::Done(Ok(made))) => {
                 made.warnings.into_iter().for_each(|warning| shared.notices.warn(warning));
@@ -80,12 +145,12 @@ impl Filming {
             Some(Outcome::Done(Err(why))) => shared.notices.error(why),
             Some(Outcome::Lost) => shared.notices.error("Filming broke off; this is a bug.".to_owned()),
         }
-        self.0 = None;
+        self.running = None;
     }
 
     /// Ends what is being made, so that nothing half written stays: the window closes.
     pub fn stop(&mut self) {
-        let Some(running) = self.0.take() else { return };
+        let Some(running) = self.running.take() else { return };
         running.cancel();
         let began = Instant::now();
         while matches!(running.poll(), Outcome::Running) && began.elapsed() < PATIENCE {
@@ -95,40 +160,135 @@ impl Filming {
 
     /// Shows progress while a film is being made; draws nothing otherwise.
     pub fn show(&self, ui: &mut Ui) {
-        if let Some(running) = &self.0 {
+        if let Some(running) = &self.running {
             egui::Panel::bottom("filming").resizable(false).show(ui, |ui| job::show_progress(ui, running));
         }
     }
 }
 
-/// The session that begins where the instrument stands now.
-fn as_it_is(scene: &Scene<'_>) -> Session {
-    let mut session = Session::of(scene.instrument, "");
-    let shown = match scene.view {
-        View::CloseUp(item) => Some(Action::Perform { item }),
-        _ if !scene.instrument.favourites().is_empty() => Some(Action::PerformFavourites { first: 0 }),
-        _ => None,
-    };
-    for line in &mut session.actions {
-        line.moment = Moment::default();
+impl Form {
+    fn show(&mut self, ui: &mut Ui, window: [u32; 2], show_secs: f64) {
+        ui.label(RichText::new("What").strong());
+        let all = format!("All that was done so far ({show_secs:.0} s)");
+        for (what, name, tip) in [
+            (
+                What::AsItIs,
+                "What dances now",
+                "This song from its beginning, with the dance of a close-up, else the favourites in turn, else the gallery",
+            ),
+            (What::TheShow, all.as_str(), "With every song, pause and leap, as it was seen"),
+        ] {
+            if ui.selectable_label(self.what == what, name).on_hover_text(tip).clicked() {
+                self.what = what;
+            }
+        }
+        ui.label(RichText::new("Size").strong());
+        theme::group(ui, "Size", |ui| {
+            ui.horizontal_wrapped(|ui| {
+                for (name, size) in SIZES.into_iter().chain([("As here", window)]) {
+                    if ui.selectable_label(self.size == size, name).clicked() {
+                        self.size = size;
+                    }
+                }
+            });
+            ui.horizontal(|ui| {
+                for (side, name) in self.size.iter_mut().zip(["Width", "Height"]) {
+                    let label = ui.label(name);
+                    ui.add(DragValue::new(side).range(16..=LONGEST_SIDE)).labelled_by(label.id);
+                }
+            });
+        });
+        ui.label(RichText::new("Frames a second").strong());
+        theme::group(ui, "Frames a second", |ui| {
+            ui.horizontal(|ui| {
+                for fps in RATES {
+                    ui.selectable_value(&mut self.fps, fps, fps.to_string());
+                }
+            });
+        });
+        ui.label(RichText::new("Range").strong());
+        theme::group(ui, "Range", |ui| {
+            ui.horizontal(|ui| {
+                let from = ui.label("From");
+                let number = DragValue::new(&mut self.from_secs).range(0.0..=86_400.0).suffix(" s");
+                ui.add(number).labelled_by(from.id);
+                let mut whole = self.to_secs <= 0.0;
+                let to = ui.label("to");
+                let least = self.from_secs + 0.1;
+                if !whole {
+                    let number = DragValue::new(&mut self.to_secs).range(least..=86_400.0).suffix(" s");
+                    ui.add(number).labelled_by(to.id);
+                }
+                if theme::checkbox(ui, &mut whole, "the end").changed() {
+                    self.to_secs = if whole { 0.0 } else { least + 10.0 };
+                }
+            });
+        });
     }
-    let line = |action| chladni_music::LoggedAction { moment: Moment::default(), action };
-    session.actions.extend(shown.map(line));
-    session
+
+    fn request(&self, scene: Scene, film: PathBuf) -> Result<Request, String> {
+        let output = Output {
+            film: Some(film),
+            is_folder: false,
+            coefficients: None,
+            width: self.size[0],
+            height: self.size[1],
+            rate: FrameRate::per_second(self.fps),
+            samples: None,
+            synthesis: Backend::Auto,
+            allow_flashes: false,
+        };
+        let request = match self.what {
+            What::TheShow => Request::of_show(scene.show, scene.body, scene.songs, output),
+            What::AsItIs => {
+                let song = scene.song.and_then(|number| scene.songs.get(number).cloned());
+                let song = song.ok_or("Live input cannot be filmed: choose a song.")?;
+                let show = as_it_is(scene.show, scene.view, scene.favourites);
+                Request::of_show(show, scene.body, vec![song], output)
+            }
+        };
+        let duration_secs = (self.to_secs > 0.0).then_some(self.to_secs - self.from_secs);
+        Ok(Request { start_secs: self.from_secs, duration_secs, ..request })
+    }
 }
 
-fn words(scene: &Scene<'_>, session: &Path, path: &Path, look: &Preferences) -> Vec<OsString> {
-    let mut words: Vec<OsString> = vec!["dance".into()];
-    let options: [(&str, OsString); 6] = [
-        ("--session", session.into()),
-        ("--output", path.into()),
-        ("--harmonics", scene.harmonics.to_string().into()),
-        ("--material", look.material.clone().into()),
-        ("--lights", look.lights.clone().into()),
-        ("--background", look.background.clone().into()),
-    ];
-    words.extend(options.into_iter().flat_map(|(option, value)| [option.into(), value]));
-    // Nothing after this is an option, whatever the files are called.
-    words.extend(["--".into(), scene.body.clone(), scene.song.clone()]);
-    words
+/// The show that begins where this one stands now, and lasts for one song.
+fn as_it_is(mut show: Show, view: View, favourites: usize) -> Show {
+    for line in &mut show.actions {
+        line.moment = Moment::default();
+    }
+    let mut now = |action| show.actions.push(LoggedAction { moment: Moment::default(), action });
+    match view {
+        View::CloseUp(item) => now(Action::Perform { item }),
+        _ if favourites > 0 => {
+            // In turn: also where nobody has asked the beat to step.
+            now(Action::Switch { switch: Switch::BeatSteps, on: true });
+            now(Action::PerformFavourites { first: 0 });
+        }
+        _ => {}
+    }
+    (show.heard, show.duration_secs) = (Vec::new(), None);
+    show
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_music::{GalleryShape, Instrument, Parameter};
+
+    #[test]
+    fn favourites_in_turn_are_all_seen() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+        for (item, secs) in [(1, 2.0), (4, 5.0), (5, 9.0)] {
+            let moment = Moment { at_secs: secs, at_beat: 2.0 * secs };
+            instrument.apply(moment, Action::Favourite { item, on: true }).unwrap();
+        }
+        let show = as_it_is(Show::of(&instrument), View::Gallery, 3);
+        let filmed = show.replay(shape).unwrap();
+        let step = f64::from(Parameter::BeatsPerStep.initial());
+        let seen: Vec<_> = (0..4).map(|i| filmed.scene((f64::from(i) + 0.9) * step).unwrap().to).collect();
+        let favourites: Vec<_> = instrument.favourites().iter().map(|item| item.id).collect();
+        assert_eq!(seen, [favourites[0], favourites[1], favourites[2], favourites[0]]);
+    }
 }

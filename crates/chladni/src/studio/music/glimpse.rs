@@ -1,4 +1,7 @@
-//! A look at the picture that is about to be shown: how bright it is.
+//! A look at the picture that is about to be shown: how bright it is. Nobody waits for it: until it is
+//! known, the picture before stays.
+
+use std::sync::{Arc, OnceLock};
 
 use chladni_music::Histogram;
 use chladni_view::{Canvas, Gpu};
@@ -10,34 +13,40 @@ const ROWS: u32 = 96;
 /// Every fourth pixel of a row is counted.
 const STEP: usize = 4;
 
-/// A device that takes longer has failed: the window must not wait for it.
-const LONGEST: std::time::Duration = std::time::Duration::from_secs(1);
-
-/// A buffer that rows of a canvas come back through.
+/// A buffer that rows of a canvas come back through, and what was seen in it.
 #[derive(Default)]
 pub struct Glimpse {
     buffer: Option<wgpu::Buffer>,
+    coming: Option<Coming>,
     histogram: Histogram,
 }
 
+/// Rows on their way.
+struct Coming {
+    width: u32,
+    stride: u32,
+    behind: Color32,
+    /// Whether they are there, once that is known.
+    arrived: Arc<OnceLock<bool>>,
+}
+
 impl Glimpse {
-    /// Counts some of the pixels of what was drawn on `canvas` last. Waits until it is drawn: a
-    /// guard that looks at the frame before would come too late. Translucent pixels let
-    /// `behind` through.
-    pub fn of(&mut self, gpu: &Gpu, canvas: &Canvas, behind: Color32) -> Result<&Histogram, String> {
+    /// Asks for some rows of what was drawn on `canvas` last. Translucent pixels will let `behind` through.
+    pub fn begin(&mut self, gpu: &Gpu, canvas: &Canvas, behind: Color32) {
         let (width, height) = (canvas.width(), canvas.height());
         let rows = height.min(ROWS);
         let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let size = u64::from(stride) * u64::from(rows);
-        let buffer = match self.buffer.take() {
-            Some(buffer) if buffer.size() == size => buffer,
-            _ => gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        // A buffer that is still on its way cannot be used again.
+        let idle = self.buffer.take().filter(|buffer| self.coming.is_none() && buffer.size() == size);
+        let buffer = idle.unwrap_or_else(|| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("glimpse"),
                 size,
                 usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
                 mapped_at_creation: false,
-            }),
-        };
+            })
+        });
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for row in 0..rows {
             let y = ((2 * u64::from(row) + 1) * u64::from(height) / (2 * u64::from(rows))) as u32;
@@ -52,27 +61,51 @@ impl Glimpse {
             let extent = wgpu::Extent3d { width, height: 1, depth_or_array_layers: 1 };
             encoder.copy_texture_to_buffer(source, target, extent);
         }
-        let submission = gpu.queue.submit([encoder.finish()]);
-        // Waiting for the submission calls this; a failure shows as a range that is not mapped.
-        buffer.map_async(wgpu::MapMode::Read, .., |_| {});
-        gpu.device
-            .poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(LONGEST) })
-            .map_err(|error| format!("the picture could not be looked at, and is not shown: {error}"))?;
+        gpu.queue.submit([encoder.finish()]);
+        let arrived = Arc::new(OnceLock::new());
+        let told = Arc::clone(&arrived);
+        buffer.map_async(wgpu::MapMode::Read, .., move |mapped| {
+            let _ = told.set(mapped.is_ok());
+        });
+        self.coming = Some(Coming { width, stride, behind, arrived });
+        self.buffer = Some(buffer);
+    }
+
+    /// Whether rows were asked for that have not come.
+    pub fn is_coming(&self) -> bool {
+        self.coming.is_some()
+    }
+
+    /// Looks, without waiting, whether the rows have come; true once they were counted.
+    pub fn look(&mut self, gpu: &Gpu) -> Result<bool, String> {
+        let Some(coming) = &self.coming else { return Ok(false) };
+        gpu.device.poll(wgpu::PollType::Poll).map_err(|error| error.to_string())?;
+        let Some(&arrived) = coming.arrived.get() else { return Ok(false) };
+        let Some((coming, buffer)) = self.coming.take().zip(self.buffer.as_ref()) else { return Ok(false) };
+        if !arrived {
+            self.buffer = None;
+            return Err("the picture could not be looked at, and is not shown".into());
+        }
         self.histogram.clear();
         {
             let bytes = buffer.get_mapped_range(..).map_err(|error| error.to_string())?;
-            for row in bytes.chunks_exact(stride as usize) {
-                for &[r, g, b, a] in row[..4 * width as usize].as_chunks().0.iter().step_by(STEP) {
+            for row in bytes.chunks_exact(coming.stride as usize) {
+                for &[r, g, b, a] in row[..4 * coming.width as usize].as_chunks().0.iter().step_by(STEP) {
                     // The canvas holds colours times their opacity.
                     let over = |own: u8, behind: u8| {
                         own.saturating_add((u32::from(255 - a) * u32::from(behind) / 255) as u8)
                     };
+                    let behind = coming.behind;
                     self.histogram.add([over(r, behind.r()), over(g, behind.g()), over(b, behind.b())]);
                 }
             }
         }
         buffer.unmap();
-        self.buffer = Some(buffer);
-        Ok(&self.histogram)
+        Ok(true)
+    }
+
+    /// What was counted last.
+    pub fn histogram(&self) -> &Histogram {
+        &self.histogram
     }
 }

@@ -12,11 +12,14 @@ const LABEL: f32 = 98.0;
 /// Draws them all and collects what was turned. `voices` may listen to the side in any form.
 pub fn show(ui: &mut Ui, instrument: &Instrument, voices: bool, wishes: &mut Vec<Wish>) {
     let parameters = instrument.parameters();
-    group(ui, "Form", |ui| form(ui, parameters, wishes));
+    group(ui, "Form", |ui| {
+        form(ui, parameters, wishes);
+        harmonics(ui, instrument, wishes);
+    });
     for (name, rows) in GROUPS {
         group(ui, name, |ui| {
             for (parameter, name, tip) in *rows {
-                let idle = idle(parameters.form, *parameter, voices);
+                let idle = idle(parameters, *parameter, voices);
                 knob(ui, instrument, *parameter, (name, tip), idle, wishes);
             }
         });
@@ -67,6 +70,21 @@ fn form(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
     });
 }
 
+/// How many harmonics are in use.
+fn harmonics(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
+    let all = u32::try_from(instrument.shape().eigenvalues.len()).unwrap_or(u32::MAX);
+    let before = instrument.parameters().harmonics.map_or(all, |harmonics| harmonics.min(all));
+    let mut in_use = before;
+    let tip = "How many of the shape's harmonics are in use; fewer move it more broadly";
+    let slider = theme::slider(&mut in_use, 2.min(all)..=all);
+    let changed =
+        theme::wide_row(ui, LABEL, "Harmonics", tip, |ui| ui.add(slider)).on_hover_text(tip).changed();
+    if changed && in_use != before {
+        let harmonics = if in_use == all { 0 } else { in_use };
+        wishes.push(Wish::Do(Action::SetHarmonics { harmonics }));
+    }
+}
+
 type Row = (Parameter, &'static str, &'static str);
 
 const GROUPS: &[(&str, &[Row])] = &[
@@ -78,6 +96,11 @@ const GROUPS: &[(&str, &[Row])] = &[
             (Parameter::Limit, "Limit", "The share of the shape's size that no part is to exceed"),
             (Parameter::Detail, "Fine detail", "Gain of everything finer than the last harmonic"),
             (Parameter::NormalBlending, "Normal blending", "0 is exact light, 1 the paper's softer look"),
+            (
+                Parameter::StereoMu,
+                "µ of all",
+                "How much middle and sides mix, while no dance has a µ of its own",
+            ),
         ],
     ),
     (
@@ -116,6 +139,7 @@ const SWITCHES: &[(&str, &[Choice])] = &[
         &[
             (Switch::LogBands, "Bands by pitch", "Equal steps of pitch rather than of frequency"),
             (Switch::FlipSides, "Exchange sides", "Left and right are exchanged"),
+            (Switch::OwnMu, "Each its own µ", "Else all dances have the one among the knobs"),
         ],
     ),
     (
@@ -147,8 +171,12 @@ fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
 }
 
 /// Why a knob has no effect now.
-fn idle(form: Form, parameter: Parameter, voices: bool) -> Option<&'static str> {
+fn idle(parameters: &Parameters, parameter: Parameter, voices: bool) -> Option<&'static str> {
+    let form = parameters.form;
     match parameter {
+        Parameter::StereoMu => form.ignores(FormControl::StereoMu).or_else(|| {
+            parameters.is_on(Switch::OwnMu).then_some("Each dance has its own µ now (see Hearing).")
+        }),
         Parameter::SideGain if !voices => form.ignores(FormControl::SideGain),
         Parameter::Detail => form.ignores(FormControl::Detail),
         _ => None,

@@ -1,15 +1,17 @@
 //! The ears of the room: the song that plays or what a microphone hears, its spectrum and its beat,
 //! at the moment that is heard.
 
-use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use chladni_music::{Bands, Beat, Parameter, Parameters, Switch};
+use chladni_music::{Beat, BeatReading, Parameters, Stretch};
 use chladni_sound::{
-    BeatFollower, BeatMoment, Capture, CaptureSource, FrontEnd, Player, PlayerEvent, PlayerSettings,
+    BeatFollower, BeatMoment, Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings,
     PlayerState, PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune,
     write_wav,
 };
+
+use super::study::{Learned, Study};
+use crate::dance::{Heard, Hearing, KnownSong, Playing, ShowClock, bands_of, read_beats, spectrum_settings};
 
 /// Where the song has moved on by so much more or less than the clock, someone sought: the beat
 /// tracker starts afresh.
@@ -17,10 +19,24 @@ const SEEK_SECS: f64 = 0.3;
 /// A longer pause between two frames is not made up for.
 const LONGEST_STEP_SECS: f64 = 2.0;
 
-/// Player or capture, analyser and beat tracker in step.
+/// What the sample tune is called in shows.
+const TUNE: &str = "sample:tune";
+
+/// Player or capture, and the ears: a song that is read as a whole is heard as its films hear it; live input,
+/// and a song until it is read, by an analyser and a beat tracker that know only what was heard.
 pub struct Listening {
     player: Player,
     live: Option<Live>,
+    clock: ShowClock,
+    hearing: Hearing,
+    /// The songs of the show, by number.
+    repertoire: Vec<ShowSong>,
+    study: Option<Study>,
+    /// Beats became known that were not when something was done.
+    beats_changed: bool,
+    /// What is heard comes from the analyser and the tracker below.
+    by_ear: bool,
+    last_beat: Beat,
     analyser: SpectrumAnalyser,
     follower: BeatFollower,
     left: Vec<f32>,
@@ -31,10 +47,32 @@ pub struct Listening {
     levels: [Level; 2],
     songs: Vec<PathBuf>,
     repeat: Repeat,
+    volume: f32,
+    device: Option<String>,
     warnings: Vec<String>,
     /// The sample tune lives in a file while the room is open.
     tune: PathBuf,
     _folder: tempfile::TempDir,
+}
+
+/// A song that was heard in this show.
+#[derive(Clone, Debug)]
+pub struct ShowSong {
+    /// Its file, or `sample:tune`.
+    pub path: PathBuf,
+    /// How its beats are read.
+    pub reading: BeatReading,
+    /// As they were found.
+    beats: Option<Beats>,
+    /// It cannot be read as a whole.
+    given_up: bool,
+}
+
+impl ShowSong {
+    /// Of which nothing is known yet.
+    pub fn new(path: PathBuf, reading: BeatReading) -> Self {
+        Self { path, reading, beats: None, given_up: false }
+    }
 }
 
 /// How loud one channel is.
@@ -76,26 +114,16 @@ impl BeatCount {
 struct Live {
     capture: Capture,
     name: String,
-    heard_secs: f64,
-}
-
-/// What is heard at one moment.
-pub struct Heard<'a> {
-    /// Position in the song, or seconds of live input so far.
-    pub at_secs: f64,
-    /// The beat there.
-    pub beat: Beat,
-    /// The sound there.
-    pub bands: Bands<'a>,
 }
 
 impl Listening {
-    /// Starts the player on the sample tune.
-    pub fn start() -> Result<Self, String> {
+    /// Starts the player on the sample tune, at a volume in [0, 1], on a device or the system's own.
+    pub fn start(volume: f32, device: Option<String>) -> Result<Self, String> {
         let folder = tempfile::tempdir().map_err(|error| format!("no room for the sample tune: {error}"))?;
         let tune = folder.path().join("sample tune.wav");
         write_wav(&tune, &sample_tune(), WavSample::Int16).map_err(|error| error.to_string())?;
-        let player = Player::start(PlayerSettings::default()).map_err(|error| error.to_string())?;
+        let player = Player::start(PlayerSettings { device: device.clone(), volume, audible: true })
+            .map_err(|error| error.to_string())?;
         let rate_hz = 44_100;
         let analyser =
             SpectrumAnalyser::new(SpectrumSettings::new(rate_hz)).map_err(|error| error.to_string())?;
@@ -103,6 +131,13 @@ impl Listening {
         let mut listening = Self {
             player,
             live: None,
+            clock: ShowClock::default(),
+            hearing: Hearing::default(),
+            repertoire: Vec::new(),
+            study: None,
+            beats_changed: false,
+            by_ear: true,
+            last_beat: Beat::default(),
             analyser,
             follower,
             left: Vec::new(),
@@ -113,6 +148,8 @@ impl Listening {
             levels: [Level::default(); 2],
             songs: vec![tune.clone()],
             repeat: Repeat::Off,
+            volume,
+            device,
             warnings: Vec::new(),
             tune,
             _folder: folder,
@@ -178,7 +215,7 @@ impl Listening {
     /// Listens to a capture that is called `name`; the song pauses.
     pub fn listen_on(&mut self, capture: Capture, name: String) {
         self.player.pause();
-        self.live = Some(Live { capture, name, heard_secs: 0.0 });
+        self.live = Some(Live { capture, name });
         self.forget_beat();
     }
 
@@ -209,17 +246,72 @@ impl Listening {
         self.live.as_ref().map_or_else(|| self.name_of(self.player.status().song), |live| live.name.clone())
     }
 
-    /// The song's file, as a session keeps it; empty for live input and the sample tune.
-    pub fn session_song(&self) -> String {
-        let song = self.songs.get(self.player.status().song).filter(|_| self.live.is_none());
-        let song = song.filter(|song| **song != self.tune);
-        song.map_or_else(String::new, |path| path.display().to_string())
+    /// The time of the show.
+    pub fn at_secs(&self) -> f64 {
+        self.clock.at_secs()
     }
 
-    /// The song as the command line calls it; none of live input.
-    pub fn song_name(&self) -> Option<OsString> {
-        let song = self.songs.get(self.player.status().song).filter(|_| self.live.is_none())?;
-        Some(if *song == self.tune { "sample:tune".into() } else { song.clone().into_os_string() })
+    /// What was heard when, and the songs that it numbers.
+    pub fn heard(&self) -> (Vec<Stretch>, &[ShowSong]) {
+        (self.hearing.stretches().collect(), &self.repertoire)
+    }
+
+    /// The song that is heard, as the show numbers it; none of live input.
+    pub fn song_number(&self) -> Option<usize> {
+        self.hearing.stretch().filter(|_| self.live.is_none())?.song
+    }
+
+    /// Goes on with a show in which `heard` was heard of `songs` until `at_secs`; they are played from now on.
+    pub fn go_on(&mut self, songs: Vec<ShowSong>, heard: &[Stretch], at_secs: f64) {
+        (self.live, self.study) = (None, None);
+        self.hearing = Hearing::default();
+        self.clock = ShowClock::from(at_secs);
+        self.repertoire = songs;
+        self.hearing.go_on(heard);
+        let mut list: Vec<PathBuf> = Vec::new();
+        for song in &self.repertoire {
+            let path = if song.path == Path::new(TUNE) { self.tune.clone() } else { song.path.clone() };
+            if !list.contains(&path) {
+                list.push(path);
+            }
+        }
+        if !list.is_empty() {
+            self.songs = list;
+            self.player.play_list(self.songs.clone());
+        }
+        self.forget_beat();
+    }
+
+    /// Whether beats became known since the last call, so that those of what was done are to be counted again.
+    pub fn beats_changed(&mut self) -> bool {
+        std::mem::take(&mut self.beats_changed)
+    }
+
+    /// Beats gone by at any time of the show so far.
+    pub fn beats_at(&self, at_secs: f64) -> f64 {
+        self.hearing.beat_at(at_secs).count
+    }
+
+    /// Loudness in [0, 1].
+    pub fn volume(&self) -> f32 {
+        self.volume
+    }
+
+    /// Makes it louder or softer; the shapes dance the same.
+    pub fn set_volume(&mut self, volume: f32) {
+        self.volume = volume;
+        self.player.set_volume(volume);
+    }
+
+    /// The device that was chosen; `None` is the system's own.
+    pub fn device(&self) -> Option<&str> {
+        self.device.as_deref()
+    }
+
+    /// Chooses another one; the song goes on.
+    pub fn set_device(&mut self, device: Option<String>) {
+        self.device.clone_from(&device);
+        self.player.set_device(device);
     }
 
     /// The player.
@@ -239,29 +331,76 @@ impl Listening {
         }
     }
 
-    /// A beat by hand.
+    /// A beat by hand: those of a song that is known move to it.
     pub fn tap(&mut self) {
-        self.follower.tap(self.follower.now_secs());
+        let at_secs = self.clock.at_secs();
+        let stretch = self.hearing.stretch();
+        let known = self.known_beats().and_then(|(number, beats)| {
+            let song_secs = stretch?.song_secs_at(at_secs);
+            let next = beats.beats_secs.partition_point(|beat| *beat < song_secs);
+            let near = [next.checked_sub(1), Some(next)].into_iter().flatten();
+            let gaps = near.filter_map(|i| Some(song_secs - beats.beats_secs.get(i)?));
+            Some((number, gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))?))
+        });
+        match known {
+            Some((number, gap_secs)) => self.read_otherwise(number, |reading| reading.shift_secs += gap_secs),
+            None => self.follower.tap(self.follower.now_secs()),
+        }
     }
 
-    /// The beat tracker, for halve and double.
-    pub fn follower(&mut self) -> &mut BeatFollower {
-        &mut self.follower
+    /// The beat half as fast.
+    pub fn halve(&mut self) {
+        match self.known_beats().map(|(number, _)| number) {
+            Some(number) => {
+                self.read_otherwise(number, |reading| reading.octave = (reading.octave - 1).max(-3))
+            }
+            None => self.follower.halve(),
+        }
+    }
+
+    /// The beat twice as fast.
+    pub fn double(&mut self) {
+        match self.known_beats().map(|(number, _)| number) {
+            Some(number) => {
+                self.read_otherwise(number, |reading| reading.octave = (reading.octave + 1).min(3))
+            }
+            None => self.follower.double(),
+        }
+    }
+
+    /// The song that is heard, and its beats, where they are known.
+    fn known_beats(&self) -> Option<(usize, &Beats)> {
+        let number = self.hearing.stretch().filter(|_| self.live.is_none())?.song?;
+        Some((number, self.hearing.song(number)?.beats.as_ref()?))
+    }
+
+    fn read_otherwise(&mut self, number: usize, change: impl FnOnce(&mut BeatReading)) {
+        let Some(song) = self.repertoire.get_mut(number) else { return };
+        change(&mut song.reading);
+        if let Some(beats) = &song.beats {
+            self.hearing.know_beats(number, read_beats(beats, song.reading));
+            self.beats_changed = true;
+        }
     }
 
     /// What is known about the beat now.
     pub fn beat_moment(&self) -> BeatMoment {
-        self.follower.moment()
+        let Some((_, beats)) = self.known_beats() else { return self.follower.moment() };
+        let beat = self.hearing.beat_at(self.clock.at_secs());
+        let phase = beat.count.rem_euclid(1.0);
+        let left_secs = if beats.tempo_bpm > 0.0 { (1.0 - phase) * 60.0 / beats.tempo_bpm } else { 0.0 };
+        BeatMoment {
+            tempo_bpm: beats.tempo_bpm,
+            phase,
+            next_beat_secs: self.clock.at_secs() + left_secs,
+            confidence: f64::from(beat.confidence),
+        }
     }
 
-    /// The last spectrum.
-    pub fn spectrum(&self) -> &Spectrum {
-        self.analyser.spectrum()
-    }
-
-    /// Where its bands lie.
-    pub fn bands_hz(&self) -> &[f32] {
-        self.analyser.bands_hz()
+    /// The last spectrum, and where its bands lie.
+    pub fn spectrum(&self) -> (&Spectrum, &[f32]) {
+        let by_ear = (self.analyser.spectrum(), self.analyser.bands_hz());
+        self.hearing.spectrum().filter(|_| !self.by_ear).unwrap_or(by_ear)
     }
 
     /// What the player has to say.
@@ -285,33 +424,104 @@ impl Listening {
             self.warnings.push(format!("{} is gone; choose it again when it is back.", live.name));
         }
         let status = self.player.status();
+        self.learn(&status);
+        self.hearing.tune(self.clock.at_secs(), parameters);
+        let song = if self.live.is_some() { None } else { self.number_of(status.song) };
+        let playing =
+            Playing { song, position_secs: status.position_secs, duration_secs: status.duration_secs };
+        let was_live = self.hearing.stretch().is_some_and(|stretch| stretch.song.is_none());
+        if let Some(stretch) = self.clock.follow(now_secs, playing) {
+            self.hearing.begin(stretch).map_err(|error| error.to_string())?;
+            // What the tracker has counted is not in the show.
+            self.beats_changed |= was_live;
+        }
+        let at_secs = self.clock.at_secs();
+        let is_playing = self.live.is_some() || status.state == PlayerState::Playing;
+        let known =
+            self.live.is_none() && self.hearing.hear(at_secs).map_err(|error| error.to_string())?.is_some();
+        let has_beats = known && self.known_beats().is_some();
+        if known && std::mem::replace(&mut self.by_ear, !known) {
+            self.hearing.fade_from(at_secs, self.analyser.spectrum().clone(), self.last_beat);
+        }
+        self.by_ear = !known;
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
         self.follow_rate(rate_hz, parameters)?;
-        let at_secs = match self.live.is_some() {
-            true => self.take_live(),
-            false => {
-                self.follow_song(&status, since_last_secs);
-                status.position_secs
-            }
-        };
-        let playing = self.live.is_some() || status.state == PlayerState::Playing;
-        self.take_window(playing);
+        if self.live.is_some() {
+            self.take_live();
+        } else if !has_beats {
+            self.follow_song(&status, since_last_secs);
+        } else {
+            self.last_position_secs = status.position_secs;
+        }
+        self.take_window(is_playing);
         let heard = [&self.left, &self.right];
         self.levels = std::array::from_fn(|side| Level::of(heard[side], self.levels[side], dt_secs));
         let moment = self.follower.moment();
-        let beat = Beat {
-            count: self.beats.at(moment.phase),
-            confidence: if playing { moment.confidence as f32 } else { 0.0 },
-        };
-        let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
-        let bands = Bands {
-            left: &spectrum.left,
-            right: &spectrum.right,
-            mid: &spectrum.mid,
-            side: &spectrum.side,
-            side_gain: spectrum.side_gain,
-        };
-        Ok(Heard { at_secs, beat, bands })
+        let confidence = if is_playing { moment.confidence as f32 } else { self.last_beat.confidence };
+        let by_ear = Beat { count: self.beats.at(moment.phase), confidence };
+        if !known {
+            let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
+            self.last_beat = by_ear;
+            let bands = bands_of(spectrum);
+            return Ok(Heard { at_secs, is_known: false, bands, beat: by_ear, fading: None });
+        }
+        let heard = self.hearing.hear(at_secs).map_err(|error| error.to_string())?;
+        let heard = heard.ok_or("the song is forgotten")?;
+        let beat = if has_beats { heard.beat } else { by_ear };
+        self.last_beat = beat;
+        Ok(Heard { beat, is_known: has_beats, ..heard })
+    }
+
+    /// The show's number of a song of the list.
+    fn number_of(&mut self, song: usize) -> Option<usize> {
+        let path = self.songs.get(song)?;
+        let path = if *path == self.tune { Path::new(TUNE) } else { path };
+        if let Some(number) = self.repertoire.iter().position(|known| known.path == path) {
+            return Some(number);
+        }
+        let path = path.to_owned();
+        self.repertoire.push(ShowSong::new(path, BeatReading::default()));
+        Some(self.repertoire.len() - 1)
+    }
+
+    /// Reads the song that is heard, and takes in what was read of it.
+    fn learn(&mut self, status: &PlayerStatus) {
+        while let Some((number, learned)) =
+            self.study.as_ref().and_then(|study| Some((study.number, study.learned()?)))
+        {
+            let Some(song) = self.repertoire.get_mut(number) else { break };
+            match learned {
+                Learned::Song(samples) => {
+                    let beats = song.beats.as_ref().map(|beats| read_beats(beats, song.reading));
+                    self.hearing.know(number, KnownSong { song: samples, beats });
+                    self.hearing.forget_samples_but(number);
+                }
+                Learned::Beats(beats) => {
+                    self.hearing.know_beats(number, read_beats(&beats, song.reading));
+                    self.hearing.fade_from(self.clock.at_secs(), self.spectrum().0.clone(), self.last_beat);
+                    if let Some(song) = self.repertoire.get_mut(number) {
+                        song.beats = Some(beats);
+                    }
+                    self.beats_changed = true;
+                }
+                Learned::Nothing(why) => {
+                    song.given_up = true;
+                    let told = "Until another song plays it is heard as live input is";
+                    self.warnings.extend(why.map(|why| format!("{why}. {told}.")));
+                }
+            }
+        }
+        if self.live.is_some() {
+            return;
+        }
+        let Some(number) = self.number_of(status.song) else { return };
+        let has_samples = self.hearing.song(number).is_some_and(|known| known.song.frames() > 0);
+        let studied = self.study.as_ref().is_some_and(|study| study.number == number);
+        let Some(song) = self.repertoire.get(number).filter(|song| !song.given_up) else { return };
+        if !has_samples && !studied {
+            let path = if song.path == Path::new(TUNE) { &self.tune } else { &song.path };
+            self.study = Some(Study::begin(number, path, song.beats.is_some()));
+        }
     }
 
     fn follow_rate(&mut self, rate_hz: u32, parameters: &Parameters) -> Result<(), String> {
@@ -319,13 +529,7 @@ impl Listening {
         if rate_hz != self.analyser.settings().rate_hz {
             self.follower = BeatFollower::new(rate_hz).map_err(|error| error.to_string())?;
         }
-        let wanted = SpectrumSettings {
-            bands: parameters.get(Parameter::Bands).round() as usize,
-            decay: parameters.get(Parameter::Decay),
-            side_gain: parameters.get(Parameter::SideGain),
-            front_end: if parameters.is_on(Switch::LogBands) { FrontEnd::LogBands } else { FrontEnd::Linear },
-            ..SpectrumSettings::new(rate_hz)
-        };
+        let wanted = spectrum_settings(rate_hz, parameters);
         if *self.analyser.settings() != wanted {
             self.analyser = SpectrumAnalyser::new(wanted).map_err(|error| error.to_string())?;
         }
@@ -352,17 +556,14 @@ impl Listening {
         }
     }
 
-    /// Feeds the tracker with what has come in; the seconds heard so far.
-    fn take_live(&mut self) -> f64 {
-        let Some(live) = &mut self.live else { return 0.0 };
+    /// Feeds the tracker with what has come in.
+    fn take_live(&mut self) {
+        let Some(live) = &mut self.live else { return };
         self.left.clear();
         self.right.clear();
-        let frames = live.capture.take(&mut self.left, &mut self.right);
-        live.heard_secs += frames as f64 / f64::from(live.capture.rate_hz().max(1));
-        let heard_secs = live.heard_secs;
+        live.capture.take(&mut self.left, &mut self.right);
         self.follower.push(&self.left, &self.right);
         self.count_beats();
-        heard_secs
     }
 
     /// Feeds the tracker with what was heard since the last frame.

@@ -39,14 +39,13 @@ fn spectrum(ui: &Ui, rect: Rect, listening: &Listening) {
     // Names above the bars.
     let (names, inside) = inside.split_top_bottom_at_y(inside.top() + 13.0);
     let (above, below) = inside.split_top_bottom_at_fraction(0.64);
-    let heard = listening.spectrum();
+    let (heard, bands_hz) = listening.spectrum();
     bars(&painter, above, &heard.mid, palette.accent.gamma_multiply(0.85), false);
     bars(&painter, below, &heard.side, curve::transfer_color(ui).gamma_multiply(0.85), true);
     painter.hline(inside.x_range(), above.bottom(), Stroke::new(1.0, palette.line));
     let font = FontId::proportional(10.5);
     painter.text(names.left_top(), Align2::LEFT_TOP, "mid", font.clone(), palette.weak);
     painter.text(below.left_bottom(), Align2::LEFT_BOTTOM, "side", font.clone(), palette.weak);
-    let bands_hz = listening.bands_hz();
     for (hz, name) in [(100.0, "100 Hz"), (1000.0, "1 kHz"), (10_000.0, "10 kHz")] {
         let band = bands_hz.partition_point(|&band| band < hz);
         if band > 0 && band < bands_hz.len() {
@@ -136,10 +135,10 @@ fn beat(ui: &mut Ui, listening: &mut Listening) {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             if ui.small_button("½").on_hover_text(super::HALVE.tooltip(ui.ctx())).clicked() {
-                listening.follower().halve();
+                listening.halve();
             }
             if ui.small_button("×2").on_hover_text(super::DOUBLE.tooltip(ui.ctx())).clicked() {
-                listening.follower().double();
+                listening.double();
             }
             if ui.small_button("Tap").on_hover_text(super::TAP.tooltip(ui.ctx())).clicked() {
                 listening.tap();

@@ -22,37 +22,39 @@ mod shelf;
 mod songs;
 mod stage;
 mod stillness;
+mod study;
 mod transport;
 mod voices;
 mod wish;
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::ShapeSource;
-use chladni_music::{Action, Cue, Preset, Session};
-use chladni_sound::Capture;
+use chladni_music::{Action, BeatReading, Cue, Preset, Show, SongRef};
+use chladni_sound::{Capture, SONG_EXTENSIONS};
 use egui::{Key, Ui};
 
 use self::concert::{Concert, View};
 use self::drawer::{Drawer, Drawers};
 use self::film::{Filming, Scene};
-use self::listening::Listening;
+use self::listening::{Listening, ShowSong};
 use self::loading::Ready;
 pub use self::preferences::Preferences;
 use self::stage::Curtain;
 use self::wish::Wish;
+use super::Trace;
 use super::icon::{self, Icon};
 use super::job::{self, Job, Outcome};
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::theme;
+use crate::dance::{refer, resolve};
 
 /// So often a room at rest looks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
 
-const OPEN: Shortcut = Shortcut::command(Key::O, "Open a shape, songs, a preset or a session");
-const SAVE: Shortcut = Shortcut::command(Key::S, "Save the session");
+const OPEN: Shortcut = Shortcut::command(Key::O, "Open a shape, songs, a preset or a show");
+const SAVE: Shortcut = Shortcut::command(Key::S, "Save the show");
 const FILM: Shortcut = Shortcut::command(Key::E, "Film what dances");
 const PLAY: Shortcut = Shortcut::key(Key::Space, "Play or pause");
 const NEXT_SONG: Shortcut = Shortcut::key(Key::PageDown, "The next song");
@@ -104,10 +106,7 @@ const KEYS: [Shortcut; 24] = [
     LEAVE,
 ];
 
-/// Extensions of songs that can be heard.
-const SONGS: [&str; 10] = ["wav", "flac", "mp3", "ogg", "oga", "opus", "m4a", "aac", "aiff", "aif"];
-
-/// Extension of presets and sessions.
+/// Extension of presets and shows.
 const TEXT: &str = "toml";
 
 /// The most harmonics that dance live.
@@ -124,18 +123,21 @@ pub struct MusicRoom {
     listening: Option<Listening>,
     /// What to listen to once there are ears.
     input: Option<Capture>,
+    trace: Option<Trace>,
     drawers: Drawers,
     curtain: Curtain,
-    /// Presets and sessions that wait for a shape.
+    /// Presets and shows that wait for a shape.
     waiting: Vec<PathBuf>,
+    /// A show that waits for its own shape.
+    coming: Option<(PathBuf, Show)>,
     refused: bool,
 }
 
 /// Bodies by the names that the command line knows them by.
 #[derive(Default)]
 struct Names {
-    loading: OsString,
-    dancing: OsString,
+    loading: PathBuf,
+    dancing: PathBuf,
 }
 
 impl Room for MusicRoom {
@@ -183,13 +185,28 @@ impl Room for MusicRoom {
                 }
                 return;
             };
-            if let Err(why) = concert.show(ui, shared, listening, &mut wishes) {
+            if let Err(why) = concert.show(ui, shared, listening, self.trace.as_ref(), &mut wishes) {
                 shared.notices.error(why);
             }
             if on_stage {
                 self.curtain.show(ui, concert);
             }
         });
+        if let (Some(concert), Some(listening)) = (&self.concert, &self.listening)
+            && self.filming.show_form(&shared.ctx, concert.picture_size(), listening.at_secs())
+        {
+            let scene = Scene {
+                show: the_show(concert, listening, &self.names, shared, None),
+                body: self.names.dancing.to_string_lossy().into_owned(),
+                songs: songs_of(listening),
+                song: listening.song_number(),
+                view: concert.view(),
+                favourites: concert.instrument().favourites().len(),
+            };
+            if let Err(why) = self.filming.begin(scene, shared) {
+                shared.notices.warn(why);
+            }
+        }
         for wish in wishes {
             self.fulfil(wish, shared);
         }
@@ -231,13 +248,16 @@ impl Room for MusicRoom {
             1 => "one favourite".to_owned(),
             count => format!("{count} favourites"),
         };
-        Some(format!("The session of the music room, with {favourites}, is not saved."))
+        Some(format!("The show of the music room, with {favourites}, is not saved."))
     }
 
     fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
         let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return true };
-        let saved =
-            if concert.has_unsaved_work() { save_session(concert, listening, shared) } else { Ok(true) };
+        let saved = if concert.has_unsaved_work() {
+            save_show(concert, listening, &self.names, shared)
+        } else {
+            Ok(true)
+        };
         saved.unwrap_or_else(|why| {
             shared.notices.error(why);
             false
@@ -245,12 +265,12 @@ impl Room for MusicRoom {
     }
 
     fn extensions(&self) -> Vec<&'static str> {
-        [TEXT].into_iter().chain(SONGS).collect()
+        [TEXT].into_iter().chain(SONG_EXTENSIONS).collect()
     }
 
     fn claims(&self, path: &Path) -> bool {
         let extension = extension(path);
-        extension == TEXT || SONGS.contains(&extension.as_str())
+        extension == TEXT || SONG_EXTENSIONS.contains(&extension.as_str())
     }
 
     fn change_device(&mut self, shared: &mut Shared<'_>) {
@@ -274,7 +294,7 @@ impl Room for MusicRoom {
             match extension(path).as_str() {
                 TEXT => self.waiting.push(path.clone()),
                 "chladni" => self.load_caricature(path.clone(), shared),
-                song if SONGS.contains(&song) => songs.push(path.clone()),
+                song if SONG_EXTENSIONS.contains(&song) => songs.push(path.clone()),
                 _ => match path.to_str().and_then(|name| name.strip_prefix("sample:")) {
                     Some(name) => {
                         self.load(ShapeSource::Sample(name.to_owned()), shared);
@@ -295,26 +315,26 @@ impl Room for MusicRoom {
 }
 
 impl MusicRoom {
-    /// A room that listens to `input` from the beginning, where there is one.
-    pub fn listening_to(input: Option<Capture>) -> Self {
-        Self { input, ..Self::default() }
+    /// A room that listens to `input` from the beginning, where there is one, and tells `trace` what it plays.
+    pub fn listening_to(input: Option<Capture>, trace: Option<Trace>) -> Self {
+        Self { input, trace, ..Self::default() }
     }
 
     fn load(&mut self, source: ShapeSource, shared: &mut Shared<'_>) {
-        let means = means(shared);
+        let means = self.means(shared);
         let label = format!("Opening {source}");
         self.names.loading = match &source {
-            ShapeSource::File(path) => path.clone().into_os_string(),
+            ShapeSource::File(path) => path.clone(),
             sample @ ShapeSource::Sample(_) => sample.to_string().into(),
         };
         self.loading = Some(Job::start(label, &shared.ctx, move |task| loading::shape(&source, means, task)));
     }
 
     fn load_caricature(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
-        let means = means(shared);
+        let means = self.means(shared);
         let label = format!("Opening {}", path.display());
         self.drawers.open = Drawer::Body;
-        self.names.loading = path.clone().into_os_string();
+        self.names.loading = path.clone();
         self.loading =
             Some(Job::start(label, &shared.ctx, move |task| loading::caricature(&path, means, task)));
     }
@@ -322,7 +342,8 @@ impl MusicRoom {
     /// The ears, started when they are first needed; `None` where that failed.
     fn listening(&mut self, shared: &mut Shared<'_>) -> Option<&mut Listening> {
         if self.listening.is_none() && !self.refused {
-            match Listening::start() {
+            let music = &shared.settings.music;
+            match Listening::start(music.volume, music.output_device.clone()) {
                 Ok(mut listening) => {
                     if let Some(input) = self.input.take() {
                         listening.listen_on(input, "Live input".into());
@@ -338,22 +359,90 @@ impl MusicRoom {
         self.listening.as_mut()
     }
 
-    /// A preset goes into the gallery, a session replaces it.
-    fn open_text(&mut self, path: &Path, shared: &mut Shared<'_>) {
+    /// How a shape is made ready: with as many harmonics as the show has that waits for it.
+    fn means(&self, shared: &Shared<'_>) -> loading::Means {
+        let of_show = self.coming.as_ref().and_then(|(_, show)| show.harmonics);
+        loading::Means {
+            harmonics: of_show.unwrap_or(shared.settings.harmonics).min(MOST_HARMONICS),
+            coarsely: super::viewport::gpu_of(shared.gpu).is_software(),
+        }
+    }
+
+    /// A preset goes into the gallery, a show replaces it, with its shape and its songs.
+    fn open_text(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
         let Some(concert) = &mut self.concert else { return };
-        let opened = match Preset::load(path) {
-            Ok(preset) => take(concert, preset),
-            Err(not_preset) => match Session::load(path) {
-                Ok(session) => concert.replay(&session),
-                Err(not_session) => {
+        let opened = match Preset::load(&path) {
+            Ok(preset) => take(concert, preset, shared),
+            Err(not_preset) => match Show::load(&path) {
+                Ok(show) => return self.open_show(path, show, shared),
+                Err(not_show) => {
                     let unread = matches!(not_preset, chladni_music::Error::File { .. });
-                    let why = if !unread && is_like_a_session(path) { not_session } else { not_preset };
+                    let why = if !unread && is_like_a_show(&path) { not_show } else { not_preset };
                     Err(format!("{}: {why}", path.display()))
                 }
             },
         };
         if let Err(why) = opened {
             shared.notices.error(why);
+        }
+    }
+
+    /// Opens a show's shape first where another one dances.
+    fn open_show(&mut self, path: PathBuf, show: Show, shared: &mut Shared<'_>) {
+        let Some(concert) = &self.concert else { return };
+        if let Some(caution) = show.caution() {
+            shared.notices.warn(format!("{}: {caution}", path.display()));
+        }
+        let Some(body) = show.body.clone() else { return self.go_on_with(&path, &show, shared) };
+        match resolve(&body, path.parent()) {
+            Ok((body, warning)) => {
+                warning.into_iter().for_each(|warning| shared.notices.warn(warning));
+                let dances = concert.instrument().shape().eigenvalues.len();
+                let wanted = show.harmonics.map_or(dances, |harmonics| harmonics.min(MOST_HARMONICS));
+                if self.names.dancing == body && dances == wanted {
+                    return self.go_on_with(&path, &show, shared);
+                }
+                if show.harmonics.is_some_and(|harmonics| harmonics > MOST_HARMONICS) {
+                    let told = format!("{}: more harmonics than dance live; films have all.", path.display());
+                    shared.notices.warn(told);
+                }
+                self.coming = Some((path, show));
+                match body.to_str().and_then(|name| name.strip_prefix("sample:")) {
+                    Some(name) => self.load(ShapeSource::Sample(name.to_owned()), shared),
+                    None if extension(&body) == "chladni" => self.load_caricature(body, shared),
+                    None => self.load(ShapeSource::File(body), shared),
+                }
+            }
+            Err(why) => {
+                shared.notices.warn(format!("{why}. It goes on with the shape that dances now."));
+                self.go_on_with(&path, &show, shared);
+            }
+        }
+    }
+
+    /// Goes on with a show on the shape that dances.
+    fn go_on_with(&mut self, path: &Path, show: &Show, shared: &mut Shared<'_>) {
+        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
+        if let Err(why) = concert.replay(show) {
+            return shared.notices.error(format!("{}: {why}", path.display()));
+        }
+        if let Some(looks) = &show.looks {
+            shared.settings.music.look_like(looks);
+        }
+        let mut songs: Vec<ShowSong> = Vec::new();
+        for song in &show.songs {
+            let found = resolve(&song.file(), path.parent());
+            let (file, warning) = match found {
+                Ok(found) => found,
+                Err(why) => (PathBuf::from(&song.path), Some(why)),
+            };
+            warning.into_iter().for_each(|warning| shared.notices.warn(warning));
+            songs.push(ShowSong::new(file, song.reading));
+        }
+        // What was heard is numbered by these songs; an older file has none, and the song goes on.
+        if show.body.is_some() || !songs.is_empty() {
+            let last = show.actions.iter().map(|line| line.moment.at_secs).fold(0.0, f64::max);
+            listening.go_on(songs, &show.heard, show.duration_secs.unwrap_or(0.0).max(last));
         }
     }
 
@@ -373,6 +462,9 @@ impl MusicRoom {
                     Ok(concert) => {
                         self.concert = Some(concert);
                         self.names.dancing = std::mem::take(&mut self.names.loading);
+                        if let Some((path, show)) = self.coming.take() {
+                            self.go_on_with(&path, &show, shared);
+                        }
                     }
                     Err(why) => self.refuse(why, shared),
                 }
@@ -381,16 +473,15 @@ impl MusicRoom {
             Some(Outcome::Lost) => self.refuse("Opening broke off; this is a bug.".into(), shared),
             Some(Outcome::Running) | None => {}
         }
-        if self.concert.is_some() && self.loading.is_none() {
-            for path in std::mem::take(&mut self.waiting) {
-                self.open_text(&path, shared);
-            }
+        while self.concert.is_some() && self.loading.is_none() && !self.waiting.is_empty() {
+            let path = self.waiting.remove(0);
+            self.open_text(path, shared);
         }
     }
 
     /// Tells what went wrong and does not try the same again by itself.
     fn refuse(&mut self, why: String, shared: &mut Shared<'_>) {
-        self.loading = None;
+        (self.loading, self.coming) = (None, None);
         self.refused |= self.concert.is_none();
         shared.notices.error(why);
     }
@@ -403,7 +494,7 @@ impl MusicRoom {
         }
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return wishes };
         // An open menu has the keys.
-        if egui::Popup::is_any_open(ctx) {
+        if egui::Popup::is_any_open(ctx) || self.filming.asks() {
             return wishes;
         }
         type Hearing = fn(&mut Listening);
@@ -412,8 +503,8 @@ impl MusicRoom {
             (TAP, Listening::tap),
             (NEXT_SONG, |listening| listening.player().next()),
             (PREVIOUS_SONG, |listening| listening.player().previous()),
-            (HALVE, |listening| listening.follower().halve()),
-            (DOUBLE, |listening| listening.follower().double()),
+            (HALVE, Listening::halve),
+            (DOUBLE, Listening::double),
         ];
         hearing.iter().filter(|(key, _)| key.pressed(ctx)).for_each(|(_, act)| act(listening));
         let when = |wishes: &mut Vec<Wish>, shortcut: Shortcut, wish: Wish| {
@@ -428,7 +519,7 @@ impl MusicRoom {
             return wishes;
         }
         when(&mut wishes, OPEN, Wish::Open);
-        when(&mut wishes, SAVE, Wish::SaveSession);
+        when(&mut wishes, SAVE, Wish::SaveShow);
         when(&mut wishes, FILM, Wish::Film);
         when(&mut wishes, BREED, Wish::Do(Action::Breed));
         let gallery = concert.instrument().gallery();
@@ -506,8 +597,8 @@ impl MusicRoom {
                 concert.look_at(view);
                 Ok(())
             }
-            Wish::TryOut(mapping) => {
-                concert.try_out(mapping);
+            Wish::TryOut(preset) => {
+                concert.try_out(&preset);
                 Ok(())
             }
             Wish::Mark { right, down } => {
@@ -524,7 +615,7 @@ impl MusicRoom {
                 Ok(())
             }
             Wish::Take(path) => match self.drawers.shelf.find(&path) {
-                Some(preset) => take(concert, preset.clone()),
+                Some(preset) => take(concert, preset.clone(), shared),
                 None => Ok(()),
             },
             Wish::Discard(path) => self.drawers.shelf.discard(&path),
@@ -536,20 +627,8 @@ impl MusicRoom {
                 }
                 None => Ok(()),
             },
-            Wish::SaveSession => save_session(concert, listening, shared).map(drop),
-            Wish::Film => match listening.song_name() {
-                Some(song) => {
-                    let scene = Scene {
-                        body: self.names.dancing.clone(),
-                        song,
-                        harmonics: shared.settings.harmonics.min(MOST_HARMONICS),
-                        instrument: concert.instrument(),
-                        view: concert.view(),
-                    };
-                    self.filming.begin(scene, shared)
-                }
-                None => Err("Live input cannot be filmed: choose a song.".into()),
-            },
+            Wish::SaveShow => save_show(concert, listening, &self.names, shared).map(drop),
+            Wish::Film => self.filming.ask(),
             Wish::Open | Wish::AddSongs => Ok(()),
         };
         if let Err(why) = done {
@@ -560,7 +639,8 @@ impl MusicRoom {
     fn choose_files(&mut self, songs_only: bool, shared: &mut Shared<'_>) {
         let meshes = super::caricature::MESHES;
         let all: Vec<&str> = meshes.into_iter().chain(self.extensions()).chain(["chladni"]).collect();
-        let kinds = [("All that dances or sounds", &all[..]), ("Meshes", &meshes), ("Songs", &SONGS)];
+        let kinds =
+            [("All that dances or sounds", &all[..]), ("Meshes", &meshes), ("Songs", &SONG_EXTENSIONS)];
         let paths = shared.chooser.open_several(if songs_only { &kinds[2..] } else { &kinds });
         if !paths.is_empty() {
             self.open(&paths, shared);
@@ -581,44 +661,73 @@ fn nothing_dances(ui: &mut Ui, wishes: &mut Vec<Wish>) {
     });
 }
 
-fn means(shared: &Shared<'_>) -> loading::Means {
-    loading::Means {
-        harmonics: shared.settings.harmonics.min(MOST_HARMONICS),
-        coarsely: super::viewport::gpu_of(shared.gpu).is_software(),
-    }
-}
-
-/// Whether a text that is neither a preset nor a session was rather meant as the latter.
-fn is_like_a_session(path: &Path) -> bool {
+/// Whether a text that is neither a preset nor a show was rather meant as the latter.
+fn is_like_a_show(path: &Path) -> bool {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("actions") || table.contains_key("size"))
 }
 
 /// A preset goes where nothing is lost that was chosen or loved: the last such place. The
-/// generation before stays as it was.
-fn take(concert: &mut Concert, preset: Preset) -> Result<(), String> {
+/// generation before stays as it was; the knobs are those of the preset.
+fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<(), String> {
     let instrument = concert.instrument();
     let items = instrument.gallery().items();
     let loved = |id| instrument.favourites().iter().any(|favourite| favourite.id == id);
     let free = items.iter().rposition(|item| !item.chosen && !item.locked && !loved(item.id));
     let item = free.unwrap_or(items.len().saturating_sub(1));
+    let (caution, before) = (preset.caution(), instrument.parameters().clone());
     concert.look_at(View::Gallery);
-    concert.act(Action::Load { item, name: preset.name, mapping: preset.mapping })
+    concert.act(Action::Take { item, preset: Box::new(preset) })?;
+    if let Some(caution) = caution {
+        shared.notices.warn(caution);
+    } else if *concert.instrument().parameters() != before {
+        shared.notices.done("Form and knobs are those of the preset now.".to_owned());
+    }
+    Ok(())
+}
+
+/// All that was done so far, to be saved in `folder`.
+fn the_show(
+    concert: &Concert,
+    listening: &Listening,
+    names: &Names,
+    shared: &Shared<'_>,
+    folder: Option<&Path>,
+) -> Show {
+    let (heard, songs) = listening.heard();
+    let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path, folder)) };
+    Show {
+        body: Some(refer(&names.dancing, folder)),
+        looks: Some(shared.settings.music.looks()),
+        viewpoint: concert.viewpoint(),
+        songs: songs.iter().map(song).collect(),
+        heard,
+        duration_secs: Some(listening.at_secs()),
+        ..Show::of(concert.instrument())
+    }
+}
+
+/// The songs of the show as the command line calls them.
+fn songs_of(listening: &Listening) -> Vec<(String, BeatReading)> {
+    let (_, songs) = listening.heard();
+    songs.iter().map(|song| (song.path.to_string_lossy().into_owned(), song.reading)).collect()
 }
 
 /// False where the person thinks better of it.
-fn save_session(
+fn save_show(
     concert: &mut Concert,
     listening: &Listening,
+    names: &Names,
     shared: &mut Shared<'_>,
 ) -> Result<bool, String> {
-    let session = Session::of(concert.instrument(), &listening.session_song());
-    let save = |path: &Path| session.save(path).map_err(|why| why.to_string());
-    let saved = save_as("session.toml", shared, save)?;
-    if saved {
-        concert.is_saved();
-    }
-    Ok(saved)
+    let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new("show.toml")) else {
+        return Ok(false);
+    };
+    let show = the_show(concert, listening, names, shared, path.parent());
+    show.save(&path).map_err(|why| why.to_string())?;
+    shared.notices.done(format!("Saved {}", path.display()));
+    concert.is_saved();
+    Ok(true)
 }
 
 /// False where the person thinks better of it.

@@ -1,24 +1,29 @@
 //! What the music room remembers between runs.
 
-use chladni_music::Binding;
-use chladni_view::{Background, Lights, Material};
+use chladni_music::{Binding, Looks};
 use serde::{Deserialize, Serialize};
+
+use crate::dance::{Look, look_named};
 
 /// Looks, the stage's screen, and what turns what. Names that are not known any more fall back
 /// to the first look.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
-    /// One of [`Material::PRESETS`].
+    /// By its name.
     pub material: String,
-    /// One of [`Lights::PRESETS`].
+    /// By their name.
     pub lights: String,
-    /// One of [`Background::PRESETS`].
+    /// By its name.
     pub background: String,
     /// Where the stage appears.
     pub screen: Screen,
     /// The UDP port on which OSC messages are heard; `None` is off.
     pub osc_port: Option<u16>,
+    /// Loudness of the songs, in [0, 1].
+    pub volume: f32,
+    /// The device that plays them; `None` is the system's own.
+    pub output_device: Option<String>,
     /// Which controls turn what.
     pub bindings: Vec<Binding>,
 }
@@ -39,28 +44,35 @@ pub enum Screen {
 impl Default for Preferences {
     fn default() -> Self {
         let [material, lights, background] = ["pearl", "stage", "night"].map(str::to_owned);
-        Self { material, lights, background, screen: Screen::default(), osc_port: None, bindings: Vec::new() }
+        Self {
+            material,
+            lights,
+            background,
+            screen: Screen::default(),
+            osc_port: None,
+            volume: 1.0,
+            output_device: None,
+            bindings: Vec::new(),
+        }
     }
 }
 
 impl Preferences {
     /// The looks by their names.
-    pub fn look(&self) -> Look {
-        Look {
-            material: Material::named(&self.material).unwrap_or(Material::PEARL),
-            lights: Lights::named(&self.lights).unwrap_or(Lights::STAGE),
-            background: Background::named(&self.background).unwrap_or(Background::NIGHT),
-        }
+    pub fn looks(&self) -> Looks {
+        let [material, lights, background] =
+            [&self.material, &self.lights, &self.background].map(String::clone);
+        Looks { material, lights, background }
     }
-}
 
-/// What the shapes are made of and what shines on them.
-#[derive(Clone, Copy, Debug)]
-pub struct Look {
-    /// The shapes'.
-    pub material: Material,
-    /// On them.
-    pub lights: Lights,
-    /// Behind them.
-    pub background: Background,
+    /// Looks like a show.
+    pub fn look_like(&mut self, looks: &Looks) {
+        let Looks { material, lights, background } = looks.clone();
+        (self.material, self.lights, self.background) = (material, lights, background);
+    }
+
+    /// What those names mean.
+    pub fn look(&self) -> Look {
+        look_named(&self.looks()).0
+    }
 }

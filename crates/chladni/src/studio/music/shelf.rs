@@ -1,4 +1,4 @@
-//! The shelf: favourites of this session, and the dances that are kept in files for the next.
+//! The shelf: favourites of this show, and the dances that are kept in files for the next.
 
 use std::path::{Path, PathBuf};
 
@@ -168,7 +168,7 @@ fn free_path(folder: &Path, name: &str) -> PathBuf {
 }
 
 fn favourites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
-    ui.label(RichText::new("Favourites of this session").strong());
+    ui.label(RichText::new("Favourites of this show").strong());
     if instrument.favourites().is_empty() {
         weak(ui, "None yet: point at a dance and press F.");
     }
@@ -203,7 +203,7 @@ fn kept_row(ui: &mut Ui, path: &Path, preset: &Preset, wishes: &mut Vec<Wish>) {
     let palette = theme::palette(ui);
     if response.hovered() {
         ui.painter().rect_filled(rect, 6.0, palette.card);
-        wishes.push(Wish::TryOut(preset.mapping.clone()));
+        wishes.push(Wish::TryOut(Box::new(preset.clone())));
     }
     let layout = egui::Layout::left_to_right(egui::Align::Center);
     let mut row = ui.new_child(egui::UiBuilder::new().max_rect(rect.shrink(4.0)).layout(layout));

@@ -1,35 +1,47 @@
 //! The playlist, and what is listened to instead of it.
 
-use chladni_sound::{CaptureKind, CaptureSource, PlayerState, Repeat, SoundError, capture_sources};
+use chladni_sound::{
+    CaptureKind, CaptureSource, OutputDevice, PlayerState, Repeat, SoundError, capture_sources,
+    output_devices,
+};
 use egui::{RichText, Ui, vec2};
 
 use super::listening::Listening;
 use super::meters;
+use super::preferences::Preferences;
 use super::wish::Wish;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job::{Job, Outcome};
 use crate::studio::notices::Notices;
 use crate::studio::theme;
 
-/// The sources that were found when last looked for.
+/// Width of the word before the volume.
+const VOLUME: f32 = 64.0;
+
+/// What hears and what plays, as the system was last asked.
+type Found = Result<(Vec<CaptureSource>, Vec<OutputDevice>), SoundError>;
+
+/// The devices that were found when last looked for.
 #[derive(Default)]
-pub struct Inputs {
+pub struct Devices {
     found: Vec<CaptureSource>,
-    looking: Option<Job<Result<Vec<CaptureSource>, SoundError>>>,
+    outputs: Vec<OutputDevice>,
+    looking: Option<Job<Found>>,
     looked: bool,
 }
 
-impl Inputs {
+impl Devices {
     fn look(&mut self, ctx: &egui::Context) {
         self.looked = true;
-        self.looking = Some(Job::start("Looking for inputs", ctx, |_| capture_sources()));
+        let look = |_: &chladni_task::Task| Ok((capture_sources()?, output_devices()?));
+        self.looking = Some(Job::start("Looking for devices", ctx, look));
     }
 
     fn poll(&mut self, notices: &mut Notices) {
         match self.looking.as_ref().map(Job::poll) {
-            Some(Outcome::Done(Ok(found))) => self.found = found,
+            Some(Outcome::Done(Ok((found, outputs)))) => (self.found, self.outputs) = (found, outputs),
             Some(Outcome::Done(Err(why))) => notices.warn(why.to_string()),
-            Some(Outcome::Lost) => notices.error("Looking for inputs broke off; this is a bug."),
+            Some(Outcome::Lost) => notices.error("Looking for devices broke off; this is a bug."),
             Some(Outcome::Running) | None => return,
         }
         self.looking = None;
@@ -40,7 +52,8 @@ impl Inputs {
 pub fn show(
     ui: &mut Ui,
     listening: &mut Listening,
-    inputs: &mut Inputs,
+    inputs: &mut Devices,
+    preferences: &mut Preferences,
     notices: &mut Notices,
     wishes: &mut Vec<Wish>,
 ) {
@@ -50,7 +63,41 @@ pub fn show(
     }
     playlist(ui, listening, wishes);
     ui.add_space(theme::GAP_LARGE);
+    sound(ui, listening, inputs, preferences);
+    ui.add_space(theme::GAP_LARGE);
     live(ui, listening, inputs, notices);
+}
+
+/// How loud, and where.
+fn sound(ui: &mut Ui, listening: &mut Listening, devices: &Devices, preferences: &mut Preferences) {
+    ui.label(RichText::new("Sound").strong());
+    let mut volume = listening.volume();
+    let tip = "How loud the songs are; the shapes dance the same";
+    let slider = theme::slider(&mut volume, 0.0..=1.0).fixed_decimals(2);
+    if theme::wide_row(ui, VOLUME, "Volume", tip, |ui| ui.add(slider)).on_hover_text(tip).changed() {
+        listening.set_volume(volume);
+        preferences.volume = volume;
+    }
+    let chosen = listening.device().map(str::to_owned);
+    let system = (None, "The system's own".to_owned());
+    let rows = devices.outputs.iter().map(|device| (Some(device.id.clone()), device.name.clone()));
+    // What was chosen once and is not there now can still be seen, and left.
+    let gone = chosen.clone().filter(|id| !devices.outputs.iter().any(|device| device.id == *id));
+    let gone = gone.map(|id| (Some(id.clone()), format!("{id} (not there now)")));
+    let mut wanted = None;
+    theme::group(ui, "Output device", |ui| {
+        for (id, name) in std::iter::once(system).chain(rows).chain(gone) {
+            let on = chosen == id;
+            let row = row(ui, ui.available_width(), on, icon::label(Icon::Volume2, &name));
+            if row.on_hover_text(&name).clicked() && !on {
+                wanted = Some(id);
+            }
+        }
+    });
+    if let Some(device) = wanted {
+        preferences.output_device.clone_from(&device);
+        listening.set_device(device);
+    }
 }
 
 fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
@@ -100,7 +147,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
 }
 
-fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Inputs, notices: &mut Notices) {
+fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, notices: &mut Notices) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Live").strong());
         if inputs.looking.is_some() {

@@ -3,7 +3,8 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use chladni_synth::{Coefficients, Item, Residual, Term};
-use chladni_view::{Background, Camera, Lights, Material, Rect};
+
+use crate::dance::Staged;
 
 /// Differences of coefficients below this (the shape's area is one) move nothing that is seen: what a decay
 /// lets fade away comes to rest.
@@ -14,16 +15,8 @@ const FINEST: f32 = 1e-5;
 pub struct Shown {
     /// [`pose`] of the items.
     pub pose: u64,
-    /// Who looks.
-    pub camera: Camera,
-    /// What shines.
-    pub lights: Lights,
-    /// What the shapes are made of.
-    pub material: Material,
-    /// What lies behind.
-    pub background: Background,
-    /// Where the items stand.
-    pub cells: Vec<Rect>,
+    /// Who looks at what, and where.
+    pub staged: Staged,
 }
 
 /// A number that says how items are deformed, for one `normal_blending`.

@@ -37,9 +37,9 @@ fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
             (Icon::Music, "Add songs …", "To the end of the list".into(), Wish::AddSongs),
             (
                 Icon::Save,
-                "Save session …",
+                "Save show …",
                 format!("{}: all that was done, to go on with or to film later", SAVE.tooltip(ui.ctx())),
-                Wish::SaveSession,
+                Wish::SaveShow,
             ),
             (Icon::Clapperboard, "Film …", format!("{} ({})", film::TIP, FILM.text(ui.ctx())), Wish::Film),
         ] {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use chladni_music::{Action, ItemId, Mapping};
+use chladni_music::{Action, ItemId, Preset};
 
 use super::concert::View;
 
@@ -11,18 +11,18 @@ use super::concert::View;
 pub enum Wish {
     /// An action of the instrument.
     Do(Action),
-    /// Choose a shape, a project, songs, a preset or a session.
+    /// Choose a shape, a project, songs, a preset or a show.
     Open,
     /// Choose songs to add to the list.
     AddSongs,
-    /// Save the session as a file.
-    SaveSession,
-    /// Film what dances.
+    /// Save the show as a file.
+    SaveShow,
+    /// Ask for a film of what dances.
     Film,
     /// Show the gallery, one item or the harmonics.
     Show(View),
-    /// Plays this mapping in the gallery's place for one frame, to try it out.
-    TryOut(Mapping),
+    /// Plays this preset in the gallery's place for one frame, to try it out.
+    TryOut(Box<Preset>),
     /// Ask for name and tags, to keep an item on the shelf.
     Keep(ItemId),
     /// Save an item as a preset file anywhere.

@@ -77,8 +77,10 @@ pub fn transfer(from: &Ready, to: &Ready) -> Result<Transfer, Failure> {
     let mut transfer = Transfer { presets: 0, own: [f64::MAX, 0.0], other: [f64::MAX, 0.0] };
     for item in instrument.gallery().items() {
         let text = Preset::of(&instrument, item, Vec::new()).to_text().map_err(Failure::other)?;
-        let mapping = Preset::from_text(&text).map_err(Failure::other)?.mapping;
+        let preset = Preset::from_text(&text).map_err(Failure::other)?;
         for (ready, range) in [(from, &mut transfer.own), (to, &mut transfer.other)] {
+            let eigenvalues = ready.dancer.eigenvalues.clone();
+            let mapping = preset.mapping_on(&GalleryShape { eigenvalues, bands });
             let share =
                 loudest(ready, &mapping, bands)? / f64::from(Playing::default().calibration * mapping.gain);
             *range = [range[0].min(share), range[1].max(share)];

@@ -23,7 +23,8 @@ impl Remote {
         weak(ui, "Click Learn, then move a knob, a fader or a pad.");
         let parameters = Parameter::ALL.into_iter().map(Target::Parameter);
         let switches = Switch::ALL.into_iter().map(Target::Switch);
-        for target in Target::BUTTONS.into_iter().chain(parameters).chain(switches) {
+        let knobs = std::iter::once(Target::Harmonics).chain(parameters);
+        for target in Target::BUTTONS.into_iter().chain(knobs).chain(switches) {
             row(ui, &mut self.bindings, target);
         }
     }
@@ -108,6 +109,9 @@ fn name(target: Target) -> &'static str {
     match target {
         Target::Parameter(parameter) => knobs::name(parameter),
         Target::Switch(switch) => knobs::switch_name(switch),
+        Target::Harmonics => "Harmonics",
+        Target::Form => "The next form",
+        Target::Choir => "The next choice of harmonics",
         Target::Breed => "Breed",
         Target::NextFavourite => "Next favourite on stage",
         Target::PreviousFavourite => "The favourite before",

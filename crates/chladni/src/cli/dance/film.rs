@@ -1,31 +1,23 @@
-//! Frame after frame: actions, sound, shape, picture.
+//! A performance, frame after frame: actions, sound, shape, picture.
 
 use std::time::Instant;
 
 use chladni_harmonics::Body;
-use chladni_music::{Beat, Ensemble, Instrument, LoggedAction, Moment, Parameter, Switch, react};
-use chladni_sound::Song;
+use chladni_music::{
+    Ensemble, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch, Viewpoint,
+};
 use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, GpuContext, Item, SynthModel, Synthesizer};
 use chladni_task::Task;
 use chladni_view::film::shoot_retouched;
 use chladni_view::{
-    Background, Camera, Canvas, Cell, Figure, Film, FrameRate, Gpu, ItemBuffers, Lights, Material, Rect,
-    Renderer, Samples, Topology, ViewError, layout,
+    Canvas, Figure, Film, FrameRate, Gpu, ItemBuffers, Rect, Renderer, Samples, Topology, ViewError,
 };
 
 use super::guard::FrameGuard;
-use super::hearing::Hearing;
 use super::record::Recording;
 use super::{Seconds, failure, view_failure};
 use crate::cli::Failure;
-
-/// How the film looks.
-pub struct Look {
-    pub lights: Lights,
-    pub material: Material,
-    pub background: Background,
-    pub yaw_rad: f32,
-}
+use crate::dance::{Hearing, Look, Staging};
 
 /// Who computes and draws; where nothing is said, what suits the device.
 #[derive(Clone, Copy, Default)]
@@ -60,11 +52,13 @@ pub struct Drawn {
 }
 
 /// All that changes from frame to frame.
-pub struct Show {
+pub struct Performance {
     hearing: Hearing,
+    heard: std::iter::Peekable<std::vec::IntoIter<Stretch>>,
     instrument: Instrument,
     script: std::iter::Peekable<std::vec::IntoIter<LoggedAction>>,
     ensemble: Ensemble,
+    staging: Staging,
     model: SynthModel,
     triangles: Vec<[u32; 3]>,
     start_secs: f64,
@@ -72,57 +66,73 @@ pub struct Show {
     flashes_allowed: bool,
 }
 
-impl Show {
+impl Performance {
     pub fn new(
         body: &Body,
         ensemble: Ensemble,
         hearing: Hearing,
-        instrument: Instrument,
-        script: Vec<LoggedAction>,
+        (instrument, script): (Instrument, Vec<LoggedAction>),
+        heard: Vec<Stretch>,
         start_secs: f64,
         rate: FrameRate,
     ) -> Result<Self, Failure> {
-        Ok(Self {
+        let model = SynthModel::new(body).map_err(Failure::other)?;
+        let mut performance = Self {
             hearing,
+            heard: heard.into_iter().peekable(),
+            staging: Staging::new(ensemble.dancer().clone(), model.rest_positions().to_vec()),
             instrument,
             script: script.into_iter().peekable(),
             ensemble,
-            model: SynthModel::new(body).map_err(Failure::other)?,
+            model,
             triangles: body.triangles.clone(),
             start_secs,
             rate,
             flashes_allowed: false,
-        })
-    }
-
-    pub fn song(&self) -> &Song {
-        self.hearing.song()
+        };
+        performance.hearing.tune(0.0, performance.instrument.parameters());
+        Ok(performance)
     }
 
     pub fn allow_flashes(&mut self) {
         self.flashes_allowed = true;
     }
 
-    /// Does what the session did up to this frame and plays it; the time of the frame and its
-    /// beat, and the items to draw.
-    fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(f64, Beat, &[Item]), Failure> {
-        let time_secs = self.rate.start_secs(frame);
-        while let Some(line) = self.script.next_if(|line| line.moment.at_secs <= self.start_secs + time_secs)
-        {
-            // Beats are those of this film, which may begin elsewhere than the session did.
-            let at_secs = line.moment.at_secs;
-            let at_beat = self.hearing.beat(at_secs - self.start_secs).count;
-            self.instrument.apply(Moment { at_secs, at_beat }, line.action).map_err(failure)?;
+    /// Does what was done and hears what was heard up to a time of the show, in order.
+    fn go_to(&mut self, at_secs: f64) -> Result<(), Failure> {
+        loop {
+            let begins = self.heard.peek().map(|stretch| stretch.at_secs).filter(|begins| *begins <= at_secs);
+            let done = self.script.peek().map(|line| line.moment.at_secs).filter(|done| *done <= at_secs);
+            // What plays comes first: an action is done at its beat.
+            let stretch_first = begins.is_some_and(|begins| done.is_none_or(|done| begins <= done));
+            if stretch_first && let Some(stretch) = self.heard.next() {
+                self.hearing.begin(stretch).map_err(Failure::input)?;
+            } else if let Some(line) = self.script.next_if(|_| done.is_some()) {
+                // Beats are those of the whole song, which the window may not have known yet.
+                let at_secs = line.moment.at_secs;
+                let at_beat = self.hearing.beat_at(at_secs).count;
+                self.instrument.apply(Moment { at_secs, at_beat }, line.action).map_err(failure)?;
+                self.hearing.tune(at_secs, self.instrument.parameters());
+            } else {
+                return Ok(());
+            }
         }
-        let dt_secs = self.rate.start_secs(1);
-        let beat = self.hearing.beat(time_secs);
+    }
+
+    /// Plays a frame: its time in the film, what the beat does, and the items to draw.
+    fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(f64, Reaction, &[Item]), Failure> {
+        let time_secs = self.rate.start_secs(frame);
+        let at_secs = self.start_secs + time_secs;
         let listening = Instant::now();
-        let bands = self.hearing.bands(time_secs, dt_secs, self.instrument.parameters())?;
+        self.go_to(at_secs)?;
+        let unheard = || Failure::other(format!("nothing is known of what is heard at {at_secs} s"));
+        let heard = self.hearing.hear(at_secs).map_err(Failure::input)?.ok_or_else(unheard)?;
         seconds.analysis += listening.elapsed().as_secs_f64();
         let mapping = Instant::now();
-        let items = self.ensemble.play(&self.instrument, &bands, beat).map_err(failure)?;
+        let reaction = heard.reaction(&self.instrument);
+        let items = self.ensemble.play(&self.instrument, &heard.bands, heard.beat).map_err(failure)?;
         seconds.mapping += mapping.elapsed().as_secs_f64();
-        Ok((time_secs, beat, items))
+        Ok((time_secs, reaction, items))
     }
 
     /// Plays without drawing, for the coefficients.
@@ -143,7 +153,7 @@ impl Show {
     pub fn film(
         &mut self,
         film: Film,
-        look: &Look,
+        scene: (&Look, &Viewpoint),
         means: Means,
         recording: bool,
         seconds: &mut Seconds,
@@ -159,7 +169,7 @@ impl Show {
             FrameGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
         let mut guarding = 0.0;
         let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Failure> {
-            let (time_secs, beat, items) = self.play(frame, seconds)?;
+            let (time_secs, reaction, items) = self.play(frame, seconds)?;
             let items = items.to_vec();
             if let Some(first) = items.first().filter(|_| recording) {
                 done.recording.push(time_secs, self.instrument.parameters().form, first);
@@ -176,7 +186,7 @@ impl Show {
                     Some(done.largest_displacement.map_or(share, |most| most.max(share)));
             }
             let drawing = Instant::now();
-            theatre.draw(renderer, canvas, self, look, beat).map_err(view_failure)?;
+            theatre.draw(renderer, canvas, self, scene, reaction).map_err(view_failure)?;
             seconds.drawing += drawing.elapsed().as_secs_f64();
             Ok(())
         };
@@ -205,20 +215,14 @@ impl Show {
 struct Theatre {
     synthesizer: AutoSynthesizer,
     topology: Topology,
-    /// What has to fit into the picture, for a limit of displacement.
-    room: (f32, Vec<[f32; 3]>),
 }
 
 impl Theatre {
-    fn new(gpu: &Gpu, show: &Show, synthesis: Backend) -> Result<Self, Failure> {
+    fn new(gpu: &Gpu, show: &Performance, synthesis: Backend) -> Result<Self, Failure> {
         let model = &show.model;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let topology = Topology::new(gpu, model.vertices(), &show.triangles).map_err(view_failure)?;
-        Ok(Self {
-            topology,
-            room: (0.0, Vec::new()),
-            synthesizer: AutoSynthesizer::new(&context, model.clone(), synthesis),
-        })
+        Ok(Self { topology, synthesizer: AutoSynthesizer::new(&context, model.clone(), synthesis) })
     }
 
     fn synthesize(
@@ -248,33 +252,18 @@ impl Theatre {
         &mut self,
         renderer: &mut Renderer,
         canvas: &Canvas,
-        show: &Show,
-        look: &Look,
-        beat: Beat,
+        performance: &mut Performance,
+        (look, viewpoint): (&Look, &Viewpoint),
+        reaction: Reaction,
     ) -> Result<(), ViewError> {
-        let parameters = show.instrument.parameters();
-        let reaction = react(beat, show.instrument.seed(), parameters);
-        let limit = parameters.get(Parameter::Limit);
-        if self.room.0 != limit {
-            self.room = (limit, show.ensemble.dancer().room(show.model.rest_positions(), limit));
-        }
         let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
-        let items = buffers.items();
         let area = Rect::of_size(canvas.width(), canvas.height());
-        let (rows, columns) = layout::rows_and_columns(area.width, area.height, items, 1.0);
-        let viewports = layout::grid(area, rows, columns, 0, items);
-        let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        let mut camera = Camera { pitch_rad: 0.14, ..Camera::default() };
-        camera.fit_turntable(&self.room.1, aspect, 0.98);
-        camera.yaw_rad = look.yaw_rad - reaction.turn_rad;
-        let mut lights = look.lights.turned(reaction.light_turn_rad);
-        lights.exposure *= reaction.light_gain;
+        let (instrument, items) = (&performance.instrument, buffers.items());
+        let staged = performance.staging.set(area, items, viewpoint, look, reaction, instrument);
         let figures: Vec<Figure<'_>> = (0..items)
-            .map(|item| Figure { material: look.material, ..Figure::new(&self.topology, &buffers, item) })
+            .map(|item| Figure { material: staged.material, ..Figure::new(&self.topology, &buffers, item) })
             .collect();
-        let placed = viewports.into_iter().zip(&figures);
-        let cells = Cell::gallery(area, look.background, camera, lights, placed);
-        renderer.draw(canvas, &cells)?;
+        renderer.draw(canvas, &staged.cells(&figures))?;
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gallery::{Gallery, GalleryItem, GalleryShape, ItemId};
 use crate::stage::{Scene, Stage};
-use crate::{Choir, Error, Form, Mapping, Parameter, Parameters, Switch, VoiceSettings};
+use crate::{Choir, Error, Form, Mapping, Parameter, Parameters, Preset, Settings, Switch, VoiceSettings};
 
 /// Everything a user can do to the instrument. The window emits these; only
 /// [`Instrument::apply`] changes state. Items are named by their place in the gallery shown.
@@ -38,8 +38,10 @@ pub enum Action {
     SetStereoMu { item: usize, stereo_mu: f32 },
     /// Turns an item's own gain.
     SetItemGain { item: usize, gain: f32 },
-    /// Puts a mapping from elsewhere, such as a preset, in an item's place.
+    /// Puts a mapping for this very body in an item's place.
     Load { item: usize, name: String, mapping: Mapping },
+    /// Puts a preset in an item's place, and turns the knobs as it was made with.
+    Take { item: usize, preset: Box<Preset> },
     /// Turns a knob.
     Set { parameter: Parameter, value: f32 },
     /// Turns a switch.
@@ -63,10 +65,10 @@ pub enum Action {
 /// The most voices that can be changed.
 const MAX_VOICES: usize = 256;
 
-/// When something was done: seconds of the song, and beats gone by.
+/// When something was done: seconds of the show, and beats gone by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moment {
-    /// Position in the song.
+    /// Since the show began, whatever songs played meanwhile.
     pub at_secs: f64,
     /// Beats gone by there.
     pub at_beat: f64,
@@ -83,7 +85,8 @@ pub struct LoggedAction {
     pub action: Action,
 }
 
-/// The instrument's whole state: a pure function of shape, seed, size and the actions so far.
+/// The instrument's whole state: a pure function of shape, seed, size, where its knobs stood in the
+/// beginning, and the actions so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instrument {
     shape: GalleryShape,
@@ -91,6 +94,7 @@ pub struct Instrument {
     size: usize,
     gallery: Gallery,
     favourites: Vec<GalleryItem>,
+    beginning: Parameters,
     parameters: Parameters,
     /// Voices that were changed; the others do what [`VoiceSettings::initial`] says.
     voices: BTreeMap<usize, VoiceSettings>,
@@ -101,13 +105,24 @@ pub struct Instrument {
 impl Instrument {
     /// The initial gallery of `size` items for a body.
     pub fn new(seed: u64, size: usize, shape: GalleryShape) -> Result<Self, Error> {
+        Self::beginning_with(Parameters::default(), seed, size, shape)
+    }
+
+    /// The same, with the knobs where `parameters` say.
+    pub fn beginning_with(
+        parameters: Parameters,
+        seed: u64,
+        size: usize,
+        shape: GalleryShape,
+    ) -> Result<Self, Error> {
         Ok(Self {
             gallery: Gallery::new(seed, size, &shape)?,
             shape,
             seed,
             size,
             favourites: Vec::new(),
-            parameters: Parameters::default(),
+            beginning: parameters.clone(),
+            parameters,
             voices: BTreeMap::new(),
             stage: Stage::default(),
             log: Vec::new(),
@@ -122,6 +137,16 @@ impl Instrument {
     /// The size it began with.
     pub fn size(&self) -> usize {
         self.size
+    }
+
+    /// The body that it plays on.
+    pub fn shape(&self) -> &GalleryShape {
+        &self.shape
+    }
+
+    /// Where the knobs stood in the beginning.
+    pub fn beginning(&self) -> Settings {
+        self.beginning.settings()
     }
 
     /// The gallery and its generations.
@@ -166,6 +191,18 @@ impl Instrument {
         Ok(())
     }
 
+    /// All that was done, done again with beats that `beats` counts anew at each of their times: for a song
+    /// whose beats become known while it plays.
+    pub fn with_beats(&self, beats: impl Fn(f64) -> f64) -> Result<Self, Error> {
+        let mut again =
+            Self::beginning_with(self.beginning.clone(), self.seed, self.size, self.shape.clone())?;
+        for line in &self.log {
+            let moment = Moment { at_beat: beats(line.moment.at_secs), ..line.moment };
+            again.apply(moment, line.action.clone())?;
+        }
+        Ok(again)
+    }
+
     fn act(&mut self, moment: Moment, action: &Action) -> Result<(), Error> {
         match *action {
             Action::Choose { item, on } => self.gallery.item_mut(item)?.chosen = on,
@@ -198,6 +235,11 @@ impl Instrument {
             Action::SetStereoMu { item, stereo_mu } => self.edit(item, |m| m.stereo_mu = stereo_mu)?,
             Action::SetItemGain { item, gain } => self.edit(item, |m| m.gain = gain)?,
             Action::Load { item, ref name, ref mapping } => self.gallery.load(item, name, mapping.clone())?,
+            Action::Take { item, ref preset } => {
+                preset.validate()?;
+                self.gallery.load(item, &preset.name, preset.mapping_on(&self.shape))?;
+                self.parameters.apply(&preset.settings)?;
+            }
             Action::Set { parameter, value } => self.parameters.set(parameter, value)?,
             Action::Switch { switch, on } => self.parameters.switch(switch, on),
             Action::SetForm { form } => self.parameters.form = form,

@@ -1,0 +1,139 @@
+//! The time of a show, which songs, pauses and leaps within songs do not turn back.
+
+use chladni_music::Stretch;
+
+/// Where a song has moved on by so much more than the clock, someone sought.
+const SEEK_SECS: f64 = 0.3;
+/// A position that has not moved for so long stands still.
+const STILL_SECS: f64 = 0.1;
+/// So near its end a song that stands still has ended: its silence goes on.
+const END_SECS: f64 = 0.05;
+
+/// What plays at one moment, as a player tells it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Playing {
+    /// Which of the show's songs; `None` is live input.
+    pub song: Option<usize>,
+    /// Where in it.
+    pub position_secs: f64,
+    /// How long it is, where that is known.
+    pub duration_secs: Option<f64>,
+}
+
+/// Seconds since the show began. While a song plays it keeps the song's time, to the last bit.
+#[derive(Clone, Debug, Default)]
+pub struct ShowClock {
+    at_secs: f64,
+    now_secs: Option<f64>,
+    seen: Option<Playing>,
+    still_secs: f64,
+    stretch: Option<Stretch>,
+}
+
+impl ShowClock {
+    /// A clock that goes on from `at_secs`.
+    pub fn from(at_secs: f64) -> Self {
+        Self { at_secs, ..Self::default() }
+    }
+
+    /// The time of the show.
+    pub fn at_secs(&self) -> f64 {
+        self.at_secs
+    }
+
+    /// Goes on to what plays `now_secs` by any clock that goes on; the stretch that begins with it, if one does.
+    pub fn follow(&mut self, now_secs: f64, playing: Playing) -> Option<Stretch> {
+        let dt_secs = (now_secs - self.now_secs.unwrap_or(now_secs)).max(0.0);
+        self.now_secs = Some(now_secs);
+        let seen = self.seen.replace(playing);
+        let step_secs = seen.map_or(0.0, |seen| playing.position_secs - seen.position_secs);
+        let moved = playing.song.is_none() || step_secs != 0.0;
+        // What stood still for a moment, as between two blocks of a device, catches up.
+        let longest_step_secs = dt_secs + self.still_secs.min(SEEK_SECS) + SEEK_SECS;
+        self.still_secs = if moved { 0.0 } else { self.still_secs + dt_secs };
+        let position = playing.position_secs;
+        let begin = |clock: &mut Self, song_secs, playing_on| {
+            let (at_secs, song) = (clock.at_secs, playing.song);
+            clock.stretch = Some(Stretch { at_secs, song, song_secs, playing: playing_on });
+            clock.stretch
+        };
+        let Some(stretch) = self.stretch.filter(|stretch| stretch.song == playing.song) else {
+            self.at_secs += dt_secs;
+            return begin(self, position, true);
+        };
+        if playing.song.is_none() {
+            self.at_secs += dt_secs;
+            return None;
+        }
+        if moved && !(0.0..=longest_step_secs).contains(&step_secs) {
+            self.at_secs += dt_secs;
+            return begin(self, position, true);
+        }
+        if moved {
+            let began = if stretch.playing { None } else { begin(self, stretch.song_secs, true) };
+            if let Some(stretch) = self.stretch {
+                self.at_secs = self.at_secs.max(stretch.at_secs + (position - stretch.song_secs));
+            }
+            return began;
+        }
+        if self.still_secs <= STILL_SECS {
+            return None;
+        }
+        self.at_secs += dt_secs;
+        let ended = playing.duration_secs.is_some_and(|end| position >= end - END_SECS);
+        (stretch.playing && !ended).then(|| begin(self, position, false)).flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn song(song: usize, position_secs: f64) -> Playing {
+        Playing { song: Some(song), position_secs, duration_secs: Some(100.0) }
+    }
+
+    #[test]
+    fn playing_pausing_seeking_and_another_song_each_begin_a_stretch() {
+        let mut clock = ShowClock::default();
+        let mut begun = Vec::new();
+        let mut now = 50.0;
+        let mut follow = |clock: &mut ShowClock, playing: Playing| {
+            now += 1.0 / 16.0;
+            let at = clock.at_secs();
+            begun.extend(clock.follow(now, playing));
+            assert!(clock.at_secs() >= at);
+        };
+        (0..16).for_each(|i| follow(&mut clock, song(0, f64::from(i) / 16.0)));
+        assert_eq!(clock.at_secs(), 15.0 / 16.0);
+        (0..16).for_each(|_| follow(&mut clock, song(0, 15.0 / 16.0)));
+        (0..16).for_each(|i| follow(&mut clock, song(0, f64::from(15 + i) / 16.0)));
+        (0..16).for_each(|i| follow(&mut clock, song(0, 40.0 + f64::from(i) / 16.0)));
+        (0..16).for_each(|i| follow(&mut clock, song(1, f64::from(i) / 16.0)));
+        (0..4).for_each(|_| follow(&mut clock, Playing { song: None, ..song(0, 0.0) }));
+        let kinds: Vec<_> = begun.iter().map(|s| (s.song, s.song_secs, s.playing)).collect();
+        let paused = (Some(0), 15.0 / 16.0, false);
+        let on = |song, secs| (song, secs, true);
+        assert_eq!(
+            kinds,
+            [
+                on(Some(0), 0.0),
+                paused,
+                on(Some(0), 15.0 / 16.0),
+                on(Some(0), 40.0),
+                on(Some(1), 0.0),
+                on(None, 0.0)
+            ]
+        );
+        assert!(begun.windows(2).all(|pair| pair[0].at_secs < pair[1].at_secs));
+    }
+
+    #[test]
+    fn the_silence_behind_a_song_goes_on() {
+        let mut clock = ShowClock::default();
+        let end = Playing { song: Some(0), position_secs: 3.0, duration_secs: Some(3.0) };
+        let begun = (0..40).filter_map(|i| clock.follow(f64::from(i) / 20.0, end)).count();
+        assert_eq!(begun, 1);
+        assert!(clock.at_secs() > 1.5, "{}", clock.at_secs());
+    }
+}

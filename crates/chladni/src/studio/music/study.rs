@@ -1,0 +1,68 @@
+//! Songs of the playlist, read as a whole beside the window: first their samples, then their beats.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+
+use chladni_sound::{Beats, Song, SongOptions, SongReader, SoundError, track_beats};
+use chladni_task::Task;
+
+/// What was learned of a song.
+pub enum Learned {
+    /// Its samples.
+    Song(Arc<Song>),
+    /// Its beats.
+    Beats(Beats),
+    /// Nothing, and why, where the player does not tell the same.
+    Nothing(Option<String>),
+}
+
+/// One song that is being studied; dropping it ends that.
+pub struct Study {
+    /// Its number in the show.
+    pub number: usize,
+    task: Task,
+    told: Receiver<Learned>,
+}
+
+impl Study {
+    /// Begins to read `path`; its beats are tracked where they are not `known` already.
+    pub fn begin(number: usize, path: &Path, known: bool) -> Self {
+        let (task, (teller, told)) = (Task::new(), channel());
+        let (path, worker) = (path.to_owned(), task.clone());
+        std::thread::spawn(move || {
+            // Nobody listens any more where another song is studied.
+            let tell = |learned| drop(teller.send(learned));
+            let options = SongOptions::default();
+            let song =
+                SongReader::open(&path).and_then(|mut reader| Song::read(&mut reader, &options, &worker));
+            let song = match song {
+                Ok(song) => Arc::new(song),
+                Err(why @ SoundError::TooLong { .. }) => {
+                    return tell(Learned::Nothing(Some(why.to_string())));
+                }
+                Err(_) => return tell(Learned::Nothing(None)),
+            };
+            tell(Learned::Song(Arc::clone(&song)));
+            if known {
+                return;
+            }
+            match track_beats(&song, &worker) {
+                Ok(beats) => tell(Learned::Beats(beats)),
+                Err(why) => tell(Learned::Nothing(Some(why.to_string()))),
+            }
+        });
+        Self { number, task, told }
+    }
+
+    /// What was learned since the last call.
+    pub fn learned(&self) -> Option<Learned> {
+        self.told.try_recv().ok()
+    }
+}
+
+impl Drop for Study {
+    fn drop(&mut self) {
+        self.task.cancel();
+    }
+}
