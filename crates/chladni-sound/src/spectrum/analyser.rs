@@ -101,6 +101,26 @@ impl Spectrum {
         let right = silence.clone();
         Self { mid: silence.clone(), side: silence.clone(), left: silence, right, side_gain: 1.0 }
     }
+
+    /// Goes over to `other` by `weight` in [0, 1], in squares, so that the four stay those of one pair of
+    /// channels. Of another number of bands nothing is taken.
+    pub fn mix(&mut self, other: &Self, weight: f32) {
+        // The side that other settings have amplified otherwise.
+        let gain = if other.side_gain > 0.0 { self.side_gain / other.side_gain } else { 1.0 };
+        for (own, other, gain) in [
+            (&mut self.mid, &other.mid, 1.0),
+            (&mut self.side, &other.side, gain),
+            (&mut self.left, &other.left, 1.0),
+            (&mut self.right, &other.right, 1.0),
+        ] {
+            if own.len() == other.len() {
+                for (own, other) in own.iter_mut().zip(other) {
+                    let (from, to) = (*own * *own, (gain * other) * (gain * other));
+                    *own = (from + weight * (to - from)).max(0.0).sqrt();
+                }
+            }
+        }
+    }
 }
 
 /// What is left of one band: squares of its four amplitudes over its total amplitude √(|L|² + |R|²).
@@ -139,26 +159,6 @@ impl Followed {
     /// The amplitude behind one of the four.
     fn amplitude(&self, part: f32) -> f32 {
         (part * (self.left + self.right)).sqrt()
-    }
-
-    /// Goes over to `other` by `weight` in [0, 1], in squares, so that the four stay those of one pair of
-    /// channels. Of another number of bands nothing is taken.
-    pub fn mix(&mut self, other: &Self, weight: f32) {
-        // The side that other settings have amplified otherwise.
-        let gain = if other.side_gain > 0.0 { self.side_gain / other.side_gain } else { 1.0 };
-        for (own, other, gain) in [
-            (&mut self.mid, &other.mid, 1.0),
-            (&mut self.side, &other.side, gain),
-            (&mut self.left, &other.left, 1.0),
-            (&mut self.right, &other.right, 1.0),
-        ] {
-            if own.len() == other.len() {
-                for (own, other) in own.iter_mut().zip(other) {
-                    let (from, to) = (*own * *own, (gain * other) * (gain * other));
-                    *own = (from + weight * (to - from)).max(0.0).sqrt();
-                }
-            }
-        }
     }
 }
 
