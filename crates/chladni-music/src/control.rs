@@ -108,9 +108,7 @@ pub enum Target {
 
 impl Target {
     /// The targets that are pressed rather than turned, without the switches.
-    pub const BUTTONS: [Self; 8] = [
-        Self::Form,
-        Self::Choir,
+    pub const BUTTONS: [Self; 6] = [
         Self::Breed,
         Self::NextFavourite,
         Self::PreviousFavourite,
@@ -118,6 +116,9 @@ impl Target {
         Self::Tap,
         Self::PlayPause,
     ];
+
+    /// What has a few choices, and how many harmonics are in use.
+    pub const CHOICES: [Self; 3] = [Self::Form, Self::Choir, Self::Harmonics];
 }
 
 /// What a touch asks of the instrument or of the room around it.

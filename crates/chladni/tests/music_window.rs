@@ -663,7 +663,10 @@ fn recorded(folder: &Path, trace: &Trace) -> (Window, Answers) {
         trace: Some(trace.clone()),
         ..Opening::default()
     };
-    let mut window = enter(opening);
+    // Frames that come late would be drawn smaller than a film's.
+    let builder = Harness::builder().with_size([1000.0, 640.0]).with_step_dt(1.0 / 60.0);
+    let mut window = open_with(opening, builder);
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
     wait(&mut window, "the song", |_| trace.borrow().last().is_some_and(|frame| frame.is_known));
     window.run_steps(5);
     (window, answers)

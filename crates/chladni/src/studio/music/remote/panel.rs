@@ -23,8 +23,8 @@ impl Remote {
         weak(ui, "Click Learn, then move a knob, a fader or a pad.");
         let parameters = Parameter::ALL.into_iter().map(Target::Parameter);
         let switches = Switch::ALL.into_iter().map(Target::Switch);
-        let knobs = std::iter::once(Target::Harmonics).chain(parameters);
-        for target in Target::BUTTONS.into_iter().chain(knobs).chain(switches) {
+        let first = Target::BUTTONS.into_iter().chain(parameters);
+        for target in first.chain(switches).chain(Target::CHOICES) {
             row(ui, &mut self.bindings, target);
         }
     }
