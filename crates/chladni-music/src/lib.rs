@@ -42,6 +42,8 @@ mod probes;
 mod session;
 mod sides;
 mod stage;
+
+mod steepness;
 mod stereo;
 mod swing;
 mod symmetry;
