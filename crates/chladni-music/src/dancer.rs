@@ -6,11 +6,12 @@ use chladni_harmonics::{Basis, Body};
 use chladni_synth::Residual;
 use rayon::prelude::*;
 
-use crate::probes::Probes;
+use crate::probes::{Probes, rest_normals};
 use crate::sides::Sides;
+use crate::steepness::{Patch, steepness};
 use crate::swing::Swing;
 use crate::unison::unisons;
-use crate::{Class, Error, SymmetrySettings};
+use crate::{Class, Error, Form, SymmetrySettings, symmetry};
 
 /// What the mappings of all items share of one body. Working frame.
 #[derive(Clone, Debug)]
@@ -19,8 +20,6 @@ pub struct Dancer {
     pub eigenvalues: Vec<f64>,
     /// x̃_k: the harmonic transform of the rest positions.
     pub spectrum: Vec<[f32; 3]>,
-    /// max_v |H_k(v)|: how far one unit of c_k moves the most moved vertex.
-    pub reach: Vec<f32>,
     /// Whether H_k is symmetric, antisymmetric or neither.
     pub classes: Vec<Class>,
     /// χ_L and χ_R.
@@ -33,9 +32,28 @@ pub struct Dancer {
     pub(crate) swing: Swing,
     /// For each harmonic those that it sounds together with.
     unisons: Vec<Range<u32>>,
-    /// For each harmonic, max_v |Σ H_k(v) x̃_k| over its unison.
-    filter_reach: Vec<f32>,
+    /// What one unit of each harmonic does in the filter form, with its unison: Σ H_k x̃_k.
+    filter_reach: Vec<Reach>,
+    /// What one unit of each harmonic does in the modal form: H_k n.
+    modal_reach: Vec<Reach>,
+    octaves: Vec<u8>,
 }
+
+/// How far and how steeply one unit of a harmonic moves the shape.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Reach {
+    /// Of the most moved vertex.
+    pub displacement: f32,
+    /// ‖∇u‖, exceeded by at most one triangle in 50.
+    pub steepness: f32,
+}
+
+/// Triangles on which the steepness of each harmonic is taken.
+const PATCHES: usize = 4096;
+/// Harmonics whose steepest triangle is probed.
+const STEEP_PROBES: usize = 24;
+/// Octaves of frequency that are told apart.
+const OCTAVES: usize = 16;
 
 impl Dancer {
     /// Prepares `body`, whose harmonics have `classes` (K of them, see
@@ -66,30 +84,43 @@ impl Dancer {
             .zip(&smooth)
             .map(|(x, s)| std::array::from_fn(|i| (x[i] - s[i]) as f32))
             .collect();
-        let reach: Vec<f32> = (0..k)
-            .into_par_iter()
-            .map(|k| basis.harmonic(k).iter().fold(0.0, |m: f64, h| m.max(h.abs())) as f32)
-            .collect();
         let spectrum: Vec<[f32; 3]> = spectrum64.iter().map(|x| x.map(|c| c as f32)).collect();
         let runs = unisons(basis, classes, SymmetrySettings::default().cluster_gap);
-        let unison_reach: Vec<f32> =
-            runs.par_iter().map(|run| farthest_in_unison(basis, &spectrum64, run.clone())).collect();
+        let normals = rest_normals(body);
+        let patches = Patch::among(body, PATCHES);
+        let of_runs: Vec<(Reach, Option<Patch>)> =
+            runs.par_iter().map(|run| in_unison(basis, &spectrum64, run.clone(), &patches)).collect();
+        let of_harmonics: Vec<(Reach, Option<Patch>)> = (0..k)
+            .into_par_iter()
+            .map(|k| {
+                let h = basis.harmonic(k);
+                let along = |v: u32| normals[v as usize].map(|n| h[v as usize] as f32 * n);
+                let displacement = h.iter().fold(0.0, |m: f64, h| m.max(h.abs())) as f32;
+                let (steepness, steepest) = steepness(&patches, along);
+                (Reach { displacement, steepness }, steepest)
+            })
+            .collect();
         let unisons = runs.iter().flat_map(|run| vec![run.start as u32..run.end as u32; run.len()]).collect();
-        let filter_reach: Vec<f32> =
-            runs.iter().zip(&unison_reach).flat_map(|(run, &reach)| vec![reach; run.len()]).collect();
+        let filter_reach: Vec<Reach> =
+            runs.iter().zip(&of_runs).flat_map(|(run, of)| vec![of.0; run.len()]).collect();
+        let displacement: Vec<f32> = filter_reach.iter().map(|reach| reach.displacement).collect();
+        let modal_reach = of_harmonics.iter().map(|of| of.0).collect();
+        let steep = [steepest(&of_runs), steepest(&of_harmonics)].concat();
+        let probes = Probes::new(body, &displacement, &normals, &steep);
         let sides = Sides::of(body, classes);
         Ok(Self {
             eigenvalues: basis.eigenvalues.clone(),
             swing: Swing::of(body, classes, &sides),
             sides,
-            probes: Probes::new(body, &filter_reach),
+            probes,
             spectrum,
-            reach,
             classes: classes.to_vec(),
             residual: Residual::Vector(residual),
             box_diagonal: box_diagonal(&body.positions),
             unisons,
             filter_reach,
+            modal_reach,
+            octaves: octaves(basis),
         })
     }
 
@@ -105,10 +136,24 @@ impl Dancer {
         rest_positions.iter().map(|&p| p.map(|c| c * (1.0 + outwards / length(p).max(1e-6)))).collect()
     }
 
-    /// How far the most moved vertex goes when harmonic k, and what it sounds together with, is
-    /// amplified by 1 in the filter form.
-    pub fn filter_reach(&self, k: usize) -> f32 {
-        self.filter_reach[k]
+    /// What one unit of harmonic k, and of what it sounds together with, does.
+    pub(crate) fn reach(&self, form: Form, k: u32) -> Reach {
+        match form {
+            Form::Filter | Form::HalfMask => self.filter_reach[k as usize],
+            Form::Modal => {
+                let partner = self.swing.partner(k).unwrap_or(k);
+                let [own, other] = [k, partner].map(|k| self.modal_reach[k as usize]);
+                Reach {
+                    displacement: own.displacement.max(other.displacement),
+                    steepness: own.steepness.max(other.steepness),
+                }
+            }
+        }
+    }
+
+    /// Octaves of frequency √λ between the slowest wave and harmonic k.
+    pub(crate) fn octave(&self, k: u32) -> usize {
+        self.octaves[k as usize].into()
     }
 
     /// Harmonic k and those of the same eigenvalue and class: which of them is which is a matter of
@@ -118,15 +163,36 @@ impl Dancer {
     }
 }
 
-/// max_v |Σ H_k(v) x̃_k| over a run of harmonics.
-fn farthest_in_unison(basis: &Basis, spectrum: &[[f64; 3]], run: Range<usize>) -> f32 {
+/// What Σ H_k x̃_k over a run of harmonics does, and where it is steepest.
+fn in_unison(
+    basis: &Basis,
+    spectrum: &[[f64; 3]],
+    run: Range<usize>,
+    patches: &[Patch],
+) -> (Reach, Option<Patch>) {
     let mut sum = vec![[0.0f64; 3]; basis.vertices()];
     for k in run {
         for (sum, h) in sum.iter_mut().zip(basis.harmonic(k)) {
             *sum = std::array::from_fn(|i| sum[i] + h * spectrum[k][i]);
         }
     }
-    sum.iter().map(|d| d.iter().map(|c| c * c).sum::<f64>()).fold(0.0, f64::max).sqrt() as f32
+    let squares = sum.iter().map(|d| d.iter().map(|c| c * c).sum::<f64>());
+    let displacement = squares.fold(0.0, f64::max).sqrt() as f32;
+    let (steepness, steepest) = steepness(patches, |v| sum[v as usize].map(|c| c as f32));
+    (Reach { displacement, steepness }, steepest)
+}
+
+/// The steepest places of some that lie evenly in the logarithm of their number.
+fn steepest(of: &[(Reach, Option<Patch>)]) -> Vec<Patch> {
+    let ratio = (of.len() as f64).powf(1.0 / STEEP_PROBES as f64);
+    let number = |i: usize| (ratio.powi(i as i32 + 1).round() as usize).min(of.len()) - 1;
+    (0..STEEP_PROBES).filter_map(|i| of.get(number(i))?.1).collect()
+}
+
+fn octaves(basis: &Basis) -> Vec<u8> {
+    let first = basis.eigenvalues.get(symmetry::first_waving(basis)).copied().unwrap_or(1.0);
+    let octave = |l: &f64| (0.5 * (l / first).max(1.0).log2()).min(OCTAVES as f64 - 1.0) as u8;
+    basis.eigenvalues.iter().map(octave).collect()
 }
 
 fn length(v: [f32; 3]) -> f32 {

@@ -285,46 +285,87 @@ fn initial_mu(size: usize, rng: &mut ChaCha8Rng) -> Vec<f32> {
     mu
 }
 
-/// The initial gallery without μ (docs/music.md, "The initial gallery").
+/// The initial gallery without μ (docs/music.md, "The initial gallery"): each amplification has a
+/// transfer of its own. The paper leaves open which; taken in order most items are silent, their sound
+/// going to harmonics that their band does not amplify.
 fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
     let k = shape.eigenvalues.len().max(1);
-    let transfers = initial_transfers(size, shape);
-    let mut used = vec![false; size];
-    (0..size)
-        .map(|item| {
-            let amplification = initial_amplification(size, item, k);
-            // The paper leaves open which transfer meets which amplification. Taken in order
-            // most items are silent: their sound goes to harmonics that their band does not
-            // amplify. Each amplification takes the free transfer that feeds it most; where
-            // no free one feeds it, any.
-            let feeds = |t: &Vec<f32>| {
-                let top = (k - 1) as f32;
-                t.iter().filter(|t| amplification[(*t * top).round() as usize] != 0.0).count()
-            };
-            let best = |free: bool| {
-                (0..size)
-                    .filter(|&t| !free || !used[t])
-                    .max_by_key(|&t| (feeds(&transfers[t]), std::cmp::Reverse(t)))
-            };
-            let choice =
-                best(true).filter(|&t| feeds(&transfers[t]) > 0).or_else(|| best(false)).unwrap_or(0);
-            used[choice] = true;
-            let transfer = transfers[choice].clone();
+    let mut transfers = initial_transfers(size, shape);
+    let mut amplifications: Vec<Vec<f32>> =
+        (0..size).map(|item| initial_amplification(size, item, k)).collect();
+    let targets = |t: &[f32]| t.iter().map(|t| (t * (k - 1) as f32).round() as usize).collect::<Vec<_>>();
+    let driven: Vec<Vec<usize>> = transfers.iter().map(|t| targets(t)).collect();
+    let feeds: Vec<Vec<usize>> = (amplifications.iter())
+        .map(|a| driven.iter().map(|ks| ks.iter().filter(|&&k| a[k] != 0.0).count()).collect())
+        .collect();
+    let choice = pairs(&feeds);
+    for (item, (a, &t)) in amplifications.iter_mut().zip(&choice).enumerate() {
+        if feeds[item][t] == 0 {
+            reach_out(a, &driven[t]);
+        }
+    }
+    (amplifications.into_iter().zip(choice))
+        .map(|(amplification, t)| {
+            let transfer = std::mem::take(&mut transfers[t]);
             let mapping = Mapping { transfer, amplification, stereo_mu: 0.0, gain: 1.0 };
             Mapping { gain: mapping.even_gain(), ..mapping }
         })
         .collect()
 }
 
-/// t_ini(α ω) with α rising from 0 to 1 in steps 2/(S−1), then t_rev(α ω) with α falling
-/// again: S transfers in all.
+/// A transfer for each amplification, all different. As many as can have one that feeds them
+/// (`feeds[amplification][transfer]` bands of it), and first the one that feeds them most.
+fn pairs(feeds: &[Vec<usize>]) -> Vec<usize> {
+    /// Finds `item` a transfer, sending those who have one to look for another (Kuhn's algorithm).
+    fn place(item: usize, feeds: &[Vec<usize>], seen: &mut [bool], owner: &mut [Option<usize>]) -> bool {
+        let mut wanted: Vec<usize> = (0..owner.len()).filter(|&t| feeds[item][t] > 0).collect();
+        wanted.sort_by_key(|&t| (std::cmp::Reverse(feeds[item][t]), t));
+        for t in wanted {
+            if !std::mem::replace(&mut seen[t], true)
+                && owner[t].is_none_or(|other| place(other, feeds, seen, owner))
+            {
+                owner[t] = Some(item);
+                return true;
+            }
+        }
+        false
+    }
+    let mut owner = vec![None; feeds.len()];
+    let without: Vec<usize> = (0..feeds.len())
+        .filter(|&item| !place(item, feeds, &mut vec![false; feeds.len()], &mut owner))
+        .collect();
+    let free: Vec<usize> = (0..owner.len()).filter(|&t| owner[t].is_none()).collect();
+    free.into_iter().zip(without).for_each(|(t, item)| owner[t] = Some(item));
+    let mut choice = vec![0; feeds.len()];
+    for (t, item) in owner.into_iter().enumerate() {
+        if let Some(item) = item {
+            choice[item] = t;
+        }
+    }
+    choice
+}
+
+/// Lets an amplification that answers none of the `driven` harmonics reach on to the nearest of them.
+fn reach_out(a: &mut [f32], driven: &[usize]) {
+    let Some(first) = a.iter().position(|a| *a != 0.0) else { return };
+    let last = a.iter().rposition(|a| *a != 0.0).unwrap_or(first);
+    let away = |k: usize| first.saturating_sub(k).max(k.saturating_sub(last));
+    if let Some(nearest) = driven.iter().copied().filter(|&k| k > 0).min_by_key(|&k| away(k)) {
+        let sign = a[first];
+        a[first.min(nearest)..=last.max(nearest)].fill(sign);
+    }
+}
+
+/// t_ini(α ω) with α in ⌈S/2⌉ even steps from 0 to 1, then t_rev(α ω) likewise: S transfers, each once.
+/// Odd S has room for one less of the latter: t_rev(0) is left out, which like t_ini(0) is constant.
 fn initial_transfers(size: usize, shape: &GalleryShape) -> Vec<Vec<f32>> {
-    (0..size)
-        .map(|i| {
-            let rise = 2.0 * i as f64 / (size - 1) as f64;
-            direct_transfer(&shape.eigenvalues, shape.bands, rise.min(2.0 - rise), rise > 1.0)
-        })
-        .collect()
+    let half = size.div_ceil(2);
+    let transfer = |i: usize, reversed: bool| {
+        let alpha = i as f64 / (half - 1) as f64;
+        direct_transfer(&shape.eigenvalues, shape.bands, alpha, reversed)
+    };
+    let straight = (0..half).map(|i| transfer(i, false));
+    straight.chain((size % 2..half).map(|i| transfer(i, true))).collect()
 }
 
 /// Band b covers k/K in [(2b/S)², (2(b+1)/S)²); the first ⌊S/2⌋ items amplify, the rest damp.
@@ -370,6 +411,26 @@ mod tests {
                 let end = (covered * 1000.0) as usize;
                 assert!(sum[..end].iter().all(|a| *a == sign), "S = {size}");
             }
+        }
+    }
+
+    #[test]
+    fn every_initial_transfer_is_used_once_and_every_amplification_is_fed() {
+        for size in GALLERY_SIZES {
+            let transfers = initial_transfers(size, &shape());
+            assert_eq!(transfers.len(), size);
+            let direct = |reversed| direct_transfer(&shape().eigenvalues, 128, 1.0, reversed);
+            assert!(transfers.contains(&direct(false)) && transfers.contains(&direct(true)), "S = {size}");
+            let items = initial_mappings(size, &shape());
+            let mut reached = 0;
+            for (i, item) in items.iter().enumerate() {
+                assert_eq!(items.iter().filter(|other| other.transfer == item.transfer).count(), 1);
+                assert!(transfers.contains(&item.transfer), "S = {size}");
+                assert!(item.loudness() > 0.0, "S = {size}, item {i}");
+                reached += usize::from(item.amplification != initial_amplification(size, i, 256));
+            }
+            // Three, four of t_rev stay in the highest band, which has two amplifications.
+            assert!(reached <= size / 8, "S = {size}: {reached}");
         }
     }
 

@@ -43,6 +43,8 @@ mod probes;
 mod show;
 mod sides;
 mod stage;
+
+mod steepness;
 mod stereo;
 mod swing;
 mod symmetry;

@@ -49,9 +49,10 @@ impl Mapping {
         Self { gain: mapping.even_gain(), ..mapping }
     }
 
-    /// 1/√n, where n bands share the busiest harmonic that is amplified: the gain at which a
-    /// sound that is spread over them moves the shape as one full-scale band does at gain 1.
-    /// Without it a mapping that sends the whole song to a few harmonics never leaves the limit.
+    /// n^-¾, where n bands share the busiest harmonic that is amplified: the gain at which a sound that is
+    /// spread over them moves the shape about as one full-scale band does at gain 1, as bands of music are
+    /// neither all in step (1/n) nor independent (1/√n). Without it a mapping that sends the whole song to
+    /// a few harmonics never leaves the limit.
     pub fn even_gain(&self) -> f32 {
         let mut shared = vec![0u32; self.amplification.len()];
         for k in self.targets(self.transfer.len(), self.amplification.len()) {
@@ -61,7 +62,7 @@ impl Mapping {
         }
         let heard = shared.iter().zip(&self.amplification).filter(|(_, a)| **a != 0.0);
         let busiest = heard.map(|(n, _)| *n).max().unwrap_or(1).max(1);
-        1.0 / (busiest as f32).sqrt()
+        (busiest as f32).powf(-0.75)
     }
 
     /// The strongest |a| that any band drives, in [0, 1]: 0 is a mapping that no sound moves.

@@ -6,6 +6,8 @@ use std::sync::Arc;
 use chladni_synth::{Coefficients, Item, Term};
 use serde::{Deserialize, Serialize};
 
+use crate::dancer::Reach;
+use crate::probes::Limits;
 use crate::stereo::StereoMix;
 use crate::{Class, Dancer, Error, Mapping};
 
@@ -50,6 +52,10 @@ impl Form {
             }
             _ => None,
         }
+    }
+
+    fn steepness(self) -> f32 {
+        if self == Self::Modal { MODAL_STEEPNESS } else { STEEPNESS }
     }
 
     /// How many terms of an item its mapping takes; voices come after them.
@@ -110,11 +116,13 @@ pub struct Playing {
     /// Exchanges left and right.
     pub flip_sides: bool,
     /// What a full-scale band does at gain 1: the share of the bounding box's diagonal that
-    /// the most moved vertex goes, (0, 1].
+    /// the most moved vertex goes, (0, 1]; less where the surface would move more than six times
+    /// that steeply (two and a half times in the modal form).
     pub calibration: f32,
-    /// The share of the diagonal that no vertex is to exceed, (0, 1]: a soft limit that is
-    /// felt from its half on. Taken at 64 probes, so that vertices between them may go a
-    /// little farther.
+    /// The share of the diagonal that no vertex is to exceed, and six times that as steepness,
+    /// (0, 1]: a soft limit that is felt from its half on, by each octave of harmonics alone
+    /// and by their sum. Taken at probes, so that vertices between them may go a little
+    /// farther.
     pub limit: f32,
     /// φ_d in [−10, 10]: the gain of all above K; 1 leaves it alone.
     pub detail: f32,
@@ -139,6 +147,16 @@ impl Default for Playing {
         }
     }
 }
+
+/// How steeply the surface may move for each share of the diagonal that it may go: the slowest waves, about as
+/// long as the shape, reach both at once; all others grow steep first. At the usual limit nothing turns over.
+const STEEPNESS: f32 = 6.0;
+/// The same along the normal, where what swells at a thin end is steep on all sides of it.
+const MODAL_STEEPNESS: f32 = 2.5;
+/// What music has in most bands, about.
+const EVEN: f32 = 0.12;
+/// A mapping is lifted no further, so that hardly any movement stays hardly any.
+const MOST_LIFT: f32 = 16.0;
 
 /// Harmonics that some band drives, one or several in unison.
 #[derive(Clone, Copy, Debug)]
@@ -177,7 +195,8 @@ pub struct Player {
     band_count: usize,
     stereo_mu: f32,
     playing: Playing,
-    scale: f32,
+    /// Harmonics that are limited together.
+    groups: Vec<Vec<u32>>,
     dancer: Arc<Dancer>,
     scratch: Vec<[f32; 3]>,
 }
@@ -194,28 +213,33 @@ impl Player {
     ) -> Result<Self, Error> {
         mapping.validate()?;
         playing.validate()?;
+        let lift = Self::lift(mapping, dancer, bands, playing)?;
+        Ok(Self::compiled(mapping, dancer, bands, playing, lift))
+    }
+
+    /// What a mapping that spreads its sound thinly is multiplied by, 1 or more: a soft sound
+    /// in every band uses half of the limits then. As with the calibration, what mutes does not enter.
+    fn lift(mapping: &Mapping, dancer: &Arc<Dancer>, bands: usize, playing: Playing) -> Result<f32, Error> {
+        let playing = Playing { gain: 1.0, choir: Choir::All, harmonics: None, detail: 1.0, ..playing };
+        let mut all = Self::compiled(&Mapping { gain: 1.0, ..mapping.clone() }, dancer, bands, playing, 1.0);
+        let even = vec![EVEN; bands];
+        let mut item = all.item();
+        let heard = Bands { left: &even, right: &even, mid: &even, side: &even, side_gain: 1.0 };
+        let reach = all.play(&heard, &mut item)?;
+        Ok(if reach > 0.0 { (0.5 / reach).clamp(1.0, MOST_LIFT) } else { 1.0 })
+    }
+
+    fn compiled(mapping: &Mapping, dancer: &Arc<Dancer>, bands: usize, playing: Playing, lift: f32) -> Self {
         let k_count = dancer.harmonics();
         let targets = mapping.targets(bands, k_count);
         let amplification = mapping.amplification_on(k_count);
         let in_use = playing.harmonics.map_or(k_count, |k| (k as usize).min(k_count));
-        let reach = |k: u32| match playing.form {
-            Form::Filter | Form::HalfMask => dancer.filter_reach(k as usize),
-            Form::Modal => {
-                let partner = dancer.swing.partner(k).unwrap_or(k);
-                dancer.reach[k as usize].max(dancer.reach[partner as usize])
-            }
-        };
-        // Gain 1 is where a full-scale band moves the most moved vertex by the set share of
-        // the box, whichever band of this mapping moves it most. Choir and harmonics in use
-        // do not enter, so that they mute without making the rest louder.
-        let farthest =
-            targets.iter().map(|&k| (amplification[k as usize] * reach(k)).abs()).fold(0.0, f32::max);
-        let wanted = playing.calibration * dancer.box_diagonal;
-        // Rounding noise is not a movement to be calibrated: such a mapping stays at rest.
-        let scale = if farthest > 1e-6 * dancer.box_diagonal { wanted / farthest } else { 0.0 };
+        let calibrated = calibrate(&targets, &amplification, dancer, playing);
         let mut drivers = Vec::with_capacity(2 * bands);
         for (band, &k) in (0..).zip(&targets) {
-            let strength = playing.gain * mapping.gain * scale * amplification[k as usize];
+            let octave = dancer.octave(dancer.unison(k).start);
+            let strength =
+                lift * playing.gain * mapping.gain * calibrated[octave] * amplification[k as usize];
             // Along the normal each harmonic has its own direction, and the other class its share.
             let driven = match playing.form {
                 Form::Filter | Form::HalfMask => [Some(dancer.unison(k).start), None],
@@ -239,22 +263,17 @@ impl Player {
             }
         }
         voiced.retain(|v| v.end as usize <= in_use && playing.choir.admits(dancer.classes[v.first as usize]));
-        Ok(Self {
+        let groups = grouped(&voiced, dancer, playing.form);
+        Self {
             voiced,
             drivers,
             band_count: bands,
             stereo_mu: playing.stereo_mu.unwrap_or(mapping.stereo_mu),
             playing,
-            scale,
+            groups,
             dancer: dancer.clone(),
             scratch: Vec::with_capacity(2 * dancer.probes.count()),
-        })
-    }
-
-    /// M: what the calibration multiplies a(k) by; 0 if no band reaches a harmonic that moves
-    /// the shape, so that it stays at rest.
-    pub fn calibrated_scale(&self) -> f32 {
-        self.scale
+        }
     }
 
     /// How many terms its items have.
@@ -338,17 +357,13 @@ impl Player {
         drivers.iter().map(|d| d.strength * f(d.band as usize)).sum()
     }
 
-    /// Scales the item so that no probe goes beyond the limit.
+    /// Scales the item so that no probe goes beyond the limit, neither in its way nor in its steepness.
     fn soften(&mut self, item: &mut Item) -> f32 {
-        let limit = self.playing.limit * self.dancer.box_diagonal;
-        let farthest = self.dancer.probes.displacement(item, &mut self.scratch);
-        let scale = soft_limit(farthest / limit);
-        if scale < 1.0 {
-            for term in &mut item.terms {
-                scale_term(term, scale);
-            }
-        }
-        farthest / limit
+        let limits = Limits {
+            displacement: self.playing.limit * self.dancer.box_diagonal,
+            steepness: self.playing.limit * self.playing.form.steepness(),
+        };
+        self.dancer.probes.soften(item, &self.groups, limits, &mut self.scratch)
     }
 
     fn check(&self, bands: &Bands<'_>) -> Result<(), Error> {
@@ -384,6 +399,48 @@ impl Playing {
         check("stereo-mu", mu, (0.0..=1.0).contains(&mu), "[0, 1]")?;
         check("detail", self.detail, (-10.0..=10.0).contains(&self.detail), "[-10, 10]")
     }
+}
+
+/// M for each octave of harmonics: where a full-scale band that drives one of them at the mapping's largest
+/// |a| moves it by the calibrated share of the box, or as steeply as goes with that, whichever comes
+/// first. Choir and harmonics in use do not enter, so that they mute without making the rest louder.
+fn calibrate(targets: &[u32], amplification: &[f32], dancer: &Dancer, playing: Playing) -> Vec<f32> {
+    let wanted = Reach {
+        displacement: playing.calibration * dancer.box_diagonal,
+        steepness: playing.calibration * playing.form.steepness(),
+    };
+    let mut octaves: Vec<f32> = Vec::new();
+    let mut loudest = 0.0f32;
+    for &k in targets.iter().filter(|k| amplification[**k as usize] != 0.0) {
+        let reach = dancer.reach(playing.form, k);
+        // Rounding noise is not a movement to be calibrated: such a harmonic stays at rest.
+        if reach.displacement <= 1e-6 * dancer.box_diagonal {
+            continue;
+        }
+        let octave = dancer.octave(dancer.unison(k).start);
+        octaves.resize(octaves.len().max(octave + 1), f32::INFINITY);
+        let steep = if reach.steepness > 0.0 { wanted.steepness / reach.steepness } else { f32::INFINITY };
+        octaves[octave] = octaves[octave].min(wanted.displacement / reach.displacement).min(steep);
+        loudest = loudest.max(amplification[k as usize].abs());
+    }
+    octaves.resize(dancer.octave(dancer.harmonics() as u32 - 1) + 1, f32::INFINITY);
+    octaves.into_iter().map(|m| if m.is_finite() { m / loudest } else { 0.0 }).collect()
+}
+
+/// Harmonics of one octave are limited together; those that hear the side apart from those that hear
+/// the middle. Along the normal all keep step, since what swings to one side is a sum of both.
+fn grouped(voiced: &[Voiced], dancer: &Dancer, form: Form) -> Vec<Vec<u32>> {
+    let mut groups: Vec<Vec<u32>> = Vec::new();
+    for v in voiced {
+        let group = match form {
+            Form::Modal => 0,
+            Form::Filter | Form::HalfMask => 2 * dancer.octave(v.first) + usize::from(v.antisymmetric),
+        };
+        groups.resize(groups.len().max(group + 1), Vec::new());
+        groups[group].extend(v.first..v.end);
+    }
+    groups.retain(|group| !group.is_empty());
+    groups
 }
 
 fn fit<T>(coefficients: &[T], harmonics: usize) -> Result<(), Error> {

@@ -1,28 +1,42 @@
-//! A few well-chosen vertices that tell, before synthesis, how far an item will go.
-
-use std::collections::HashMap;
+//! A few well-chosen places that tell, before synthesis, how far an item will go and how steeply.
 
 use chladni_harmonics::Body;
-use chladni_synth::{Coefficients, Item, Residual};
+use chladni_synth::{Coefficients, Item, Residual, Term};
 
-/// Vertices at the extremes of the harmonics that move the shape most, and far from each other.
+use crate::player::{scale_term, soft_limit};
+use crate::steepness::Patch;
+
+/// Vertices at the extremes of the harmonics that move the shape most, and far from each other;
+/// and the corners of triangles that some harmonic bends most.
 #[derive(Clone, Debug)]
 pub(crate) struct Probes {
     vertices: Vec<u32>,
     /// H at the probes: K rows of `vertices.len()`.
     harmonics: Vec<f32>,
     normals: Vec<[f32; 3]>,
+    /// The corners of the first patch are at `COUNT.min(n)`, and so on.
+    patches: Vec<Patch>,
+}
+
+/// What a part of an item, or all of it, may do.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    pub displacement: f32,
+    pub steepness: f32,
 }
 
 const COUNT: usize = 64;
+/// Patches at most.
+const PATCHES: usize = 64;
 
 impl Probes {
     /// `unit[k]`: how far harmonic k moves the shape; its extremes are probed in this order.
-    pub(crate) fn new(body: &Body, unit: &[f32]) -> Self {
+    /// `steep`: patches to probe before those that are merely far from each other.
+    pub(crate) fn new(body: &Body, unit: &[f32], normals: &[[f32; 3]], steep: &[Patch]) -> Self {
         let n = body.positions.len();
         let mut order: Vec<usize> = (0..unit.len()).collect();
         order.sort_by(|&i, &j| unit[j].total_cmp(&unit[i]).then(i.cmp(&j)));
-        let mut vertices: Vec<u32> = Vec::with_capacity(COUNT);
+        let mut vertices: Vec<u32> = Vec::with_capacity(COUNT + 3 * PATCHES);
         for k in order {
             if vertices.len() >= COUNT * 3 / 4 {
                 break;
@@ -36,14 +50,21 @@ impl Probes {
             }
         }
         spread(&body.positions, &mut vertices, COUNT.min(n));
+        let mut patches: Vec<Patch> = Vec::with_capacity(PATCHES);
+        for patch in steep.iter().chain(&Patch::among(body, PATCHES)) {
+            if patches.len() < PATCHES && !patches.iter().any(|p| p.corners == patch.corners) {
+                patches.push(*patch);
+            }
+        }
+        vertices.extend(patches.iter().flat_map(|patch| patch.corners));
         let harmonics = (0..body.basis.harmonics())
             .flat_map(|k| {
                 let h = body.basis.harmonic(k);
                 vertices.iter().map(|&v| h[v as usize] as f32).collect::<Vec<_>>()
             })
             .collect();
-        let normals = rest_normals(body, &vertices);
-        Self { vertices, harmonics, normals }
+        let normals = vertices.iter().map(|&v| normals[v as usize]).collect();
+        Self { vertices, harmonics, normals, patches }
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -53,54 +74,137 @@ impl Probes {
     /// The largest displacement of a probe under `item`. `scratch` keeps its memory between
     /// calls; nothing else is allocated.
     pub(crate) fn displacement(&self, item: &Item, scratch: &mut Vec<[f32; 3]>) -> f32 {
-        let p = self.vertices.len();
-        scratch.clear();
-        scratch.resize(2 * p, [0.0; 3]);
-        let (total, term_sum) = scratch.split_at_mut(p);
+        let (part, total) = self.fields(scratch);
         for term in &item.terms {
-            term_sum.fill([0.0; 3]);
+            let count = match &term.coefficients {
+                Coefficients::Vector(c) => c.len(),
+                Coefficients::Normal(c) => c.len(),
+            };
+            self.field(term, 0..count as u32, part);
+            add(total, part, 1.0);
+            self.residual(term, part);
+            add(total, part, 1.0);
+        }
+        farthest(total)
+    }
+
+    /// Scales what each of `groups` of harmonics does in each term so that it keeps `limits` by itself, and
+    /// then the whole item so that the sum keeps them: what is loud does not still what is soft. Returns the
+    /// share of the limits that the farthest of all these reached. Allocates nothing but `scratch`.
+    pub(crate) fn soften(
+        &self,
+        item: &mut Item,
+        groups: &[Vec<u32>],
+        limits: Limits,
+        scratch: &mut Vec<[f32; 3]>,
+    ) -> f32 {
+        let (part, total) = self.fields(scratch);
+        let mut most = 0.0f32;
+        for term in &mut item.terms {
+            for group in groups {
+                self.field(term, group.iter().copied(), part);
+                let reach = self.reach(part, limits);
+                let scale = soft_limit(reach);
+                if scale < 1.0 {
+                    scale_group(&mut term.coefficients, group, scale);
+                }
+                most = most.max(reach);
+                add(total, part, scale);
+            }
+            self.residual(term, part);
+            add(total, part, 1.0);
+        }
+        let reach = self.reach(total, limits);
+        let scale = soft_limit(reach);
+        if scale < 1.0 {
+            item.terms.iter_mut().for_each(|term| scale_term(term, scale));
+        }
+        most.max(reach)
+    }
+
+    /// Two fields over the probes, at rest.
+    fn fields<'a>(&self, scratch: &'a mut Vec<[f32; 3]>) -> (&'a mut [[f32; 3]], &'a mut [[f32; 3]]) {
+        scratch.clear();
+        scratch.resize(2 * self.count(), [0.0; 3]);
+        scratch.split_at_mut(self.count())
+    }
+
+    /// What some harmonics of a term do.
+    fn field(&self, term: &Term, harmonics: impl Iterator<Item = u32>, out: &mut [[f32; 3]]) {
+        let p = self.count();
+        out.fill([0.0; 3]);
+        for k in harmonics.map(|k| k as usize) {
+            let Some(row) = self.harmonics.get(k * p..(k + 1) * p) else { continue };
             match &term.coefficients {
                 Coefficients::Vector(c) => {
-                    for (c, row) in
-                        c.iter().zip(self.harmonics.chunks_exact(p)).filter(|(c, _)| **c != [0.0; 3])
-                    {
-                        for (d, h) in term_sum.iter_mut().zip(row) {
-                            for i in 0..3 {
-                                d[i] += h * c[i];
-                            }
-                        }
+                    let c = c.get(k).copied().unwrap_or_default();
+                    if c != [0.0; 3] {
+                        out.iter_mut().zip(row).for_each(|(d, h)| (0..3).for_each(|i| d[i] += h * c[i]));
                     }
                 }
                 Coefficients::Normal(c) => {
-                    for (c, row) in c.iter().zip(self.harmonics.chunks_exact(p)).filter(|(c, _)| **c != 0.0) {
-                        for (d, h) in term_sum.iter_mut().zip(row) {
-                            d[0] += h * c;
-                        }
+                    let c = c.get(k).copied().unwrap_or_default();
+                    if c != 0.0 {
+                        out.iter_mut().zip(row).for_each(|(d, h)| d[0] += h * c);
                     }
                 }
-            }
-            let along_normal = matches!(term.coefficients, Coefficients::Normal(_));
-            for (i, &v) in self.vertices.iter().enumerate() {
-                let v = v as usize;
-                let g = term.residual_gain;
-                let mut d = term_sum[i];
-                match &term.residual {
-                    Some(Residual::Vector(r)) if g != 0.0 => {
-                        if let Some(r) = r.get(v) {
-                            d = std::array::from_fn(|c| d[c] + g * r[c]);
-                        }
-                    }
-                    Some(Residual::Normal(r)) if g != 0.0 => d[0] += g * r.get(v).copied().unwrap_or(0.0),
-                    _ => {}
-                }
-                if along_normal {
-                    d = self.normals[i].map(|n| n * d[0]);
-                }
-                let mask = term.mask.as_ref().map_or(1.0, |m| m.get(v).copied().unwrap_or(1.0));
-                total[i] = std::array::from_fn(|c| total[i][c] + mask * d[c]);
             }
         }
-        total.iter().map(|d| d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).fold(0.0, f32::max).sqrt()
+        self.place(term, out);
+    }
+
+    /// What the residual of a term does.
+    fn residual(&self, term: &Term, out: &mut [[f32; 3]]) {
+        let g = term.residual_gain;
+        out.fill([0.0; 3]);
+        if g == 0.0 {
+            return;
+        }
+        for (d, &v) in out.iter_mut().zip(&self.vertices) {
+            match &term.residual {
+                Some(Residual::Vector(r)) => {
+                    *d = r.get(v as usize).copied().unwrap_or_default().map(|c| g * c);
+                }
+                Some(Residual::Normal(r)) => d[0] = g * r.get(v as usize).copied().unwrap_or_default(),
+                None => {}
+            }
+        }
+        self.place(term, out);
+    }
+
+    /// Along the normals where the term is of that form, and under its mask.
+    fn place(&self, term: &Term, field: &mut [[f32; 3]]) {
+        let along_normal = matches!(term.coefficients, Coefficients::Normal(_));
+        for ((d, &v), normal) in field.iter_mut().zip(&self.vertices).zip(&self.normals) {
+            let mask = term.mask.as_ref().map_or(1.0, |m| m.get(v as usize).copied().unwrap_or(1.0));
+            *d = if along_normal { normal.map(|n| mask * d[0] * n) } else { d.map(|c| mask * c) };
+        }
+    }
+
+    /// The share of the limits that a movement of the probes reaches.
+    fn reach(&self, field: &[[f32; 3]], limits: Limits) -> f32 {
+        let corners = &field[self.count() - 3 * self.patches.len()..];
+        let steepest = (self.patches.iter().zip(corners.chunks_exact(3)))
+            .map(|(patch, u)| patch.steepness([u[0], u[1], u[2]]))
+            .fold(0.0, f32::max);
+        (farthest(field) / limits.displacement).max(steepest / limits.steepness)
+    }
+}
+
+fn add(total: &mut [[f32; 3]], part: &[[f32; 3]], scale: f32) {
+    total.iter_mut().zip(part).for_each(|(t, p)| (0..3).for_each(|i| t[i] += scale * p[i]));
+}
+
+fn farthest(field: &[[f32; 3]]) -> f32 {
+    field.iter().map(|d| d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).fold(0.0, f32::max).sqrt()
+}
+
+fn scale_group(coefficients: &mut Coefficients, group: &[u32], scale: f32) {
+    for &k in group {
+        match coefficients {
+            Coefficients::Vector(c) => c[k as usize] = c[k as usize].map(|x| scale * x),
+            Coefficients::Normal(c) => c[k as usize] *= scale,
+        }
     }
 }
 
@@ -122,17 +226,16 @@ fn spread(positions: &[[f64; 3]], chosen: &mut Vec<u32>, count: usize) {
     }
 }
 
-/// Area-weighted rest normals of some vertices.
-fn rest_normals(body: &Body, vertices: &[u32]) -> Vec<[f32; 3]> {
-    let slot: HashMap<u32, usize> = vertices.iter().enumerate().map(|(i, &v)| (v, i)).collect();
-    let mut normals = vec![[0.0f64; 3]; vertices.len()];
+/// Area-weighted rest normals of all vertices.
+pub(crate) fn rest_normals(body: &Body) -> Vec<[f32; 3]> {
+    let mut normals = vec![[0.0f64; 3]; body.positions.len()];
     for t in &body.triangles {
         let [a, b, c] = t.map(|v| body.positions[v as usize]);
         let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
         let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
         let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        for i in t.iter().filter_map(|v| slot.get(v)) {
-            normals[*i] = std::array::from_fn(|c| normals[*i][c] + n[c]);
+        for v in t.map(|v| v as usize) {
+            normals[v] = std::array::from_fn(|c| normals[v][c] + n[c]);
         }
     }
     normals

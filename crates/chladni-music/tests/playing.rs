@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::samples;
 use chladni_music::{
-    Action, Bands, Beat, Dancer, Ensemble, Form, Gallery, GalleryShape, Instrument, Mapping, Moment, Player,
+    Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Player,
     Playing, Preset, Show, Symmetry,
 };
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
@@ -142,27 +142,115 @@ fn the_filter_form_keeps_a_mirror_symmetric_shape_symmetric() {
     assert!(worst < 1e-3 * most, "{worst} of {most}");
 }
 
+/// Of every band alone at full scale: the share of what the calibration allows that the farthest vertex
+/// goes, or that the surface steepens by but for one triangle in 50, whichever is larger. Of the band that
+/// does most.
+fn calibrated_share(ready: &Ready, mapping: &Mapping) -> f64 {
+    let playing = Playing::default();
+    let of_band = |band: usize| {
+        let f = only(band);
+        let bands = Bands { left: &f, right: &f, mid: &f, side: &f, side_gain: 1.0 };
+        let d = displacements(ready, mapping, &bands, playing);
+        let way = farthest(&d) / f64::from(ready.dancer.box_diagonal);
+        way.max(steepness(&ready.body, &d) / 6.0) / f64::from(playing.calibration * mapping.gain)
+    };
+    (0..BANDS).map(of_band).fold(0.0, f64::max)
+}
+
+/// ‖∇d‖ that one triangle in 50 exceeds, from the change of each edge and what it makes of the metric.
+fn steepness(body: &Body, d: &[[f64; 3]]) -> f64 {
+    let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    let mut all: Vec<f64> = (body.triangles.iter())
+        .filter_map(|t| {
+            let edges = |p: &[[f64; 3]]| [1, 2].map(|i| sub(p[t[i] as usize], p[t[0] as usize]));
+            let ([e, f], [u, v]) = (edges(&body.positions), edges(d));
+            let square = dot(e, e) * dot(f, f) - dot(e, f).powi(2);
+            let sum = dot(f, f) * dot(u, u) - 2.0 * dot(e, f) * dot(u, v) + dot(e, e) * dot(v, v);
+            (square > 0.0).then(|| (sum / square).sqrt())
+        })
+        .collect();
+    all.sort_by(|a, b| b.total_cmp(a));
+    all[all.len() / 50]
+}
+
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+/// The share of triangles whose normal points backwards.
+fn folded(body: &Body, d: &[[f64; 3]]) -> f64 {
+    let moved: Vec<[f64; 3]> =
+        body.positions.iter().zip(d).map(|(x, d)| std::array::from_fn(|i| x[i] + d[i])).collect();
+    let normal = |p: &[[f64; 3]], t: &[u32; 3]| {
+        let [u, v] = [1, 2].map(|i| sub(p[t[i] as usize], p[t[0] as usize]));
+        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    };
+    let turned = body.triangles.iter().filter(|t| {
+        let (n, m) = (normal(&body.positions, t), normal(&moved, t));
+        n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < 0.0
+    });
+    turned.count() as f64 / body.triangles.len() as f64
+}
+
+fn gallery(bred: bool) -> Vec<Mapping> {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let mut instrument = Instrument::new(5, 12, shape).unwrap();
+    if bred {
+        let mut act = |action| instrument.apply(Moment::default(), action).unwrap();
+        (0..12).for_each(|item| act(Action::Choose { item, on: true }));
+        act(Action::Breed);
+    }
+    instrument.gallery().items().iter().map(|item| item.mapping.clone()).collect()
+}
+
 #[test]
-fn a_full_scale_band_moves_each_shape_by_the_calibrated_amount() {
-    let gallery = Gallery::new(
-        5,
-        12,
-        &GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS },
-    )
-    .unwrap();
+fn a_full_scale_band_goes_as_far_or_as_steeply_as_calibrated_on_each_shape() {
     for ready in [octopus(), head()] {
-        for item in gallery.items() {
-            let mapping = Mapping { stereo_mu: 0.0, ..item.mapping.clone() };
-            let mut most = 0.0f64;
-            for band in 0..BANDS {
-                let f = only(band);
-                let bands = Bands { left: &f, right: &f, mid: &f, side: &f, side_gain: 1.0 };
-                most = most.max(farthest(&displacements(ready, &mapping, &bands, Playing::default())));
-            }
-            let share = most / f64::from(ready.dancer.box_diagonal);
-            assert!((share / f64::from(0.08 * mapping.gain) - 1.0).abs() < 1e-3, "item {}: {share}", item.id);
+        for (item, mapping) in gallery(false).into_iter().enumerate() {
+            let share = calibrated_share(ready, &Mapping { stereo_mu: 0.0, ..mapping });
+            // The steepest probes are softened a little; the mask of a half is a little steep itself.
+            assert!((0.6..=1.2).contains(&share), "item {item}: {share}");
         }
     }
+}
+
+#[test]
+fn no_item_of_a_gallery_turns_the_surface_over_at_full_scale() {
+    let (full, silence) = (vec![1.0; BANDS], vec![0.0; BANDS]);
+    for (form, bred) in
+        [(Form::HalfMask, false), (Form::HalfMask, true), (Form::Filter, false), (Form::Modal, false)]
+    {
+        for (item, mapping) in gallery(bred).iter().enumerate() {
+            for ready in [octopus(), head()] {
+                for right in [&full, &silence] {
+                    let bands = Bands { left: &full, right, mid: &full, side: &full, side_gain: 1.0 };
+                    let d = displacements(ready, mapping, &bands, Playing { form, ..Playing::default() });
+                    let share = folded(&ready.body, &d);
+                    assert!(share <= 0.005, "{form:?}, bred {bred}, item {item}: {share}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_loud_side_does_not_still_the_middle() {
+    let ready = octopus();
+    let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
+    let mid = vec![0.3; BANDS];
+    let middle = |side: f32| {
+        let side = vec![side; BANDS];
+        let bands = Bands { left: &mid, right: &mid, mid: &mid, side: &side, side_gain: 1.0 };
+        let playing = Playing { form: Form::Filter, ..Playing::default() };
+        let mut player = Player::new(&mapping, &ready.dancer, BANDS, playing).unwrap();
+        let mut item = player.item();
+        player.play(&bands, &mut item).unwrap();
+        let chladni_synth::Coefficients::Vector(c) = &item.terms[0].coefficients else { panic!() };
+        let symmetric = c.iter().zip(&ready.dancer.classes).filter(|(_, class)| class.sign() > 0);
+        symmetric.flat_map(|(c, _)| c.iter()).map(|c| c * c).sum::<f32>().sqrt()
+    };
+    let (alone, beside) = (middle(0.0), middle(10.0));
+    assert!(alone > 0.0 && beside > 0.5 * alone, "{beside} of {alone}");
 }
 
 #[test]
@@ -177,20 +265,10 @@ fn a_preset_bred_on_the_octopus_plays_on_the_head() {
     let preset = Preset::from_text(&Preset::of(&instrument, &bred, vec![]).to_text().unwrap()).unwrap();
     assert_eq!(preset.mapping, bred.mapping);
     assert!(preset.lineage.len() >= 3);
-    let most = |ready: &Ready| {
-        (0..BANDS)
-            .map(|band| {
-                let f = only(band);
-                let bands = Bands { left: &f, right: &f, mid: &f, side: &f, side_gain: 1.0 };
-                let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands: BANDS };
-                farthest(&displacements(ready, &preset.mapping_on(&shape), &bands, Playing::default()))
-            })
-            .fold(0.0, f64::max)
-            / f64::from(ready.dancer.box_diagonal)
-    };
-    for share in [most(octopus()), most(head())] {
-        let calibrated = f64::from(0.08 * preset.mapping.gain);
-        assert!((0.5..=2.0).contains(&(share / calibrated)), "{share} for {calibrated}");
+    for ready in [octopus(), head()] {
+        let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands: BANDS };
+        let share = calibrated_share(ready, &preset.mapping_on(&shape));
+        assert!((0.6..=1.2).contains(&share), "{share}");
     }
 }
 
@@ -370,7 +448,7 @@ fn the_limit_holds_where_it_is_not_probed() {
         let playing = Playing { form, gain: 20.0, ..Playing::default() };
         let share =
             farthest(&displacements(ready, &mapping, &bands, playing)) / f64::from(ready.dancer.box_diagonal);
-        assert!((0.1..0.18 * 1.3).contains(&share), "{form:?}: {share}");
+        assert!((0.03..0.18 * 1.3).contains(&share), "{form:?}: {share}");
     }
 }
 

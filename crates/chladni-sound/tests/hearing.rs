@@ -188,3 +188,46 @@ fn four_codecs_have_one_spectrum() {
         assert!(relative <= most, "{extension}: {relative}");
     }
 }
+
+/// Amplitudes of the bands nearest to some tones, after `secs` of them at automatic level.
+fn levelled(settings: SpectrumSettings, tones: &[(f32, f32)], secs: f64, sides: [f32; 2]) -> [Vec<f32>; 2] {
+    let mut analyser = SpectrumAnalyser::new(settings).unwrap();
+    let n = analyser.window_frames();
+    let wave = |i: usize| {
+        let phase = |hz: f32| f64::from(hz) * i as f64 / f64::from(RATE_HZ) * std::f64::consts::TAU;
+        tones.iter().map(|&(hz, amplitude)| amplitude * phase(hz).sin() as f32).sum::<f32>()
+    };
+    let song: Vec<f32> = (0..(secs * f64::from(RATE_HZ)) as usize + n).map(wave).collect();
+    let [left, right] = sides.map(|gain| song.iter().map(|x| gain * x).collect::<Vec<f32>>());
+    for at in (0..song.len() - n).step_by(735) {
+        analyser.analyse(&left[at..at + n], &right[at..at + n], 735.0 / f64::from(RATE_HZ));
+    }
+    let near = |hz: f32| {
+        let off = |b: &usize| (analyser.bands_hz()[*b] / hz).ln().abs();
+        (0..analyser.bands_hz().len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
+    };
+    let s = analyser.spectrum();
+    [&s.mid, &s.side].map(|f| tones.iter().map(|&(hz, _)| f[near(hz)]).collect())
+}
+
+#[test]
+fn soft_treble_moves_beside_loud_bass_and_hiss_does_not() {
+    let tones = [(80.0, 0.5), (6000.0, 0.005), (12_000.0, 2e-6)];
+    let [mid, _] = levelled(SpectrumSettings::new(RATE_HZ), &tones, 2.0, [1.0, 1.0]);
+    assert!((0.85..=1.01).contains(&mid[0]), "{mid:?}");
+    // 40 dB softer: a quarter of that is left, and 80 % of the quarter.
+    assert!((-9.5..-6.5).contains(&(20.0 * (mid[1] / mid[0]).log10())), "{mid:?}");
+    assert!(mid[2] < 0.05, "{mid:?}");
+}
+
+#[test]
+fn the_side_has_a_level_of_its_own() {
+    let most = |f: &[f32]| f.iter().copied().fold(0.0, f32::max);
+    let hear = |sides| levelled(SpectrumSettings::new(RATE_HZ), &[(220.0, 0.5), (900.0, 0.2)], 2.0, sides);
+    // A wide song: ten times its side would be ten times full scale.
+    let [mid, side] = hear([1.0, -1.0]);
+    assert!(most(&mid) < 0.01 && (0.85..=1.01).contains(&most(&side)), "{mid:?} {side:?}");
+    // A narrow one: its side is 40 dB softer than its middle, of which 20 dB are made up for.
+    let [mid, side] = hear([1.0, 0.98]);
+    assert!((0.06..0.14).contains(&(most(&side) / most(&mid))), "{mid:?} {side:?}");
+}

@@ -5,7 +5,7 @@ use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;
 
 use super::bands::{Bands, FrontEnd};
-use super::level::{Level, LevelFollower};
+use super::level::{Level, Leveller};
 use crate::SoundError;
 
 /// The interval for which the decay w is stated, in seconds: the paper analyses every 50 ms.
@@ -28,7 +28,8 @@ pub struct SpectrumSettings {
     pub front_end: FrontEnd,
     /// Decay w in [0, 1): how much of the spectrum of 50 ms ago is left.
     pub decay: f32,
-    /// What the side is multiplied by; it is weak in most music.
+    /// What the side is multiplied by at most; it is weak in most music. At automatic level less where it is
+    /// not, so that its loudest band is 1 as well.
     pub side_gain: f32,
     /// Automatic or fixed level.
     pub level: Level,
@@ -78,8 +79,8 @@ impl SpectrumSettings {
     }
 }
 
-/// Amplitudes of the bands; 1 is a sine of full scale at fixed level 1, or the loudest band
-/// of the last two seconds at automatic level.
+/// Amplitudes of the bands; 1 is a sine of full scale at fixed level 1, or the louder channel of the
+/// loudest band of the last two seconds at automatic level.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spectrum {
     /// Of (left + right) / 2, one per band.
@@ -181,7 +182,9 @@ pub struct SpectrumAnalyser {
     fresh: Spectrum,
     followed: Vec<Followed>,
     spectrum: Spectrum,
-    follower: LevelFollower,
+    leveller: Leveller,
+    /// What each band is multiplied by.
+    gains: Vec<f32>,
     lag_secs: f64,
 }
 
@@ -219,7 +222,8 @@ impl SpectrumAnalyser {
             fresh: silence.clone(),
             followed: vec![Followed::default(); settings.bands],
             spectrum: silence,
-            follower: LevelFollower::new(),
+            leveller: Leveller::new(settings.bands),
+            gains: vec![0.0; settings.bands],
             lag_secs: lag_secs(&settings),
             settings,
         })
@@ -249,7 +253,7 @@ impl SpectrumAnalyser {
     pub fn reset(&mut self) {
         self.spectrum = Spectrum::silent(self.settings.bands);
         self.followed.fill(Followed::default());
-        self.follower = LevelFollower::new();
+        self.leveller = Leveller::new(self.settings.bands);
     }
 
     /// How much later than a click the decay lets its spectrum be strongest, in seconds: a window
@@ -279,25 +283,35 @@ impl SpectrumAnalyser {
         amplitudes(0.5, -0.5, &mut fresh.side);
         amplitudes(1.0, 0.0, &mut fresh.left);
         amplitudes(0.0, 1.0, &mut fresh.right);
-        let both = self.fresh.mid.iter().chain(&self.fresh.side);
-        let loudest = both.fold(0.0f32, |a, &b| a.max(b));
-        let gain = match self.settings.level {
-            Level::Auto => 1.0 / self.follower.follow(loudest, dt_secs),
-            Level::Fixed(gain) => gain,
-        };
+        let side_gain = self.level(dt_secs);
         let keep = f64::from(self.settings.decay).powf(dt_secs / DECAY_INTERVAL_SECS) as f32;
         let (fresh, spectrum) = (&self.fresh, &mut self.spectrum);
-        spectrum.side_gain = self.settings.side_gain;
+        spectrum.side_gain = side_gain;
         for (b, followed) in self.followed.iter_mut().enumerate() {
+            let gain = self.gains[b];
             let [left, right, mid, side] =
                 [&fresh.left, &fresh.right, &fresh.mid, &fresh.side].map(|amplitudes| gain * amplitudes[b]);
             followed.follow(Followed::of(left, right, mid, side), keep);
             spectrum.left[b] = followed.amplitude(followed.left);
             spectrum.right[b] = followed.amplitude(followed.right);
             spectrum.mid[b] = followed.amplitude(followed.mid);
-            spectrum.side[b] = self.settings.side_gain * followed.amplitude(followed.side);
+            spectrum.side[b] = side_gain * followed.amplitude(followed.side);
         }
         &self.spectrum
+    }
+
+    /// The gain of each band into `gains`; returns that of the side.
+    fn level(&mut self, dt_secs: f64) -> f32 {
+        let Self { fresh, gains, leveller, settings, .. } = self;
+        if let Level::Fixed(gain) = settings.level {
+            gains.fill(gain);
+            return settings.side_gain;
+        }
+        let louder = fresh.left.iter().zip(&fresh.right).map(|(l, r)| l.max(*r));
+        gains.iter_mut().zip(louder).for_each(|(gain, amplitude)| *gain = amplitude);
+        leveller.follow(gains, dt_secs);
+        let side = fresh.side.iter().zip(&*gains).fold(0.0f32, |most, (u, gain)| most.max(u * gain));
+        leveller.side_gain(side, settings.side_gain, dt_secs)
     }
 
     /// The windowed transforms of left and right.

@@ -1,10 +1,11 @@
-//! One loudness for loud and quiet masters.
+//! One loudness for loud and quiet masters, for bass and treble, for the middle and the side.
 
 /// How the spectrum is brought to a common level.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// The loudest band of the last two seconds is 1.
+    /// The loudest band of the last two seconds is 1, and softer ones are lifted by most of what they
+    /// lack (docs/sound.md, "Level").
     Auto,
     /// Amplitudes are multiplied by this.
     Fixed(f32),
@@ -20,9 +21,51 @@ const SLOTS: usize = 16;
 /// Once the loudest moment is forgotten the level sinks with this time constant, in decibels.
 const RELEASE_SECS: f64 = 0.3;
 
+/// How much of what a band lacks beside the loudest is made up for, in decibels of decibels.
+const LIFT: f32 = 0.8;
+/// Bands softer than this beside the loudest (−60 dB) are not lifted further: hiss is not music.
+const SOFTEST: f32 = 1e-3;
+/// What a band lacks is followed at once where it gets louder, and with this time constant, in decibels,
+/// where it gets softer.
+const BAND_RELEASE_SECS: f64 = 4.0;
+/// Levelled amplitudes are raised to this power: what is 10 dB softer than its band's level shows as 7 dB.
+const COMPRESSION: f32 = 0.7;
+
+/// The gain of each band and of the side.
+pub(super) struct Leveller {
+    whole: LevelFollower,
+    side: LevelFollower,
+    /// For each band, its own level over that of the loudest, in [`SOFTEST`, 1].
+    bands: Vec<f32>,
+}
+
+impl Leveller {
+    pub fn new(bands: usize) -> Self {
+        Self { whole: LevelFollower::new(), side: LevelFollower::new(), bands: vec![SOFTEST; bands] }
+    }
+
+    /// Takes the louder channel of each band, `dt_secs` after the last; replaces it by the band's gain.
+    pub fn follow(&mut self, amplitudes: &mut [f32], dt_secs: f64) {
+        let level = self.whole.follow(amplitudes.iter().fold(0.0, |a: f32, &b| a.max(b)), dt_secs);
+        let keep = (-dt_secs / BAND_RELEASE_SECS).exp() as f32;
+        for (own, amplitude) in self.bands.iter_mut().zip(amplitudes) {
+            let now = (*amplitude / level).clamp(SOFTEST, 1.0);
+            *own = if now >= *own { now } else { now * (*own / now).powf(keep) };
+            let levelled = *amplitude / (level * own.powf(LIFT));
+            *amplitude = if levelled > 0.0 { levelled.powf(COMPRESSION) / *amplitude } else { 0.0 };
+        }
+    }
+
+    /// What the side is multiplied by: `most`, or what brings its `loudest` levelled band of the last two
+    /// seconds to 1 if that is less.
+    pub fn side_gain(&mut self, loudest: f32, most: f32, dt_secs: f64) -> f32 {
+        most.min(1.0 / self.side.follow(loudest, dt_secs))
+    }
+}
+
 /// Follows the level: up at once, down in decibels towards the loudest of the last 2 s.
 /// All of it scales with the sound, so that a master 40 dB quieter gives the same result.
-pub(super) struct LevelFollower {
+struct LevelFollower {
     slots: [f32; SLOTS],
     slot: usize,
     slot_secs: f64,
@@ -30,12 +73,12 @@ pub(super) struct LevelFollower {
 }
 
 impl LevelFollower {
-    pub fn new() -> Self {
+    fn new() -> Self {
         Self { slots: [0.0; SLOTS], slot: 0, slot_secs: 0.0, level: 0.0 }
     }
 
     /// Takes the loudest band of a frame `dt_secs` after the last one; returns the level.
-    pub fn follow(&mut self, loudest: f32, dt_secs: f64) -> f32 {
+    fn follow(&mut self, loudest: f32, dt_secs: f64) -> f32 {
         let per_slot = MEMORY_SECS / SLOTS as f64;
         self.slot_secs += dt_secs;
         let passed = (self.slot_secs / per_slot).floor();

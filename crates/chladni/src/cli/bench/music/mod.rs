@@ -1,5 +1,6 @@
 //! `chladni bench music`: how fast the music instrument is, and how true.
 
+mod gallery;
 mod stereo;
 mod timing;
 mod truth;
@@ -10,7 +11,8 @@ use serde::Serialize;
 use crate::cli::{Failure, Terminal};
 
 /// Measure the music instrument: the time from spectrum to a whole gallery's normals; how far left
-/// and right move apart; how a preset bred on one shape moves another.
+/// and right move apart; how a preset bred on one shape moves another; whether all of a gallery moves and
+/// none of it turns over.
 #[derive(Args)]
 pub struct BenchMusic {
     /// Vertices of the generated shape that is timed.
@@ -25,6 +27,12 @@ pub struct BenchMusic {
     /// Frames measured.
     #[arg(long, default_value_t = 100)]
     frames: usize,
+    /// A mesh, beside octopus and head, on which galleries are measured; may be given several times.
+    #[arg(long, value_name = "MESH")]
+    shape: Vec<String>,
+    /// A song, beside sample:tune, to which they move; may be given several times.
+    #[arg(long, value_name = "SONG")]
+    song: Vec<String>,
     /// Print JSON instead of lines.
     #[arg(long)]
     json: bool,
@@ -35,6 +43,8 @@ struct Report {
     timing: Vec<timing::Measured>,
     stereo: Vec<stereo::Stereo>,
     transfer: truth::Transfer,
+    folds: Vec<gallery::Folds>,
+    movement: Vec<gallery::Movement>,
 }
 
 impl BenchMusic {
@@ -45,7 +55,15 @@ impl BenchMusic {
         let head = truth::Ready::sample("head", terminal)?;
         let mut stereo = stereo::stereo(&octopus)?;
         stereo.extend(stereo::stereo(&head)?);
-        let report = Report { timing, stereo, transfer: truth::transfer(&octopus, &head)? };
+        let transfer = truth::transfer(&octopus, &head)?;
+        let mut report = Report { timing, stereo, transfer, folds: Vec::new(), movement: Vec::new() };
+        let songs = gallery::songs(&[vec!["sample:tune".to_owned()], self.song].concat(), terminal)?;
+        let files = self.shape.iter().map(|file| gallery::shape(file, terminal));
+        for ready in [Ok(octopus), Ok(head)].into_iter().chain(files) {
+            let ready = ready?;
+            report.folds.extend(gallery::folds(&ready)?);
+            report.movement.extend(gallery::movement(&ready, &songs)?);
+        }
         if self.json {
             return terminal.json(&report);
         }
@@ -63,11 +81,22 @@ impl BenchMusic {
                 r.shape, r.form, r.tone_hz, r.channel, r.energy_ratio, r.direction, r.mirror_error
             ))?;
         }
+        for r in &report.folds {
+            terminal.result(format_args!(
+                "{}, {:?}, {} gallery: {:.3} % of {} triangles turned over by all bands at full scale, {:.3} % by one",
+                r.shape, r.form, r.gallery, 100.0 * r.all_bands, r.triangles, 100.0 * r.one_band
+            ))?;
+        }
+        for r in &report.movement {
+            terminal.result(format_args!(
+                "{}, {} gallery: the least moved item goes {:.2} as far as the median one and changes {:.2} as much",
+                r.shape, r.gallery, r.least, r.least_change
+            ))?;
+        }
         let t = &report.transfer;
         terminal.result(format_args!(
-            "{} presets bred on the octopus: displacement over the calibrated amount {:.3} to {:.3} there, {:.3} to {:.3} on \
-             the head",
-            t.presets, t.own[0], t.own[1], t.other[0], t.other[1]
+            "{} presets bred on the octopus move the head {:.2} to {:.2} times as far to the sample tune (median {:.2})",
+            t.presets, t.ratio[0], t.ratio[2], t.ratio[1]
         ))
     }
 }

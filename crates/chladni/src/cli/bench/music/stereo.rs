@@ -12,7 +12,7 @@ use crate::cli::Failure;
 /// What a tone in one channel, or the same in both, does.
 #[derive(Serialize)]
 pub struct Stereo {
-    pub shape: &'static str,
+    pub shape: String,
     pub form: Form,
     pub channel: &'static str,
     pub tone_hz: f64,
@@ -49,7 +49,7 @@ pub fn stereo(ready: &Ready) -> Result<Vec<Stereo>, Failure> {
                 let mean = |half: usize| outwards[half] / area[half].max(f64::MIN_POSITIVE);
                 let rms = ((energy[0] + energy[1]) / (area[0] + area[1])).sqrt();
                 rows.push(Stereo {
-                    shape: ready.name,
+                    shape: ready.name.clone(),
                     form,
                     channel,
                     tone_hz,
