@@ -61,6 +61,8 @@ impl Project {
             let region = Region { painted, ..layer.region.clone() };
             Ok(Layer { template, region, matching, ..layer.clone() })
         })?;
+        // How this shape stands says nothing of how another does.
+        let project = Self { stands: None, ..project };
         Ok(Carried { project, report: way.map(|way| way.report) })
     }
 }

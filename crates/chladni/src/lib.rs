@@ -10,6 +10,7 @@
 //! with any version. What scripts may rely on are the command line, the files and the exit codes.
 
 pub mod cli;
+mod own_look;
 pub mod source;
 pub mod studio;
 mod symmetry_figure;

@@ -24,6 +24,7 @@ use serde::Serialize;
 
 use super::inputs::open_song;
 use super::outputs::check_file;
+use super::stance::Stance;
 use super::{Failure, Terminal};
 use cast::Cast;
 use hearing::Hearing;
@@ -95,6 +96,8 @@ pub struct Dance {
     /// Turn of the shape in degrees, to begin with.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     yaw: f32,
+    #[command(flatten)]
+    stance: Stance,
     /// Samples a pixel: 4, or 1 with edges smoothed afterwards. Unless given, 4 on a graphics card and
     /// 1 where the processor draws.
     #[arg(long, value_name = "1|4")]
@@ -164,7 +167,9 @@ impl Dance {
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         let begin = Instant::now();
         self.check_output()?;
+        self.stance.check()?;
         let cast = Cast::open(&self.mesh, terminal)?;
+        let stands = cast.stands(self.stance, terminal)?;
         let song = open_song(&self.song, self.start, self.duration, terminal)?;
         let mut seconds = Seconds { reading: begin.elapsed().as_secs_f64(), ..Seconds::default() };
         let preparing = Instant::now();
@@ -189,6 +194,7 @@ impl Dance {
             material: self.material,
             background: self.background,
             yaw_rad: self.yaw.to_radians(),
+            stands,
         };
         let ensemble = Ensemble::new(dancer).with_voices(voices).map_err(failure)?;
         let mut show = Show::new(&body, ensemble, hearing, instrument, script, self.start, self.fps.0)?;

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use chladni_harmonics::Body;
+use chladni_mesh::Orientation;
 use chladni_music::{Beat, Ensemble, Instrument, LoggedAction, Moment, Parameter, Switch, react};
 use chladni_sound::Song;
 use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, GpuContext, Item, SynthModel, Synthesizer};
@@ -25,6 +26,7 @@ pub struct Look {
     pub material: Material,
     pub background: Background,
     pub yaw_rad: f32,
+    pub stands: Orientation,
 }
 
 /// Who computes and draws; where nothing is said, what suits the device.
@@ -264,7 +266,7 @@ impl Theatre {
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, items, 1.0);
         let viewports = layout::grid(area, rows, columns, 0, items);
         let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        let mut camera = Camera { pitch_rad: 0.14, ..Camera::default() };
+        let mut camera = Camera { pitch_rad: 0.14, stands: look.stands, ..Camera::default() };
         camera.fit_turntable(&self.room.1, aspect, 0.98);
         camera.yaw_rad = look.yaw_rad - reaction.turn_rad;
         let mut lights = look.lights.turned(reaction.light_turn_rad);

@@ -118,7 +118,7 @@ impl Concert {
             rest,
             room: (0.0, Vec::new()),
             viewport,
-            camera: Camera { pitch_rad: 0.14, ..Camera::default() },
+            camera: Camera { pitch_rad: 0.14, stands: ready.stands, ..Camera::default() },
             glimpse: Glimpse::default(),
             guard: FlashGuard::default(),
             shown: None,
