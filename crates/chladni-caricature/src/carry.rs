@@ -38,7 +38,7 @@ impl Project {
             true => Some(Way::between(from, to, task)?),
             false => None,
         };
-        let project = self.map_layers(|layer| {
+        let mut project = self.map_layers(|layer| {
             let painted = match (&layer.region.painted, &way) {
                 (Painted::Vertices(values), Some(way)) => Painted::Vertices(way.carry(values)?),
                 (Painted::Spheres(spheres), _) => {
@@ -62,7 +62,7 @@ impl Project {
             Ok(Layer { template, region, matching, ..layer.clone() })
         })?;
         // How this shape stands says nothing of how another does.
-        let project = Self { stands: None, ..project };
+        project.stands = None;
         Ok(Carried { project, report: way.map(|way| way.report) })
     }
 }

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use chladni_harmonics::{Basis, Body};
-use chladni_match::{
-    Ellipsoid, Match, MatchError, Report, Settings, infilled, match_shapes, onto_ellipsoid,
-};
+use chladni_match::{Ellipsoid, Match, MatchError, Report, Settings, infilled, match_shapes, onto_ellipsoid};
 use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_task::Task;
 

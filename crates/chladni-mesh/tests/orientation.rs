@@ -35,7 +35,8 @@ fn is_right(found: &Estimate, truth: &Orientation) -> bool {
 
 /// `mesh` in other axes (where x, y and z come to lie) and other units.
 fn turned(mesh: &TriMesh, axes: [[f64; 3]; 3]) -> TriMesh {
-    let turn = |p: &[f64; 3]| std::array::from_fn(|i| 25.4 * (0..3).map(|j| axes[j][i] * p[j]).sum::<f64>() + 90.0);
+    let turn =
+        |p: &[f64; 3]| std::array::from_fn(|i| 25.4 * (0..3).map(|j| axes[j][i] * p[j]).sum::<f64>() + 90.0);
     TriMesh { positions: mesh.positions.iter().map(turn).collect(), ..mesh.clone() }
 }
 

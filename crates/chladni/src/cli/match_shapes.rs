@@ -7,14 +7,12 @@ use std::time::Instant;
 use chladni_caricature::GivenEllipsoid;
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_match::{
-    Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, match_shapes, onto_ellipsoid,
-    load_landmarks, self_low_passed, self_scaled,
+    Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, load_landmarks, match_shapes,
+    onto_ellipsoid, self_low_passed, self_scaled,
 };
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
-use chladni_view::{
-    Camera, ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, View, render_picture,
-};
+use chladni_view::{Camera, ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, View, render_picture};
 use serde::Serialize;
 
 use super::layer_options::scaling;
@@ -117,7 +115,7 @@ impl MatchShapes {
             save(path, &found.correspondence).map_err(|error| Failure::writing(path, error))?;
         }
         if let Some(path) = &self.render {
-            draw(path, &self.shape, &shape, &found.correspondence, terminal)?;
+            draw(path, &self.shape.display().to_string(), &shape, &found.correspondence, terminal)?;
         }
         for warning in &found.report.warnings {
             terminal.warn(warning);

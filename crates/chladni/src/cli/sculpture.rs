@@ -122,7 +122,9 @@ impl Sculpture {
         let own = OwnLook::of(&self.mesh, body, &mut warnings);
         warnings.iter().for_each(|warning| terminal.warn(format_args!("{name}: {warning}")));
         let colors = match &own {
-            Some(OwnLook::Colors(bytes)) => Some(bytes.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect()),
+            Some(OwnLook::Colors(bytes)) => {
+                Some(bytes.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect())
+            }
             _ => None::<Vec<[f32; 4]>>,
         };
         let image = match &own {

@@ -47,8 +47,7 @@ impl Stance {
         if let Some(kept) = kept.filter(|_| !self.is_told()) {
             return Ok(kept);
         }
-        let known =
-            Known { up: self.up.map(Axis::direction), front: self.front.map(Axis::direction) };
+        let known = Known { up: self.up.map(Axis::direction), front: self.front.map(Axis::direction) };
         let found = terminal
             .watch("finding which way is up", |task| Estimate::of(mesh, known, task))
             .map_err(|_| Failure::Cancelled)?;

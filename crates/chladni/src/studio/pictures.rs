@@ -109,6 +109,7 @@ fn portrait(gpu: &Gpu, name: &str) -> Option<Picture> {
     let [width, height] = SIZE;
     let shape = PictureShape { positions: &positions, triangles: &mesh.triangles, ..PictureShape::default() };
     let style = Style { background: Background::TRANSPARENT, ..Style::default() };
-    let request = PictureRequest { shapes: &[shape], width, height, from: Camera::looking(View::ThreeQuarter), style };
+    let request =
+        PictureRequest { shapes: &[shape], width, height, from: Camera::looking(View::ThreeQuarter), style };
     render_picture(gpu, &request).ok()
 }

@@ -244,7 +244,7 @@ fn the_keyboard_reaches_what_is_common_and_crossings_are_counted() {
     person.0.run_steps(2);
     person.screenshot("studio-crossings.png");
     assert!(person.sees("folded triangles"));
-    person.press(Key::F);
+    person.press(Key::E);
     person.wait_to_see("No folds");
 
     person.press_with(CTRL, Key::D);

@@ -8,8 +8,8 @@ use super::landmarks::Picking;
 use super::session::Session;
 use super::stage::Show;
 use super::{
-    ABOVE, ADD_MESH, BELOW, BRUSH, CaricatureRoom, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, HIDE, INVERT,
-    LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
+    ABOVE, ADD_MESH, BELOW, BRUSH, CaricatureRoom, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, HIDE,
+    INVERT, LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
     SMALLER, SOLO, STRONGER, UNDO, WEAKER, WIRE, as_far_as_it_goes, toggle_picking,
 };
 use crate::studio::room::Shared;

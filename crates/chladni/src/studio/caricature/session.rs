@@ -40,7 +40,11 @@ pub struct Loaded {
 
 /// Loads the shape of a project and its harmonics. The mesh is sent to `read` as soon as it is
 /// there: solving may take much longer.
-pub fn load(candidate: Candidate, read: &Sender<(Arc<TriMesh>, Orientation)>, task: &Task) -> Result<Loaded, String> {
+pub fn load(
+    candidate: Candidate,
+    read: &Sender<(Arc<TriMesh>, Orientation)>,
+    task: &Task,
+) -> Result<Loaded, String> {
     let Candidate { mut project, path, recovered, made_on, .. } = candidate;
     let folder = path.as_deref().and_then(Path::parent);
     let (mesh, mut warnings) = source::shape(&project.shape, folder)?;

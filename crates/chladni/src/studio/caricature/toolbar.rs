@@ -5,9 +5,9 @@ use chladni_mesh::{Axis, Orientation};
 use chladni_view::{ColorMap, Lights, Material};
 use egui::Ui;
 
+use super::edits::Edit;
 use super::heat::Quantity;
 use super::stage::{Show, Stage};
-use super::edits::Edit;
 use super::{CaricatureRoom, EXPORT, FIT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;

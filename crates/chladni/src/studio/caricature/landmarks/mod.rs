@@ -164,7 +164,8 @@ impl Picking {
             Some(Outcome::Done(mesh)) => {
                 self.reading = None;
                 let (mesh, stands) = mesh?;
-                let side = Side::new(self.viewport.gpu(), &mesh, stands).map_err(|error| error.to_string())?;
+                let side =
+                    Side::new(self.viewport.gpu(), &mesh, stands).map_err(|error| error.to_string())?;
                 self.other = Some(side);
                 self.viewport.invalidate();
             }
@@ -212,7 +213,8 @@ impl Picking {
         let held = self.held.filter(|(side, ..)| *side == which);
         let side = self.side(which)?;
         side.fit(cell.aspect());
-        let home = ui.input(|input| input.key_pressed(egui::Key::Home) || input.key_pressed(egui::Key::F)) && response.hovered();
+        let home = ui.input(|input| input.key_pressed(egui::Key::Home) || input.key_pressed(egui::Key::F))
+            && response.hovered();
         if home {
             side.refit();
         }
