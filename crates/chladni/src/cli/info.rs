@@ -58,7 +58,10 @@ impl Info {
             return terminal.json(&Printed { report, stands, mended });
         }
         lines(&report).into_iter().try_for_each(|line| terminal.result(line))?;
-        let why = if found.in_doubt { "in doubt" } else { found.evidence.words() };
+        let why = match found.in_doubt {
+            true => "in doubt".to_owned(),
+            false => format!("because {}", found.evidence.words()),
+        };
         terminal.result(format_args!("{:<22} {} ({why})", "stands", found.orientation))
     }
 }
