@@ -296,9 +296,6 @@ impl CaricatureRoom {
         let positions = single(&body.positions);
         let stage = Stage::new(viewport::gpu_of(shared.gpu), &positions, &body.triangles, look)
             .map_err(|error| error.to_string())?;
-        if session.stands_in_doubt() {
-            shared.notices.warn("Which way is up is in doubt: the button with the arrow says otherwise.");
-        }
         self.heat.start(stage.has_own_look());
         self.thumbnails.clear(shared.gpu);
         // Layers of another project, or of this one on another shape, may have the same names.

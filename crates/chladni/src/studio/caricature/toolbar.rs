@@ -125,7 +125,7 @@ impl CaricatureRoom {
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         let (now, told) = (session.stands(), session.project().stands);
         let mut wanted = told;
-        let doubt = if session.stands_in_doubt() { " ?" } else { "" };
+        let doubt = if session.stands_in_doubt() { " Up?" } else { "" };
         let menu = ui.menu_button(format!("{}{doubt}", icon::text(Icon::ArrowUp)), |ui| {
             ui.label(egui::RichText::new("Up is").color(theme::palette(ui).weak));
             for axis in Axis::ALL {

@@ -88,7 +88,7 @@ impl Picking {
             Ok(shape) => shape,
             Err(error) => return Some(Err(error.to_string())),
         };
-        let (wanted, folder) = (template.clone(), session.folder());
+        let (wanted, folder, beside) = (template.clone(), session.folder(), session.stands());
         let reading = Job::start("Reading the template", &shared.ctx, move |task| {
             let mesh = match &wanted {
                 Template::File(path) => source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| mesh),
@@ -96,7 +96,8 @@ impl Picking {
                 other => Err(format!("{other} is no mesh")),
             }?;
             let found = Estimate::of(&mesh, Known::default(), task).map_err(|error| error.to_string())?;
-            Ok((mesh, found.orientation))
+            // Shapes that belong together are mostly in the same axes.
+            Ok((mesh, if found.in_doubt { beside } else { found.orientation }))
         });
         Some(Ok(Self {
             layer,
