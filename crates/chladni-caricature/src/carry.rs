@@ -38,7 +38,7 @@ impl Project {
             true => Some(Way::between(from, to, task)?),
             false => None,
         };
-        let project = self.map_layers(|layer| {
+        let mut project = self.map_layers(|layer| {
             let painted = match (&layer.region.painted, &way) {
                 (Painted::Vertices(values), Some(way)) => Painted::Vertices(way.carry(values)?),
                 (Painted::Spheres(spheres), _) => {
@@ -61,6 +61,8 @@ impl Project {
             let region = Region { painted, ..layer.region.clone() };
             Ok(Layer { template, region, matching, ..layer.clone() })
         })?;
+        // How this shape stands says nothing of how another does.
+        project.stands = None;
         Ok(Carried { project, report: way.map(|way| way.report) })
     }
 }

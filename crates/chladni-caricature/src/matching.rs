@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use chladni_harmonics::{Basis, Body};
-use chladni_match::{Ellipsoid, MatchError, Report, Settings, infilled, match_shapes, onto_ellipsoid};
-use chladni_mesh::TriMesh;
+use chladni_match::{Ellipsoid, Match, MatchError, Report, Settings, infilled, match_shapes, onto_ellipsoid};
+use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_task::Task;
 
 use crate::vector::{Vec3, add, scale};
@@ -31,6 +31,8 @@ pub struct Matched {
     pub report: Option<Report>,
     /// How far to trust each of the n file vertices, in [0, 1].
     pub confidence: Vec<f64>,
+    /// How the shape stands if it stands as its template does; none where that is in doubt, too.
+    pub stands: Option<Orientation>,
 }
 
 impl Matched {
@@ -94,6 +96,7 @@ impl MatchRequest {
         task: &Task,
     ) -> Result<Matched, Error> {
         let failed = |e: MatchError| self.failure(e.to_string());
+        let mut stands = None;
         let (found, report) = match self.template {
             Template::Ellipsoid => {
                 let ellipsoid = Ellipsoid::fitted(shape).map_err(failed)?;
@@ -111,6 +114,7 @@ impl MatchRequest {
                 let matched = match_shapes(shape, mesh, &self.matching, task);
                 task.check()?;
                 let matched = matched.map_err(failed)?;
+                stands = like_template(mesh, &matched, task)?;
                 (matched.correspondence, Some(matched.report))
             }
         };
@@ -127,12 +131,26 @@ impl MatchRequest {
             infill,
             report,
             confidence: found.confidence,
+            stands,
         })
     }
 
     fn failure(&self, why: String) -> Error {
         Error::Template { template: self.template.to_string(), why }
     }
+}
+
+/// How a shape stands that was matched with `template`.
+fn like_template(template: &TriMesh, matched: &Match, task: &Task) -> Result<Option<Orientation>, Error> {
+    let Ok(found) = Estimate::of(template, Known::default(), task) else {
+        task.check()?;
+        return Ok(None);
+    };
+    if found.in_doubt || matched.report.near_tie {
+        return Ok(None);
+    }
+    let rows = matched.correspondence.similarity.rotation;
+    Ok(found.orientation.turned(std::array::from_fn(|j| std::array::from_fn(|i| rows[i][j]))))
 }
 
 /// The target of a template that is made from the layer's own `base` or the `original` shape.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use chladni_match::Settings as MatchSettings;
+use chladni_mesh::Orientation;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Layer, LayerId, Model, PaintEdit, ScaleCurve, ShapeSource, Smoothing, Surface, Template};
@@ -16,6 +17,8 @@ pub struct Project {
     pub harmonics: usize,
     /// The format of the file that it was read from, where that was an older one.
     pub(crate) older_format: Option<i64>,
+    /// How the shape stands in pictures; estimated where nobody has said.
+    pub stands: Option<Orientation>,
     layers: Vec<(LayerId, Arc<Layer>)>,
     next_id: u64,
 }
@@ -59,6 +62,8 @@ pub enum Action {
     },
     /// Changes the number of harmonics; the basis has to be solved again.
     SetHarmonics(usize),
+    /// Says how the shape stands in pictures; `None` leaves it to the estimate.
+    Stand(Option<Orientation>),
 }
 
 /// A property of a layer with its new value.
@@ -92,7 +97,7 @@ pub enum Property {
 impl Project {
     /// A project without layers.
     pub fn new(shape: ShapeSource, harmonics: usize) -> Self {
-        Self { shape, harmonics, older_format: None, layers: Vec::new(), next_id: 1 }
+        Self { shape, harmonics, older_format: None, stands: None, layers: Vec::new(), next_id: 1 }
     }
 
     /// What a person should know of a project that was read from a file of an older format.
@@ -175,6 +180,7 @@ impl Project {
                 return Err(Error::Range { what: "the number of harmonics", value: 0.0, range: "1 or more" });
             }
             Action::SetHarmonics(harmonics) => self.harmonics = *harmonics,
+            Action::Stand(stands) => self.stands = *stands,
         }
         Ok(())
     }
@@ -244,6 +250,7 @@ impl Action {
                 PaintEdit::Set(_) => "set region",
             },
             Self::SetHarmonics(_) => "number of harmonics",
+            Self::Stand(_) => "which way is up",
             Self::Set { to, .. } => match to {
                 Property::Name(_) => "rename layer",
                 Property::Template(_) => "template",
@@ -265,7 +272,7 @@ impl Action {
         match self {
             Self::Set { layer, .. } | Self::Paint { layer, .. } | Self::Move { layer, .. } => Some(*layer),
             Self::Remove(layer) | Self::Duplicate(layer) => Some(*layer),
-            Self::Add { .. } | Self::SetHarmonics(_) => None,
+            Self::Add { .. } | Self::SetHarmonics(_) | Self::Stand(_) => None,
         }
     }
 }

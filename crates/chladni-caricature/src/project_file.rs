@@ -5,6 +5,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use chladni_match::Settings as MatchSettings;
+use chladni_mesh::Orientation;
 use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +36,9 @@ struct ShapeTable {
     source: String,
     #[serde(default = "default_harmonics")]
     harmonics: usize,
+    /// Only where somebody said how the shape stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    stands: Option<Orientation>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -134,7 +138,7 @@ impl Project {
         let document = Document {
             format_version: FORMAT_VERSION,
             recovered_from,
-            shape: ShapeTable { source, harmonics: self.harmonics },
+            shape: ShapeTable { source, harmonics: self.harmonics, stands: self.stands },
             layers: layers.collect::<Result<_, _>>().map_err(invalid)?,
         };
         toml::to_string(&document).map_err(|e| invalid(e.to_string()))
@@ -164,6 +168,7 @@ impl Project {
         }
         let mut project = Self::new(shape, document.shape.harmonics);
         project.older_format = older_format;
+        project.stands = document.shape.stands;
         for (i, table) in document.layers.into_iter().enumerate() {
             let place = format!("layer {} ({})", i + 1, table.name);
             let layer = table.into_layer(&folder).and_then(|l| project.push(l));

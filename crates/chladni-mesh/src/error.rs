@@ -44,6 +44,9 @@ pub enum MeshError {
         /// What stands against it.
         reason: String,
     },
+    /// A text that names no direction.
+    #[error("`{0}` is no direction: axes are x, y, z, -x, -y and -z")]
+    Direction(String),
 }
 
 /// A place in a file.

@@ -1,19 +1,10 @@
 //! A turntable camera: orbit, pan, zoom, fit, and the ray through a pixel.
 
-use glam::{Mat4, Vec3};
+use chladni_mesh::Orientation;
+use glam::{DVec3, Mat4, Vec3};
 
 use crate::Rect;
 use crate::pick::Ray;
-
-/// Which axis points up in the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum UpAxis {
-    /// y is up and z comes towards the viewer (OBJ, glTF).
-    #[default]
-    Y,
-    /// z is up and −y comes towards the viewer (Blender, CAD).
-    Z,
-}
 
 /// How depth is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -62,8 +53,8 @@ pub struct Camera {
     pub fov_y_rad: f32,
     /// How depth is drawn.
     pub projection: Projection,
-    /// Which axis is up.
-    pub up_axis: UpAxis,
+    /// Where up and front are in the scene: the turntable stands on it.
+    pub stands: Orientation,
 }
 
 impl Default for Camera {
@@ -77,7 +68,7 @@ impl Default for Camera {
             // A 50 mm lens on a full frame: close to how a portrait is seen.
             fov_y_rad: 27.0_f32.to_radians(),
             projection: Projection::Perspective,
-            up_axis: UpAxis::Y,
+            stands: Orientation::Y_UP,
         }
     }
 }
@@ -85,6 +76,11 @@ impl Default for Camera {
 impl Camera {
     /// Radians per pixel of an orbiting drag, as Blender's default.
     const ORBIT_RAD_PER_PIXEL: f32 = 0.4 * std::f32::consts::PI / 180.0;
+
+    /// The default camera turned to `view` of a shape that stands so.
+    pub fn on(stands: Orientation, view: View) -> Self {
+        Self { stands, ..Self::looking(view) }
+    }
 
     /// The default camera turned to `view`.
     pub fn looking(view: View) -> Self {
@@ -192,26 +188,44 @@ impl Camera {
         self.target = target.to_array();
     }
 
+    /// Goes back, without turning or shifting, until `points` lie in a frame of `aspect` to `fill` of its
+    /// sides; true where they did not yet.
+    pub fn hold(&mut self, points: impl IntoIterator<Item = [f32; 3]>, aspect: f32, fill: f32) -> bool {
+        let [right, up, back] = self.axes();
+        let target = Vec3::from(self.target);
+        let tan_y = (0.5 * self.fov_y_rad).tan() * fill.clamp(0.05, 1.0);
+        let tan_x = tan_y * aspect.max(1e-3);
+        let (mut distance, mut reach) = (0.0_f32, 0.0_f32);
+        for p in points.into_iter().map(|p| Vec3::from(p) - target).filter(|p| p.is_finite()) {
+            let depth = if self.projection == Projection::Perspective { p.dot(back) } else { 0.0 };
+            let needed = (p.dot(right).abs() / tan_x).max(p.dot(up).abs() / tan_y) + depth;
+            distance = distance.max(needed);
+            reach = reach.max(p.length());
+        }
+        self.reach = self.reach.max(reach);
+        let leaves = distance > self.distance;
+        self.distance = self.distance.max(distance);
+        leaves
+    }
+
     /// As [`fit`](Self::fit), but so that `points` stay in the frame at every yaw: for turntables.
     pub fn fit_turntable(&mut self, points: &[[f32; 3]], aspect: f32, fill: f32) {
         // Only the profile counts: the widest radius about the vertical through the centre at each height.
         const HEIGHTS: usize = 128;
         const TURNS: usize = 32;
+        let [x, up, y] = self.ground();
         let finite = points.iter().copied().map(Vec3::from).filter(|p| p.is_finite());
+        let on_ground = |p: Vec3| Vec3::new(p.dot(x), p.dot(up), p.dot(y));
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for p in finite.clone() {
+        for p in finite.clone().map(on_ground) {
             (low, high) = (low.min(p), high.max(p));
         }
         if low.x > high.x {
             return;
         }
-        let center = 0.5 * (low + high);
-        let (x, y) = match self.up_axis {
-            UpAxis::Y => (Vec3::X, Vec3::Z),
-            UpAxis::Z => (Vec3::X, Vec3::Y),
-        };
-        let up = x.cross(y).abs();
-        let (bottom, span) = (low.dot(up), (high - low).dot(up).max(1e-12));
+        let middle = 0.5 * (low + high);
+        let center = x * middle.x + up * middle.y + y * middle.z;
+        let (bottom, span) = (low.y, (high.y - low.y).max(1e-12));
         let mut radius = [-1.0_f32; HEIGHTS];
         for p in finite {
             let slot = (((p.dot(up) - bottom) / span) * (HEIGHTS - 1) as f32).round() as usize;
@@ -241,11 +255,14 @@ impl Camera {
         let right = Vec3::new(cos_yaw, 0.0, -sin_yaw);
         let back = Vec3::new(sin_yaw * cos_pitch, sin_pitch, cos_yaw * cos_pitch);
         let up = back.cross(right);
-        let turn = |v: Vec3| match self.up_axis {
-            UpAxis::Y => v,
-            UpAxis::Z => Vec3::new(v.x, -v.z, v.y),
-        };
-        [turn(right), turn(up), turn(back)]
+        let [x, y, z] = self.ground();
+        [right, up, back].map(|v| x * v.x + y * v.y + z * v.z)
+    }
+
+    /// Right, up and front of what stands in the scene.
+    fn ground(&self) -> [Vec3; 3] {
+        let stands = &self.stands;
+        [stands.right(), stands.up(), stands.front()].map(|v| DVec3::from(v).as_vec3())
     }
 
     /// Where the eye is.

@@ -1,7 +1,9 @@
 //! Cameras, lights, drawing meshes and heat maps, picking, off-screen pictures and film.
 //!
 //! ```
-//! use chladni_view::{Gpu, PictureRequest, PictureShape, Style, ViewError, render_picture};
+//! use chladni_view::{
+//!     Camera, Gpu, PictureRequest, PictureShape, Style, View, ViewError, render_picture,
+//! };
 //!
 //! let positions = [[0.0, 1.0, 0.0], [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [0.0, -1.0, -1.0]];
 //! let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
@@ -14,7 +16,7 @@
 //!     shapes: &[PictureShape { positions: &positions, triangles: &triangles, ..Default::default() }],
 //!     width: 320,
 //!     height: 240,
-//!     camera: None,
+//!     from: Camera::looking(View::ThreeQuarter),
 //!     style: Style::default(),
 //! })?;
 //! let png = picture.to_png()?;
@@ -33,6 +35,7 @@ mod canvas;
 mod colormap;
 mod error;
 pub mod film;
+pub mod framing;
 mod gpu;
 mod images;
 pub mod layout;
@@ -45,7 +48,7 @@ mod samples;
 mod scene;
 mod style;
 
-pub use camera::{Camera, Projection, UpAxis, View};
+pub use camera::{Camera, Projection, View};
 pub use canvas::Canvas;
 pub use colormap::{ColorMap, Scale};
 pub use error::ViewError;

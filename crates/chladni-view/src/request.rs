@@ -8,8 +8,11 @@ use glam::Vec3;
 use crate::film::shoot;
 use crate::{
     Background, Camera, Canvas, Cell, Figure, Film, Gpu, ItemBuffers, Lights, Marker, Material, Paint,
-    Picture, Rect, Renderer, Scale, Topology, VertexPaint, View, ViewError, Wire, layout,
+    Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, ViewError, Wire, framing, layout,
 };
+
+/// How much of its cell the shape that needs most room fills.
+const FILL: f32 = 0.9;
 
 /// One shape to be drawn, each in a cell of its own.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,6 +27,8 @@ pub struct PictureShape<'a> {
     pub values: Option<(&'a [f32], Scale)>,
     /// Linear-light RGBA a vertex; a heat map goes before it.
     pub colors: Option<&'a [[f32; 4]]>,
+    /// An image, and where each triangle's corners lie on it, v upward; a heat map and colours go before it.
+    pub image: Option<(&'a Picture, &'a [[f32; 2]])>,
     /// Landmarks.
     pub markers: &'a [Marker],
 }
@@ -50,9 +55,9 @@ pub struct PictureRequest<'a> {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Who looks; `None` fits one camera to all shapes, from [`View::ThreeQuarter`], so that
-    /// their sizes can be compared.
-    pub camera: Option<Camera>,
+    /// From where it is seen, and which way is up. The eye comes as near as the format allows, at one
+    /// scale for all shapes, so that their sizes can be compared.
+    pub from: Camera,
     /// Materials, lights, background.
     pub style: Style,
 }
@@ -78,18 +83,15 @@ pub fn render_picture_with(
     let gpu = renderer.gpu().clone();
     let canvas = Canvas::new(&gpu, request.width, request.height)?;
     let loaded = load(&gpu, request)?;
-    let camera = request.camera.unwrap_or_else(|| {
-        let mut camera = Camera::looking(View::ThreeQuarter);
-        let points = request.shapes.iter().flat_map(|shape| shape.positions.iter().copied());
-        camera.fit(points, cell_aspect(request), 0.88);
-        camera
-    });
-    draw(renderer, &canvas, request, &loaded, camera)?;
+    let shapes: Vec<&[[f32; 3]]> = request.shapes.iter().map(|shape| shape.positions).collect();
+    let area = Rect::of_size(request.width, request.height);
+    let placed = framing::side_by_side(request.from, &shapes, area, 0, FILL);
+    draw(renderer, &canvas, request, &loaded, &placed)?;
     canvas.read(&gpu)
 }
 
-/// Films the shapes of `request` turning once around, and finishes the film. A camera that is not
-/// given is fitted so that nothing leaves the frame at any angle. Its samples are those of
+/// Films the shapes of `request` turning once around, and finishes the film; nothing leaves the frame
+/// at any angle. Its samples are those of
 /// [`Gpu::live_samples`].
 ///
 /// # Errors
@@ -103,17 +105,16 @@ pub fn film_turntable(
     let gpu = renderer.gpu().clone();
     let canvas = Canvas::with_samples(&gpu, request.width, request.height, gpu.live_samples())?;
     let loaded = load(&gpu, request)?;
-    let start = request.camera.unwrap_or_else(|| {
-        let mut camera = Camera::looking(View::ThreeQuarter);
-        let points: Vec<[f32; 3]> = request.shapes.iter().flat_map(|s| s.positions).copied().collect();
-        camera.fit_turntable(&points, cell_aspect(request), 0.92);
-        camera
-    });
+    let (mut start, viewports) = (request.from, viewports(request));
+    let points: Vec<[f32; 3]> = request.shapes.iter().flat_map(|s| s.positions).copied().collect();
+    let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+    start.fit_turntable(&points, aspect, 0.92);
     let frames = film.settings().frames;
     shoot(renderer, &canvas, film, task, |renderer, canvas, frame| {
         let turn = std::f32::consts::TAU * frame as f32 / frames as f32;
         let camera = Camera { yaw_rad: start.yaw_rad - turn, ..start };
-        draw(renderer, canvas, request, &loaded, camera)
+        let placed: Vec<_> = viewports.iter().map(|cell| (*cell, camera)).collect();
+        draw(renderer, canvas, request, &loaded, &placed)
     })
 }
 
@@ -121,16 +122,11 @@ fn load(gpu: &Gpu, request: &PictureRequest<'_>) -> Result<Vec<Loaded>, ViewErro
     request.shapes.iter().map(|shape| Loaded::new(gpu, shape)).collect()
 }
 
-/// The cells of a request, row by row.
+/// The cells of a turntable, row by row.
 fn viewports(request: &PictureRequest<'_>) -> Vec<Rect> {
     let count = request.shapes.len();
     let (rows, columns) = layout::rows_and_columns(request.width, request.height, count, 0.85);
     layout::grid(Rect::of_size(request.width, request.height), rows, columns, 0, count)
-}
-
-/// Width over height of its narrowest cell.
-fn cell_aspect(request: &PictureRequest<'_>) -> f32 {
-    viewports(request).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min)
 }
 
 fn draw(
@@ -138,7 +134,7 @@ fn draw(
     canvas: &Canvas,
     request: &PictureRequest<'_>,
     loaded: &[Loaded],
-    camera: Camera,
+    placed: &[(Rect, Camera)],
 ) -> Result<(), ViewError> {
     let figures: Vec<Figure<'_>> = loaded
         .iter()
@@ -150,10 +146,11 @@ fn draw(
         })
         .collect();
     let area = Rect::of_size(request.width, request.height);
-    let placed = viewports(request).into_iter().zip(&figures);
-    let mut cells = Cell::gallery(area, request.style.background, camera, request.style.lights, placed);
-    for (cell, shape) in cells.iter_mut().skip(1).zip(request.shapes) {
-        cell.markers = shape.markers;
+    let (background, lights) = (request.style.background, request.style.lights);
+    let shown = placed.iter().map(|(cell, _)| *cell).zip(&figures);
+    let mut cells = Cell::gallery(area, background, request.from, lights, shown);
+    for ((cell, shape), (_, camera)) in cells.iter_mut().skip(1).zip(request.shapes).zip(placed) {
+        (cell.markers, cell.camera) = (shape.markers, *camera);
     }
     renderer.draw(canvas, &cells)?;
     Ok(())
@@ -162,13 +159,23 @@ fn draw(
 struct Loaded {
     topology: Topology,
     buffers: ItemBuffers,
-    paint: Option<(VertexPaint, Option<Scale>)>,
+    paint: Painted,
+}
+
+enum Painted {
+    Bare,
+    Values(VertexPaint, Scale),
+    Colors(VertexPaint),
+    Image(Skin),
 }
 
 impl Loaded {
     fn new(gpu: &Gpu, shape: &PictureShape<'_>) -> Result<Self, ViewError> {
         let vertices = shape.positions.len();
-        let topology = Topology::new(gpu, vertices, shape.triangles)?;
+        let topology = match shape.image {
+            Some((_, corner_uvs)) => Topology::with_uvs(gpu, vertices, shape.triangles, corner_uvs)?,
+            None => Topology::new(gpu, vertices, shape.triangles)?,
+        };
         let buffers = ItemBuffers::new(gpu, vertices, 1);
         match shape.normals {
             Some(normals) => buffers.write(gpu, 0, shape.positions, normals)?,
@@ -180,24 +187,27 @@ impl Loaded {
         let paint = if let Some((values, scale)) = shape.values {
             let paint = VertexPaint::new(gpu, vertices);
             paint.write_values(gpu, values)?;
-            Some((paint, Some(scale)))
+            Painted::Values(paint, scale)
         } else if let Some(colors) = shape.colors {
             let paint = VertexPaint::new(gpu, vertices);
             let bytes: Vec<[u8; 4]> =
                 colors.iter().map(|c| c.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)).collect();
             paint.write_colors(gpu, &bytes)?;
-            Some((paint, None))
+            Painted::Colors(paint)
+        } else if let Some((picture, _)) = shape.image {
+            Painted::Image(Skin::new(gpu, picture.width, picture.height, &picture.rgba)?)
         } else {
-            None
+            Painted::Bare
         };
         Ok(Self { topology, buffers, paint })
     }
 
     fn paint(&self) -> Paint<'_> {
         match &self.paint {
-            Some((values, Some(scale))) => Paint::Values(values, *scale),
-            Some((colors, None)) => Paint::Colors(colors),
-            None => Paint::Material,
+            Painted::Values(values, scale) => Paint::Values(values, *scale),
+            Painted::Colors(colors) => Paint::Colors(colors),
+            Painted::Image(skin) => Paint::Skin(skin),
+            Painted::Bare => Paint::Material,
         }
     }
 }

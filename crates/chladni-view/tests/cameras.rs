@@ -7,7 +7,8 @@
 
 mod shapes;
 
-use chladni_view::{Camera, PickTree, Projection, Ray, Rect, UpAxis, View};
+use chladni_mesh::Orientation;
+use chladni_view::{Camera, PickTree, Projection, Ray, Rect, View};
 use proptest::prelude::*;
 use shapes::sphere;
 
@@ -19,7 +20,7 @@ fn camera() -> impl Strategy<Value = Camera> {
             pitch_rad,
             fov_y_rad: fov,
             projection: if flat { Projection::Orthographic } else { Projection::Perspective },
-            up_axis: if z_up { UpAxis::Z } else { UpAxis::Y },
+            stands: if z_up { Orientation::Z_UP } else { Orientation::Y_UP },
             ..Camera::default()
         },
     )
@@ -128,16 +129,21 @@ fn nothing_and_nonsense_are_never_hit() {
 
 #[test]
 fn standard_views_look_along_the_axes() {
-    let eye = |view, up_axis| {
-        let camera = Camera { up_axis, ..Camera::looking(view) };
+    let eye = |view, stands| {
+        let camera = Camera::on(stands, view);
         camera.eye().map(|c| (c / camera.distance).round() as i32)
     };
-    assert_eq!(eye(View::Front, UpAxis::Y), [0, 0, 1]);
-    assert_eq!(eye(View::Right, UpAxis::Y), [1, 0, 0]);
-    assert_eq!(eye(View::Top, UpAxis::Y), [0, 1, 0]);
-    assert_eq!(eye(View::Front, UpAxis::Z), [0, -1, 0]);
-    assert_eq!(eye(View::Right, UpAxis::Z), [1, 0, 0]);
-    assert_eq!(eye(View::Top, UpAxis::Z), [0, 0, 1]);
+    assert_eq!(eye(View::Front, Orientation::Y_UP), [0, 0, 1]);
+    assert_eq!(eye(View::Right, Orientation::Y_UP), [1, 0, 0]);
+    assert_eq!(eye(View::Top, Orientation::Y_UP), [0, 1, 0]);
+    assert_eq!(eye(View::Front, Orientation::Z_UP), [0, -1, 0]);
+    assert_eq!(eye(View::Right, Orientation::Z_UP), [1, 0, 0]);
+    assert_eq!(eye(View::Top, Orientation::Z_UP), [0, 0, 1]);
+    let lies = Orientation::new([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]).unwrap();
+    assert_eq!(
+        [View::Front, View::Right, View::Top].map(|view| eye(view, lies)),
+        [[0, 1, 0], [0, 0, 1], [1, 0, 0]]
+    );
 }
 
 #[test]
@@ -159,14 +165,36 @@ fn dragging_pans_the_target_with_the_pointer_and_zoom_is_bounded() {
 #[test]
 fn a_turntable_keeps_the_shape_in_the_frame_at_every_yaw() {
     let points = [[2.0_f32, 0.0, 0.3], [-0.5, 1.0, 0.0], [0.0, -1.0, -1.5], [0.4, 0.2, 0.9]];
-    let mut camera = Camera { pitch_rad: 0.25, ..Camera::default() };
-    camera.fit_turntable(&points, 1.5, 0.9);
-    let viewport = Rect::of_size(300, 200);
-    for step in 0..36 {
-        camera.yaw_rad = step as f32 / 36.0 * std::f32::consts::TAU;
-        for p in points {
-            let ([x, y], _) = camera.project(p, viewport).unwrap();
-            assert!((0.0..300.0).contains(&x) && (0.0..200.0).contains(&y), "{x} {y} at step {step}");
+    let leans = Orientation::new([0.2, 0.9, -0.4], [1.0, 0.0, 0.7]).unwrap();
+    for stands in [Orientation::Y_UP, Orientation::Z_UP, leans] {
+        let mut camera = Camera { pitch_rad: 0.25, stands, ..Camera::default() };
+        camera.fit_turntable(&points, 1.5, 0.9);
+        let viewport = Rect::of_size(300, 200);
+        for step in 0..36 {
+            camera.yaw_rad = step as f32 / 36.0 * std::f32::consts::TAU;
+            for p in points {
+                let ([x, y], _) = camera.project(p, viewport).unwrap();
+                assert!((0.0..300.0).contains(&x) && (0.0..200.0).contains(&y), "{x} {y} at step {step}");
+            }
         }
     }
+}
+
+#[test]
+fn a_frame_that_holds_goes_back_and_only_as_far_as_it_must() {
+    let points: Vec<[f32; 3]> = sphere(8).0;
+    let viewport = Rect::of_size(400, 300);
+    let mut camera = Camera::looking(View::ThreeQuarter);
+    camera.fit(points.iter().copied(), viewport.aspect(), 0.8);
+    let fitted = camera;
+    assert!(!camera.hold(points.iter().copied(), viewport.aspect(), 0.97) && camera == fitted);
+    let grown = || points.iter().map(|p| [3.0 * p[0] + 1.0, 2.0 * p[1], p[2]]);
+    assert!(camera.hold(grown(), viewport.aspect(), 0.97));
+    assert_eq!((camera.target, camera.yaw_rad), (fitted.target, fitted.yaw_rad));
+    let outermost = grown().map(|p| {
+        let ([x, y], _) = camera.project(p, viewport).unwrap();
+        ((x / 200.0 - 1.0).abs()).max((y / 150.0 - 1.0).abs())
+    });
+    let outermost = outermost.fold(0.0, f32::max);
+    assert!((outermost - 0.97).abs() < 1e-3, "{outermost}");
 }

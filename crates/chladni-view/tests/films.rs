@@ -13,8 +13,8 @@ use std::process::Command;
 use chladni_task::Task;
 use chladni_view::film::{ffmpeg_is_there, shoot};
 use chladni_view::{
-    Background, Canvas, Cell, Film, FilmSettings, FrameRate, Lights, Picture, PictureRequest, PictureShape,
-    Rect, Renderer, Style, ViewError, film_turntable,
+    Background, Camera, Canvas, Cell, Film, FilmSettings, FrameRate, Lights, Picture, PictureRequest,
+    PictureShape, Rect, Renderer, Style, View, ViewError, film_turntable,
 };
 
 const SIZE: (u32, u32) = (64, 48);
@@ -284,7 +284,7 @@ fn a_turntable_turns_once_and_ends_where_it_began() {
         shapes: &[PictureShape { positions: &positions, triangles: &triangles, ..Default::default() }],
         width: SIZE.0,
         height: SIZE.1,
-        camera: None,
+        from: Camera::looking(View::ThreeQuarter),
         style: Style { background: Background::TRANSPARENT, ..Style::default() },
     };
     let film = Film::create(&path, settings(8, 8)).unwrap();

@@ -21,7 +21,19 @@ fn transparent(
     camera: Option<Camera>,
 ) -> Option<Picture> {
     let style = Style { background: Background::TRANSPARENT, ..Style::default() };
-    Some(render_picture(&gpu()?, &PictureRequest { shapes, width, height, camera, style }).unwrap())
+    Some(
+        render_picture(
+            &gpu()?,
+            &PictureRequest {
+                shapes,
+                width,
+                height,
+                from: camera.unwrap_or(Camera::looking(View::ThreeQuarter)),
+                style,
+            },
+        )
+        .unwrap(),
+    )
 }
 
 /// Left, top, right, bottom (inclusive) of what is covered.
@@ -292,8 +304,13 @@ fn what_does_not_fit_is_an_error() {
     let shape = |triangles| PictureShape { positions: &[[0.0; 3]; 3], triangles, ..Default::default() };
     let mut renderer = Renderer::new(&gpu);
     let mut ask = |shape, width| {
-        let request =
-            PictureRequest { shapes: &[shape], width, height: 8, camera: None, style: Style::default() };
+        let request = PictureRequest {
+            shapes: &[shape],
+            width,
+            height: 8,
+            from: Camera::looking(View::ThreeQuarter),
+            style: Style::default(),
+        };
         render_picture_with(&mut renderer, &request)
     };
     assert!(matches!(ask(shape(&[[0, 1, 3]]), 8), Err(ViewError::Shape(_))));

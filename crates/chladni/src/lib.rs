@@ -11,6 +11,7 @@
 
 pub mod cli;
 pub mod dance;
+mod own_look;
 pub mod source;
 pub mod studio;
 mod symmetry_figure;

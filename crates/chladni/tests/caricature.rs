@@ -1,6 +1,10 @@
 //! `chladni caricature` and `chladni project`, run as a user would.
 
-#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a panic is how a test fails, and a skipped one says so"
+)]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -331,4 +335,73 @@ fn a_shape_with_few_vertices_dances_with_the_harmonics_it_has() {
     let dance = desk.run("dance few.obj sample:tune --coefficients c.npz --duration 0.1");
     let told = String::from_utf8(dance.stderr).unwrap();
     assert!(dance.status.success() && told.contains("12 harmonics instead of 256"), "{told}");
+}
+
+/// The picture that `line` writes, or `None`, with a printed line, where this machine cannot draw.
+fn drawn(desk: &Desk, line: &str) -> Option<chladni_view::Picture> {
+    let output = desk.run(&format!("{line} --render out.png"));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    if said.contains("no graphics adapter") {
+        eprintln!("skipped: {said}");
+        return None;
+    }
+    assert!(output.status.success(), "{line}: {said}");
+    Some(chladni_view::Picture::decode(&std::fs::read(desk.path("out.png")).unwrap()).unwrap())
+}
+
+fn is_red([r, g, b, _]: [u8; 4]) -> bool {
+    r > 90 && u16::from(r) > 2 * u16::from(g.max(b))
+}
+
+/// Rows and columns of the left half that something red covers.
+fn covered(picture: &chladni_view::Picture) -> [usize; 2] {
+    let half = picture.width / 2;
+    let red = |x: u32, y: u32| is_red(picture.pixel(x, y).unwrap());
+    let rows = (0..picture.height).filter(|y| (0..half).any(|x| red(x, *y))).count();
+    let columns = (0..half).filter(|x| (0..picture.height).any(|y| red(*x, y))).count();
+    [rows, columns]
+}
+
+#[test]
+fn a_picture_keeps_colours_stands_as_told_and_uses_its_format() {
+    let desk = Desk::new();
+    // Thin, long along z, and red.
+    let mut stick = samples::icosphere(3);
+    for p in &mut stick.positions {
+        *p = [0.4 * p[0], 0.3 * p[1], 3.0 * p[2] + 0.3 * p[0] * p[0]];
+    }
+    stick.appearance.colors = Some(vec![[0.8, 0.02, 0.02, 1.0]; stick.positions.len()]);
+    save_mesh(&stick, &desk.path("stick.ply")).unwrap();
+    let line = "caricature stick.ply self:scale=0.9 -k 8 -o out.ply --view 0,0 --size 640x480";
+    let Some(upright) = drawn(&desk, &format!("{line} --up z")) else { return };
+    let [rows, columns] = covered(&upright);
+    assert!(rows > 380 && columns < 120, "{rows} rows, {columns} columns");
+    let red = (0..640).flat_map(|x| (0..480).map(move |y| (x, y)));
+    let red = red.filter(|(x, y)| is_red(upright.pixel(*x, *y).unwrap())).count();
+    assert!(red > 5000, "{red} red pixels");
+    let exported = std::fs::read(desk.path("out.ply")).unwrap();
+
+    // It lies, so that the format's width is used: above each other.
+    let lying = drawn(&desk, &format!("{line} --up y --front x")).unwrap();
+    let [rows, columns] = covered(&lying);
+    assert!(rows < 400 && columns > 250, "{rows} rows, {columns} columns");
+    assert_eq!(std::fs::read(desk.path("out.ply")).unwrap(), exported, "files keep their axes");
+
+    let refused = desk.refused(&format!("{line} --up y --front -y --render out.png"));
+    assert!(refused.contains("--up y and --front -y lie on one line"), "{refused}");
+    assert!(desk.refused(&format!("{line} --up w")).contains("is no direction"));
+}
+
+#[test]
+fn a_project_remembers_which_way_is_up() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o a.chladni -k 8 --up z --front -y");
+    let text = std::fs::read_to_string(desk.path("a.chladni")).unwrap();
+    assert!(text.contains("stands = \"up z, front -y\""), "{text}");
+    let project = chladni_caricature::Project::load(&desk.path("a.chladni")).unwrap();
+    assert_eq!(project.stands, Some(chladni_mesh::Orientation::Z_UP));
+    desk.ok("project new shape.obj -o b.chladni -k 8");
+    assert_eq!(chladni_caricature::Project::load(&desk.path("b.chladni")).unwrap().stands, None);
+    std::fs::write(desk.path("c.chladni"), text.replace("up z, front -y", "up z, front z")).unwrap();
+    assert!(desk.refused("project show c.chladni").contains("is no direction"));
 }

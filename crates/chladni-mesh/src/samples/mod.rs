@@ -6,6 +6,7 @@ mod octopus;
 mod surface_nets;
 mod surfaces;
 
+pub(crate) use head::coarse_template;
 pub use surfaces::{grid_square, icosphere, moebius, torus, uv_sphere};
 
 use crate::TriMesh;

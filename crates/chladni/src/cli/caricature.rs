@@ -78,6 +78,7 @@ impl Caricature {
     fn check(&self) -> Result<(), Failure> {
         format_of(&self.output)?;
         check_file(&self.output)?;
+        self.portrait.check()?;
         self.render.as_deref().map_or(Ok(()), check_picture)
     }
 
@@ -179,13 +180,15 @@ fn one(
     terminal: &Terminal,
 ) -> Result<(), Failure> {
     let mesh = open_mesh(shape, terminal)?;
+    // Another shape need not stand as the project's own does.
+    let kept = project.stands.filter(|_| from.is_none());
     let carried = from.map(|from| carry(project, from, shape, &mesh, terminal)).transpose()?;
     let sculpture = Sculpture::make(shape, mesh, carried.as_ref().unwrap_or(project), terminal)?;
     sculpture.describe(terminal)?;
     sculpture.save(output)?;
     terminal.wrote(output)?;
     if let Some((path, portrait)) = picture {
-        sculpture.render(path, portrait)?;
+        sculpture.render(shape, path, portrait, kept, terminal)?;
         terminal.wrote(path)?;
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use chladni_mesh::{HealthReport, Topology};
+use chladni_mesh::{Estimate, HealthReport, Known, Topology};
 use serde::Serialize;
 
 use super::{Failure, Terminal};
@@ -23,24 +23,46 @@ pub struct Info {
 struct Printed {
     #[serde(flatten)]
     report: HealthReport,
+    stands: Stands,
     mended: Vec<String>,
+}
+
+/// How the shape most probably stands, in the file's axes.
+#[derive(Serialize)]
+struct Stands {
+    up: [f64; 3],
+    front: [f64; 3],
+    in_doubt: bool,
+    because: &'static str,
 }
 
 impl Info {
     /// Prints the report.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let (report, mended) = terminal.watch("reading the mesh", |_| {
+        let (report, mended, found) = terminal.watch("reading the mesh", |task| {
             let loaded = source::named(&self.mesh).map_err(Failure::BadInput)?;
             let mended: Vec<String> = loaded.mended.iter().map(ToString::to_string).collect();
-            Ok::<_, Failure>((loaded.health(), mended))
+            let found = Estimate::of(&loaded.mesh, Known::default(), task).map_err(|_| Failure::Cancelled)?;
+            Ok::<_, Failure>((loaded.health(), mended, found))
         })?;
         for line in &mended {
             terminal.warn(format_args!("{}: {line}", self.mesh.display()));
         }
         if self.json {
-            return terminal.json(&Printed { report, mended });
+            let stands = Stands {
+                up: found.orientation.up(),
+                front: found.orientation.front(),
+                in_doubt: found.in_doubt,
+                because: found.evidence.words(),
+            };
+            return terminal.json(&Printed { report, stands, mended });
         }
-        lines(&report).into_iter().try_for_each(|line| terminal.result(line))
+        lines(&report).into_iter().try_for_each(|line| terminal.result(line))?;
+        let why = match found.in_doubt {
+            true => "in doubt".to_owned(),
+            false => format!("because {}", found.evidence.words()),
+        };
+        terminal.result(format_args!("{:<22} {} ({why})", "stands", found.orientation))
     }
 }
 

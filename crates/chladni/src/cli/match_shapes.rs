@@ -7,17 +7,18 @@ use std::time::Instant;
 use chladni_caricature::GivenEllipsoid;
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_match::{
-    Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, match_shapes, onto_ellipsoid,
-    load_landmarks, self_low_passed, self_scaled,
+    Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, load_landmarks, match_shapes,
+    onto_ellipsoid, self_low_passed, self_scaled,
 };
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
-use chladni_view::{ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, render_picture};
+use chladni_view::{Camera, ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, View, render_picture};
 use serde::Serialize;
 
 use super::layer_options::scaling;
 use super::npz::write_npz;
 use super::outputs::{check_file, check_picture};
+use super::stance::Stance;
 use super::{Failure, Terminal};
 use crate::source;
 
@@ -114,7 +115,7 @@ impl MatchShapes {
             save(path, &found.correspondence).map_err(|error| Failure::writing(path, error))?;
         }
         if let Some(path) = &self.render {
-            draw(path, &shape, &found.correspondence)?;
+            draw(path, &self.shape.display().to_string(), &shape, &found.correspondence, terminal)?;
         }
         for warning in &found.report.warnings {
             terminal.warn(warning);
@@ -205,7 +206,13 @@ fn save(path: &Path, found: &Correspondence) -> std::io::Result<()> {
 }
 
 /// Confidence on the shape beside the shape at μ = 1, coloured by where on the shape it came from.
-fn draw(path: &Path, shape: &TriMesh, found: &Correspondence) -> Result<(), Failure> {
+fn draw(
+    path: &Path,
+    name: &str,
+    shape: &TriMesh,
+    found: &Correspondence,
+    terminal: &Terminal,
+) -> Result<(), Failure> {
     let narrow =
         |points: &[[f64; 3]]| -> Vec<[f32; 3]> { points.iter().map(|p| p.map(|x| x as f32)).collect() };
     let (rest, laid) = (narrow(&shape.positions), narrow(&found.target));
@@ -223,8 +230,9 @@ fn draw(path: &Path, shape: &TriMesh, found: &Correspondence) -> Result<(), Fail
         shown(&laid),
     ];
     let gpu = Gpu::headless().map_err(Failure::other)?;
-    let request =
-        PictureRequest { shapes: &shapes, width: 1600, height: 500, camera: None, style: Style::default() };
+    let stands = Stance::default().of(name, shape, None, None, terminal)?;
+    let from = Camera::on(stands, View::ThreeQuarter);
+    let request = PictureRequest { shapes: &shapes, width: 1600, height: 500, from, style: Style::default() };
     let png = render_picture(&gpu, &request).and_then(|picture| picture.to_png()).map_err(Failure::other)?;
     chladni_task::write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
 }

@@ -19,6 +19,7 @@ mod outputs;
 mod project;
 mod sculpture;
 mod spectrum;
+mod stance;
 mod symmetry;
 mod terminal;
 

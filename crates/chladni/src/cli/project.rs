@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::inputs::open_mesh;
 use super::layer_options::LayerOptions;
 use super::outputs::check_file;
+use super::stance::Stance;
 use super::{Failure, Terminal};
 
 /// Make, change and read caricature projects.
@@ -32,6 +33,8 @@ pub struct New {
     /// K, the number of harmonics.
     #[arg(short = 'k', long, value_name = "K", default_value_t = DEFAULT_HARMONICS)]
     harmonics: usize,
+    #[command(flatten)]
+    stance: Stance,
 }
 
 /// Arguments of `project add-layer`.
@@ -98,9 +101,14 @@ impl New {
             return Err(Failure::input("the number of harmonics must be 1 or more"));
         }
         // A project on a shape that cannot be read helps nobody.
-        open_mesh(&self.shape, terminal)?;
+        self.stance.check()?;
+        let mesh = open_mesh(&self.shape, terminal)?;
         let shape: ShapeSource = self.shape.parse().map_err(Failure::input)?;
-        Project::new(shape, self.harmonics).save(&self.output).map_err(Failure::other)?;
+        let mut project = Project::new(shape, self.harmonics);
+        if self.stance.is_told() {
+            project.stands = Some(self.stance.of(&self.shape, &mesh, None, None, terminal)?);
+        }
+        project.save(&self.output).map_err(Failure::other)?;
         terminal.wrote(&self.output)
     }
 }

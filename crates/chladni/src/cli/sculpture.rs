@@ -5,19 +5,23 @@ use std::sync::Arc;
 
 use chladni_caricature::{Base, Crossings, Evaluation, LayerState, MatchRequest, Project, Stack, Template};
 use chladni_harmonics::Body;
-use chladni_mesh::{Format, MorphTarget, TriMesh, save_mesh, write_glb};
+use chladni_mesh::{Format, MorphTarget, Orientation, TriMesh, save_mesh, write_glb};
 use chladni_synth::Term;
 use chladni_task::write_atomic;
 use chladni_view::{Camera, Gpu, PictureRequest, PictureShape, Style, render_picture};
 
 use super::inputs::{build_body, open_mesh};
+use super::stance::Stance;
 use super::{Failure, Terminal};
+use crate::own_look::OwnLook;
 
 /// A shape with its harmonics and a project evaluated on it.
 pub struct Sculpture {
     mesh: TriMesh,
     stack: Stack,
     evaluation: Evaluation,
+    /// How it stands if it stands as a template that it was matched with.
+    matched: Option<Orientation>,
 }
 
 impl Sculpture {
@@ -25,6 +29,7 @@ impl Sculpture {
     pub fn make(name: &str, mesh: TriMesh, project: &Project, terminal: &Terminal) -> Result<Self, Failure> {
         let body = Arc::new(harmonics(name, &mesh, project.harmonics, terminal)?);
         let mut stack = Stack::new(body.clone()).map_err(Failure::other)?;
+        let mut as_matched = None;
         for request in stack.missing(project) {
             let template = match &request.template {
                 Template::File(path) => Some(open_mesh(&path.display().to_string(), terminal)?),
@@ -32,6 +37,7 @@ impl Sculpture {
                 _ => None,
             };
             let matched = matched(&request, &mesh, &body, template.as_ref(), terminal)?;
+            as_matched = as_matched.or(matched.stands);
             stack.install(request, Ok(matched));
         }
         let evaluation = stack.evaluate(project);
@@ -49,7 +55,7 @@ impl Sculpture {
                 ));
             }
         }
-        Ok(Self { mesh, stack, evaluation })
+        Ok(Self { mesh, stack, evaluation, matched: as_matched })
     }
 
     /// The acting layers as voices of an instrument, by name.
@@ -97,26 +103,47 @@ impl Sculpture {
         save_mesh(&result, path).map_err(Failure::other)
     }
 
-    /// Draws the shape before and after, side by side.
-    pub fn render(&self, path: &Path, portrait: &Portrait) -> Result<(), Failure> {
+    /// Draws the shape, called `name`, before and after, side by side, with the colours it brought along;
+    /// `kept` is how its project says that it stands.
+    pub fn render(
+        &self,
+        name: &str,
+        path: &Path,
+        portrait: &Portrait,
+        kept: Option<Orientation>,
+        terminal: &Terminal,
+    ) -> Result<(), Failure> {
         let body = self.stack.body();
         let single = |positions: &[[f64; 3]]| -> Vec<[f32; 3]> {
             positions.iter().map(|p| p.map(|c| c as f32)).collect()
         };
         let (before, after) = (single(&body.positions), single(&self.evaluation.result.positions));
+        let mut warnings = Vec::new();
+        let own = OwnLook::of(&self.mesh, body, &mut warnings);
+        warnings.iter().for_each(|warning| terminal.warn(format_args!("{name}: {warning}")));
+        let colors = match &own {
+            Some(OwnLook::Colors(bytes)) => {
+                Some(bytes.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect())
+            }
+            _ => None::<Vec<[f32; 4]>>,
+        };
+        let image = match &own {
+            Some(OwnLook::Image { corner_uvs, picture }) => Some((picture, &corner_uvs[..])),
+            _ => None,
+        };
         let shapes = [&before, &after].map(|positions| PictureShape {
             positions,
             triangles: &body.triangles,
+            colors: colors.as_deref(),
+            image,
             ..PictureShape::default()
         });
-        let Portrait { view: [yaw, pitch], size: [width, height] } = *portrait;
-        let mut camera =
-            Camera { yaw_rad: yaw.to_radians(), pitch_rad: pitch.to_radians(), ..Camera::default() };
-        let both = before.iter().chain(&after).copied();
-        camera.fit(both, width as f32 / 2.0 / height as f32, 0.88);
+        let Portrait { view: [yaw, pitch], size: [width, height], stance } = *portrait;
+        let stands = stance.of(name, &self.mesh, kept, self.matched, terminal)?;
+        let (yaw_rad, pitch_rad) = (yaw.to_radians(), pitch.to_radians());
+        let from = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };
         let gpu = Gpu::headless().map_err(Failure::other)?;
-        let request =
-            PictureRequest { shapes: &shapes, width, height, camera: Some(camera), style: Style::default() };
+        let request = PictureRequest { shapes: &shapes, width, height, from, style: Style::default() };
         let picture = render_picture(&gpu, &request).map_err(Failure::other)?;
         let png = picture.to_png().map_err(Failure::other)?;
         write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
@@ -132,6 +159,15 @@ pub struct Portrait {
     /// Size of the picture in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", value_parser = pixels)]
     size: [u32; 2],
+    #[command(flatten)]
+    stance: Stance,
+}
+
+impl Portrait {
+    /// Before any work: can it be drawn so?
+    pub fn check(&self) -> Result<(), Failure> {
+        self.stance.check()
+    }
 }
 
 fn angles(text: &str) -> Result<[f32; 2], String> {

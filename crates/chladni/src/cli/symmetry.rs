@@ -3,8 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use chladni_harmonics::Body;
+use chladni_mesh::{Estimate, Known, Orientation};
 use chladni_music::{Class, Symmetry, SymmetryMethod};
-use chladni_view::{ColorMap, Gpu, Marker, PictureRequest, PictureShape, Scale, Style, render_picture};
+use chladni_view::{
+    Camera, ColorMap, Gpu, Marker, PictureRequest, PictureShape, Scale, Style, View, render_picture,
+};
 use serde::Serialize;
 
 use super::inputs::{build_body, open_mesh};
@@ -62,7 +65,13 @@ impl SymmetryCommand {
                 }
             })?;
         if let Some(path) = &self.render {
-            draw(path, &body, &symmetry)?;
+            let stands = terminal
+                .watch("finding which way is up", |task| {
+                    Estimate::of_surface(&body.positions, &body.triangles, Known::default(), task)
+                })
+                .map_err(|_| Failure::Cancelled)?
+                .orientation;
+            draw(path, &body, &symmetry, stands)?;
         }
         let report = report(&body, &symmetry);
         if self.json {
@@ -114,7 +123,7 @@ fn report(body: &Body, symmetry: &Symmetry) -> Report {
 
 /// First how often each vertex is an extremum, with both ends of a pair in one colour; then the
 /// first harmonics: warm markers above for symmetric ones, cool for antisymmetric, grey for none.
-fn draw(path: &Path, body: &Body, symmetry: &Symmetry) -> Result<(), Failure> {
+fn draw(path: &Path, body: &Body, symmetry: &Symmetry, stands: Orientation) -> Result<(), Failure> {
     const SHOWN: usize = 11;
     let rotated = symmetry.rotated(body);
     let basis = &*rotated.basis;
@@ -122,8 +131,10 @@ fn draw(path: &Path, body: &Body, symmetry: &Symmetry) -> Result<(), Failure> {
     let counts: Vec<f32> = symmetry.extrema_counts.iter().map(|&c| f32::from(c)).collect();
     let most = counts.iter().copied().fold(1.0, f32::max);
     let dots = figure_markers(body, symmetry);
-    let top =
-        positions.iter().copied().fold([0.0f32, f32::MIN, 0.0], |top, p| if p[1] > top[1] { p } else { top });
+    let from = Camera::on(stands, View::ThreeQuarter);
+    let up = stands.up().map(|c| c as f32);
+    let height = |p: &[f32; 3]| -> f32 { (0..3).map(|i| up[i] * p[i]).sum() };
+    let top = positions.iter().copied().max_by(|p, q| height(p).total_cmp(&height(q))).unwrap_or_default();
     let first =
         basis.eigenvalues.partition_point(|&l| l <= 1e-9 * basis.eigenvalues.last().copied().unwrap_or(0.0));
     let harmonics: Vec<(Vec<f32>, Scale, [Marker; 1])> = (first..basis.harmonics().min(first + SHOWN))
@@ -134,7 +145,7 @@ fn draw(path: &Path, body: &Body, symmetry: &Symmetry) -> Result<(), Failure> {
                 Class::Antisymmetric => [40, 110, 230],
                 Class::Undecided => [130, 130, 130],
             };
-            let above = [top[0], top[1] + 0.12, top[2]];
+            let above = std::array::from_fn(|i| top[i] + 0.12 * up[i]);
             let [r, g, b] = color;
             let flag = [Marker { position: above, radius_px: 9.0, color: [r, g, b, 255] }];
             let largest = values.iter().fold(1e-12f32, |m, v| m.max(v.abs()));
@@ -150,8 +161,7 @@ fn draw(path: &Path, body: &Body, symmetry: &Symmetry) -> Result<(), Failure> {
         ..shape
     }));
     let gpu = Gpu::headless().map_err(Failure::other)?;
-    let request =
-        PictureRequest { shapes: &shapes, width: 1280, height: 960, camera: None, style: Style::default() };
+    let request = PictureRequest { shapes: &shapes, width: 1280, height: 960, from, style: Style::default() };
     let picture = render_picture(&gpu, &request).map_err(Failure::other)?;
     let png = picture.to_png().map_err(Failure::other)?;
     chladni_task::write_atomic(path, &png).map_err(|error| Failure::writing(path, error))

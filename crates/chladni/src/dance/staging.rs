@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use chladni_mesh::Orientation;
 use chladni_music::{Beat, Dancer, Instrument, Looks, Parameter, Reaction, Viewpoint, react};
 use chladni_view::{Background, Camera, Cell, Figure, Lights, Material, Rect, layout};
 
@@ -69,6 +70,8 @@ impl Heard<'_> {
 pub struct Staging {
     dancer: Arc<Dancer>,
     rest: Vec<[f32; 3]>,
+    /// Where up and front are.
+    stands: Orientation,
     /// What has to fit into a cell, for a limit of displacement.
     room: (f32, Vec<[f32; 3]>),
 }
@@ -90,9 +93,14 @@ pub struct Staged {
 }
 
 impl Staging {
-    /// For a body at rest.
-    pub fn new(dancer: Arc<Dancer>, rest: Vec<[f32; 3]>) -> Self {
-        Self { dancer, rest, room: (0.0, Vec::new()) }
+    /// For a body at rest and how it stands.
+    pub fn new(dancer: Arc<Dancer>, rest: Vec<[f32; 3]>, stands: Orientation) -> Self {
+        Self { dancer, rest, stands, room: (0.0, Vec::new()) }
+    }
+
+    /// How the body stands.
+    pub fn stands(&self) -> Orientation {
+        self.stands
     }
 
     /// The body at rest.
@@ -123,7 +131,7 @@ impl Staging {
         }
         let (viewports, columns) = Self::cells(area, items);
         let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        let mut camera = Camera { pitch_rad: viewpoint.pitch_rad, ..Camera::default() };
+        let mut camera = Camera { pitch_rad: viewpoint.pitch_rad, stands: self.stands, ..Camera::default() };
         camera.fit_turntable(&self.room.1, aspect, FILL);
         camera.distance *= viewpoint.distance;
         // The shape turns about its own axis, wherever the picture is shifted to.

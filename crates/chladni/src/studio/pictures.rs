@@ -107,10 +107,9 @@ fn portrait(gpu: &Gpu, name: &str) -> Option<Picture> {
     let positions: Vec<[f32; 3]> =
         mesh.positions.iter().map(|p| frame.to_working(*p).map(|c| c as f32)).collect();
     let [width, height] = SIZE;
-    let mut camera = Camera::looking(View::ThreeQuarter);
-    camera.fit(positions.iter().copied(), width as f32 / height as f32, 0.9);
     let shape = PictureShape { positions: &positions, triangles: &mesh.triangles, ..PictureShape::default() };
     let style = Style { background: Background::TRANSPARENT, ..Style::default() };
-    let request = PictureRequest { shapes: &[shape], width, height, camera: Some(camera), style };
+    let request =
+        PictureRequest { shapes: &[shape], width, height, from: Camera::looking(View::ThreeQuarter), style };
     render_picture(gpu, &request).ok()
 }

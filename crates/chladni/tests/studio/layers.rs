@@ -20,7 +20,7 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
         (person.place_of("Landmarks on the shape"), person.place_of("Landmarks on the template"));
     person.wait_to_see("Click a place on the shape");
     person.wait_until_gone("Reading the template");
-    let places = [(0.0, 0.0), (0.1, -0.15), (-0.1, 0.15), (0.12, 0.1)];
+    let places = [(0.0, 0.0), (0.1, -0.07), (-0.1, 0.07), (0.12, 0.05)];
     for (x, y) in places {
         for side in [left, right] {
             person.click_at(side.center() + vec2(x * side.width(), y * side.height()));
@@ -244,7 +244,7 @@ fn the_keyboard_reaches_what_is_common_and_crossings_are_counted() {
     person.0.run_steps(2);
     person.screenshot("studio-crossings.png");
     assert!(person.sees("folded triangles"));
-    person.press(Key::F);
+    person.press(Key::E);
     person.wait_to_see("No folds");
 
     person.press_with(CTRL, Key::D);

@@ -11,6 +11,7 @@ use chladni_synth::Backend;
 use chladni_view::{Background, FrameRate, Lights, Material, Samples};
 
 use super::{Begin, Output, Request, failure};
+use crate::cli::stance::Stance;
 use crate::cli::{Failure, Terminal};
 use crate::dance::{FIRST_VIEW, HARMONICS, Look, look_named, resolve};
 
@@ -94,6 +95,8 @@ pub struct Dance {
     /// Turn of the shape in degrees, to begin with.
     #[arg(long, allow_negative_numbers = true)]
     yaw: Option<f32>,
+    #[command(flatten)]
+    stance: Stance,
     /// Samples a pixel: 4, or 1 with edges smoothed afterwards. Unless given, 4 on a graphics card and
     /// 1 where the processor draws.
     #[arg(long, value_name = "1|4")]
@@ -186,6 +189,7 @@ impl Dance {
                 Request {
                     body,
                     songs: vec![(song, BeatReading::default())],
+                    stance: Stance::default(),
                     harmonics: HARMONICS,
                     heard: Vec::new(),
                     show_secs: None,
@@ -199,6 +203,7 @@ impl Dance {
             }
         };
         request.harmonics = self.harmonics.unwrap_or(request.harmonics);
+        request.stance = self.stance;
         request.start_secs = self.start;
         request.duration_secs = self.duration;
         let Look { material, lights, background } = request.look;

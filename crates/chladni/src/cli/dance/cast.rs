@@ -4,12 +4,13 @@ use std::path::Path;
 
 use chladni_caricature::Project;
 use chladni_harmonics::Body;
-use chladni_mesh::TriMesh;
+use chladni_mesh::{Orientation, TriMesh};
 use chladni_synth::Term;
 
 use crate::cli::inputs::{build_body, open_mesh};
 use crate::cli::project::opened;
 use crate::cli::sculpture::Sculpture;
+use crate::cli::stance::Stance;
 use crate::cli::{Failure, Terminal};
 use crate::source;
 
@@ -33,6 +34,12 @@ impl Cast {
             terminal.warn(warning);
         }
         Ok(Self { name: project.shape.to_string(), mesh, project: Some(project) })
+    }
+
+    /// How it stands.
+    pub fn stands(&self, stance: Stance, terminal: &Terminal) -> Result<Orientation, Failure> {
+        let kept = self.project.as_ref().and_then(|project| project.stands);
+        stance.of(&self.name, &self.mesh, kept, None, terminal)
     }
 
     /// The body with so many harmonics, and the voices.

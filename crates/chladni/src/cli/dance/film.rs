@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use chladni_harmonics::Body;
+use chladni_mesh::Orientation;
 use chladni_music::{
     Ensemble, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch, Viewpoint,
 };
@@ -68,7 +69,7 @@ pub struct Performance {
 
 impl Performance {
     pub fn new(
-        body: &Body,
+        (body, stands): (&Body, Orientation),
         ensemble: Ensemble,
         hearing: Hearing,
         (instrument, script): (Instrument, Vec<LoggedAction>),
@@ -80,7 +81,7 @@ impl Performance {
         let mut performance = Self {
             hearing,
             heard: heard.into_iter().peekable(),
-            staging: Staging::new(ensemble.dancer().clone(), model.rest_positions().to_vec()),
+            staging: Staging::new(ensemble.dancer().clone(), model.rest_positions().to_vec(), stands),
             instrument,
             script: script.into_iter().peekable(),
             ensemble,

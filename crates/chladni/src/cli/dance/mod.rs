@@ -22,6 +22,7 @@ use chladni_view::{Film, FilmFormat, FilmSettings, FrameRate, Samples, ffmpeg_is
 use serde::Serialize;
 
 use super::outputs::check_file;
+use super::stance::Stance;
 use super::{Failure, Terminal};
 use crate::dance::{HARMONICS, Hearing, Look, look_named};
 pub use arguments::{Dance, Fps, Size};
@@ -38,6 +39,8 @@ pub struct Request {
     pub body: String,
     /// Songs or samples, by the numbers that `heard` has for them.
     pub songs: Vec<(String, BeatReading)>,
+    /// How the body stands.
+    pub stance: Stance,
     /// K.
     pub harmonics: usize,
     /// Which song is heard when; the first one from its beginning where this is empty.
@@ -89,6 +92,7 @@ impl Request {
         Self {
             body,
             songs,
+            stance: Stance::default(),
             harmonics: show.harmonics.unwrap_or(HARMONICS),
             heard,
             show_secs: show.duration_secs,
@@ -161,6 +165,7 @@ pub fn make(request: Request, terminal: &Terminal) -> Result<Report, Failure> {
     let begin = Instant::now();
     let output = request.output;
     output.check()?;
+    request.stance.check()?;
     let times = [Some(request.start_secs), request.duration_secs.map(|d| d.max(-1.0))];
     if times.iter().flatten().any(|secs| !(secs.is_finite() && *secs >= 0.0))
         || request.duration_secs == Some(0.0)
@@ -168,6 +173,7 @@ pub fn make(request: Request, terminal: &Terminal) -> Result<Report, Failure> {
         return Err(Failure::BadInput("start must not be negative and the duration must be positive".into()));
     }
     let cast = Cast::open(&request.body, terminal)?;
+    let stands = cast.stands(request.stance, terminal)?;
     let range = (request.start_secs, request.duration_secs);
     let mut songs = Songs::open(&request.songs, request.heard, request.show_secs, range, terminal)?;
     let mut seconds = Seconds { reading: begin.elapsed().as_secs_f64(), ..Seconds::default() };
@@ -189,7 +195,7 @@ pub fn make(request: Request, terminal: &Terminal) -> Result<Report, Failure> {
     let mut hearing = Hearing::from(request.start_secs);
     songs.tell(&mut hearing);
     let mut performance = Performance::new(
-        &body,
+        (&body, stands),
         ensemble,
         hearing,
         (instrument, script),

@@ -36,6 +36,7 @@ impl CaricatureRoom {
             let (Some(session), Some(stage)) = (&mut self.session, &mut self.stage) else {
                 return nothing_open(ui);
             };
+            stage.stand(session.stands());
             // Pictures of layers wait until the hand rests.
             if !ui.input(|input| input.pointer.any_down()) {
                 match self.thumbnails.update(shared.gpu, stage, session) {

@@ -215,7 +215,7 @@ impl CaricatureRoom {
         let result = &session.evaluation.result;
         let pose = (single(&result.positions), single(result.normals()));
         let [width, height] = pictures::SIZE;
-        let mut camera = Camera::looking(View::ThreeQuarter);
+        let mut camera = Camera::on(session.stands(), View::ThreeQuarter);
         camera.fit(pose.0.iter().copied(), width as f32 / height as f32, 0.9);
         let shot = Shot { camera, ..stage.shot_of(pose, stage.own_coat(), Background::TRANSPARENT) };
         shared.pictures.keep(&shared.ctx, path, move || shot.picture(width, height).ok());

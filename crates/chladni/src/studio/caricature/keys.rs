@@ -8,8 +8,8 @@ use super::landmarks::Picking;
 use super::session::Session;
 use super::stage::Show;
 use super::{
-    ABOVE, ADD_MESH, BELOW, BRUSH, CaricatureRoom, DELETE, DUPLICATE, ERASE, EXPORT, FURTHEST, HIDE, INVERT,
-    LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
+    ABOVE, ADD_MESH, BELOW, BRUSH, CaricatureRoom, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, HIDE,
+    INVERT, LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
     SMALLER, SOLO, STRONGER, UNDO, WEAKER, WIRE, as_far_as_it_goes, toggle_picking,
 };
 use crate::studio::room::Shared;
@@ -89,6 +89,12 @@ impl CaricatureRoom {
                 Show::BeforeAfter | Show::Original => Show::Result,
             };
             self.stale = true;
+        }
+        if self.picking.is_none()
+            && FIT.pressed(&ctx)
+            && let Some(stage) = &mut self.stage
+        {
+            stage.fit();
         }
         if WIRE.pressed(&ctx) {
             self.look.wire = !self.look.wire;

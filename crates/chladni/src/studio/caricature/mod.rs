@@ -16,7 +16,6 @@ mod keys;
 mod landmarks;
 mod layers;
 mod matches;
-mod own_look;
 mod preview;
 mod recover;
 mod rehearsal;
@@ -70,7 +69,7 @@ const SOLO: Shortcut = Shortcut::key(Key::S, "Only this layer, or all again");
 const NEXT_MODEL: Shortcut = Shortcut::key(Key::M, "Next model");
 const STRONGER: Shortcut = Shortcut::key(Key::Comma, "Exaggerate more: μ a step down");
 const WEAKER: Shortcut = Shortcut::key(Key::Period, "Exaggerate less: μ a step up");
-const FURTHEST: Shortcut = Shortcut::key(Key::F, "As far as it goes with hardly a fold");
+const FURTHEST: Shortcut = Shortcut::key(Key::E, "As far as it goes with hardly a fold");
 const INVERT: Shortcut = Shortcut::key(Key::I, "Invert the region");
 const DUPLICATE: Shortcut = Shortcut::command(Key::D, "Duplicate the layer");
 const DELETE: Shortcut = Shortcut::key(Key::Delete, "Delete the layer");
@@ -83,8 +82,9 @@ const NEXT_SHOW: Shortcut = Shortcut::key(Key::V, "Result, three models, before 
 const RENAME: Shortcut = Shortcut::key(Key::F2, "Rename the layer");
 const WIRE: Shortcut = Shortcut::key(Key::W, "Edges of triangles");
 const LANDMARKS: Shortcut = Shortcut::key(Key::L, "Pick landmarks on both shapes");
+const FIT: Shortcut = Shortcut::key(Key::F, "Show all of it");
 const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave picking or painting");
-const KEYS: [Shortcut; 35] = [
+const KEYS: [Shortcut; 36] = [
     OPEN,
     SAVE,
     SAVE_AS,
@@ -120,6 +120,7 @@ const KEYS: [Shortcut; 35] = [
     viewport::VIEW_KEYS[2],
     viewport::VIEW_KEYS[3],
     viewport::VIEW_KEYS[4],
+    FIT,
 ];
 
 /// The room: at most one open project.

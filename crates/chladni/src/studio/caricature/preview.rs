@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
-use chladni_mesh::TriMesh;
+use chladni_mesh::{Orientation, TriMesh};
 use chladni_view::{Cell, Rect};
 use egui::Ui;
 
@@ -14,21 +14,21 @@ use crate::studio::viewport::{self, Viewport};
 
 /// The shape, as soon as it comes.
 pub struct Preview {
-    meshes: Receiver<Arc<TriMesh>>,
+    meshes: Receiver<(Arc<TriMesh>, Orientation)>,
     shown: Option<(Viewport, Side)>,
 }
 
 impl Preview {
     /// Shows the mesh that `meshes` will bring.
-    pub fn of(meshes: Receiver<Arc<TriMesh>>) -> Self {
+    pub fn of(meshes: Receiver<(Arc<TriMesh>, Orientation)>) -> Self {
         Self { meshes, shown: None }
     }
 
     /// Draws it into all of `ui`; says what comes where there is nothing yet.
     pub fn show(&mut self, ui: &mut Ui, look: Look, shared: &Shared<'_>) -> Result<(), String> {
-        if let Ok(mesh) = self.meshes.try_recv() {
+        if let Ok((mesh, stands)) = self.meshes.try_recv() {
             let viewport = Viewport::new(shared.gpu);
-            let side = Side::new(viewport.gpu(), &mesh).map_err(|error| error.to_string())?;
+            let side = Side::new(viewport.gpu(), &mesh, stands).map_err(|error| error.to_string())?;
             self.shown = Some((viewport, side));
         }
         let rect = ui.available_rect_before_wrap();

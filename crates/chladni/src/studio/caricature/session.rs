@@ -8,14 +8,14 @@ use chladni_caricature::{
     Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Painted,
     Project, Recovered, ShapeSource, Stack, Surface, Template, furthest,
 };
-use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
+use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, Orientation, TriMesh};
 use chladni_task::Task;
 
 use super::crossings::CrossingMeter;
 use super::edits::Edit;
 use super::export::named_after;
 use super::files::Candidate;
-use super::own_look::OwnLook;
+use crate::own_look::OwnLook;
 use crate::source;
 use crate::studio::bodies::{Solved, solve};
 use crate::studio::job::{Job, Outcome};
@@ -29,6 +29,7 @@ pub struct Loaded {
     /// The recovery copy that the project comes from.
     pub recovered: Option<Recovered>,
     mesh: Arc<TriMesh>,
+    stands: Estimate,
     /// On the shape with its harmonics.
     stack: Stack,
     /// The colours that the file has.
@@ -39,14 +40,19 @@ pub struct Loaded {
 
 /// Loads the shape of a project and its harmonics. The mesh is sent to `read` as soon as it is
 /// there: solving may take much longer.
-pub fn load(candidate: Candidate, read: &Sender<Arc<TriMesh>>, task: &Task) -> Result<Loaded, String> {
+pub fn load(
+    candidate: Candidate,
+    read: &Sender<(Arc<TriMesh>, Orientation)>,
+    task: &Task,
+) -> Result<Loaded, String> {
     let Candidate { mut project, path, recovered, made_on, .. } = candidate;
     let folder = path.as_deref().and_then(Path::parent);
     let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
     warnings.extend(project.taken_over().map(|told| format!("This is {told}.")));
     let mesh = Arc::new(mesh);
+    let stands = Estimate::of(&mesh, Known::default(), task).map_err(|error| error.to_string())?;
     // Whoever does not look any more misses nothing.
-    let _ = read.send(Arc::clone(&mesh));
+    let _ = read.send((Arc::clone(&mesh), project.stands.unwrap_or(stands.orientation)));
     let new = recovered.is_some() || made_on.is_some();
     if let Some(from) = made_on {
         let carried = project.carried(&from, &mesh, task).map_err(|error| error.to_string())?;
@@ -60,7 +66,7 @@ pub fn load(candidate: Candidate, read: &Sender<Arc<TriMesh>>, task: &Task) -> R
     if project.layers().iter().any(|(_, layer)| layer.region.painted != Painted::Everywhere) {
         stack.brush_preparation()();
     }
-    Ok(Loaded { project, path, new, recovered, mesh, stack, look, warnings })
+    Ok(Loaded { project, path, new, recovered, mesh, stands, stack, look, warnings })
 }
 
 /// A project with everything it needs to be drawn and changed.
@@ -88,6 +94,8 @@ pub struct Session {
     /// K that was last asked for, whether or not the shape has as many.
     harmonics: usize,
     solving: Option<Job<Solved>>,
+    /// What the surface says of how it stands; a matched template may know better.
+    stands: Estimate,
 }
 
 impl Session {
@@ -115,6 +123,7 @@ impl Session {
             brush: None,
             harmonics,
             solving: None,
+            stands: loaded.stands,
         };
         session.refresh();
         session
@@ -142,6 +151,16 @@ impl Session {
     /// The same, once it was found or not found.
     pub fn known_mirror(&self) -> Option<Option<MirrorPlane>> {
         self.mirror.get().copied()
+    }
+
+    /// How the shape stands: as the project says, else as is most probable.
+    pub fn stands(&self) -> Orientation {
+        self.project().stands.unwrap_or(self.stands.orientation)
+    }
+
+    /// Whether a person should say how it stands.
+    pub fn stands_in_doubt(&self) -> bool {
+        self.project().stands.is_none() && self.stands.in_doubt
     }
 
     /// The document as it is now.
@@ -252,6 +271,11 @@ impl Session {
             if let Some(result) = outcome {
                 let request = request.clone();
                 message = result.as_ref().err().map(ToString::to_string);
+                if let Ok(Matched { stands: Some(stands), .. }) = &result
+                    && self.stands.in_doubt
+                {
+                    self.stands = Estimate { orientation: *stands, in_doubt: false, ..self.stands };
+                }
                 self.stack.install(request, result);
                 self.matching = None;
                 self.refresh();

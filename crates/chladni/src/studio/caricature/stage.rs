@@ -2,6 +2,7 @@
 //! wires, and the brush on its surface.
 
 use chladni_caricature::{Brush, Reach, Seen, Surface, SurfacePoint};
+use chladni_mesh::Orientation;
 use chladni_view::{
     Background, BrushRing, Camera, Cell, Figure, Gpu, ItemBuffers, Marker, PickTree, Projection, Rect, Scale,
     Skin, Topology, VertexPaint, View, ViewError, layout,
@@ -9,8 +10,8 @@ use chladni_view::{
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
-use super::own_look::OwnLook;
 use super::shot::{Coat, Pose, Shot};
+use crate::own_look::OwnLook;
 use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 
@@ -145,6 +146,10 @@ pub struct Stage {
     brushed: Option<[f32; 2]>,
     ring: BrushRing,
     fitted: bool,
+    /// Somebody came nearer or looked aside since all was shown: nothing is brought back unasked.
+    by_hand: bool,
+    /// What is shown may reach farther than before.
+    grown: bool,
     last_look: Option<Look>,
 }
 
@@ -196,6 +201,8 @@ impl Stage {
             brushed: None,
             ring,
             fitted: false,
+            by_hand: false,
+            grown: false,
             last_look: None,
         };
         for figure in 0..FIGURES {
@@ -227,6 +234,7 @@ impl Stage {
         if self.pick.as_ref().is_some_and(|(picked, _)| *picked == figure) {
             self.pick = None;
         }
+        self.grown = true;
         self.viewport.invalidate();
         Ok(())
     }
@@ -291,9 +299,30 @@ impl Stage {
         }
     }
 
-    /// Moves the camera so that the original fills the view.
+    /// Moves the camera so that what is shown fills the view.
     pub fn fit(&mut self) {
         self.fitted = false;
+    }
+
+    /// Turns the view where the shape stands otherwise than was thought.
+    pub fn stand(&mut self, stands: Orientation) {
+        if self.camera.stands != stands {
+            self.camera.stands = stands;
+            self.fitted = false;
+        }
+    }
+
+    /// Brings all that is shown into view: fitted where it was asked for, else by going back where it
+    /// grew beyond the edges and nobody has chosen where to stand.
+    fn frame(&mut self, figures: &[usize], aspect: f32) {
+        let shown = figures.iter().flat_map(|figure| self.poses[*figure].0.iter().copied());
+        if !self.fitted {
+            self.camera.fit(shown, aspect, 0.86);
+            (self.fitted, self.by_hand) = (true, false);
+            self.viewport.invalidate();
+        } else if std::mem::take(&mut self.grown) && !self.by_hand && self.camera.hold(shown, aspect, 0.97) {
+            self.viewport.invalidate();
+        }
     }
 
     /// Draws the stage into `rect` and steers its camera.
@@ -314,17 +343,16 @@ impl Stage {
         );
         let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
         let cells = layout::grid(canvas, rows, columns, 2, figures.len());
-        if !self.fitted
-            && let Some(cell) = cells.first()
-        {
-            self.camera.fit(self.poses[ORIGINAL].0.iter().copied(), cell.aspect(), 0.8);
-            self.fitted = true;
-            self.viewport.invalidate();
+        if let Some(cell) = cells.first() {
+            self.frame(figures, cell.aspect());
         }
         let free = brush.is_none();
-        if viewport::navigate_by(ui, &response, &mut self.camera, free)
-            || self.last_look.replace(look) != Some(look)
-        {
+        let before = self.camera;
+        let moved = viewport::navigate_by(ui, &response, &mut self.camera, free);
+        let stood = |camera: &Camera| (camera.target, camera.distance);
+        self.by_hand |= stood(&before) != stood(&self.camera);
+        if moved || self.last_look.replace(look) != Some(look) {
+            self.grown = true;
             self.viewport.invalidate();
         }
         if ui.ctx().input(|input| input.key_pressed(egui::Key::Home))

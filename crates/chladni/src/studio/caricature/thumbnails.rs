@@ -83,8 +83,11 @@ impl Thumbnails {
         let shape = layers.get(index + 1).map_or(&session.evaluation.result, |above| &above.base);
         let pose = (single(&shape.positions), single(shape.normals()));
         let length: Vec<f32> = displacement.iter().map(|d| d[0].hypot(d[1]).hypot(d[2]) as f32).collect();
+        if self.camera.is_some_and(|camera| camera.stands != session.stands()) {
+            self.camera = None;
+        }
         let camera = *self.camera.get_or_insert_with(|| {
-            let mut camera = Camera::looking(View::ThreeQuarter);
+            let mut camera = Camera::on(session.stands(), View::ThreeQuarter);
             camera.fit(single(&session.stack.original().positions).iter().copied(), 1.0, 0.86);
             camera
         });

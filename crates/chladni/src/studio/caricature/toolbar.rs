@@ -1,11 +1,14 @@
 //! The bar above the stage: file, history, what is shown and how it looks.
 
+use chladni_caricature::Action;
+use chladni_mesh::{Axis, Orientation};
 use chladni_view::{ColorMap, Lights, Material};
 use egui::Ui;
 
+use super::edits::Edit;
 use super::heat::Quantity;
 use super::stage::{Show, Stage};
-use super::{CaricatureRoom, EXPORT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
+use super::{CaricatureRoom, EXPORT, FIT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -109,10 +112,42 @@ impl CaricatureRoom {
                 ui.selectable_value(&mut self.look.lights, index, theme::capitalised(name));
             }
         });
-        if ui.button(icon::text(Icon::Maximize)).on_hover_text("Show all of it (Home)").clicked()
+        if ui.button(icon::text(Icon::Maximize)).on_hover_text(FIT.tooltip(ui.ctx())).clicked()
             && let Some(stage) = &mut self.stage
         {
             stage.fit();
+        }
+        self.stance_menu(ui);
+    }
+
+    /// Which way is up, where the estimate is not what a person sees.
+    fn stance_menu(&mut self, ui: &mut Ui) {
+        let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
+        let (now, told) = (session.stands(), session.project().stands);
+        let mut wanted = told;
+        let doubt = if session.stands_in_doubt() { " Up?" } else { "" };
+        let menu = ui.menu_button(format!("{}{doubt}", icon::text(Icon::ArrowUp)), |ui| {
+            ui.label(egui::RichText::new("Up is").color(theme::palette(ui).weak));
+            for axis in Axis::ALL {
+                let up = axis.direction();
+                if ui.selectable_label(Axis::of(now.up()) == Some(axis), axis.to_string()).clicked() {
+                    // What was up or down before comes to the front where the front is no longer level.
+                    let fronts = [now.front(), now.up()];
+                    wanted = fronts.into_iter().find_map(|front| Orientation::new(up, front));
+                }
+            }
+            ui.separator();
+            if ui.button("Turn the front by a quarter").clicked() {
+                wanted = Some(now.quarters(1));
+            }
+            if ui.add_enabled(told.is_some(), egui::Button::new("As estimated")).clicked() {
+                wanted = None;
+            }
+        });
+        let tip = format!("Which way is up: {now}. Exports keep the file's axes.");
+        menu.response.accessible_name("Which way is up").on_hover_text(tip);
+        if wanted != told && session.apply(vec![Edit::Once(Action::Stand(wanted))]).is_ok() {
+            self.stale = true;
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A body that dances: instrument, synthesizer and the picture of all items.
 
+use chladni_mesh::Orientation;
 use chladni_music::{
     Action, Ensemble, FlashGuard, GalleryShape, Instrument, Mapping, Moment, Parameter, Preset, Reaction,
     Settings, Show, Switch, Veil, Viewpoint,
@@ -104,7 +105,7 @@ impl Concert {
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
         let vertices = rest.len();
-        let staging = Staging::new(ready.dancer.clone(), rest);
+        let staging = Staging::new(ready.dancer.clone(), rest, ready.stands);
         let levels = on_device(gpu, vertices, ready.levels)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
@@ -342,7 +343,7 @@ impl Concert {
         {
             let response = ui.allocate_rect(whole, egui::Sense::click_and_drag());
             navigate(ui, &response, &mut self.viewpoint, 1.0);
-            let camera = camera_at(&self.viewpoint);
+            let camera = camera_at(&self.viewpoint, self.staging.stands());
             if self.shown.take().is_some() {
                 self.harmonics.leave();
             }
@@ -517,8 +518,9 @@ impl Concert {
 }
 
 /// A camera that stands at a viewpoint of a picture whose size nobody knows yet.
-fn camera_at(viewpoint: &Viewpoint) -> Camera {
-    let camera = Camera { yaw_rad: viewpoint.yaw_rad, pitch_rad: viewpoint.pitch_rad, ..Camera::default() };
+fn camera_at(viewpoint: &Viewpoint, stands: Orientation) -> Camera {
+    let Viewpoint { yaw_rad, pitch_rad, .. } = *viewpoint;
+    let camera = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };
     let mut camera = Camera { distance: viewpoint.distance * camera.distance, ..camera };
     camera.pan(viewpoint.shift[0], viewpoint.shift[1], 1.0);
     camera
@@ -526,7 +528,8 @@ fn camera_at(viewpoint: &Viewpoint) -> Camera {
 
 /// Moves the viewer by pointer and keys on `response`, which is so many cells high.
 fn navigate(ui: &Ui, response: &egui::Response, viewpoint: &mut Viewpoint, cells_high: f32) {
-    let before = camera_at(viewpoint);
+    // A viewpoint is relative to how the shape stands: any stance gives the same.
+    let before = camera_at(viewpoint, Orientation::Y_UP);
     let mut camera = before;
     if viewport::navigate(ui, response, &mut camera) {
         let shift = camera.shift_since(before.target);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use chladni_caricature::{Error, MatchRequest, Project, ShapeSource, Stack, Template};
 use chladni_harmonics::Body;
-use chladni_mesh::TriMesh;
+use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_music::{Dancer, Symmetry};
 use chladni_synth::Term;
 use chladni_task::Task;
@@ -32,6 +32,8 @@ pub struct Means {
 pub struct Ready {
     /// The body; harmonics of repeated eigenvalues are mixed so that they have a class.
     pub body: Body,
+    /// How it stands.
+    pub stands: Orientation,
     /// What the players need of it.
     pub dancer: Arc<Dancer>,
     /// Its harmonics' classes.
@@ -48,7 +50,7 @@ pub struct Ready {
 pub fn shape(source: &ShapeSource, means: Means, task: &Task) -> Result<Ready, String> {
     let (mesh, mut warnings) = source::shape(source, None)?;
     let body = body(&mesh, means.harmonics, &mut warnings, task)?;
-    Ready::new(body, means, Vec::new(), warnings, task)
+    Ready::new(body, None, means, Vec::new(), warnings, task)
 }
 
 /// Loads a caricature's project: its shape is the body, each acting layer a voice.
@@ -65,7 +67,7 @@ pub fn caricature(path: &Path, means: Means, task: &Task) -> Result<Ready, Strin
     } else {
         body(&mesh, means.harmonics, &mut warnings, task)?
     };
-    Ready::new(body, means, voices, warnings, task)
+    Ready::new(body, project.stands, means, voices, warnings, task)
 }
 
 /// The acting layers of a project on its body, each at its full strength.
@@ -109,6 +111,7 @@ fn body(mesh: &TriMesh, harmonics: usize, warnings: &mut Vec<String>, task: &Tas
 impl Ready {
     fn new(
         body: Body,
+        stands: Option<Orientation>,
         means: Means,
         voices: Vec<(String, Term)>,
         warnings: Vec<String>,
@@ -118,10 +121,15 @@ impl Ready {
             || Symmetry::of(&body, task),
             || if means.coarsely { levels(&body) } else { Vec::new() },
         );
+        let estimate = || Estimate::of_surface(&body.positions, &body.triangles, Known::default(), task);
+        let stands = match stands {
+            Some(told) => told,
+            None => estimate().map_err(|error| error.to_string())?.orientation,
+        };
         let symmetry = symmetry.map_err(|error| error.to_string())?;
         let body = symmetry.rotated(&body);
         let dancer = Dancer::new(&body, &symmetry.classes).map_err(|error| error.to_string())?;
-        Ok(Self { body, dancer: Arc::new(dancer), symmetry, voices, levels, warnings })
+        Ok(Self { body, stands, dancer: Arc::new(dancer), symmetry, voices, levels, warnings })
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use chladni_caricature::{LayerId, Matched, Property, Template};
 use chladni_match::{Landmark, Settings};
-use chladni_mesh::TriMesh;
+use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_view::{Cell, Marker, Rect};
 use egui::{Color32, PointerButton, Pos2, RichText, Ui};
 
@@ -58,7 +58,7 @@ pub struct Picking {
     shape: Side,
     /// `None` while it is read.
     other: Option<Side>,
-    reading: Option<Job<Result<TriMesh, String>>>,
+    reading: Option<Job<Result<(TriMesh, Orientation), String>>>,
     /// Half a pair: picked on one shape, not yet on the other.
     pending: Option<(Which, u32)>,
     /// The landmark that the pointer holds, and where it is now.
@@ -84,15 +84,20 @@ impl Picking {
             return None;
         }
         let viewport = Viewport::new(shared.gpu);
-        let shape = match Side::new(viewport.gpu(), &session.mesh) {
+        let shape = match Side::new(viewport.gpu(), &session.mesh, session.stands()) {
             Ok(shape) => shape,
             Err(error) => return Some(Err(error.to_string())),
         };
-        let (wanted, folder) = (template.clone(), session.folder());
-        let reading = Job::start("Reading the template", &shared.ctx, move |_| match &wanted {
-            Template::File(path) => source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| mesh),
-            Template::Sample(name) => source::sample(name),
-            other => Err(format!("{other} is no mesh")),
+        let (wanted, folder, beside) = (template.clone(), session.folder(), session.stands());
+        let reading = Job::start("Reading the template", &shared.ctx, move |task| {
+            let mesh = match &wanted {
+                Template::File(path) => source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| mesh),
+                Template::Sample(name) => source::sample(name),
+                other => Err(format!("{other} is no mesh")),
+            }?;
+            let found = Estimate::of(&mesh, Known::default(), task).map_err(|error| error.to_string())?;
+            // Shapes that belong together are mostly in the same axes.
+            Ok((mesh, if found.in_doubt { beside } else { found.orientation }))
         });
         Some(Ok(Self {
             layer,
@@ -159,7 +164,9 @@ impl Picking {
         match self.reading.as_ref().map(Job::poll) {
             Some(Outcome::Done(mesh)) => {
                 self.reading = None;
-                let side = Side::new(self.viewport.gpu(), &mesh?).map_err(|error| error.to_string())?;
+                let (mesh, stands) = mesh?;
+                let side =
+                    Side::new(self.viewport.gpu(), &mesh, stands).map_err(|error| error.to_string())?;
                 self.other = Some(side);
                 self.viewport.invalidate();
             }
@@ -207,7 +214,8 @@ impl Picking {
         let held = self.held.filter(|(side, ..)| *side == which);
         let side = self.side(which)?;
         side.fit(cell.aspect());
-        let home = ui.input(|input| input.key_pressed(egui::Key::Home)) && response.hovered();
+        let home = ui.input(|input| input.key_pressed(egui::Key::Home) || input.key_pressed(egui::Key::F))
+            && response.hovered();
         if home {
             side.refit();
         }

@@ -1,6 +1,6 @@
 //! One of the two shapes that landmarks are picked on.
 
-use chladni_mesh::{Frame, TriMesh};
+use chladni_mesh::{Frame, Orientation, TriMesh};
 use chladni_view::{
     Camera, ColorMap, Figure, Gpu, ItemBuffers, Material, Paint, PickTree, Rect, Scale, Topology,
     VertexPaint, View, ViewError,
@@ -21,8 +21,8 @@ pub struct Side {
 }
 
 impl Side {
-    /// Puts `mesh` on the device.
-    pub fn new(gpu: &Gpu, mesh: &TriMesh) -> Result<Self, ViewError> {
+    /// Puts `mesh`, which stands so, on the device.
+    pub fn new(gpu: &Gpu, mesh: &TriMesh, stands: Orientation) -> Result<Self, ViewError> {
         let frame = Frame::of(mesh);
         let positions: Vec<[f32; 3]> =
             mesh.positions.iter().map(|p| frame.to_working(*p).map(|c| c as f32)).collect();
@@ -31,7 +31,7 @@ impl Side {
         let normals = chladni_view::smooth_normals(&positions, &mesh.triangles);
         buffers.write(gpu, 0, &positions, &normals)?;
         Ok(Self {
-            camera: Camera::looking(View::Front),
+            camera: Camera::on(stands, View::Front),
             tree: PickTree::new(&positions, &mesh.triangles),
             confidence: VertexPaint::new(gpu, positions.len()),
             shows_confidence: false,
@@ -57,7 +57,9 @@ impl Side {
     /// Moves the camera so that all of it is seen in a cell of this aspect, once.
     pub fn fit(&mut self, aspect: f32) {
         if !self.fitted {
-            self.camera.fit(self.positions.iter().copied(), aspect, 0.82);
+            // What no triangle uses is not seen.
+            let seen = self.triangles.iter().flatten().map(|v| self.positions[*v as usize]);
+            self.camera.fit(seen, aspect, 0.82);
             self.fitted = true;
         }
     }
@@ -109,7 +111,7 @@ mod tests {
             gpu => gpu.unwrap(),
         };
         let mesh = chladni_mesh::samples::icosphere(3);
-        let mut side = Side::new(&gpu, &mesh).unwrap();
+        let mut side = Side::new(&gpu, &mesh, Orientation::Y_UP).unwrap();
         let cell = Rect { x: 40, y: 10, width: 300, height: 400 };
         side.fit(cell.aspect());
         let mut seen = 0;

@@ -1,0 +1,87 @@
+//! Shapes side by side, all to one scale, as large as a format allows.
+
+use crate::{Camera, Rect, layout};
+
+/// A cell for each of `shapes` within `area`, row by row with `gap` pixels between them, and who looks
+/// at it: from where `from` looks, each shape in the middle of its cell, all at one scale, so that the
+/// shape that needs most room fills its cell to `fill` of its sides. Rows and columns are those that
+/// show the shapes largest.
+pub fn side_by_side(
+    from: Camera,
+    shapes: &[&[[f32; 3]]],
+    area: Rect,
+    gap: u32,
+    fill: f32,
+) -> Vec<(Rect, Camera)> {
+    let arranged = |columns: usize| {
+        let rows = shapes.len().div_ceil(columns);
+        let cells = layout::grid(area, rows, columns, gap, shapes.len());
+        let mut placed: Vec<(Rect, Camera)> = cells
+            .into_iter()
+            .zip(shapes)
+            .map(|(cell, shape)| {
+                let mut camera = from;
+                camera.fit(shape.iter().copied(), cell.aspect(), fill);
+                (cell, camera)
+            })
+            .collect();
+        let scale = placed.iter().map(pixels_per_unit).fold(f32::INFINITY, f32::min);
+        for (cell, camera) in &mut placed {
+            camera.distance *= pixels_per_unit(&(*cell, *camera)) / scale;
+        }
+        (scale, placed)
+    };
+    let all = (1..=shapes.len()).map(arranged);
+    all.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, placed)| placed)
+}
+
+/// How large a length at the target is drawn, up to a factor that all lenses of one kind share.
+fn pixels_per_unit((cell, camera): &(Rect, Camera)) -> f32 {
+    cell.height.max(1) as f32 / camera.distance.max(f32::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of this size around `center`.
+    fn corners(center: [f32; 3], size: [f32; 3]) -> Vec<[f32; 3]> {
+        let at = |i: usize, a: usize| center[a] + if i >> a & 1 == 1 { 0.5 } else { -0.5 } * size[a];
+        (0..8).map(|i| [at(i, 0), at(i, 1), at(i, 2)]).collect()
+    }
+
+    /// Width and height in pixels of what is seen of `points`, after checking that it is in its cell.
+    fn seen(points: &[[f32; 3]], (cell, camera): &(Rect, Camera)) -> [f32; 2] {
+        let pixels: Vec<[f32; 2]> = points.iter().map(|p| camera.project(*p, *cell).unwrap().0).collect();
+        assert!(pixels.iter().all(|[x, y]| cell.contains(*x, *y)), "{cell:?}: {pixels:?}");
+        std::array::from_fn(|i| {
+            let along = || pixels.iter().map(|p| p[i]);
+            along().fold(f32::MIN, f32::max) - along().fold(f32::MAX, f32::min)
+        })
+    }
+
+    #[test]
+    fn a_format_is_used_and_both_shapes_have_one_scale() {
+        let man = corners([0.0; 3], [0.3, 1.8, 0.2]);
+        // Moved far away and grown: neither may make the first one small beyond its own scale.
+        let grown = corners([7.0, -3.0, 1.0], [0.4, 2.0, 0.3]);
+        for (width, height) in [(1600, 900), (900, 1600), (600, 600)] {
+            let area = Rect::of_size(width, height);
+            let placed = side_by_side(Camera::default(), &[&man, &grown], area, 0, 0.9);
+            let ([_, man_high], [_, grown_high]) = (seen(&man, &placed[0]), seen(&grown, &placed[1]));
+            // The taller one touches its margins, in cells of the format's full height.
+            assert!((grown_high / height as f32 - 0.9).abs() < 0.01, "{width}×{height}: {grown_high}");
+            let ratio = man_high / grown_high;
+            assert!((ratio - 0.9).abs() < 0.03, "{ratio}");
+        }
+    }
+
+    #[test]
+    fn wide_shapes_stand_above_each_other() {
+        let whale = corners([0.0; 3], [6.0, 1.0, 1.0]);
+        let placed = side_by_side(Camera::default(), &[&whale, &whale], Rect::of_size(1600, 900), 2, 0.9);
+        assert!(placed[0].0.width == 1600 && placed[1].0.y > 400);
+        assert!(seen(&whale, &placed[0])[0] > 0.88 * 1600.0);
+        assert!(side_by_side(Camera::default(), &[], Rect::of_size(10, 10), 0, 0.9).is_empty());
+    }
+}
