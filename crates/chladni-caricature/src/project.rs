@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+use chladni_harmonics::Laplacian;
 use chladni_match::Settings as MatchSettings;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Layer, LayerId, Model, PaintEdit, ScaleCurve, ShapeSource, Smoothing, Surface, Template};
 
-/// What is saved: which shape, how many harmonics, which layers. Cloning shares the layers.
+/// What is saved: which shape, how many harmonics of which Laplacian, which layers. Cloning shares the layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {
     /// Where the shape comes from.
@@ -16,6 +17,9 @@ pub struct Project {
     pub harmonics: usize,
     /// The format of the file that it was read from, where that was an older one.
     pub(crate) older_format: Option<i64>,
+    /// The operator whose harmonics they are. New layers of a project with the papers' own have the
+    /// papers' settings.
+    pub laplacian: Laplacian,
     layers: Vec<(LayerId, Arc<Layer>)>,
     next_id: u64,
 }
@@ -59,6 +63,8 @@ pub enum Action {
     },
     /// Changes the number of harmonics; the basis has to be solved again.
     SetHarmonics(usize),
+    /// Changes the operator; the basis has to be solved again.
+    SetLaplacian(Laplacian),
 }
 
 /// A property of a layer with its new value.
@@ -92,7 +98,8 @@ pub enum Property {
 impl Project {
     /// A project without layers.
     pub fn new(shape: ShapeSource, harmonics: usize) -> Self {
-        Self { shape, harmonics, older_format: None, layers: Vec::new(), next_id: 1 }
+        let laplacian = Laplacian::default();
+        Self { shape, harmonics, laplacian, older_format: None, layers: Vec::new(), next_id: 1 }
     }
 
     /// What a person should know of a project that was read from a file of an older format.
@@ -122,6 +129,18 @@ impl Project {
     /// The id that the next new layer gets.
     pub fn next_id(&self) -> LayerId {
         LayerId(self.next_id)
+    }
+
+    /// A layer with the settings to begin with here: the paper's in a project with the paper's
+    /// Laplacian; else without the finest harmonics against a mesh, where a match is rough.
+    pub fn new_layer(&self, name: impl Into<String>, template: Template) -> Layer {
+        match self.laplacian {
+            Laplacian::Cotangent => Layer::paper(name, template),
+            Laplacian::Delaunay if template.is_mesh() => {
+                Layer { curve: ScaleCurve::smooth(), ..Layer::new(name, template) }
+            }
+            Laplacian::Delaunay => Layer::new(name, template),
+        }
     }
 
     /// Adds a layer on top and returns its id.
@@ -175,6 +194,7 @@ impl Project {
                 return Err(Error::Range { what: "the number of harmonics", value: 0.0, range: "1 or more" });
             }
             Action::SetHarmonics(harmonics) => self.harmonics = *harmonics,
+            Action::SetLaplacian(laplacian) => self.laplacian = *laplacian,
         }
         Ok(())
     }
@@ -244,6 +264,7 @@ impl Action {
                 PaintEdit::Set(_) => "set region",
             },
             Self::SetHarmonics(_) => "number of harmonics",
+            Self::SetLaplacian(_) => "Laplacian",
             Self::Set { to, .. } => match to {
                 Property::Name(_) => "rename layer",
                 Property::Template(_) => "template",
@@ -265,7 +286,7 @@ impl Action {
         match self {
             Self::Set { layer, .. } | Self::Paint { layer, .. } | Self::Move { layer, .. } => Some(*layer),
             Self::Remove(layer) | Self::Duplicate(layer) => Some(*layer),
-            Self::Add { .. } | Self::SetHarmonics(_) => None,
+            Self::Add { .. } | Self::SetHarmonics(_) | Self::SetLaplacian(_) => None,
         }
     }
 }

@@ -4,6 +4,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use chladni_harmonics::Laplacian;
 use chladni_match::Settings as MatchSettings;
 use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
@@ -35,6 +36,13 @@ struct ShapeTable {
     source: String,
     #[serde(default = "default_harmonics")]
     harmonics: usize,
+    /// Only where it is the papers'.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    laplacian: Laplacian,
+}
+
+fn is_usual(laplacian: &Laplacian) -> bool {
+    *laplacian == Laplacian::default()
 }
 
 #[derive(Serialize, Deserialize)]
@@ -134,7 +142,7 @@ impl Project {
         let document = Document {
             format_version: FORMAT_VERSION,
             recovered_from,
-            shape: ShapeTable { source, harmonics: self.harmonics },
+            shape: ShapeTable { source, harmonics: self.harmonics, laplacian: self.laplacian },
             layers: layers.collect::<Result<_, _>>().map_err(invalid)?,
         };
         toml::to_string(&document).map_err(|e| invalid(e.to_string()))
@@ -164,6 +172,7 @@ impl Project {
         }
         let mut project = Self::new(shape, document.shape.harmonics);
         project.older_format = older_format;
+        project.laplacian = document.shape.laplacian;
         for (i, table) in document.layers.into_iter().enumerate() {
             let place = format!("layer {} ({})", i + 1, table.name);
             let layer = table.into_layer(&folder).and_then(|l| project.push(l));

@@ -7,8 +7,8 @@ use std::time::Instant;
 use chladni_caricature::GivenEllipsoid;
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_match::{
-    Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, match_shapes, onto_ellipsoid,
-    load_landmarks, self_low_passed, self_scaled,
+    Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, load_landmarks, match_shapes,
+    onto_ellipsoid, self_low_passed, self_scaled,
 };
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;

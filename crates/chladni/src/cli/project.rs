@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::{DEFAULT_HARMONICS, FORMAT_VERSION, Layer, Painted, Project, ShapeSource, Template};
+use chladni_harmonics::{Laplacian, Operator};
 use serde::Serialize;
 
-use super::inputs::open_mesh;
+use super::inputs::{laplacian, open_mesh};
 use super::layer_options::LayerOptions;
 use super::outputs::check_file;
 use super::{Failure, Terminal};
@@ -32,6 +33,10 @@ pub struct New {
     /// K, the number of harmonics.
     #[arg(short = 'k', long, value_name = "K", default_value_t = DEFAULT_HARMONICS)]
     harmonics: usize,
+    /// Paper mode: the papers' plain cotangent Laplacian, which not every mesh can have; its layers
+    /// begin with the caricature paper's settings.
+    #[arg(long)]
+    paper: bool,
 }
 
 /// Arguments of `project add-layer`.
@@ -98,9 +103,16 @@ impl New {
             return Err(Failure::input("the number of harmonics must be 1 or more"));
         }
         // A project on a shape that cannot be read helps nobody.
-        open_mesh(&self.shape, terminal)?;
+        let mesh = open_mesh(&self.shape, terminal)?;
         let shape: ShapeSource = self.shape.parse().map_err(Failure::input)?;
-        Project::new(shape, self.harmonics).save(&self.output).map_err(Failure::other)?;
+        let mut project = Project::new(shape, self.harmonics);
+        project.laplacian = laplacian(self.paper);
+        if self.paper {
+            // Told now rather than with the first layer.
+            Operator::with(&mesh, project.laplacian)
+                .map_err(|error| Failure::input(format_args!("{}: {error}", self.shape)))?;
+        }
+        project.save(&self.output).map_err(Failure::other)?;
         terminal.wrote(&self.output)
     }
 }
@@ -112,7 +124,7 @@ impl AddLayer {
             open_mesh(&self.template.to_string(), terminal)?;
         }
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
-        let layer = self.layer.layer(&name, self.template)?;
+        let layer = self.layer.layer(&name, self.template, &project)?;
         project.push(layer).map_err(Failure::input)?;
         project.save(&self.project).map_err(Failure::other)?;
         let layers = project.layers().len();
@@ -134,6 +146,7 @@ struct Shown {
     format_version: i64,
     shape: String,
     harmonics: usize,
+    laplacian: Laplacian,
     layers: Vec<ShownLayer>,
 }
 
@@ -197,12 +210,14 @@ impl Show {
             format_version: FORMAT_VERSION,
             shape: project.shape.to_string(),
             harmonics: project.harmonics,
+            laplacian: project.laplacian,
             layers: project.layers().iter().map(|(_, l)| ShownLayer::of(l)).collect(),
         };
         if self.json {
             return terminal.json(&shown);
         }
-        terminal.result(format_args!("{}, {} harmonics", shown.shape, shown.harmonics))?;
+        let Shown { shape, harmonics, laplacian, .. } = &shown;
+        terminal.result(format_args!("{shape}, {harmonics} harmonics of the {laplacian} Laplacian"))?;
         for (i, layer) in shown.layers.iter().enumerate() {
             let off = if layer.enabled { "" } else { ", off" };
             let ShownLayer { name, template, model, mu, region, .. } = layer;

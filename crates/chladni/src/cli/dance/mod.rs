@@ -12,8 +12,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_music::{
-    Action, Dancer, Ensemble, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter,
-    Preset, Session, Symmetry,
+    Action, Dancer, Ensemble, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment, PAPER_MODE,
+    Parameter, Preset, Session, Symmetry, SymmetrySettings,
 };
 use chladni_sound::{Song, WavSample, track_beats, write_wav};
 use chladni_synth::Backend;
@@ -22,7 +22,7 @@ use chladni_view::{
 };
 use serde::Serialize;
 
-use super::inputs::open_song;
+use super::inputs::{laplacian, open_song};
 use super::outputs::check_file;
 use super::{Failure, Terminal};
 use cast::Cast;
@@ -80,9 +80,19 @@ pub struct Dance {
     /// K, the number of harmonics.
     #[arg(short = 'k', long, value_name = "K", default_value_t = 256)]
     harmonics: usize,
+    /// Paper mode: harmonics of the plain cotangent Laplacian, which not every mesh can have, their
+    /// classes by the vote of the extrema, the filter form, linear bands and blended normals.
+    #[arg(long)]
+    paper: bool,
     /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here.
     #[arg(long, value_name = "C.npz")]
     coefficients: Option<PathBuf>,
+    /// Write the mapping of each item of the gallery into this folder, as presets.
+    #[arg(long, value_name = "DIR")]
+    presets: Option<PathBuf>,
+    /// Show the shape at rest, too, as dots.
+    #[arg(long)]
+    rest: bool,
     /// Lights: studio, soft, dramatic, stage.
     #[arg(long, default_value = "stage", value_parser = named(Lights::named, names(&Lights::PRESETS)))]
     lights: Lights,
@@ -168,9 +178,11 @@ impl Dance {
         let song = open_song(&self.song, self.start, self.duration, terminal)?;
         let mut seconds = Seconds { reading: begin.elapsed().as_secs_f64(), ..Seconds::default() };
         let preparing = Instant::now();
-        let (body, voices) = cast.prepare(self.harmonics, terminal)?;
-        let symmetry =
-            terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(failure)?;
+        let (body, voices) = cast.prepare(self.harmonics, laplacian(self.paper), terminal)?;
+        let settings = SymmetrySettings { by_vote: self.paper, ..SymmetrySettings::default() };
+        let symmetry = terminal
+            .watch("finding the mirror", |task| Symmetry::with(&body, &settings, task))
+            .map_err(failure)?;
         let body = symmetry.rotated(&body);
         let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).map_err(failure)?);
         seconds.preparing = preparing.elapsed().as_secs_f64();
@@ -189,6 +201,7 @@ impl Dance {
             material: self.material,
             background: self.background,
             yaw_rad: self.yaw.to_radians(),
+            rest: self.rest,
         };
         let ensemble = Ensemble::new(dancer).with_voices(voices).map_err(failure)?;
         let mut show = Show::new(&body, ensemble, hearing, instrument, script, self.start, self.fps.0)?;
@@ -225,6 +238,10 @@ impl Dance {
         }
         if let Some(path) = &self.coefficients {
             done.recording.write(path).map_err(|error| Failure::writing(path, error))?;
+        }
+        if let Some(folder) = &self.presets {
+            save_presets(folder, show.instrument())?;
+            terminal.wrote(folder)?;
         }
         done.warnings.iter().for_each(|warning| terminal.warn(warning));
         if let Some(drawn) = done.drawn.as_ref().filter(|drawn| drawn.software && self.samples.is_none()) {
@@ -330,6 +347,9 @@ impl Dance {
 
     fn adjust(&self, instrument: &mut Instrument) -> Result<(), Failure> {
         let mut act = |action| instrument.apply(Moment::default(), action).map_err(failure);
+        if self.paper {
+            PAPER_MODE.into_iter().try_for_each(&mut act)?;
+        }
         if let Some(form) = self.form {
             act(Action::SetForm { form })?;
         }
@@ -338,6 +358,16 @@ impl Dance {
         }
         Ok(())
     }
+}
+
+/// Each item of the gallery as a preset, `item-01.toml` and so on.
+fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
+    for (i, item) in instrument.gallery().items().iter().enumerate() {
+        let path = folder.join(format!("item-{:02}.toml", i + 1));
+        Preset::of(instrument, item, Vec::new()).save(&path).map_err(Failure::other)?;
+    }
+    Ok(())
 }
 
 /// The sound that an MP4 is given, as a temporary file.

@@ -18,6 +18,7 @@ use super::hearing::Hearing;
 use super::record::Recording;
 use super::{Seconds, failure, view_failure};
 use crate::cli::Failure;
+use crate::cli::sheet::dots;
 
 /// How the film looks.
 pub struct Look {
@@ -25,6 +26,8 @@ pub struct Look {
     pub material: Material,
     pub background: Background,
     pub yaw_rad: f32,
+    /// The shape at rest is shown, too.
+    pub rest: bool,
 }
 
 /// Who computes and draws; where nothing is said, what suits the device.
@@ -97,6 +100,10 @@ impl Show {
 
     pub fn song(&self) -> &Song {
         self.hearing.song()
+    }
+
+    pub fn instrument(&self) -> &Instrument {
+        &self.instrument
     }
 
     pub fn allow_flashes(&mut self) {
@@ -273,7 +280,10 @@ impl Theatre {
             .map(|item| Figure { material: look.material, ..Figure::new(&self.topology, &buffers, item) })
             .collect();
         let placed = viewports.into_iter().zip(&figures);
-        let cells = Cell::gallery(area, look.background, camera, lights, placed);
+        let dots = if look.rest { dots(show.model.rest_positions().iter().copied()) } else { Vec::new() };
+        let mut cells = Cell::gallery(area, look.background, camera, lights, placed);
+        // The first is the background.
+        cells.iter_mut().skip(1).for_each(|cell| cell.markers = &dots);
         renderer.draw(canvas, &cells)?;
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use chladni_harmonics::Body;
+use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::samples;
 use chladni_music::{
     Action, Bands, Dancer, GalleryShape, Instrument, Mapping, Moment, Player, Playing, Preset, Symmetry,
@@ -28,7 +28,7 @@ impl Ready {
     /// The sample called `name`.
     pub fn sample(name: &'static str, terminal: &Terminal) -> Result<Self, Failure> {
         let mesh = samples::sample(name).ok_or_else(|| Failure::BadInput(format!("no sample {name}")))?;
-        let (body, _) = build_body(name, &mesh, HARMONICS, terminal)?;
+        let (body, _) = build_body(name, &mesh, HARMONICS, Laplacian::Delaunay, terminal)?;
         let symmetry =
             terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(Failure::other)?;
         let body = symmetry.rotated(&body);
