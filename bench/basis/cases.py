@@ -28,7 +28,8 @@ PAPERS = [
     ("alien (music, 2012)", 24988, 540, "235", "heads/face.obj"),
     ("bunny (music, 2012)", 34834, 1070, "479", "lion4"),
     ("blooby (music, 2012)", 42432, 1065, "558", "animals/koala.obj"),
-    ("nefertiti (caricature, 2010)", 49000, 512, "402–429", "animals/koala.obj"),
+    ("Planck, template Egea (caricature, 2010)", 49000, 512, "402", "animals/koala.obj"),
+    ("Face 1, template Face 3 (caricature, 2010)", 49000, 512, "429", "animals/koala.obj"),
     ("armadillo (music, 2012)", 86488, 2376, "1052", "heads/igea.ply"),
 ]
 

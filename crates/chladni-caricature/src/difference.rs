@@ -30,6 +30,12 @@ impl Model {
     pub fn strongest_usual_mu(self) -> f64 {
         if self == Self::Distance { -8.0 } else { -2.4 }
     }
+
+    /// The μ that the paper's results name for it: −8 for the distance model, for the others the weak
+    /// end of −0.8 … −2.4.
+    pub fn paper_mu(self) -> f64 {
+        if self == Self::Distance { -8.0 } else { -0.8 }
+    }
 }
 
 impl std::fmt::Display for Model {

@@ -6,7 +6,7 @@ use chladni_match::{Ellipsoid, MatchError, Settings as MatchSettings};
 use serde::{Deserialize, Serialize};
 
 use crate::vector::Vec3;
-use crate::{Error, Model, Region, ScaleCurve};
+use crate::{Error, Model, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
 
 /// Names a layer for as long as its project is open, across moves and undo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -221,6 +221,20 @@ impl Layer {
             curve: ScaleCurve::default(),
             enabled: true,
             solo: false,
+        }
+    }
+
+    /// A layer with the settings that the paper prints: a sharp cut at nχ = 96 that may ring, every
+    /// scale and every match as it is, and μ = −0.8, where its figures begin.
+    pub fn paper(name: impl Into<String>, template: Template) -> Self {
+        let smoothing =
+            Smoothing { wavelength: usual_wavelength(96.0), roll_off: RollOff::Sharp, clamp: false };
+        Self {
+            mu: Model::Coordinate.paper_mu(),
+            region: Region { smoothing, ..Region::default() },
+            curve: ScaleCurve::flat(1.0),
+            infill: 0.0,
+            ..Self::new(name, template)
         }
     }
 

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use chladni_harmonics::Laplacian;
 use chladni_match::Settings as MatchSettings;
 use chladni_mesh::Orientation;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Layer, LayerId, Model, PaintEdit, ScaleCurve, ShapeSource, Smoothing, Surface, Template};
 
-/// What is saved: which shape, how many harmonics, which layers. Cloning shares the layers.
+/// What is saved: which shape, how many harmonics of which Laplacian, which layers. Cloning shares the layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {
     /// Where the shape comes from.
@@ -19,6 +20,9 @@ pub struct Project {
     pub(crate) older_format: Option<i64>,
     /// How the shape stands in pictures; estimated where nobody has said.
     pub stands: Option<Orientation>,
+    /// The operator whose harmonics they are. New layers of a project with the papers' own have the
+    /// papers' settings.
+    pub laplacian: Laplacian,
     layers: Vec<(LayerId, Arc<Layer>)>,
     next_id: u64,
 }
@@ -64,6 +68,8 @@ pub enum Action {
     SetHarmonics(usize),
     /// Says how the shape stands in pictures; `None` leaves it to the estimate.
     Stand(Option<Orientation>),
+    /// Changes the operator; the basis has to be solved again.
+    SetLaplacian(Laplacian),
 }
 
 /// A property of a layer with its new value.
@@ -97,7 +103,15 @@ pub enum Property {
 impl Project {
     /// A project without layers.
     pub fn new(shape: ShapeSource, harmonics: usize) -> Self {
-        Self { shape, harmonics, older_format: None, stands: None, layers: Vec::new(), next_id: 1 }
+        Self {
+            shape,
+            harmonics,
+            laplacian: Laplacian::default(),
+            older_format: None,
+            stands: None,
+            layers: Vec::new(),
+            next_id: 1,
+        }
     }
 
     /// What a person should know of a project that was read from a file of an older format.
@@ -127,6 +141,18 @@ impl Project {
     /// The id that the next new layer gets.
     pub fn next_id(&self) -> LayerId {
         LayerId(self.next_id)
+    }
+
+    /// A layer with the settings to begin with here: the paper's in a project with the paper's
+    /// Laplacian; else without the finest harmonics against a mesh, where a match is rough.
+    pub fn new_layer(&self, name: impl Into<String>, template: Template) -> Layer {
+        match self.laplacian {
+            Laplacian::Cotangent => Layer::paper(name, template),
+            Laplacian::Delaunay if template.is_mesh() => {
+                Layer { curve: ScaleCurve::smooth(), ..Layer::new(name, template) }
+            }
+            Laplacian::Delaunay => Layer::new(name, template),
+        }
     }
 
     /// Adds a layer on top and returns its id.
@@ -181,6 +207,7 @@ impl Project {
             }
             Action::SetHarmonics(harmonics) => self.harmonics = *harmonics,
             Action::Stand(stands) => self.stands = *stands,
+            Action::SetLaplacian(laplacian) => self.laplacian = *laplacian,
         }
         Ok(())
     }
@@ -251,6 +278,7 @@ impl Action {
             },
             Self::SetHarmonics(_) => "number of harmonics",
             Self::Stand(_) => "which way is up",
+            Self::SetLaplacian(_) => "Laplacian",
             Self::Set { to, .. } => match to {
                 Property::Name(_) => "rename layer",
                 Property::Template(_) => "template",
@@ -272,7 +300,7 @@ impl Action {
         match self {
             Self::Set { layer, .. } | Self::Paint { layer, .. } | Self::Move { layer, .. } => Some(*layer),
             Self::Remove(layer) | Self::Duplicate(layer) => Some(*layer),
-            Self::Add { .. } | Self::SetHarmonics(_) | Self::Stand(_) => None,
+            Self::Add { .. } | Self::SetHarmonics(_) | Self::SetLaplacian(_) | Self::Stand(_) => None,
         }
     }
 }

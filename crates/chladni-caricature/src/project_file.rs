@@ -4,6 +4,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use chladni_harmonics::Laplacian;
 use chladni_match::Settings as MatchSettings;
 use chladni_mesh::Orientation;
 use chladni_task::read_file;
@@ -39,6 +40,13 @@ struct ShapeTable {
     /// Only where somebody said how the shape stands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     stands: Option<Orientation>,
+    /// Only where it is the papers'.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    laplacian: Laplacian,
+}
+
+fn is_usual(laplacian: &Laplacian) -> bool {
+    *laplacian == Laplacian::default()
 }
 
 #[derive(Serialize, Deserialize)]
@@ -138,7 +146,12 @@ impl Project {
         let document = Document {
             format_version: FORMAT_VERSION,
             recovered_from,
-            shape: ShapeTable { source, harmonics: self.harmonics, stands: self.stands },
+            shape: ShapeTable {
+                source,
+                harmonics: self.harmonics,
+                stands: self.stands,
+                laplacian: self.laplacian,
+            },
             layers: layers.collect::<Result<_, _>>().map_err(invalid)?,
         };
         toml::to_string(&document).map_err(|e| invalid(e.to_string()))
@@ -169,6 +182,7 @@ impl Project {
         let mut project = Self::new(shape, document.shape.harmonics);
         project.older_format = older_format;
         project.stands = document.shape.stands;
+        project.laplacian = document.shape.laplacian;
         for (i, table) in document.layers.into_iter().enumerate() {
             let place = format!("layer {} ({})", i + 1, table.name);
             let layer = table.into_layer(&folder).and_then(|l| project.push(l));

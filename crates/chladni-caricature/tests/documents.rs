@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use chladni_caricature::*;
+use chladni_harmonics::Laplacian;
 use proptest::prelude::*;
 
 fn action() -> impl Strategy<Value = Action> {
@@ -34,6 +35,7 @@ fn action() -> impl Strategy<Value = Action> {
         (id(), property).prop_map(|(layer, to)| Action::Set { layer, to }),
         (id(), edit).prop_map(|(layer, edit)| Action::Paint { layer, edit }),
         (0..300_usize).prop_map(Action::SetHarmonics),
+        Just(Action::SetLaplacian(Laplacian::Cotangent)),
     ]
 }
 
@@ -56,6 +58,7 @@ proptest! {
             basis: Arc::new(chladni_harmonics::Basis {
                 eigenvalues: vec![], vectors: vec![], mass: vec![1.0; mesh.positions.len()],
                 certificate: chladni_harmonics::Certificate {
+                    laplacian: Laplacian::Delaunay,
                     inertia_counts_match: true, max_relative_residual: 0.0, max_orthogonality_error: 0.0 },
             }),
         };

@@ -2,9 +2,14 @@
 
 use rayon::prelude::*;
 
+use crate::Laplacian;
+
 /// What was checked about a [`Basis`] after it was solved.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Certificate {
+    /// The operator that the pairs belong to.
+    #[serde(default)]
+    pub laplacian: Laplacian,
     /// The number of eigenvalues below every slice boundary, by Sylvester's law of inertia,
     /// equals the number of pairs found there: none is missed, none doubled.
     pub inertia_counts_match: bool,
@@ -24,6 +29,7 @@ impl Certificate {
     pub(crate) fn and(&self, other: &Self) -> Self {
         let larger = |a: f64, b: f64| if b.is_nan() { b } else { a.max(b) };
         Self {
+            laplacian: self.laplacian,
             inertia_counts_match: self.inertia_counts_match && other.inertia_counts_match,
             max_relative_residual: larger(self.max_relative_residual, other.max_relative_residual),
             max_orthogonality_error: larger(self.max_orthogonality_error, other.max_orthogonality_error),
@@ -173,11 +179,12 @@ impl Basis {
 
 #[cfg(test)]
 mod tests {
-    use super::Certificate;
+    use super::{Certificate, Laplacian};
 
     #[test]
     fn a_warning_names_what_failed_and_nothing_else() {
         let sound = Certificate {
+            laplacian: Laplacian::Delaunay,
             inertia_counts_match: true,
             max_relative_residual: 1e-11,
             max_orthogonality_error: 1e-10,

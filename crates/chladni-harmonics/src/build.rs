@@ -58,7 +58,7 @@ impl Body {
             .build()
             .map_err(|e| HarmonicsError::Threads(e.to_string()))?;
         let stage = task.stage("Laplacian", 1);
-        let operator = pool.install(|| Operator::of_surface(surface))?;
+        let operator = pool.install(|| Operator::of_surface(surface, settings.laplacian))?;
         stage.advance(1);
         report.seconds.operator = start.elapsed().as_secs_f64();
         let solving = Instant::now();

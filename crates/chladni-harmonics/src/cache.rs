@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use chladni_task::write_atomic_with;
 
 use crate::operator::Surface;
-use crate::{Basis, BasisSettings, Certificate};
+use crate::{Basis, BasisSettings, Certificate, Laplacian};
 
 /// Raised whenever the same mesh and settings would give another basis.
 const VERSION: u32 = 3;
@@ -45,15 +45,19 @@ impl BasisCache {
         hash.update(&VERSION.to_le_bytes());
         hash.update(&(settings.harmonics as u64).to_le_bytes());
         hash.update(&[u8::from(settings.whole_clusters)]);
+        hash.update(settings.laplacian.to_string().as_bytes());
         hash.update(&(surface.positions.len() as u64).to_le_bytes());
         hash.update(bytemuck::cast_slice(&surface.positions));
         hash.update(bytemuck::cast_slice(&surface.triangles));
-        Entry { path: self.folder.join(format!("{}.basis", hash.finalize().to_hex())) }
+        let laplacian = settings.laplacian;
+        Entry { laplacian, path: self.folder.join(format!("{}.basis", hash.finalize().to_hex())) }
     }
 }
 
 /// The file of one basis.
 pub(crate) struct Entry {
+    /// Part of its name.
+    laplacian: Laplacian,
     path: PathBuf,
 }
 
@@ -81,7 +85,7 @@ impl Entry {
             Err(e) => return Err(format!("{}: {e}", self.path.display())),
         };
         let length = file.metadata().map(|m| m.len()).unwrap_or(0);
-        read_entry(&mut file, length, vertices).map(Some).map_err(|reason| {
+        read_entry(&mut file, length, vertices, self.laplacian).map(Some).map_err(|reason| {
             format!("damaged cache entry {} was solved again: {reason}", self.path.display())
         })
     }
@@ -118,7 +122,12 @@ impl Entry {
     }
 }
 
-fn read_entry(file: &mut fs::File, length: u64, vertices: usize) -> Result<(Basis, bool), String> {
+fn read_entry(
+    file: &mut fs::File,
+    length: u64,
+    vertices: usize,
+    laplacian: Laplacian,
+) -> Result<(Basis, bool), String> {
     let mut hash = blake3::Hasher::new();
     let mut header: Header = bytemuck::Zeroable::zeroed();
     read_part(file, bytemuck::bytes_of_mut(&mut header), &mut hash)?;
@@ -141,6 +150,7 @@ fn read_entry(file: &mut fs::File, length: u64, vertices: usize) -> Result<(Basi
         return Err("its checksum does not match".into());
     }
     let certificate = Certificate {
+        laplacian,
         inertia_counts_match: header.inertia_counts_match == 1,
         max_relative_residual: header.max_relative_residual,
         max_orthogonality_error: header.max_orthogonality_error,

@@ -163,6 +163,7 @@ mod tests {
         let edges: Vec<(u32, u32, f64)> = (0..n as u32).map(|v| (v, (v + 1) % n as u32, 1.0)).collect();
         let stiffness = SymmetricSparse::laplacian(n, &edges);
         let certificate = Certificate {
+            laplacian: crate::Laplacian::Delaunay,
             inertia_counts_match: true,
             max_relative_residual: 0.0,
             max_orthogonality_error: 0.0,

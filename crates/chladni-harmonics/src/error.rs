@@ -32,6 +32,26 @@ pub enum HarmonicsError {
         /// One vertex of the file in it, from 0.
         vertex: usize,
     },
+    /// The plain cotangent Laplacian has no weight for an edge of more than two triangles.
+    #[error(
+        "cannot have the papers' plain cotangent Laplacian: {triangles} triangles meet at the edge of vertices {} and \
+         {} (the usual Laplacian takes any mesh)", ends[0], ends[1]
+    )]
+    CrowdedEdge {
+        /// Vertices of the file at its ends, from 0.
+        ends: [usize; 2],
+        /// How many meet there.
+        triangles: usize,
+    },
+    /// The plain cotangent Laplacian divides by the area of each triangle.
+    #[error(
+        "cannot have the papers' plain cotangent Laplacian: the triangle of vertices {}, {} and {} has no area (the \
+         usual Laplacian takes any mesh)", corners[0], corners[1], corners[2]
+    )]
+    FlatTriangle {
+        /// Vertices of the file at its corners, from 0.
+        corners: [usize; 3],
+    },
     /// K is not in 1 ..= N.
     #[error(
         "{harmonics} harmonics were asked for, but the mesh has {vertices} usable vertices (welded, referenced): \

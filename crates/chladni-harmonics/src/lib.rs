@@ -50,5 +50,5 @@ pub use cache::BasisCache;
 pub use error::HarmonicsError;
 pub use heat::{HeatFlow, HeatStep};
 pub use operator::Operator;
-pub use settings::{BasisSettings, BuildReport, BuildSeconds, SolveProfile};
+pub use settings::{BasisSettings, BuildReport, BuildSeconds, Laplacian, SolveProfile};
 pub use sparse::SymmetricSparse;

@@ -2,12 +2,14 @@
 
 use chladni_mesh::{Frame, TriMesh, Weld, total_area, weld};
 
-use crate::laplacian::laplacian;
-use crate::{HarmonicsError, SymmetricSparse};
+use crate::laplacian::{Refusal, cotangent_laplacian, delaunay_laplacian};
+use crate::{HarmonicsError, Laplacian, SymmetricSparse};
 
 /// The discrete Laplacian of a mesh in the working frame: S and a of S h = λ diag(a) h.
 #[derive(Clone, Debug)]
 pub struct Operator {
+    /// Which Laplacian it is.
+    pub laplacian: Laplacian,
     /// The similarity between file and working frame.
     pub frame: Frame,
     /// N positions in the working frame.
@@ -16,8 +18,9 @@ pub struct Operator {
     pub triangles: Vec<[u32; 3]>,
     /// For each file vertex its operator vertex, `None` where no triangle uses it.
     pub operator_vertex: Vec<Option<u32>>,
-    /// S, N×N, symmetric, rows sum to zero, no positive value off the diagonal. It does not
-    /// depend on the scale of the mesh.
+    /// S, N×N, symmetric, positive semi-definite, rows sum to zero; no positive value off the
+    /// diagonal unless the plain cotangents were asked for. It does not depend on the scale of the
+    /// mesh.
     pub stiffness: SymmetricSparse,
     /// a(v), N positive areas in working units².
     pub mass: Vec<f64>,
@@ -59,21 +62,34 @@ impl Surface {
 }
 
 impl Operator {
-    /// Builds the operator of `mesh`.
+    /// Builds the intrinsic Delaunay operator of `mesh`.
     ///
     /// # Errors
     /// No usable triangle, coordinates that are not finite, an index out of range, or a
     /// component without area.
     pub fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
-        Self::of_surface(Surface::of(mesh)?)
+        Self::with(mesh, Laplacian::Delaunay)
     }
 
-    pub(crate) fn of_surface(surface: Surface) -> Result<Self, HarmonicsError> {
+    /// Builds an operator of `mesh`.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of); and, of the plain cotangent Laplacian, an edge of more than two
+    /// triangles or a triangle without area.
+    pub fn with(mesh: &TriMesh, laplacian: Laplacian) -> Result<Self, HarmonicsError> {
+        Self::of_surface(Surface::of(mesh)?, laplacian)
+    }
+
+    pub(crate) fn of_surface(surface: Surface, laplacian: Laplacian) -> Result<Self, HarmonicsError> {
         let Surface { frame, positions, triangles, operator_vertex } = surface;
         let component = components(positions.len(), &triangles);
         refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
-        let (stiffness, mass) = laplacian(&positions, &triangles)?;
-        Ok(Self { frame, positions, triangles, operator_vertex, stiffness, mass, component })
+        let (stiffness, mass) = match laplacian {
+            Laplacian::Delaunay => delaunay_laplacian(&positions, &triangles)?,
+            Laplacian::Cotangent => cotangent_laplacian(&positions, &triangles)
+                .map_err(|refusal| refused(refusal, &operator_vertex))?,
+        };
+        Ok(Self { laplacian, frame, positions, triangles, operator_vertex, stiffness, mass, component })
     }
 
     /// N, the number of operator vertices.
@@ -84,6 +100,17 @@ impl Operator {
     /// The number of connected components: the multiplicity of λ = 0.
     pub fn components(&self) -> usize {
         self.component.iter().max().map_or(0, |c| *c as usize + 1)
+    }
+}
+
+/// Why a mesh cannot have the plain cotangents, in the file's own vertices.
+fn refused(refusal: Refusal, operator_vertex: &[Option<u32>]) -> HarmonicsError {
+    let file = |v: u32| operator_vertex.iter().position(|o| *o == Some(v)).unwrap_or_default();
+    match refusal {
+        Refusal::CrowdedEdge { ends, triangles } => {
+            HarmonicsError::CrowdedEdge { ends: ends.map(file), triangles }
+        }
+        Refusal::FlatTriangle { corners } => HarmonicsError::FlatTriangle { corners: corners.map(file) },
     }
 }
 

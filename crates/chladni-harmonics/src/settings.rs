@@ -1,12 +1,37 @@
 //! What is asked of a basis, and what is told about it besides the numbers.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Certificate;
+
+/// Which discrete Laplacian a mesh is given (docs/laplacian.md).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Laplacian {
+    /// The intrinsic Delaunay Laplacian of the tufted cover: every mesh with area has it.
+    #[default]
+    Delaunay,
+    /// The papers': the cotangents of the mesh's own triangles, negative weights and all. It
+    /// needs at most two triangles on every edge, and triangles that have an area.
+    Cotangent,
+}
+
+impl std::fmt::Display for Laplacian {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Delaunay => "delaunay",
+            Self::Cotangent => "cotangent",
+        })
+    }
+}
 
 /// How a basis is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BasisSettings {
     /// K, from 1 to the number of operator vertices.
     pub harmonics: usize,
+    /// The operator whose harmonics they are.
+    pub laplacian: Laplacian,
     /// Worker threads; `None` for all of the machine's. The result does not depend on it.
     pub threads: Option<usize>,
     /// Where K would cut a group of equal eigenvalues, extend K to the end of the group.
@@ -16,7 +41,7 @@ pub struct BasisSettings {
 impl BasisSettings {
     /// K harmonics on all threads, exactly K even if that cuts a multiple eigenvalue.
     pub fn new(harmonics: usize) -> Self {
-        Self { harmonics, threads: None, whole_clusters: false }
+        Self { harmonics, laplacian: Laplacian::default(), threads: None, whole_clusters: false }
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod shapes;
 
-use chladni_harmonics::{BasisCache, BasisSettings, Body};
+use chladni_harmonics::{BasisCache, BasisSettings, Body, Laplacian};
 use chladni_task::Task;
 
 #[test]
@@ -36,6 +36,27 @@ fn entries_are_reused_and_damaged_ones_solved_again() {
         assert_eq!(std::fs::read(&entry).unwrap(), sound);
     }
     assert!(build(30).1.cached);
+}
+
+#[test]
+fn each_laplacian_has_entries_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = BasisCache::new(folder.path());
+    let mut mesh = shapes::icosphere(2);
+    mesh.positions.iter_mut().for_each(|p| p[0] *= 4.0);
+    let build = |laplacian| {
+        let settings = BasisSettings { laplacian, ..BasisSettings::new(20) };
+        Body::load_or_build(&mesh, &settings, Some(&cache), &Task::new()).unwrap()
+    };
+    let (usual, _) = build(Laplacian::Delaunay);
+    let (plain, report) = build(Laplacian::Cotangent);
+    assert!(!report.cached, "another operator has other harmonics");
+    assert_ne!(usual.basis.eigenvalues, plain.basis.eigenvalues);
+    for (laplacian, basis) in [(Laplacian::Delaunay, usual.basis), (Laplacian::Cotangent, plain.basis)] {
+        let (again, report) = build(laplacian);
+        assert!(report.cached);
+        assert_eq!((&again.basis, again.basis.certificate.laplacian), (&basis, laplacian));
+    }
 }
 
 #[test]

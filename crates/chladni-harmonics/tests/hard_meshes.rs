@@ -5,7 +5,7 @@
 
 mod shapes;
 
-use chladni_harmonics::{BasisSettings, Body, HarmonicsError, Operator};
+use chladni_harmonics::{BasisSettings, Body, HarmonicsError, Laplacian, Operator};
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 use proptest::prelude::*;
@@ -16,9 +16,15 @@ fn build(mesh: &TriMesh, k: usize) -> Body {
 
 /// Solves, recomputes the certificate, and compares every eigenvalue with a dense solve.
 fn against_dense(mesh: &TriMesh, k: usize) -> Body {
-    let body = build(mesh, k);
-    let operator = Operator::of(mesh).unwrap();
+    against_dense_of(mesh, k, Laplacian::Delaunay)
+}
+
+fn against_dense_of(mesh: &TriMesh, k: usize, laplacian: Laplacian) -> Body {
+    let settings = BasisSettings { laplacian, ..BasisSettings::new(k) };
+    let body = Body::build(mesh, &settings, &Task::new()).unwrap();
+    let operator = Operator::with(mesh, laplacian).unwrap();
     let certificate = operator.certify(&body.basis).unwrap();
+    assert_eq!((certificate.laplacian, body.basis.certificate.laplacian), (laplacian, laplacian));
     assert!(certificate.inertia_counts_match, "{certificate:?}");
     assert!(certificate.max_relative_residual < 1e-8, "{certificate:?}");
     assert!(certificate.max_orthogonality_error < 1e-8, "{certificate:?}");
@@ -59,6 +65,22 @@ fn fifty_identical_components_have_fifty_zeros_and_eigenvalues_of_multiplicity_1
 #[test]
 fn a_flat_square_has_double_eigenvalues() {
     against_dense(&shapes::square(24), 100);
+}
+
+#[test]
+fn plain_cotangents_of_obtuse_triangles_in_one_piece_and_in_two() {
+    let mut slanted = shapes::square(22);
+    slanted.positions.iter_mut().for_each(|p| p[0] += 4.0 * p[1]);
+    let two = shapes::beside(&[slanted.clone(), shapes::icosphere(2)], [7.0, 0.0, 0.0]);
+    for mesh in [slanted, two] {
+        let body = against_dense_of(&mesh, 60, Laplacian::Cotangent);
+        let operator = Operator::with(&mesh, Laplacian::Cotangent).unwrap();
+        let above = |j: usize| operator.stiffness.column(j).filter(|(i, v)| *i != j && *v > 0.1).count();
+        assert!((0..operator.vertices()).map(above).sum::<usize>() > 100, "the case is what it says");
+        // Another operator on the same triangles.
+        let usual = build(&mesh, 60);
+        assert!((usual.basis.eigenvalues[40] - body.basis.eigenvalues[40]).abs() > 1e-3);
+    }
 }
 
 #[test]

@@ -41,7 +41,8 @@ pub enum Origin {
     },
     /// Came out of a preset file.
     Loaded {
-        /// The preset's name.
+        /// The preset's name; a key of its own, because a line of lineage has a name, too.
+        #[serde(rename = "preset", default)]
         name: String,
     },
 }

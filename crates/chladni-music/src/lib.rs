@@ -36,6 +36,7 @@ mod flash;
 mod gallery;
 mod instrument;
 mod mapping;
+mod paper_mode;
 mod parameter;
 mod player;
 mod preset;
@@ -63,6 +64,7 @@ pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_
 pub use gallery::{GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation, ItemId, Origin};
 pub use instrument::{Action, Instrument, LoggedAction, Moment};
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
+pub use paper_mode::PAPER_MODE;
 pub use parameter::{Parameter, Parameters, Settings, Switch};
 pub use player::{Bands, Choir, Control as FormControl, Form, Player, Playing, blend};
 pub use preset::{Ancestor, Preset, lineage};

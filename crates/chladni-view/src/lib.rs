@@ -59,7 +59,8 @@ pub use pick::{Hit, PickTree, Ray};
 pub use picture::Picture;
 pub use renderer::Renderer;
 pub use request::{
-    PictureRequest, PictureShape, Style, film_turntable, render_picture, render_picture_with, smooth_normals,
+    PictureRequest, PictureShape, Style, film_turntable, render_picture, render_picture_with, render_placed,
+    smooth_normals,
 };
 pub use samples::Samples;
 pub use scene::{

@@ -80,13 +80,25 @@ pub fn render_picture_with(
     renderer: &mut Renderer,
     request: &PictureRequest<'_>,
 ) -> Result<Picture, ViewError> {
-    let gpu = renderer.gpu().clone();
-    let canvas = Canvas::new(&gpu, request.width, request.height)?;
-    let loaded = load(&gpu, request)?;
     let shapes: Vec<&[[f32; 3]]> = request.shapes.iter().map(|shape| shape.positions).collect();
     let area = Rect::of_size(request.width, request.height);
     let placed = framing::side_by_side(request.from, &shapes, area, 0, FILL);
-    draw(renderer, &canvas, request, &loaded, &placed)?;
+    render_placed(renderer, request, &placed)
+}
+
+/// As [`render_picture_with`], each shape in the cell that is given for it and seen by its own camera.
+///
+/// # Errors
+/// See [`render_picture`].
+pub fn render_placed(
+    renderer: &mut Renderer,
+    request: &PictureRequest<'_>,
+    placed: &[(Rect, Camera)],
+) -> Result<Picture, ViewError> {
+    let gpu = renderer.gpu().clone();
+    let canvas = Canvas::new(&gpu, request.width, request.height)?;
+    let loaded = load(&gpu, request)?;
+    draw(renderer, &canvas, request, &loaded, placed)?;
     canvas.read(&gpu)
 }
 

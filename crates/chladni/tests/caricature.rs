@@ -405,3 +405,77 @@ fn a_project_remembers_which_way_is_up() {
     std::fs::write(desk.path("c.chladni"), text.replace("up z, front -y", "up z, front z")).unwrap();
     assert!(desk.refused("project show c.chladni").contains("is no direction"));
 }
+
+#[test]
+fn paper_mode_takes_the_plain_laplacian_and_the_papers_settings() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj --paper --harmonics 40 -o p.chladni");
+    desk.ok("project add-layer p.chladni --template ellipsoid --model distance --region 13,0,0,2");
+    let text = std::fs::read_to_string(desk.path("p.chladni")).unwrap();
+    for line in ["laplacian = \"cotangent\"", "mu = -8.0", "roll_off = \"sharp\"", "clamp = false"] {
+        assert!(text.contains(line), "{line} in {text}");
+    }
+    let shown = desk.ok("project show p.chladni --json");
+    assert!(shown.contains("\"laplacian\": \"cotangent\""), "{shown}");
+    // One switch on the command does the same as the project.
+    let line = "caricature shape.obj ellipsoid --harmonics 40 --model distance --region 13,0,0,2";
+    desk.ok("caricature --recipe p.chladni -o recipe.ply");
+    desk.ok(&format!("{line} --paper -o switch.ply"));
+    assert_eq!(desk.mesh("recipe.ply").positions, desk.mesh("switch.ply").positions);
+    // The operator is another one, not only the settings: of obtuse triangles it has other harmonics.
+    let mut slanted = desk.mesh("shape.obj");
+    slanted.positions.iter_mut().for_each(|p| p[0] += 3.0 * p[1]);
+    save_mesh(&slanted, &desk.path("slanted.obj")).unwrap();
+    let line = "caricature slanted.obj ellipsoid --harmonics 40 --model distance --mu -2";
+    desk.ok(&format!("{line} --paper -o paper.ply"));
+    desk.ok(&format!("{line} -o usual.ply"));
+    assert!(largest(&desk.mesh("paper.ply").positions, &desk.mesh("usual.ply").positions) > 1e-3);
+    // What cannot have it is told so at once, with the place.
+    let fan = TriMesh {
+        positions: vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.5, 0.8, 0.5], [-0.5, -0.8, 0.5]],
+        triangles: vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]],
+        ..TriMesh::default()
+    };
+    save_mesh(&fan, &desk.path("fan.obj")).unwrap();
+    for line in [
+        "caricature fan.obj ellipsoid --paper -o x.ply",
+        "project new fan.obj --paper -o x.chladni",
+        "basis fan.obj --paper -k 3",
+        "symmetry fan.obj --paper -k 3",
+        "dance fan.obj sample:tune --paper -k 3 --duration 1 --coefficients c.npz",
+    ] {
+        let said = desk.refused(line);
+        assert!(said.contains("3 triangles meet at the edge of vertices 0 and 1"), "{line}: {said}");
+    }
+    desk.ok("basis fan.obj -k 3");
+}
+
+#[test]
+fn a_picture_shows_the_panels_asked_for_in_a_row_for_each_mu() {
+    let desk = Desk::new();
+    desk.ok(
+        "caricature shape.obj ellipsoid -o out.ply --harmonics 32 --region 13,0,0,2 --render p.png --size 600x200 \
+         --show painted,region,coordinate,normal,distance,rest --sweep=-0.3,-3",
+    );
+    let bytes = std::fs::read(desk.path("p.png")).unwrap();
+    let picture = chladni_view::Picture::decode(&bytes).unwrap();
+    assert_eq!((picture.width, picture.height), (600, 200));
+    let panel = |row: u32, column: u32| -> Vec<[u8; 4]> {
+        let pixels = (0..100).flat_map(|y| (0..100).map(move |x| (x, y)));
+        pixels.map(|(x, y)| picture.pixel(100 * column + x, 100 * row + y).unwrap()).collect()
+    };
+    // χ01 and χ lie on the shape, which μ does not change; the results differ, from row to row and
+    // from model to model.
+    for column in 0..2 {
+        assert!(panel(0, column) == panel(1, column));
+    }
+    for column in 2..6 {
+        assert!(panel(0, column) != panel(1, column));
+    }
+    for (a, b) in [(0, 1), (2, 3), (3, 4), (2, 4)] {
+        assert!(panel(1, a) != panel(1, b));
+    }
+    // The shape at rest is there as black dots.
+    let black = |panel: Vec<[u8; 4]>| panel.iter().filter(|p| p[..3].iter().all(|c| *c < 40)).count();
+    assert!(black(panel(1, 5)) > black(panel(1, 2)) + 30);
+}

@@ -293,3 +293,35 @@ fn a_film_that_is_cancelled_leaves_nothing() {
     assert_eq!(ended, Err(Failure::Cancelled));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn a_gallery_is_written_as_presets_that_can_be_played() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let dance = |npz: &str, more: &[&str]| {
+        let npz = path(npz);
+        let words = [
+            "dance",
+            "sample:octopus",
+            "sample:tune",
+            "-k",
+            "24",
+            "--start",
+            "2",
+            "--duration",
+            "0.2",
+            "--coefficients",
+        ];
+        assert_eq!(run(&[&words[..], &[npz.to_str().unwrap()], more].concat()), 0, "{more:?}");
+        array(&npz, "coefficients").1
+    };
+    let (gallery, direct) = (path("gallery"), path("direct"));
+    dance("a.npz", &["--gallery", "6", "--presets", gallery.to_str().unwrap()]);
+    assert_eq!(std::fs::read_dir(&gallery).unwrap().count(), 6);
+    dance("b.npz", &["--preset", gallery.join("item-06.toml").to_str().unwrap()]);
+    // Without a gallery the first item is the direct mapping, which was loaded into its place.
+    let played = dance("c.npz", &["--presets", direct.to_str().unwrap()]);
+    let again = dance("d.npz", &["--preset", direct.join("item-01.toml").to_str().unwrap()]);
+    assert!(played.iter().zip(&again).all(|(a, b)| (a - b).abs() < 1e-6 * (1.0 + a.abs())));
+    assert!(played.iter().any(|c| *c != 0.0));
+}

@@ -8,7 +8,7 @@ use super::problem::{Pencil, Problem, ZEROS};
 use super::slicing::{Found, not_certified};
 use super::tall::{BLOCK, Small, overlaps, residuals, subtract_products, upper_overlaps, write_columns};
 use crate::ldlt::Row;
-use crate::{Basis, Certificate, HarmonicsError, pages};
+use crate::{Basis, Certificate, HarmonicsError, Laplacian, pages};
 
 /// Limits that a basis must keep to be handed out.
 const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
@@ -218,6 +218,7 @@ fn certificate(measured: &[Option<Measured>]) -> Certificate {
         }
     }
     Certificate {
+        laplacian: Laplacian::default(),
         inertia_counts_match: true,
         max_relative_residual: relative,
         max_orthogonality_error: overlap,

@@ -27,6 +27,7 @@ impl Operator {
         }
         let mut certificate =
             super::certify(Pencil::of(self), self.components(), &basis.eigenvalues, &basis.vectors, true);
+        certificate.laplacian = self.laplacian;
         certificate.inertia_counts_match = self.counts_match(&basis.eigenvalues)?;
         Ok(certificate)
     }

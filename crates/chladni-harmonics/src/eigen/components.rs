@@ -168,6 +168,15 @@ impl Components {
     }
 }
 
+impl Component {
+    /// Gershgorin on M⁻¹ S: no eigenvalue is above the largest sum of sizes in a row. Where nothing off
+    /// the diagonal is above zero that is twice the largest S_vv / a_v; plain cotangents may have more.
+    fn bound(&self) -> f64 {
+        let row = |v: usize| self.stiffness.column(v).map(|(_, s)| s.abs()).sum::<f64>() / self.mass[v];
+        (0..self.mass.len()).map(row).fold(0.0, f64::max)
+    }
+}
+
 /// Two λ and N(λ) there, between which a count is reached.
 struct Bracket {
     low: (f64, f64),
@@ -183,8 +192,7 @@ struct Bracket {
 
 impl Bracket {
     fn of(components: &[Component]) -> Self {
-        // Gershgorin on M⁻¹ S: no eigenvalue is above twice the largest S_vv / a_v.
-        let bound = 2.02 * components.iter().map(|c| c.problem.largest).fold(0.0, f64::max);
+        let bound = 1.01 * components.iter().map(Component::bound).fold(0.0, f64::max);
         Self { low: (0.0, components.len() as f64), high: None, bound, halved: true, reach: 1.0 }
     }
 
@@ -257,8 +265,12 @@ fn merge(
     for (column, &(_, c, _)) in vectors.chunks_exact_mut(n).zip(&entries) {
         columns[c].push(column);
     }
-    let mut certificate =
-        Certificate { inertia_counts_match: true, max_relative_residual: 0.0, max_orthogonality_error: 0.0 };
+    let mut certificate = Certificate {
+        laplacian: operator.laplacian,
+        inertia_counts_match: true,
+        max_relative_residual: 0.0,
+        max_orthogonality_error: 0.0,
+    };
     let mut profile = Profile::default();
     let mut fell_back_to_dense = false;
     for (_, solved) in &parts {

@@ -20,7 +20,7 @@ use chladni_task::{Stage, Task};
 pub(crate) use dense::symmetric_eigen;
 use problem::{Pencil, Problem, ZEROS};
 
-use crate::{Basis, Certificate, HarmonicsError, Operator, SolveProfile, canonical};
+use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, SolveProfile, canonical};
 
 /// Up to this many vertices a dense solve is quicker than slices.
 const DENSE: usize = 300;
@@ -64,6 +64,7 @@ pub(crate) fn solve(
         solved.basis.truncate(harmonics);
         solved.cuts_cluster = true;
     }
+    solved.basis.certificate.laplacian = operator.laplacian;
     Ok(solved)
 }
 
@@ -152,6 +153,7 @@ fn certify(pencil: Pencil, zeros: usize, eigenvalues: &[f64], vectors: &[f64], i
         }
     }
     Certificate {
+        laplacian: Laplacian::default(),
         inertia_counts_match: inertia,
         max_relative_residual: residual,
         max_orthogonality_error: orthogonality,

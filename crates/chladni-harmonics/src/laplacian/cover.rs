@@ -102,7 +102,7 @@ fn edge_length(positions: &[[f64; 3]], triangles: &[[u32; 3]], side: u32) -> f64
 }
 
 /// The vertices a side of the soup runs between.
-fn ends(triangles: &[[u32; 3]], side: u32) -> (u32, u32) {
+pub(super) fn ends(triangles: &[[u32; 3]], side: u32) -> (u32, u32) {
     let t = triangles[side as usize / 3];
     let i = side as usize % 3;
     (t[i], t[(i + 1) % 3])
@@ -146,7 +146,7 @@ fn radial_order(positions: &[[f64; 3]], triangles: &[[u32; 3]], sides: &[u32], o
 }
 
 /// The sides of a soup grouped by the edge they lie on.
-struct Edges {
+pub(super) struct Edges {
     /// All sides, those of one edge together, ascending.
     sides: Vec<u32>,
     /// Where each edge begins in `sides`, and the end.
@@ -154,7 +154,7 @@ struct Edges {
 }
 
 impl Edges {
-    fn of(vertices: usize, triangles: &[[u32; 3]]) -> Self {
+    pub(super) fn of(vertices: usize, triangles: &[[u32; 3]]) -> Self {
         // Bucket by the smaller vertex, then order each small bucket by the larger.
         let mut first = vec![0_usize; vertices + 1];
         for h in 0..triangles.len() as u32 * 3 {
@@ -186,7 +186,7 @@ impl Edges {
         Self { sides: keyed.into_iter().map(|(_, h)| h).collect(), starts }
     }
 
-    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|w| &self.sides[w[0]..w[1]])
     }
 

@@ -40,21 +40,26 @@ pub(super) fn mixed_voronoi_areas(cover: &Cover, vertices: usize, share: f64) ->
     let mut mass = vec![0.0; vertices];
     for (f, length) in cover.length.as_chunks::<3>().0.iter().enumerate() {
         let (area, cotangent) = cotangents(*length);
-        let obtuse = cotangent.iter().position(|c| *c < 0.0);
-        for i in 0..3 {
-            // Corner i lies between sides i and i − 1 and opposite to side i + 1.
-            let (next, previous) = ((i + 1) % 3, (i + 2) % 3);
-            let part = match obtuse {
-                None => {
-                    (length[i].powi(2) * cotangent[i] + length[previous].powi(2) * cotangent[previous]) / 8.0
-                }
-                Some(o) if o == next => area / 2.0,
-                Some(_) => area / 4.0,
-            };
+        let parts = mixed_voronoi_parts(length.map(|l| l * l), area, cotangent);
+        for (i, part) in parts.into_iter().enumerate() {
             mass[cover.tail[3 * f + i] as usize] += part * share;
         }
     }
     mass
+}
+
+/// What each corner of a triangle gets of its area: corner i lies between sides i and i − 1 and
+/// opposite to side i + 1.
+pub(super) fn mixed_voronoi_parts(square: [f64; 3], area: f64, cotangent: [f64; 3]) -> [f64; 3] {
+    let obtuse = cotangent.iter().position(|c| *c < 0.0);
+    std::array::from_fn(|i| {
+        let (next, previous) = ((i + 1) % 3, (i + 2) % 3);
+        match obtuse {
+            None => (square[i] * cotangent[i] + square[previous] * cotangent[previous]) / 8.0,
+            Some(o) if o == next => area / 2.0,
+            Some(_) => area / 4.0,
+        }
+    })
 }
 
 /// A third of the area of its triangles for each vertex, times `share`.

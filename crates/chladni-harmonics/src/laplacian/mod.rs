@@ -1,11 +1,14 @@
-//! The intrinsic Delaunay Laplacian of any triangle soup (docs/laplacian.md).
+//! Two Laplacians: the intrinsic Delaunay one of any triangle soup, and the papers' plain cotangents
+//! (docs/laplacian.md).
 
+mod cotangent;
 mod cover;
 mod flips;
 mod intrinsic;
 
 use crate::HarmonicsError;
 use crate::sparse::SymmetricSparse;
+pub(crate) use cotangent::{Refusal, cotangent_laplacian};
 use cover::Cover;
 
 /// Lengths are mollified so that every triangle keeps this share of the mean edge length
@@ -13,7 +16,7 @@ use cover::Cover;
 const MOLLIFY: f64 = 1e-5;
 
 /// S and a of a welded surface: no positive value off the diagonal of S, all areas positive.
-pub(crate) fn laplacian(
+pub(crate) fn delaunay_laplacian(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
 ) -> Result<(SymmetricSparse, Vec<f64>), HarmonicsError> {

@@ -1,10 +1,11 @@
 //! The operator's promises on meshes that a plain cotangent Laplacian breaks on.
 
 use super::cover::Cover;
-use super::{delaunay_cover, intrinsic, laplacian};
+use super::{Refusal, cotangent_laplacian, delaunay_cover, delaunay_laplacian, intrinsic};
+use crate::Laplacian;
 
 fn promises(positions: &[[f64; 3]], triangles: &[[u32; 3]], area: f64) {
-    let (s, mass) = laplacian(positions, triangles).unwrap();
+    let (s, mass) = delaunay_laplacian(positions, triangles).unwrap();
     assert!(mass.iter().all(|a| *a > 0.0));
     let total: f64 = mass.iter().sum();
     assert!((total - area).abs() <= 1e-4 * area, "{total} for {area}");
@@ -38,8 +39,8 @@ fn one_triangle_however_flat() {
 #[test]
 fn a_bad_diagonal_is_flipped_to_the_weights_of_the_good_one() {
     let positions = [[0.0; 3], [3.0, -1.0, 0.0], [6.0, 0.0, 0.0], [3.0, 1.0, 0.0]];
-    let (bad, _) = laplacian(&positions, &[[0, 1, 2], [0, 2, 3]]).unwrap();
-    let (good, _) = laplacian(&positions, &[[0, 1, 3], [1, 2, 3]]).unwrap();
+    let (bad, _) = delaunay_laplacian(&positions, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+    let (good, _) = delaunay_laplacian(&positions, &[[0, 1, 3], [1, 2, 3]]).unwrap();
     for j in 0..4 {
         for i in 0..4 {
             let at = |s: &crate::SymmetricSparse| s.column(j).find(|(r, _)| *r == i).map_or(0.0, |(_, v)| v);
@@ -53,7 +54,7 @@ fn a_closed_delaunay_mesh_keeps_its_plain_cotangents_in_one_sheet() {
     let positions = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
     assert_eq!(Cover::of(&positions, &triangles).sheets, 1);
-    let (s, _) = laplacian(&positions, &triangles).unwrap();
+    let (s, _) = delaunay_laplacian(&positions, &triangles).unwrap();
     for (i, v) in s.column(0) {
         // cot 60° = 1/√3.
         let exact = if i == 0 { 3.0 } else { -1.0 } / 3.0_f64.sqrt();
@@ -62,7 +63,7 @@ fn a_closed_delaunay_mesh_keeps_its_plain_cotangents_in_one_sheet() {
     // The tufted cover of the same surface, forced by turning one triangle over, agrees.
     let turned = [[0, 2, 1], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
     assert_eq!(Cover::of(&positions, &turned).sheets, 2);
-    let (t, _) = laplacian(&positions, &turned).unwrap();
+    let (t, _) = delaunay_laplacian(&positions, &turned).unwrap();
     assert!(s.values.iter().zip(&t.values).all(|(a, b)| (a - b).abs() < 1e-14));
 }
 
@@ -102,12 +103,15 @@ fn reference(method: &str) -> Vec<(String, Vec<f64>)> {
         .collect()
 }
 
-fn first_eigenvalues(file: &str, barycentric: bool) -> Option<Vec<f64>> {
+fn first_eigenvalues(file: &str, laplacian: Laplacian, barycentric: bool) -> Option<Vec<f64>> {
     let path = chladni_testdata::shared(&format!("meshes/{file}"))?;
     let mesh = chladni_mesh::load_mesh(&path).unwrap().mesh;
-    let mut operator = crate::Operator::of(&mesh).unwrap();
+    let mut operator = crate::Operator::with(&mesh, laplacian).unwrap();
     if barycentric {
-        let cover = delaunay_cover(&operator.positions, &operator.triangles).unwrap();
+        let cover = match laplacian {
+            Laplacian::Delaunay => delaunay_cover(&operator.positions, &operator.triangles).unwrap(),
+            Laplacian::Cotangent => Cover::of(&operator.positions, &operator.triangles),
+        };
         operator.mass = intrinsic::barycentric_areas(&cover, operator.vertices(), 1.0 / cover.sheets as f64);
     }
     let solved = crate::eigen::solve(&operator, 11, false, &chladni_task::Task::new()).unwrap();
@@ -123,7 +127,7 @@ fn eigenvalues_agree_with_robust_laplacian() {
         if file.contains("igea") || file.contains("koala") {
             continue;
         }
-        let Some(values) = first_eigenvalues(&file, true) else { return };
+        let Some(values) = first_eigenvalues(&file, Laplacian::Delaunay, true) else { return };
         for (value, exact) in values.iter().zip(&exact).skip(1) {
             assert!((value - exact).abs() < 1e-6 * exact, "{file}: {value} for {exact}");
         }
@@ -138,7 +142,7 @@ fn eigenvalues_are_near_those_of_the_plain_cotangent_operator() {
         if file.contains("igea") || file.contains("koala") || file.contains("octopus") {
             continue;
         }
-        let Some(values) = first_eigenvalues(&file, false) else { return };
+        let Some(values) = first_eigenvalues(&file, Laplacian::Delaunay, false) else { return };
         for (value, exact) in values.iter().zip(&exact).skip(1) {
             assert!((value - exact).abs() < 0.03 * exact, "{file}: {value} for {exact}");
         }
@@ -174,4 +178,58 @@ fn every_edge_of_the_cover_is_delaunay_to_rounding() {
         let s = &operator.stiffness;
         assert!((0..s.size()).all(|j| s.column(j).all(|(i, v)| i == j || v <= 0.0)), "{name}");
     }
+}
+
+/// The table's "cotan, lumped" rows are the plain cotangents with a third of each triangle's area per
+/// corner: given that mass, the plain operator is the same matrix.
+#[test]
+fn plain_cotangents_are_those_of_the_table() {
+    let mut compared = 0;
+    for (file, exact) in reference("cotan, lumped") {
+        let small = ["octopus", "goathead", "spot", "fertility", "torus", "square", "suzanne", "hemisphere"];
+        if !small.iter().any(|name| file.contains(name)) {
+            continue;
+        }
+        let Some(values) = first_eigenvalues(&file, Laplacian::Cotangent, true) else { return };
+        for (value, exact) in values.iter().zip(&exact).skip(1) {
+            assert!((value - exact).abs() < 1e-7 * exact, "{file}: {value} for {exact}");
+        }
+        compared += 1;
+    }
+    if chladni_testdata::shared("meshes/reference_eigenvalues.csv").is_some() {
+        assert!(compared > 3);
+    }
+}
+
+#[test]
+fn plain_cotangents_keep_the_negative_weight_of_an_obtuse_pair() {
+    let positions = [[0.0; 3], [3.0, -1.0, 0.0], [6.0, 0.0, 0.0], [3.0, 1.0, 0.0]];
+    let (s, mass) = cotangent_laplacian(&positions, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+    let at = |i: usize, j: usize| s.column(j).find(|(r, _)| *r == i).map_or(0.0, |(_, v)| v);
+    // The angle at vertex 1 has cosine (-3, 1)·(3, 1) / 10 = -0.8: its cotangent is -4/3, twice.
+    assert!((at(0, 2) - 4.0 / 3.0).abs() < 1e-14, "{}", at(0, 2));
+    // The boundary edge of 0 and 1 has one angle opposite, at 2, of cotangent 3.
+    assert!((at(0, 1) + 1.5).abs() < 1e-14, "{}", at(0, 1));
+    (0..4).for_each(|j| assert!(s.column(j).map(|(_, v)| v).sum::<f64>().abs() < 1e-14));
+    // Both triangles are obtuse at 1 and 3: half of their area there, a quarter elsewhere.
+    mass.iter().zip([1.5, 1.5, 1.5, 1.5]).for_each(|(a, exact)| assert!((a - exact).abs() < 1e-14));
+}
+
+#[test]
+fn what_has_no_plain_cotangents_is_refused_with_its_place() {
+    let fan = [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.5, 0.8, 0.5], [-0.5, -0.8, 0.5]];
+    let crowded = cotangent_laplacian(&fan, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]]).unwrap_err();
+    assert_eq!(crowded, Refusal::CrowdedEdge { ends: [0, 1], triangles: 3 });
+    let line = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let flat = cotangent_laplacian(&line, &[[0, 1, 3], [0, 1, 2]]).unwrap_err();
+    assert_eq!(flat, Refusal::FlatTriangle { corners: [0, 1, 2] });
+    // The file's own vertices are named: vertex 0 of the operator is vertex 1 here.
+    let mesh = chladni_mesh::TriMesh {
+        positions: std::iter::once([9.0; 3]).chain(fan).collect(),
+        triangles: vec![[1, 2, 3], [1, 2, 4], [1, 2, 5]],
+        ..Default::default()
+    };
+    let told = crate::Operator::with(&mesh, Laplacian::Cotangent).unwrap_err();
+    assert_eq!(told, crate::HarmonicsError::CrowdedEdge { ends: [1, 2], triangles: 3 });
+    assert!(crate::Operator::of(&mesh).is_ok());
 }

@@ -60,6 +60,9 @@ pub struct SymmetrySettings {
     /// A mirror plane may miss the shape by at most this share of its bounding box's diagonal
     /// (root mean square over the best nine tenths of the vertices).
     pub plane_tolerance: f64,
+    /// By the paper's vote alone, even where there is a mirror plane: symmetric where more pairs say so
+    /// than speak against it, antisymmetric otherwise.
+    pub by_vote: bool,
 }
 
 impl Default for SymmetrySettings {
@@ -70,6 +73,7 @@ impl Default for SymmetrySettings {
             cluster_gap: 1e-3,
             decided: 0.05,
             plane_tolerance: 0.015,
+            by_vote: false,
         }
     }
 }
@@ -125,13 +129,19 @@ impl Symmetry {
         let _stage = task.stage("symmetry", 0);
         let extrema = paper::Extrema::of(body, settings);
         task.check()?;
-        if let Some((plane, image)) = mirror(body, &extrema.pairs, settings, task)? {
+        let mirrored = if settings.by_vote { None } else { mirror(body, &extrema.pairs, settings, task)? };
+        if let Some((plane, image)) = mirrored {
             let (scores, rotations) = cluster::mirrored(body, &image, settings, task)?;
             return Ok(Self::new(extrema, scores, rotations, SymmetryMethod::Mirror(plane), settings));
         }
         let scores = extrema.vote(basis, settings);
         let by_majority = SymmetrySettings { decided: f64::MIN_POSITIVE, ..*settings };
-        Ok(Self::new(extrema, scores, Vec::new(), SymmetryMethod::Vote, &by_majority))
+        let mut found = Self::new(extrema, scores, Vec::new(), SymmetryMethod::Vote, &by_majority);
+        if settings.by_vote {
+            let undecided = found.classes.iter_mut().filter(|c| **c == Class::Undecided);
+            undecided.for_each(|c| *c = Class::Antisymmetric);
+        }
+        Ok(found)
     }
 
     fn new(

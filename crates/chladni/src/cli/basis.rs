@@ -3,10 +3,11 @@
 use std::io;
 use std::path::PathBuf;
 
-use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError, Operator};
+use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError, Laplacian, Operator};
 use serde::Serialize;
 
 use super::cache::basis_cache;
+use super::inputs::laplacian;
 use super::npz::{Npz, write_npz};
 use super::outputs::check_file;
 use super::{Failure, Terminal};
@@ -36,6 +37,9 @@ pub struct Args {
     /// Neither read nor write the cache of solved bases.
     #[arg(long)]
     no_cache: bool,
+    /// The papers' plain cotangent Laplacian, which not every mesh can have.
+    #[arg(long)]
+    paper: bool,
     /// Where K would cut a group of equal eigenvalues, go on to its end.
     #[arg(long)]
     whole_clusters: bool,
@@ -44,6 +48,7 @@ pub struct Args {
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Summary {
+    laplacian: Laplacian,
     vertices: usize,
     harmonics: usize,
     seconds: chladni_harmonics::BuildSeconds,
@@ -68,6 +73,7 @@ impl Args {
             error => Failure::input(format_args!("{}: {error}", self.mesh.display())),
         };
         let settings = BasisSettings {
+            laplacian: laplacian(self.paper),
             threads: self.threads,
             whole_clusters: self.whole_clusters,
             ..BasisSettings::new(self.harmonics)
@@ -89,7 +95,7 @@ impl Args {
             ));
         }
         if let Some(path) = &self.operator {
-            let operator = Operator::of(&loaded.mesh).map_err(named)?;
+            let operator = Operator::with(&loaded.mesh, settings.laplacian).map_err(named)?;
             write_npz(path, |npz| write_operator(npz, &operator)).map_err(|e| Failure::writing(path, e))?;
         }
         if let Some(path) = &self.output {
@@ -102,6 +108,7 @@ impl Args {
         let (basis, certificate) = (&body.basis, &body.basis.certificate);
         if self.json {
             return terminal.json(&Summary {
+                laplacian: certificate.laplacian,
                 vertices: basis.vertices(),
                 harmonics: basis.harmonics(),
                 seconds: report.seconds,
@@ -114,9 +121,10 @@ impl Args {
             });
         }
         terminal.result(format_args!(
-            "{} harmonics of {} vertices in {:.2} s{}; residual {:.1e}, orthogonality {:.1e}, counts {}",
+            "{} harmonics of {} vertices ({} Laplacian) in {:.2} s{}; residual {:.1e}, orthogonality {:.1e}, counts {}",
             basis.harmonics(),
             basis.vertices(),
+            certificate.laplacian,
             report.seconds.total,
             if report.cached { " (cached)" } else { "" },
             certificate.max_relative_residual,

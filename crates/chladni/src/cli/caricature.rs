@@ -8,11 +8,12 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::{DEFAULT_HARMONICS, Project, ShapeSource, Template};
 use chladni_mesh::{Format, TriMesh};
 
-use super::inputs::open_mesh;
+use super::inputs::{laplacian, open_mesh};
 use super::layer_options::LayerOptions;
 use super::outputs::{check_file, check_picture};
 use super::project::opened;
 use super::sculpture::{Portrait, Sculpture, format_of};
+use super::sheet::SheetOptions;
 use super::{Failure, Terminal};
 
 /// Exaggerate what makes a shape differ from a template.
@@ -32,6 +33,10 @@ pub struct Caricature {
     /// K, the number of harmonics [default: 512].
     #[arg(short = 'k', long, value_name = "K", conflicts_with = "recipe")]
     harmonics: Option<usize>,
+    /// Paper mode: the plain cotangent Laplacian, which not every mesh can have, and the settings that
+    /// the paper prints (sharp cut of the region at 96, every scale alike, μ = -0.8 or -8).
+    #[arg(long, conflicts_with = "recipe")]
+    paper: bool,
     #[command(flatten)]
     layer: LayerOptions,
     /// Draw the shape before and after, side by side. With --batch a folder.
@@ -39,6 +44,8 @@ pub struct Caricature {
     render: Option<PathBuf>,
     #[command(flatten)]
     portrait: Portrait,
+    #[command(flatten)]
+    sheet: SheetOptions,
     /// A project whose layers are applied instead.
     #[arg(long, value_name = "P.chladni", conflicts_with = "LayerOptions")]
     recipe: Option<PathBuf>,
@@ -82,8 +89,8 @@ impl Caricature {
         self.render.as_deref().map_or(Ok(()), check_picture)
     }
 
-    fn picture<'a>(&'a self, path: Option<&'a Path>) -> Option<(&'a Path, &'a Portrait)> {
-        path.map(|path| (path, &self.portrait))
+    fn picture<'a>(&'a self, path: Option<&'a Path>) -> Option<Picture<'a>> {
+        path.map(|path| Picture { path, portrait: &self.portrait, sheet: &self.sheet })
     }
 
     fn single(&self, terminal: &Terminal) -> Result<(), Failure> {
@@ -96,7 +103,9 @@ impl Caricature {
         }
         let source: ShapeSource = shape.parse().map_err(Failure::input)?;
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
-        project.push(self.layer.layer("caricature", template.clone())?).map_err(Failure::input)?;
+        project.laplacian = laplacian(self.paper);
+        let layer = self.layer.layer("caricature", template.clone(), &project)?;
+        project.push(layer).map_err(Failure::input)?;
         one(shape, &project, None, &self.output, self.picture(self.render.as_deref()), terminal)
     }
 
@@ -169,6 +178,14 @@ fn named(folder: &Path, stem: &OsStr, extension: &OsStr) -> PathBuf {
     folder.join(name)
 }
 
+/// A picture that is asked for.
+#[derive(Clone, Copy)]
+struct Picture<'a> {
+    path: &'a Path,
+    portrait: &'a Portrait,
+    sheet: &'a SheetOptions,
+}
+
 /// One shape, from its name to its files. `from` is the recipe's own shape where this is another:
 /// regions and landmarks are carried over.
 fn one(
@@ -176,19 +193,20 @@ fn one(
     project: &Project,
     from: Option<&TriMesh>,
     output: &Path,
-    picture: Option<(&Path, &Portrait)>,
+    picture: Option<Picture<'_>>,
     terminal: &Terminal,
 ) -> Result<(), Failure> {
     let mesh = open_mesh(shape, terminal)?;
     // Another shape need not stand as the project's own does.
     let kept = project.stands.filter(|_| from.is_none());
     let carried = from.map(|from| carry(project, from, shape, &mesh, terminal)).transpose()?;
-    let sculpture = Sculpture::make(shape, mesh, carried.as_ref().unwrap_or(project), terminal)?;
+    let project = carried.as_ref().unwrap_or(project);
+    let mut sculpture = Sculpture::make(shape, mesh, project, terminal)?;
     sculpture.describe(terminal)?;
     sculpture.save(output)?;
     terminal.wrote(output)?;
-    if let Some((path, portrait)) = picture {
-        sculpture.render(shape, path, portrait, kept, terminal)?;
+    if let Some(Picture { path, portrait, sheet }) = picture {
+        sculpture.render(shape, project, path, portrait, sheet, kept, terminal)?;
         terminal.wrote(path)?;
     }
     Ok(())

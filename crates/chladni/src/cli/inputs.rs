@@ -1,6 +1,6 @@
 //! Meshes and songs that commands take: files, or samples by name.
 
-use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError};
+use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError, Laplacian};
 use chladni_mesh::TriMesh;
 use chladni_sound::{Song, SongOptions, SongReader, sample_tune};
 
@@ -59,12 +59,18 @@ fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<So
     })
 }
 
+/// The operator of paper mode, or the usual one.
+pub fn laplacian(paper: bool) -> Laplacian {
+    if paper { Laplacian::Cotangent } else { Laplacian::Delaunay }
+}
+
 /// As many harmonics of a mesh as asked for, or all there are where it has fewer vertices; from the
 /// user's cache where they are there.
 pub fn build_body(
     name: &str,
     mesh: &TriMesh,
     harmonics: usize,
+    laplacian: Laplacian,
     terminal: &Terminal,
 ) -> Result<(Body, BuildReport), Failure> {
     let cache = basis_cache();
@@ -74,11 +80,9 @@ pub fn build_body(
         terminal
             .warn(format_args!("{name}: has {vertices} vertices; {all} harmonics instead of {harmonics}"));
     }
-    let harmonics = harmonics.min(all);
+    let settings = BasisSettings { laplacian, ..BasisSettings::new(harmonics.min(all)) };
     let (body, report) = terminal
-        .watch("solving for harmonics", |task| {
-            Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task)
-        })
+        .watch("solving for harmonics", |task| Body::load_or_build(mesh, &settings, cache.as_ref(), task))
         .map_err(|error| match error {
             HarmonicsError::Cancelled(_) => Failure::Cancelled,
             error => Failure::BadInput(format!("{name}: {error}")),

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use chladni_caricature::{
-    Layer, Model, Painted, Region, RollOff, ScaleCurve, Smoothing, Sphere, Template, parse_wavelength,
-    usual_wavelength,
+    Layer, Model, Painted, Project, Region, RollOff, ScaleCurve, Smoothing, Sphere, Template,
+    parse_wavelength, usual_wavelength,
 };
+use chladni_harmonics::Laplacian;
 use chladni_match::{Method, Scaling, Settings, load_landmarks};
 
 use super::Failure;
@@ -16,10 +17,10 @@ pub struct LayerOptions {
     /// How the difference is represented: coordinate, normal or distance.
     #[arg(long, default_value_t = Model::Coordinate)]
     model: Model,
-    /// 0 is the shape, 1 the template; below 0 exaggerates. Typical: -0.5 to -2.4, for the distance
-    /// model to -8.
-    #[arg(long, default_value_t = -0.5, allow_hyphen_values = true)]
-    mu: f64,
+    /// 0 is the shape, 1 the template; below 0 exaggerates [default: -0.5; in paper mode -0.8, of the
+    /// distance model -8]. Typical: -0.5 to -2.4, for the distance model to -8.
+    #[arg(long, allow_hyphen_values = true)]
+    mu: Option<f64>,
     /// A factor on μ from 0 to 1.
     #[arg(long, default_value_t = 1.0)]
     strength: f64,
@@ -27,18 +28,20 @@ pub struct LayerOptions {
     #[arg(long, value_name = "X,Y,Z,RADIUS", allow_hyphen_values = true)]
     region: Vec<Sphere>,
     /// How soft the region's edge is: a wavelength as percent of the shape's size (32%), or the paper's
-    /// nχ, the number of harmonics that have longer waves (96).
-    #[arg(long, default_value = "32%", value_name = "P%|N", value_parser = cutoff)]
-    cutoff: f64,
-    /// How the region's edge is softened: by heat, which never rings, or sharp as in the paper.
-    #[arg(long, default_value = "heat", value_parser = roll_off)]
-    roll_off: RollOff,
-    /// Let a sharp region ring below 0 and above 1.
+    /// nχ, the number of harmonics that have longer waves (96) [default: 32%; 96 in paper mode].
+    #[arg(long, value_name = "P%|N", value_parser = cutoff)]
+    cutoff: Option<f64>,
+    /// How the region's edge is softened: by heat, which never rings, or sharp as in the paper [default:
+    /// heat; sharp in paper mode].
+    #[arg(long, value_parser = roll_off)]
+    roll_off: Option<RollOff>,
+    /// Let a sharp region ring below 0 and above 1, as it does in paper mode.
     #[arg(long)]
     no_clamp: bool,
     /// Which scales: flat, smooth, broad, mid, fine, or points wavelength:gain,… in percent of the shape's
-    /// size and d:gain for all that is finer than the harmonics (90%:1,40%:2,15%:0,d:0). Where none is given: flat; but smooth, without the
-    /// finest, for exaggerating (μ < 0) a matched mesh, whose match is never exact there.
+    /// size and d:gain for all that is finer than the harmonics (90%:1,40%:2,15%:0,d:0). Where none is
+    /// given: flat; but smooth, without the finest, for exaggerating (μ < 0) a matched mesh, whose match is
+    /// never exact there. In paper mode flat.
     #[arg(long, value_name = "CURVE")]
     scale_curve: Option<ScaleCurve>,
     /// How a template mesh is matched: same (connectivity), icp, fit, or map (by landmarks).
@@ -55,9 +58,9 @@ pub struct LayerOptions {
     #[arg(long, default_value_t = Settings::default().seed)]
     seed: u64,
     /// How far the difference is filled in from its surroundings where a match is not to be trusted, such as
-    /// hair, holes and the cut of a neck: 0, as it was found, to 1.
-    #[arg(long, default_value_t = 1.0, value_name = "SHARE")]
-    infill: f64,
+    /// hair, holes and the cut of a neck: 0, as it was found, to 1 [default: 1; 0 in paper mode].
+    #[arg(long, value_name = "SHARE")]
+    infill: Option<f64>,
 }
 
 /// What `--rigid` says.
@@ -86,30 +89,35 @@ fn method(text: &str) -> Result<Method, String> {
 }
 
 impl LayerOptions {
-    /// The layer called `name` with these options.
-    pub fn layer(&self, name: &str, template: Template) -> Result<Layer, Failure> {
+    /// The layer called `name` with these options, for `project`.
+    pub fn layer(&self, name: &str, template: Template, project: &Project) -> Result<Layer, Failure> {
+        let paper = project.laplacian == Laplacian::Cotangent;
+        let usual = if paper { Layer::paper(name, template) } else { Layer::new(name, template) };
         let painted =
             if self.region.is_empty() { Painted::Everywhere } else { Painted::Spheres(self.region.clone()) };
-        let smoothing = Smoothing { wavelength: self.cutoff, roll_off: self.roll_off, clamp: !self.no_clamp };
+        let smoothing = usual.region.smoothing;
+        let smoothing = Smoothing {
+            wavelength: self.cutoff.unwrap_or(smoothing.wavelength),
+            roll_off: self.roll_off.unwrap_or(smoothing.roll_off),
+            clamp: smoothing.clamp && !self.no_clamp,
+        };
+        let mu = self.mu.unwrap_or(if paper { self.model.paper_mu() } else { usual.mu });
         let mut matching = Settings { seed: self.seed, scaling: scaling(self.rigid), ..Settings::default() };
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
             matching.landmarks = load_landmarks(path).map_err(Failure::input)?;
         }
-        let rough = template.is_mesh() && matching.method != Method::Same && self.mu < 0.0;
-        let usual = || if rough { ScaleCurve::smooth() } else { ScaleCurve::flat(1.0) };
+        let rough = !paper && usual.template.is_mesh() && matching.method != Method::Same && mu < 0.0;
+        let curve = || if rough { ScaleCurve::smooth() } else { ScaleCurve::flat(1.0) };
         let layer = Layer {
-            name: name.to_owned(),
-            template,
             matching,
-            infill: self.infill,
+            infill: self.infill.unwrap_or(usual.infill),
             model: self.model,
-            mu: self.mu,
+            mu,
             strength: self.strength,
             region: Region { painted, smoothing },
-            curve: self.scale_curve.clone().unwrap_or_else(usual),
-            enabled: true,
-            solo: false,
+            curve: self.scale_curve.clone().unwrap_or_else(curve),
+            ..usual
         };
         layer.validate().map_err(Failure::input)?;
         Ok(layer)

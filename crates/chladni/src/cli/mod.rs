@@ -18,6 +18,7 @@ mod open;
 mod outputs;
 mod project;
 mod sculpture;
+mod sheet;
 mod spectrum;
 mod stance;
 mod symmetry;

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::{DEFAULT_HARMONICS, FORMAT_VERSION, Layer, Painted, Project, ShapeSource, Template};
+use chladni_harmonics::{Laplacian, Operator};
 use serde::Serialize;
 
-use super::inputs::open_mesh;
+use super::inputs::{laplacian, open_mesh};
 use super::layer_options::LayerOptions;
 use super::outputs::check_file;
 use super::stance::Stance;
@@ -35,6 +36,10 @@ pub struct New {
     harmonics: usize,
     #[command(flatten)]
     stance: Stance,
+    /// Paper mode: the papers' plain cotangent Laplacian, which not every mesh can have; its layers
+    /// begin with the caricature paper's settings.
+    #[arg(long)]
+    paper: bool,
 }
 
 /// Arguments of `project add-layer`.
@@ -108,6 +113,12 @@ impl New {
         if self.stance.is_told() {
             project.stands = Some(self.stance.of(&self.shape, &mesh, None, None, terminal)?);
         }
+        project.laplacian = laplacian(self.paper);
+        if self.paper {
+            // Told now rather than with the first layer.
+            Operator::with(&mesh, project.laplacian)
+                .map_err(|error| Failure::input(format_args!("{}: {error}", self.shape)))?;
+        }
         project.save(&self.output).map_err(Failure::other)?;
         terminal.wrote(&self.output)
     }
@@ -120,7 +131,7 @@ impl AddLayer {
             open_mesh(&self.template.to_string(), terminal)?;
         }
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
-        let layer = self.layer.layer(&name, self.template)?;
+        let layer = self.layer.layer(&name, self.template, &project)?;
         project.push(layer).map_err(Failure::input)?;
         project.save(&self.project).map_err(Failure::other)?;
         let layers = project.layers().len();
@@ -142,6 +153,7 @@ struct Shown {
     format_version: i64,
     shape: String,
     harmonics: usize,
+    laplacian: Laplacian,
     layers: Vec<ShownLayer>,
 }
 
@@ -205,12 +217,14 @@ impl Show {
             format_version: FORMAT_VERSION,
             shape: project.shape.to_string(),
             harmonics: project.harmonics,
+            laplacian: project.laplacian,
             layers: project.layers().iter().map(|(_, l)| ShownLayer::of(l)).collect(),
         };
         if self.json {
             return terminal.json(&shown);
         }
-        terminal.result(format_args!("{}, {} harmonics", shown.shape, shown.harmonics))?;
+        let Shown { shape, harmonics, laplacian, .. } = &shown;
+        terminal.result(format_args!("{shape}, {harmonics} harmonics of the {laplacian} Laplacian"))?;
         for (i, layer) in shown.layers.iter().enumerate() {
             let off = if layer.enabled { "" } else { ", off" };
             let ShownLayer { name, template, model, mu, region, .. } = layer;

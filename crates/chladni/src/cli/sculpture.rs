@@ -3,14 +3,18 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use chladni_caricature::{Base, Crossings, Evaluation, LayerState, MatchRequest, Project, Stack, Template};
+use chladni_caricature::{
+    Action, Base, Crossings, Evaluation, LayerId, LayerState, MatchRequest, Model, Project, Property, Stack,
+    Template,
+};
 use chladni_harmonics::Body;
 use chladni_mesh::{Format, MorphTarget, Orientation, TriMesh, save_mesh, write_glb};
 use chladni_synth::Term;
 use chladni_task::write_atomic;
-use chladni_view::{Camera, Gpu, PictureRequest, PictureShape, Style, render_picture};
+use chladni_view::{Camera, Gpu, Picture, PictureRequest, PictureShape, Style, render_picture};
 
 use super::inputs::{build_body, open_mesh};
+use super::sheet::{self, Panel, Portrayed, SheetOptions};
 use super::stance::Stance;
 use super::{Failure, Terminal};
 use crate::own_look::OwnLook;
@@ -27,7 +31,7 @@ pub struct Sculpture {
 impl Sculpture {
     /// Solves and matches what `project` asks for on the mesh called `name`, and evaluates it.
     pub fn make(name: &str, mesh: TriMesh, project: &Project, terminal: &Terminal) -> Result<Self, Failure> {
-        let body = Arc::new(harmonics(name, &mesh, project.harmonics, terminal)?);
+        let body = Arc::new(harmonics(name, &mesh, project, terminal)?);
         let mut stack = Stack::new(body.clone()).map_err(Failure::other)?;
         let mut as_matched = None;
         for request in stack.missing(project) {
@@ -103,16 +107,111 @@ impl Sculpture {
         save_mesh(&result, path).map_err(Failure::other)
     }
 
-    /// Draws the shape, called `name`, before and after, side by side, with the colours it brought along;
-    /// `kept` is how its project says that it stands.
+    /// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks
+    /// for none. The shape is called `name`; `kept` is how its project says that it stands.
     pub fn render(
-        &self,
+        &mut self,
         name: &str,
+        project: &Project,
         path: &Path,
         portrait: &Portrait,
+        sheet: &SheetOptions,
         kept: Option<Orientation>,
         terminal: &Terminal,
     ) -> Result<(), Failure> {
+        let Portrait { view: [yaw, pitch], size, stance } = *portrait;
+        let stands = stance.of(name, &self.mesh, kept, self.matched, terminal)?;
+        let (yaw_rad, pitch_rad) = (yaw.to_radians(), pitch.to_radians());
+        let from = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };
+        let picture = if sheet.show.is_empty() && sheet.sweep.is_empty() {
+            self.before_and_after(name, from, size, terminal)?
+        } else {
+            sheet::draw(&self.rows(project, sheet)?, &self.stack.body().triangles, from, size)?
+        };
+        let png = picture.to_png().map_err(Failure::other)?;
+        write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
+    }
+
+    /// The panels of a picture: a row for each μ of the top layer.
+    fn rows(&mut self, project: &Project, sheet: &SheetOptions) -> Result<Vec<Vec<Portrayed>>, Failure> {
+        let Some((top, layer)) = project.layers().last() else {
+            return Err(Failure::input("there is no layer to show"));
+        };
+        let panels: &[Panel] =
+            if sheet.show.is_empty() { &[Panel::Before, Panel::After] } else { &sheet.show };
+        let sweep: &[f64] = if sheet.sweep.is_empty() { &[layer.mu] } else { &sheet.sweep };
+        let mut project = project.clone();
+        let mut rows = Vec::with_capacity(sweep.len());
+        for &mu in sweep {
+            let action = Action::Set { layer: *top, to: Property::Mu(mu) };
+            project.apply(&action, None).map_err(Failure::input)?;
+            let evaluation = self.stack.evaluate(&project);
+            let mut row = Vec::new();
+            for &panel in panels {
+                row.extend(self.panel(panel, &project, *top, &evaluation));
+            }
+            rows.push(row);
+        }
+        Ok(rows)
+    }
+
+    fn panel(
+        &mut self,
+        panel: Panel,
+        project: &Project,
+        top: LayerId,
+        evaluation: &Evaluation,
+    ) -> Vec<Portrayed> {
+        let original = &self.stack.original().positions;
+        let result = &evaluation.result.positions;
+        // The top layer may be off; then it shows nothing but the shape.
+        let base = evaluation.layers.last().map_or(original, |layer| &layer.base.positions);
+        match panel {
+            Panel::Before => vec![Portrayed::plain(original)],
+            Panel::After => vec![Portrayed::plain(result)],
+            Panel::Rest => {
+                let dots = sheet::dots(original.iter().map(|p| p.map(|c| c as f32)));
+                vec![Portrayed { dots, ..Portrayed::plain(result) }]
+            }
+            Panel::Steps => {
+                let acting = evaluation.layers.iter().filter(|layer| layer.displacement.is_some());
+                let bases = acting.map(|layer| &layer.base.positions);
+                bases.chain([result]).map(|positions| Portrayed::plain(positions)).collect()
+            }
+            Panel::Painted => {
+                let shares = project.layer(top).map(|layer| {
+                    layer.region.painted.values(&self.stack.surface().file_positions()).to_vec()
+                });
+                vec![Portrayed { shares, ..Portrayed::plain(base) }]
+            }
+            Panel::Region => {
+                let mask = evaluation.layers.last().and_then(|layer| layer.mask.as_deref());
+                let shares = mask.map_or_else(|| vec![1.0; base.len()], <[f32]>::to_vec);
+                vec![Portrayed { shares: Some(shares), ..Portrayed::plain(base) }]
+            }
+            Panel::Coordinate | Panel::Normal | Panel::Distance => {
+                let model = match panel {
+                    Panel::Coordinate => Model::Coordinate,
+                    Panel::Normal => Model::Normal,
+                    _ => Model::Distance,
+                };
+                let base = Portrayed::plain(base);
+                let models = self.stack.three_models(project, top);
+                let at = Model::ALL.iter().position(|m| *m == model);
+                let moved = models.zip(at).map(|(models, at)| Portrayed::plain(&models[at]));
+                vec![moved.unwrap_or(base)]
+            }
+        }
+    }
+
+    /// Both with the colours that the shape brought along.
+    fn before_and_after(
+        &self,
+        name: &str,
+        from: Camera,
+        [width, height]: [u32; 2],
+        terminal: &Terminal,
+    ) -> Result<Picture, Failure> {
         let body = self.stack.body();
         let single = |positions: &[[f64; 3]]| -> Vec<[f32; 3]> {
             positions.iter().map(|p| p.map(|c| c as f32)).collect()
@@ -138,15 +237,9 @@ impl Sculpture {
             image,
             ..PictureShape::default()
         });
-        let Portrait { view: [yaw, pitch], size: [width, height], stance } = *portrait;
-        let stands = stance.of(name, &self.mesh, kept, self.matched, terminal)?;
-        let (yaw_rad, pitch_rad) = (yaw.to_radians(), pitch.to_radians());
-        let from = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };
         let gpu = Gpu::headless().map_err(Failure::other)?;
         let request = PictureRequest { shapes: &shapes, width, height, from, style: Style::default() };
-        let picture = render_picture(&gpu, &request).map_err(Failure::other)?;
-        let png = picture.to_png().map_err(Failure::other)?;
-        write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
+        render_picture(&gpu, &request).map_err(Failure::other)
     }
 }
 
@@ -195,8 +288,8 @@ pub fn format_of(path: &Path) -> Result<Format, Failure> {
     }
 }
 
-fn harmonics(name: &str, mesh: &TriMesh, harmonics: usize, terminal: &Terminal) -> Result<Body, Failure> {
-    let (body, _) = build_body(name, mesh, harmonics, terminal)?;
+fn harmonics(name: &str, mesh: &TriMesh, project: &Project, terminal: &Terminal) -> Result<Body, Failure> {
+    let (body, _) = build_body(name, mesh, project.harmonics, project.laplacian, terminal)?;
     if !body.basis.certificate.inertia_counts_match {
         terminal.warn(format_args!("{name}: the harmonics are not certified complete"));
     }

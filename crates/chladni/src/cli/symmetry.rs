@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use chladni_harmonics::Body;
 use chladni_mesh::{Estimate, Known, Orientation};
-use chladni_music::{Class, Symmetry, SymmetryMethod};
+use chladni_music::{Class, Symmetry, SymmetryMethod, SymmetrySettings};
 use chladni_view::{
     Camera, ColorMap, Gpu, Marker, PictureRequest, PictureShape, Scale, Style, View, render_picture,
 };
 use serde::Serialize;
 
-use super::inputs::{build_body, open_mesh};
+use super::inputs::{build_body, laplacian, open_mesh};
 use super::outputs::check_picture;
 use super::{Failure, Terminal};
 use crate::symmetry_figure::figure_markers;
@@ -23,6 +23,10 @@ pub struct SymmetryCommand {
     /// K, the number of harmonics.
     #[arg(short = 'k', long, value_name = "K", default_value_t = 100)]
     harmonics: usize,
+    /// Paper mode: harmonics of the plain cotangent Laplacian, which not every mesh can have, and
+    /// classes by the vote of the extrema alone.
+    #[arg(long)]
+    paper: bool,
     /// Print classes and pairs as JSON.
     #[arg(long)]
     json: bool,
@@ -56,13 +60,13 @@ impl SymmetryCommand {
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         self.render.as_deref().map_or(Ok(()), check_picture)?;
         let mesh = open_mesh(&self.mesh, terminal)?;
-        let (body, _) = build_body(&self.mesh, &mesh, self.harmonics, terminal)?;
-        let symmetry =
-            terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(|error| {
-                match error {
-                    chladni_music::Error::Cancelled(_) => Failure::Cancelled,
-                    error => Failure::BadInput(format!("{}: {error}", self.mesh)),
-                }
+        let (body, _) = build_body(&self.mesh, &mesh, self.harmonics, laplacian(self.paper), terminal)?;
+        let settings = SymmetrySettings { by_vote: self.paper, ..SymmetrySettings::default() };
+        let symmetry = terminal
+            .watch("finding the mirror", |task| Symmetry::with(&body, &settings, task))
+            .map_err(|error| match error {
+                chladni_music::Error::Cancelled(_) => Failure::Cancelled,
+                error => Failure::BadInput(format!("{}: {error}", self.mesh)),
             })?;
         if let Some(path) = &self.render {
             let stands = terminal

@@ -1,6 +1,6 @@
 //! Shapes with their harmonics, for all rooms.
 
-use chladni_harmonics::{BasisSettings, Body, HarmonicsError};
+use chladni_harmonics::{BasisSettings, Body, HarmonicsError, Laplacian};
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
@@ -8,9 +8,12 @@ use chladni_task::Task;
 pub type Solved = Result<(Body, Vec<String>), String>;
 
 /// The first `harmonics` harmonics of `mesh`, or all it has where those are fewer.
-pub fn solve(mesh: &TriMesh, harmonics: usize, task: &Task) -> Solved {
+pub fn solve(mesh: &TriMesh, harmonics: usize, laplacian: Laplacian, task: &Task) -> Solved {
     let cache = crate::cli::basis_cache();
-    let build = |harmonics| Body::load_or_build(mesh, &BasisSettings::new(harmonics), cache.as_ref(), task);
+    let build = |harmonics| {
+        let settings = BasisSettings { laplacian, ..BasisSettings::new(harmonics) };
+        Body::load_or_build(mesh, &settings, cache.as_ref(), task)
+    };
     let built = match build(harmonics.max(1)) {
         // It has one for each vertex that is left when its seams are welded.
         Err(HarmonicsError::BadHarmonicCount { vertices, .. }) => build(vertices),

@@ -4,6 +4,7 @@ mod caricature;
 mod music;
 mod sphere;
 mod synth;
+mod tables;
 
 use clap::{Args, Subcommand};
 
@@ -21,6 +22,7 @@ enum What {
     Caricature(caricature::BenchCaricature),
     Music(music::BenchMusic),
     Synth(synth::BenchSynth),
+    Tables(tables::BenchTables),
 }
 
 impl Bench {
@@ -30,6 +32,7 @@ impl Bench {
             What::Caricature(caricature) => caricature.run(terminal),
             What::Music(music) => music.run(terminal),
             What::Synth(synth) => synth.run(terminal),
+            What::Tables(tables) => tables.run(terminal),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use chladni_music::{
     Action, BeatReading, Choir, Dancer, Form, GalleryShape, Instrument, LoggedAction, Mapping, Moment,
-    Parameter, Preset, Show, Switch, setting,
+    PAPER_MODE, Parameter, Preset, Show, Switch, setting,
 };
 use chladni_synth::Backend;
 use chladni_view::{Background, FrameRate, Lights, Material, Samples};
@@ -80,9 +80,19 @@ pub struct Dance {
     /// K, the number of harmonics: the show's own, else 512, unless given.
     #[arg(short = 'k', long, value_name = "K")]
     harmonics: Option<usize>,
+    /// Paper mode: harmonics of the plain cotangent Laplacian, which not every mesh can have, their
+    /// classes by the vote of the extrema, the filter form, linear bands and blended normals.
+    #[arg(long)]
+    paper: bool,
     /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here.
     #[arg(long, value_name = "C.npz")]
     coefficients: Option<PathBuf>,
+    /// Write the mapping of each item of the gallery into this folder, as presets.
+    #[arg(long, value_name = "DIR")]
+    presets: Option<PathBuf>,
+    /// Show the shape at rest, too, as dots.
+    #[arg(long)]
+    rest: bool,
     /// Lights: studio, soft, dramatic, stage. Those of the show unless given, as all of the look.
     #[arg(long, value_parser = named(Lights::named, names(&Lights::PRESETS)))]
     lights: Option<Lights>,
@@ -133,6 +143,8 @@ impl Dance {
             film: self.output.clone().or_else(|| self.frames.clone()),
             is_folder: self.frames.is_some(),
             coefficients: self.coefficients.clone(),
+            presets: self.presets.clone(),
+            shows_rest: self.rest,
             width: self.size.width,
             height: self.size.height,
             rate: self.fps.0,
@@ -191,6 +203,7 @@ impl Dance {
                     songs: vec![(song, BeatReading::default())],
                     stance: Stance::default(),
                     harmonics: HARMONICS,
+                    paper: false,
                     heard: Vec::new(),
                     show_secs: None,
                     begin: self.beginning()?,
@@ -204,6 +217,7 @@ impl Dance {
         };
         request.harmonics = self.harmonics.unwrap_or(request.harmonics);
         request.stance = self.stance;
+        request.paper = self.paper;
         request.start_secs = self.start;
         request.duration_secs = self.duration;
         let Look { material, lights, background } = request.look;
@@ -229,6 +243,7 @@ impl Dance {
     /// What the arguments change before anything else is done.
     fn changes(&self) -> Result<Vec<Action>, Failure> {
         let mut changes = Vec::new();
+        changes.extend(self.paper.then_some(PAPER_MODE).into_iter().flatten());
         changes.extend(self.form.map(|form| Action::SetForm { form }));
         changes.extend(self.choir.map(|choir| Action::SetChoir { choir }));
         changes.extend(self.gain.map(|value| Action::Set { parameter: Parameter::Gain, value }));

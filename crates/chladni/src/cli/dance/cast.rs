@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use chladni_caricature::Project;
-use chladni_harmonics::Body;
+use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::{Orientation, TriMesh};
 use chladni_synth::Term;
 
@@ -43,8 +43,13 @@ impl Cast {
     }
 
     /// The body with so many harmonics, and the voices.
-    pub fn prepare(self, harmonics: usize, terminal: &Terminal) -> Result<(Body, Vec<Term>), Failure> {
-        let (body, _) = build_body(&self.name, &self.mesh, harmonics, terminal)?;
+    pub fn prepare(
+        self,
+        harmonics: usize,
+        laplacian: Laplacian,
+        terminal: &Terminal,
+    ) -> Result<(Body, Vec<Term>), Failure> {
+        let (body, _) = build_body(&self.name, &self.mesh, harmonics, laplacian, terminal)?;
         let Some(project) = &self.project else { return Ok((body, Vec::new())) };
         let sculpture = Sculpture::make(&self.name, self.mesh, project, terminal)?;
         Ok((body, sculpture.voices().into_iter().map(|(_, term)| term).collect()))

@@ -18,6 +18,7 @@ use super::guard::FrameGuard;
 use super::record::Recording;
 use super::{Seconds, failure, view_failure};
 use crate::cli::Failure;
+use crate::cli::sheet::dots;
 use crate::dance::{Hearing, Look, Staging};
 
 /// Who computes and draws; where nothing is said, what suits the device.
@@ -65,6 +66,7 @@ pub struct Performance {
     start_secs: f64,
     rate: FrameRate,
     flashes_allowed: bool,
+    shows_rest: bool,
 }
 
 impl Performance {
@@ -90,9 +92,19 @@ impl Performance {
             start_secs,
             rate,
             flashes_allowed: false,
+            shows_rest: false,
         };
         performance.hearing.tune(0.0, performance.instrument.parameters());
         Ok(performance)
+    }
+
+    pub fn instrument(&self) -> &Instrument {
+        &self.instrument
+    }
+
+    /// Shows the shape at rest, too, as dots.
+    pub fn show_rest(&mut self) {
+        self.shows_rest = true;
     }
 
     pub fn allow_flashes(&mut self) {
@@ -264,7 +276,14 @@ impl Theatre {
         let figures: Vec<Figure<'_>> = (0..items)
             .map(|item| Figure { material: staged.material, ..Figure::new(&self.topology, &buffers, item) })
             .collect();
-        renderer.draw(canvas, &staged.cells(&figures))?;
+        let dots = match performance.shows_rest {
+            true => dots(performance.model.rest_positions().iter().copied()),
+            false => Vec::new(),
+        };
+        let mut cells = staged.cells(&figures);
+        // The first is the background.
+        cells.iter_mut().skip(1).for_each(|cell| cell.markers = &dots);
+        renderer.draw(canvas, &cells)?;
         Ok(())
     }
 }

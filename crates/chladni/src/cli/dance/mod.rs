@@ -13,14 +13,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_music::{
-    BeatReading, Dancer, Ensemble, GalleryShape, Instrument, LoggedAction, Parameter, Show, Stretch,
-    Symmetry, Viewpoint,
+    BeatReading, Dancer, Ensemble, GalleryShape, Instrument, LoggedAction, Parameter, Preset, Show, Stretch,
+    Symmetry, SymmetrySettings, Viewpoint,
 };
 use chladni_sound::{WavSample, write_wav};
 use chladni_synth::Backend;
 use chladni_view::{Film, FilmFormat, FilmSettings, FrameRate, Samples, ffmpeg_is_there};
 use serde::Serialize;
 
+use super::inputs::laplacian;
 use super::outputs::check_file;
 use super::stance::Stance;
 use super::{Failure, Terminal};
@@ -43,6 +44,8 @@ pub struct Request {
     pub stance: Stance,
     /// K.
     pub harmonics: usize,
+    /// Harmonics and classes as in the paper.
+    pub paper: bool,
     /// Which song is heard when; the first one from its beginning where this is empty.
     pub heard: Vec<Stretch>,
     /// How long the show is; as long as the first song where that is not said.
@@ -70,6 +73,10 @@ pub struct Output {
     pub is_folder: bool,
     /// Where the coefficients of every frame go.
     pub coefficients: Option<PathBuf>,
+    /// Where the mapping of each item of the gallery goes, as presets.
+    pub presets: Option<PathBuf>,
+    /// The shape at rest is shown, too, as dots.
+    pub shows_rest: bool,
     /// Pixels in a row.
     pub width: u32,
     /// Rows.
@@ -93,6 +100,7 @@ impl Request {
             body,
             songs,
             stance: Stance::default(),
+            paper: false,
             harmonics: show.harmonics.unwrap_or(HARMONICS),
             heard,
             show_secs: show.duration_secs,
@@ -178,8 +186,11 @@ pub fn make(request: Request, terminal: &Terminal) -> Result<Report, Failure> {
     let mut songs = Songs::open(&request.songs, request.heard, request.show_secs, range, terminal)?;
     let mut seconds = Seconds { reading: begin.elapsed().as_secs_f64(), ..Seconds::default() };
     let preparing = Instant::now();
-    let (body, voices) = cast.prepare(request.harmonics, terminal)?;
-    let symmetry = terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(failure)?;
+    let (body, voices) = cast.prepare(request.harmonics, laplacian(request.paper), terminal)?;
+    let classes = SymmetrySettings { by_vote: request.paper, ..SymmetrySettings::default() };
+    let symmetry = terminal
+        .watch("finding the mirror", |task| Symmetry::with(&body, &classes, task))
+        .map_err(failure)?;
     let body = symmetry.rotated(&body);
     let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).map_err(failure)?);
     seconds.preparing = preparing.elapsed().as_secs_f64();
@@ -205,6 +216,9 @@ pub fn make(request: Request, terminal: &Terminal) -> Result<Report, Failure> {
     )?;
     if output.allow_flashes {
         performance.allow_flashes();
+    }
+    if output.shows_rest {
+        performance.show_rest();
     }
     // Only now: a mesh or song that cannot be read leaves no empty folder behind.
     let folder = output.film.as_deref().filter(|_| output.is_folder);
@@ -238,6 +252,10 @@ pub fn make(request: Request, terminal: &Terminal) -> Result<Report, Failure> {
     }
     if let Some(path) = &output.coefficients {
         done.recording.write(path).map_err(|error| Failure::writing(path, error))?;
+    }
+    if let Some(folder) = &output.presets {
+        save_presets(folder, performance.instrument())?;
+        terminal.wrote(folder)?;
     }
     done.warnings.iter().for_each(|warning| terminal.warn(warning));
     if let Some(drawn) = done.drawn.as_ref().filter(|drawn| drawn.software && output.samples.is_none()) {
@@ -299,6 +317,16 @@ impl Output {
         }
         self.coefficients.as_deref().map_or(Ok(()), check_file)
     }
+}
+
+/// Each item of the gallery as a preset, `item-01.toml` and so on.
+fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
+    for (i, item) in instrument.gallery().items().iter().enumerate() {
+        let path = folder.join(format!("item-{:02}.toml", i + 1));
+        Preset::of(instrument, item, Vec::new()).save(&path).map_err(Failure::other)?;
+    }
+    Ok(())
 }
 
 /// The sound that an MP4 is given, as a temporary file.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use chladni_caricature::{Action, Layer, Project, Recovered, ScaleCurve, ShapeSource, Template};
+use chladni_caricature::{Action, Layer, Project, Recovered, ShapeSource, Template};
 use chladni_mesh::TriMesh;
 use chladni_view::{Background, Camera, View};
 use egui::Context;
@@ -172,7 +172,7 @@ impl CaricatureRoom {
         let name =
             path.file_stem().map_or_else(|| "Template".into(), |stem| stem.to_string_lossy().into_owned());
         let index = session.project().layers().len();
-        let layer = Box::new(against_mesh(name, Template::File(path)));
+        let layer = Box::new(session.project().new_layer(name, Template::File(path)));
         match session.apply(vec![Edit::Once(Action::Add { index, layer })]) {
             Ok(changed) => self.stale |= changed,
             Err(why) => shared.notices.error(why),
@@ -299,17 +299,12 @@ fn sample(name: &str, shared: &mut Shared<'_>) -> Candidate {
     let mut project = Project::new(ShapeSource::Sample(name.into()), shared.settings.harmonics);
     if name == "head" {
         let template = Template::Sample("template".into());
-        let first = Layer { mu: -0.8, ..against_mesh("Character", template) };
+        let first = Layer { mu: -0.8, ..project.new_layer("Character", template) };
         if let Err(error) = project.push(first) {
             shared.notices.error(error.to_string());
         }
     }
     Candidate::new(project)
-}
-
-/// A new layer against a mesh: without the finest harmonics, where a match is rough.
-pub fn against_mesh(name: impl Into<String>, template: Template) -> Layer {
-    Layer { curve: ScaleCurve::smooth(), ..Layer::new(name, template) }
 }
 
 /// Writes the project to `path`, whole or not at all.

@@ -1,7 +1,7 @@
 //! The foot of the layer panel: how large the shape is, and what its harmonics are worth.
 
 use chladni_caricature::Action;
-use chladni_harmonics::{Basis, Certificate};
+use chladni_harmonics::{Basis, Certificate, Laplacian};
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
@@ -13,6 +13,9 @@ use crate::studio::theme;
 
 /// Numbers of harmonics on offer.
 const CHOICES: [usize; 5] = [64, 128, 256, 512, 1024];
+const PAPER_MODE: &str = "The paper's plain cotangent Laplacian, which not every shape can have; new layers begin \
+                          with the paper's settings";
+
 /// Draws it.
 pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut Edits) {
     let palette = theme::palette(ui);
@@ -40,6 +43,13 @@ pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut
                         ui.close();
                     }
                 }
+                ui.separator();
+                let paper = session.project().laplacian == Laplacian::Cotangent;
+                if ui.selectable_label(paper, "Paper mode").on_hover_text(PAPER_MODE).clicked() {
+                    let other = if paper { Laplacian::Delaunay } else { Laplacian::Cotangent };
+                    edits.once(Action::SetLaplacian(other));
+                    ui.close();
+                }
             });
             menu.response.on_hover_ui(|ui| certificate(ui, &body.basis));
         });
@@ -50,7 +60,7 @@ pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut
 /// The certificate in plain words.
 fn certificate(ui: &mut Ui, basis: &Basis) {
     let palette = theme::palette(ui);
-    let Certificate { inertia_counts_match, max_relative_residual, max_orthogonality_error } =
+    let Certificate { laplacian, inertia_counts_match, max_relative_residual, max_orthogonality_error } =
         basis.certificate;
     ui.set_max_width(360.0);
     ui.label(
@@ -63,6 +73,9 @@ fn certificate(ui: &mut Ui, basis: &Basis) {
             ui.add(egui::Label::new(text).wrap());
         });
     };
+    if laplacian == Laplacian::Cotangent {
+        ui.label(RichText::new("Paper mode: those of its plain cotangent Laplacian.").strong());
+    }
     let complete = if inertia_counts_match {
         "Complete: an independent count finds as many below the last one, so none is missing and none is double."
     } else {

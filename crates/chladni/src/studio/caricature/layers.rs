@@ -4,7 +4,6 @@ use chladni_caricature::{Action, Layer, LayerId, Project, Property, Template};
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
-use super::files::against_mesh;
 use super::thumbnails::Thumbnails;
 use crate::studio::icon::{self, Icon};
 use crate::studio::theme;
@@ -207,12 +206,7 @@ impl LayerList {
             for (name, tip, template) in starting_points() {
                 if ui.button(name).on_hover_text(tip).clicked() {
                     let name = format!("{name} {}", project.layers().len() + 1);
-                    let layer = if template.is_mesh() {
-                        against_mesh(name, template)
-                    } else {
-                        Layer::new(name, template)
-                    };
-                    let layer = Box::new(layer);
+                    let layer = Box::new(project.new_layer(name, template));
                     edits.once(Action::Add { index: project.layers().len(), layer });
                     ui.close();
                 }

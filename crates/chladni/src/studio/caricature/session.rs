@@ -8,6 +8,7 @@ use chladni_caricature::{
     Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Painted,
     Project, Recovered, ShapeSource, Stack, Surface, Template, furthest,
 };
+use chladni_harmonics::Laplacian;
 use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, Orientation, TriMesh};
 use chladni_task::Task;
 
@@ -59,7 +60,7 @@ pub fn load(
         warnings.extend(carried.report.into_iter().flat_map(|report| report.warnings));
         project = carried.project;
     }
-    let (body, doubts) = solve(&mesh, project.harmonics, task)?;
+    let (body, doubts) = solve(&mesh, project.harmonics, project.laplacian, task)?;
     warnings.extend(doubts);
     let look = OwnLook::of(&mesh, &body, &mut warnings);
     let stack = Stack::new(Arc::new(body)).map_err(|error| error.to_string())?;
@@ -91,8 +92,8 @@ pub struct Session {
     mirror: Arc<OnceLock<Option<MirrorPlane>>>,
     /// Makes ready what a brush needs, from the moment when it is taken up.
     brush: Option<Job<()>>,
-    /// K that was last asked for, whether or not the shape has as many.
-    harmonics: usize,
+    /// The harmonics that were asked for last.
+    asked: (usize, Laplacian),
     solving: Option<Job<Solved>>,
     /// What the surface says of how it stands; a matched template may know better.
     stands: Estimate,
@@ -104,7 +105,7 @@ impl Session {
         let mut stack = loaded.stack;
         let evaluation = stack.evaluate(&loaded.project);
         let selected = loaded.project.layers().last().map(|(id, _)| *id);
-        let harmonics = loaded.project.harmonics;
+        let asked = (loaded.project.harmonics, loaded.project.laplacian);
         let mut session = Self {
             history: if loaded.new {
                 History::recovered(loaded.project)
@@ -121,7 +122,7 @@ impl Session {
             matching: None,
             mirror: Arc::default(),
             brush: None,
-            harmonics,
+            asked,
             solving: None,
             stands: loaded.stands,
         };
@@ -295,15 +296,15 @@ impl Session {
         (message, changed)
     }
 
-    /// Solves for another number of harmonics where the project asks for one, and takes them in.
+    /// Solves for other harmonics where the project asks for them, and takes them in.
     /// Where they have come, what a person should know of them; an error says why they did not.
     pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<Option<Vec<String>>, String> {
-        let wanted = self.project().harmonics;
-        if wanted != self.harmonics {
-            self.harmonics = wanted;
+        let (harmonics, laplacian) = (self.project().harmonics, self.project().laplacian);
+        if self.asked != (harmonics, laplacian) {
+            self.asked = (harmonics, laplacian);
             let mesh = Arc::clone(&self.mesh);
-            let work = move |task: &Task| solve(&mesh, wanted, task);
-            self.solving = Some(Job::start(format!("Solving for {wanted} harmonics"), ctx, work));
+            let work = move |task: &Task| solve(&mesh, harmonics, laplacian, task);
+            self.solving = Some(Job::start(format!("Solving for {harmonics} harmonics"), ctx, work));
         }
         let outcome = match self.solving.as_ref().map(Job::poll) {
             None | Some(Outcome::Running) => return Ok(None),
@@ -311,6 +312,14 @@ impl Session {
             Some(Outcome::Lost) => Err("Solving broke off; this is a bug.".into()),
         };
         self.solving = None;
+        if outcome.is_err() {
+            // A project that asks for what its shape cannot have would not open again.
+            let laplacian = self.stack.body().basis.certificate.laplacian;
+            if self.project().laplacian != laplacian {
+                self.apply(vec![Edit::Once(Action::SetLaplacian(laplacian))])?;
+                self.asked.1 = laplacian;
+            }
+        }
         let (body, warnings) = outcome?;
         // Matches do not depend on harmonics: those that are there stay, and one that runs goes on.
         self.stack = self.stack.with_harmonics_of(Arc::new(body)).map_err(|error| error.to_string())?;
@@ -451,6 +460,46 @@ mod tests {
         let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
         let body = loaded.stack.body();
         assert_eq!((body.positions.len(), body.basis.harmonics()), (42, 42));
+    }
+
+    /// Asks for the papers' operator and waits for what comes of it.
+    fn in_paper_mode(mesh: &TriMesh) -> (Session, Result<Option<Vec<String>>, String>) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("shape.ply");
+        chladni_mesh::save_mesh(mesh, &path).unwrap();
+        let project = Project::new(ShapeSource::File(path), 4);
+        let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
+        let mut session = Session::new(loaded);
+        session.apply(vec![Edit::Once(Action::SetLaplacian(Laplacian::Cotangent))]).unwrap();
+        loop {
+            match session.pump_harmonics(&egui::Context::default()) {
+                Ok(None) => std::thread::sleep(std::time::Duration::from_millis(5)),
+                outcome => return (session, outcome),
+            }
+        }
+    }
+
+    #[test]
+    fn paper_mode_solves_again_and_is_taken_back_where_a_shape_cannot_have_it() {
+        let of = |session: &Session| session.stack.body().basis.certificate.laplacian;
+        let (session, outcome) = in_paper_mode(&chladni_mesh::samples::icosphere(1));
+        assert!(outcome.is_ok());
+        assert_eq!((of(&session), session.project().laplacian), (Laplacian::Cotangent, Laplacian::Cotangent));
+        assert_eq!(
+            session.project().new_layer("new", Template::Sphere),
+            Layer::paper("new", Template::Sphere)
+        );
+        let fan = TriMesh {
+            positions: vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.5, 0.8, 0.5], [-0.5, -0.8, 0.5]],
+            triangles: vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]],
+            ..TriMesh::default()
+        };
+        let (mut session, outcome) = in_paper_mode(&fan);
+        assert!(outcome.unwrap_err().contains("3 triangles meet"));
+        assert_eq!((of(&session), session.project().laplacian), (Laplacian::Delaunay, Laplacian::Delaunay));
+        // Nothing is left to be solved.
+        assert_eq!(session.pump_harmonics(&egui::Context::default()), Ok(None));
+        assert!(session.solving().is_none());
     }
 
     #[test]

@@ -228,6 +228,8 @@ impl Form {
 
     fn request(&self, scene: Scene, film: PathBuf) -> Result<Request, String> {
         let output = Output {
+            presets: None,
+            shows_rest: false,
             film: Some(film),
             is_folder: false,
             coefficients: None,

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use chladni_caricature::{Error, MatchRequest, Project, ShapeSource, Stack, Template};
-use chladni_harmonics::Body;
+use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_music::{Dancer, Symmetry};
 use chladni_synth::Term;
@@ -103,7 +103,7 @@ fn template(request: &MatchRequest, folder: Option<&Path>) -> Result<Option<TriM
 }
 
 fn body(mesh: &TriMesh, harmonics: usize, warnings: &mut Vec<String>, task: &Task) -> Result<Body, String> {
-    let (body, doubts) = solve(mesh, harmonics, task)?;
+    let (body, doubts) = solve(mesh, harmonics, Laplacian::Delaunay, task)?;
     warnings.extend(doubts);
     Ok(body)
 }

@@ -10,7 +10,7 @@ use chladni_caricature::{
     RollOff, ScaleCurve, Seen, ShapeSource, Smoothing, Stack, Surface, SurfacePoint, Template,
     flipped_triangles, furthest,
 };
-use chladni_harmonics::HeatFlow;
+use chladni_harmonics::{HeatFlow, Laplacian};
 use chladni_mesh::{MirrorPlane, MirrorSearch};
 use chladni_task::Task;
 use rayon::prelude::*;
@@ -51,7 +51,7 @@ impl BenchCaricature {
     /// Times everything and prints a row for each.
     pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
         let mesh = open_mesh(&self.shape, terminal)?;
-        let (body, _) = build_body(&self.shape, &mesh, self.harmonics, terminal)?;
+        let (body, _) = build_body(&self.shape, &mesh, self.harmonics, Laplacian::Delaunay, terminal)?;
         let (vertices, harmonics) = (body.basis.vertices(), body.basis.harmonics());
         let mut stack = Stack::new(Arc::new(body)).map_err(Failure::other)?;
         let mut history = History::new(project(harmonics).map_err(Failure::other)?);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use chladni_harmonics::Laplacian;
 use chladni_mesh::TriMesh;
 use chladni_music::{Action, Bands, Dancer, Ensemble, Form, GalleryShape, Instrument, Moment, Symmetry};
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
@@ -33,7 +34,7 @@ pub struct Measured {
 pub fn measure(bench: &BenchMusic, terminal: &Terminal) -> Result<Vec<Measured>, Failure> {
     let (positions, triangles) = bumpy_sphere(bench.vertices);
     let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
-    let (body, _) = build_body("bumpy sphere", &mesh, bench.harmonics, terminal)?;
+    let (body, _) = build_body("bumpy sphere", &mesh, bench.harmonics, Laplacian::Delaunay, terminal)?;
     let symmetry =
         terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(Failure::other)?;
     let body = symmetry.rotated(&body);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use chladni_harmonics::Body;
+use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::{TriMesh, samples};
 use chladni_music::{
     Action, Bands, Dancer, GalleryShape, Instrument, Mapping, Moment, Player, Playing, Preset, Symmetry,
@@ -34,7 +34,7 @@ impl Ready {
 
     /// A mesh.
     pub fn new(name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<Self, Failure> {
-        let (body, _) = build_body(name, mesh, HARMONICS, terminal)?;
+        let (body, _) = build_body(name, mesh, HARMONICS, Laplacian::Delaunay, terminal)?;
         let symmetry =
             terminal.watch("finding the mirror", |task| Symmetry::of(&body, task)).map_err(Failure::other)?;
         let body = symmetry.rotated(&body);

@@ -3,7 +3,7 @@
 mod clock;
 mod report;
 mod rows;
-mod stage;
+pub mod stage;
 mod timing;
 
 use chladni_synth::{Coefficients, CpuSynthesizer, GpuSynthesizer, Item, SynthModel, Term};

@@ -1,0 +1,72 @@
+//! The Laplacian that the papers print: the cotangents of the mesh's own triangles.
+
+use super::cover::{Edges, ends};
+use super::intrinsic::mixed_voronoi_parts;
+use crate::SymmetricSparse;
+
+/// A triangle whose height over its longest side is below this share of it has no cotangents that
+/// mean anything.
+const FLAT: f64 = 1e-10;
+
+/// Why a mesh has no cotangent Laplacian; vertices are those of the operator.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Refusal {
+    /// There is a formula for one triangle on an edge and for two.
+    CrowdedEdge { ends: [u32; 2], triangles: usize },
+    /// Cotangents divide by the area.
+    FlatTriangle { corners: [u32; 3] },
+}
+
+/// S with -(cot β + cot β')/2 off the diagonal, of an edge at a boundary -cot β / 2, and the mixed
+/// Voronoi areas a, of a welded surface. Obtuse pairs give values above zero off the diagonal; S is
+/// positive semi-definite all the same, being the energy of linear functions on the triangles.
+pub(crate) fn cotangent_laplacian(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> Result<(SymmetricSparse, Vec<f64>), Refusal> {
+    let crowded = Edges::of(positions.len(), triangles).iter().find(|sides| sides.len() > 2).map(|sides| {
+        let (u, v) = ends(triangles, sides[0]);
+        Refusal::CrowdedEdge { ends: [u, v], triangles: sides.len() }
+    });
+    crowded.map_or(Ok(()), Err)?;
+    let mut sides = Vec::with_capacity(3 * triangles.len());
+    let mut mass = vec![0.0; positions.len()];
+    for &corners in triangles {
+        let Measured { square, area, cotangent } = Measured::of(corners.map(|v| positions[v as usize]));
+        if area <= 0.5 * FLAT * square.into_iter().fold(0.0, f64::max) {
+            return Err(Refusal::FlatTriangle { corners });
+        }
+        let parts = mixed_voronoi_parts(square, area, cotangent);
+        for i in 0..3 {
+            sides.push((corners[i], corners[(i + 1) % 3], 0.5 * cotangent[i]));
+            mass[corners[i] as usize] += parts[i];
+        }
+    }
+    // Both sides of an edge are summed there.
+    Ok((SymmetricSparse::laplacian(positions.len(), &sides), mass))
+}
+
+/// A triangle: of each side, i from corner i to the next, the squared length and the cotangent of
+/// the angle opposite.
+struct Measured {
+    square: [f64; 3],
+    area: f64,
+    cotangent: [f64; 3],
+}
+
+impl Measured {
+    fn of(corner: [[f64; 3]; 3]) -> Self {
+        let side = |i: usize| -> [f64; 3] {
+            let (p, q) = (corner[i], corner[(i + 1) % 3]);
+            std::array::from_fn(|c| q[c] - p[c])
+        };
+        let side = [side(0), side(1), side(2)];
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let [u, v] = [side[0], side[1]];
+        let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let twice_area = dot(cross, cross).sqrt();
+        // The angle opposite to side i is between the two others, which run into and out of it.
+        let cotangent = std::array::from_fn(|i| -dot(side[(i + 1) % 3], side[(i + 2) % 3]) / twice_area);
+        Self { square: side.map(|s| dot(s, s)), area: 0.5 * twice_area, cotangent }
+    }
+}

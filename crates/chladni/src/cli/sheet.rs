@@ -1,0 +1,108 @@
+//! Several shapes in one picture, in rows and columns and all to one scale: what `--show` and
+//! `--sweep` ask for.
+
+use chladni_view::{
+    Camera, ColorMap, Gpu, Marker, Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Style,
+    render_placed,
+};
+
+use super::Failure;
+
+/// Which panels a picture has; without either, the shape before and after.
+#[derive(clap::Args, Clone, Debug)]
+pub struct SheetOptions {
+    /// The panels of a row of the picture, in this order.
+    #[arg(long, value_delimiter = ',', value_name = "PANEL", requires = "render")]
+    pub show: Vec<Panel>,
+    /// A row of panels for each of these μ of the top layer, such as -0.3,-0.4,-0.6.
+    #[arg(long, value_delimiter = ',', value_name = "MU", allow_hyphen_values = true, requires = "render")]
+    pub sweep: Vec<f64>,
+}
+
+/// What a panel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Panel {
+    /// The shape.
+    Before,
+    /// The result.
+    After,
+    /// The result, and the shape as dots.
+    Rest,
+    /// The shape, and the result of each layer on the ones below: a panel each.
+    Steps,
+    /// The top layer in the coordinate model.
+    Coordinate,
+    /// The top layer in the normal model.
+    Normal,
+    /// The top layer in the distance model.
+    Distance,
+    /// χ01 of the top layer, as painted.
+    Painted,
+    /// χ of the top layer, smoothed.
+    Region,
+}
+
+/// A shape in a panel.
+pub struct Portrayed {
+    pub positions: Vec<[f32; 3]>,
+    /// A share from 0 to 1 of each vertex, drawn as a heat map.
+    pub shares: Option<Vec<f32>>,
+    pub dots: Vec<Marker>,
+}
+
+impl Portrayed {
+    /// A shape as it is.
+    pub fn plain(positions: &[[f64; 3]]) -> Self {
+        let positions = positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        Self { positions, shares: None, dots: Vec::new() }
+    }
+}
+
+/// The most dots that stand for a shape: more would be a black area.
+const DOTS: usize = 2500;
+
+/// Some of `positions` as black dots.
+pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
+    let step = positions.len().div_ceil(DOTS).max(1);
+    let dot = |position| Marker { position, radius_px: 1.2, color: [0, 0, 0, 255] };
+    positions.step_by(step).map(dot).collect()
+}
+
+/// Draws rows of shapes with the same triangles, seen from where `camera` looks, fitted to all.
+pub fn draw(
+    rows: &[Vec<Portrayed>],
+    triangles: &[[u32; 3]],
+    mut camera: Camera,
+    [width, height]: [u32; 2],
+) -> Result<Picture, Failure> {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;
+    let (cell_width, cell_height) = ((width / columns).max(1), (height / rows.len().max(1) as u32).max(1));
+    let all = rows.iter().flatten().flat_map(|panel| panel.positions.iter().copied());
+    camera.fit(all, cell_width as f32 / cell_height as f32, 0.92);
+    let mut renderer = Renderer::new(&Gpu::headless().map_err(Failure::other)?);
+    let style = Style::default();
+    let mut sheet = Picture::filled(width, height, [255; 4]);
+    for (row, panels) in (0..).zip(rows) {
+        for (column, panel) in (0..).zip(panels) {
+            let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
+            let shape = PictureShape {
+                positions: &panel.positions,
+                triangles,
+                values: panel.shares.as_deref().map(|shares| (shares, scale)),
+                markers: &panel.dots,
+                ..PictureShape::default()
+            };
+            let request = PictureRequest {
+                shapes: std::slice::from_ref(&shape),
+                width: cell_width,
+                height: cell_height,
+                from: camera,
+                style,
+            };
+            let cell = Rect::of_size(cell_width, cell_height);
+            let picture = render_placed(&mut renderer, &request, &[(cell, camera)]).map_err(Failure::other)?;
+            sheet.paste(&picture, column * cell_width, row * cell_height);
+        }
+    }
+    Ok(sheet)
+}
