@@ -87,7 +87,8 @@ fn infill(ui: &mut Ui, id: LayerId, layer: &Layer, matched: &Matched, edits: &mu
         let slider = ui.add(theme::slider(&mut infill, 0.0..=1.0).fixed_decimals(2));
         edits.drag(id, &slider, || Property::Infill(infill));
     });
-    let text = format!("{} of it is not trusted", percent(share));
+    let share = if share < 0.001 { "Less than 0.1 %".into() } else { percent(share) };
+    let text = format!("{share} of it is not trusted");
     let text = RichText::new(icon::label(Icon::Info, &text)).color(theme::palette(ui).weak).small();
     let tip = "By area. Click to see how far the match is trusted, and where.";
     ui.add(egui::Button::new(text).frame(false)).on_hover_text(tip).clicked()
