@@ -74,7 +74,7 @@ fn from_2_to_3(table: &mut Table) {
         let region = layer.entry("region").or_insert_with(|| Value::Table(Table::new()));
         if let Some(region) = region.as_table_mut() {
             let cutoff = region.remove("cutoff").and_then(|cutoff| cutoff.as_integer());
-            let wavelength = usual_wavelength(cutoff.unwrap_or(96).max(1) as f64);
+            let wavelength = usual_wavelength(cutoff.unwrap_or(96).clamp(1, 90_000) as f64);
             region.insert("wavelength".into(), Value::Float(wavelength));
             // A low-pass by harmonics that fell off like a Gaussian and rang a little; heat halves the same.
             if region.get("roll_off").and_then(Value::as_str) == Some("gaussian") {
