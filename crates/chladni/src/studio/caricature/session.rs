@@ -486,7 +486,7 @@ mod tests {
         let mut session = Session::new(loaded);
         let ctx = egui::Context::default();
         let deadline = std::time::Instant::now() + std::time::Duration::from_secs(120);
-        let mut wait_for = |session: &mut Session, done: &dyn Fn(&Session) -> bool| {
+        let wait_for = |session: &mut Session, done: &dyn Fn(&Session) -> bool| {
             while !done(session) {
                 assert!(std::time::Instant::now() < deadline);
                 session.pump_harmonics(&ctx).unwrap();
@@ -496,6 +496,9 @@ mod tests {
         };
         wait_for(&mut session, &|session| session.selected_match().is_some());
         let before = Arc::clone(session.selected_match().unwrap());
+        // On the way: the more triangles may fold, the further it goes.
+        let [no_fold, hardly, some] = [0.0, 0.001, 0.02].map(|share| session.furthest_mu(share).unwrap());
+        assert!(no_fold < 0.0 && hardly < no_fold && some < hardly, "{no_fold}, {hardly}, {some}");
         session.apply(vec![Edit::Once(Action::SetHarmonics(24))]).unwrap();
         wait_for(&mut session, &|session| session.stack.body().basis.harmonics() == 24);
         assert!(session.running_match().is_none() && session.stack.missing(session.project()).is_empty());
