@@ -92,6 +92,26 @@ fn same(mesh: &TriMesh, harmonics: usize, seed: u64) -> Result<(), TestCaseError
     Ok(())
 }
 
+/// A ring with three twisted ridges: turned by a third it is the same, mirrored it is not.
+fn propeller() -> TriMesh {
+    const AROUND: u32 = 18;
+    const ALONG: u32 = 9;
+    let angle = |i: u32, of: u32| std::f64::consts::TAU * f64::from(i) / f64::from(of);
+    let places = (0..AROUND).flat_map(|i| (0..ALONG).map(move |j| (i, j)));
+    let positions = places.clone().map(|(i, j)| {
+        let (theta, phi) = (angle(i, AROUND), angle(j, ALONG));
+        let thick = 0.7 * (1.0 + 0.6 * (3.0 * theta + phi).cos());
+        let out = 2.0 + thick * phi.cos();
+        [out * theta.cos(), out * theta.sin(), thick * phi.sin()]
+    });
+    let at = |i: u32, j: u32| (i % AROUND) * ALONG + j % ALONG;
+    let triangles = places.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    TriMesh { positions: positions.collect(), triangles: triangles.collect(), ..TriMesh::default() }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
@@ -99,6 +119,16 @@ proptest! {
     fn a_ball_dances_the_same_whatever_harmonics_it_is_given(seed in any::<u64>()) {
         // The three, the five and the three and four of the lowest tones of a ball are all there.
         same(&samples::icosphere(2), 16, seed)?;
+    }
+
+    #[test]
+    fn so_does_what_repeats_itself_and_has_no_mirror(seed in any::<u64>()) {
+        let body = Body::build(&propeller(), &BasisSettings::new(12), &Task::new()).unwrap();
+        let lambda = &body.basis.eigenvalues;
+        prop_assert!(lambda.windows(2).any(|pair| pair[1] - pair[0] < 1e-7 * pair[1]), "{lambda:?}");
+        let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
+        prop_assert_eq!(symmetry.method, chladni_music::SymmetryMethod::Vote);
+        same(&propeller(), 12, seed)?;
     }
 
     #[test]

@@ -63,6 +63,27 @@ pub(super) fn mirrored(
     Ok((scores, rotations))
 }
 
+/// The rotation of each group of repeated eigenvalues that the geometry alone chooses, where no mirror has a say.
+pub(super) fn unmirrored(
+    body: &Body,
+    settings: &SymmetrySettings,
+    task: &Task,
+) -> Result<Vec<Rotation>, Error> {
+    let first = first_waving(&body.basis);
+    repeated(&body.basis, settings.cluster_gap)
+        .into_par_iter()
+        .filter(|group| group.start >= first && group.len() > 1)
+        .map(|group| {
+            task.check()?;
+            let size = group.len();
+            let as_they_are =
+                (0..size).map(|i| (0..size).map(|j| f64::from(u8::from(i == j))).collect()).collect();
+            let mix = choose_within_classes(body, &group, &vec![1.0; size], as_they_are, settings);
+            Ok(Rotation { first: group.start, mix })
+        })
+        .collect()
+}
+
 /// Runs of harmonics whose neighbouring eigenvalues differ by less than `gap`, relatively.
 /// The constant harmonics of a shape in several components are one such run.
 pub(crate) fn repeated(basis: &Basis, gap: f64) -> Vec<Range<usize>> {

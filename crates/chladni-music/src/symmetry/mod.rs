@@ -136,7 +136,8 @@ impl Symmetry {
         }
         let scores = extrema.vote(basis, settings);
         let by_majority = SymmetrySettings { decided: f64::MIN_POSITIVE, ..*settings };
-        let mut found = Self::new(extrema, scores, Vec::new(), SymmetryMethod::Vote, &by_majority);
+        let rotations = cluster::unmirrored(body, settings, task)?;
+        let mut found = Self::new(extrema, scores, rotations, SymmetryMethod::Vote, &by_majority);
         if settings.by_vote {
             let undecided = found.classes.iter_mut().filter(|c| **c == Class::Undecided);
             undecided.for_each(|c| *c = Class::Antisymmetric);
