@@ -307,7 +307,7 @@ class Music(Sheet):
             load = ['do = "load"', "item = 0", 'name = "direct"', f"mapping = {mapping}"]
             session = self.session(load, ['do = "set-choir"', f'choir = "{choir}"'], ['do = "perform"', "item = 0"])
             frame = self.dance("--session", session, "--rest", size="800x800")
-            row.append(frame[140:-140, 80:-80])
+            row.append(frame[20:-100, 60:-60])
         self.page("music-7", [row], ["antisymmetric harmonics only", "symmetric harmonics only"], scale=1.3)
 
     def music_8(self):
