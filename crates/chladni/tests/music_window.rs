@@ -661,6 +661,8 @@ fn recorded(folder: &Path, trace: &Trace) -> (Window, Answers) {
         chooser,
         files,
         trace: Some(trace.clone()),
+        // A slow machine would leave harmonics out that films have.
+        now: no_time,
         ..Opening::default()
     };
     // Frames that come late would be drawn smaller than a film's.
