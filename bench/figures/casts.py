@@ -57,13 +57,13 @@ def data():
     mesh = lambda name: str(DATA / name)
     face = Part(mesh("heads/face.obj"), "25,5", nose="0,166,10,3.2", chin="0,159,8,3.5", brow="0,171.5,9,5",
                 ears="8,168,-2,4 -8,168,-2,4")
-    max_planck = Part(mesh("heads/decimated-max.obj"), "205,5", nose="26,-12,-30,32", chin="18,-78,-15,32",
+    max_planck = Part(mesh("heads/decimated-max.obj"), "25,5", nose="26,-12,-30,32", chin="18,-78,-15,32",
                       brow="28,30,-5,50", ears="120,-5,120,35 -60,-5,120,35")
     igea = Part(mesh("heads/igea.ply"), "25,5", nose="0.002,-0.006,0.046,0.012", chin="0.001,-0.03,0.042,0.012",
                 mouth="0.001,-0.02,0.045,0.01", brow="0.002,0.012,0.044,0.016")
     demosthenes = Part(mesh("heads/demosthenes-low-res.obj"), "25,5", nose="0.18,1.42,0.9,0.2", beard="0.2,1.05,0.85,0.3",
                        brow="0.2,1.65,0.9,0.3")
-    lion = Part(mesh("animals/lion.off"), "205,5", nose="40.48,0.42,-14.3,0.13", brow="40.5,0.72,-14.22,0.2",
+    lion = Part(mesh("animals/lion.off"), "25,5", nose="40.48,0.42,-14.3,0.13", brow="40.5,0.72,-14.22,0.2",
                 chin="40.54,0.25,-14,0.16")
     return {
         "caricature-5": face,
