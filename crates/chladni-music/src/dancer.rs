@@ -51,7 +51,7 @@ pub(crate) struct Reach {
 /// Triangles on which the steepness of each harmonic is taken.
 const PATCHES: usize = 4096;
 /// Harmonics whose steepest triangle is probed.
-const STEEP_PROBES: usize = 24;
+const STEEP_PROBES: usize = 36;
 /// Octaves of frequency that are told apart.
 const OCTAVES: usize = 16;
 

@@ -19,7 +19,7 @@ pub struct Mapping {
     pub amplification: Vec<f32>,
     /// μ in [0, 1]: 0 sends mid to symmetric and side to antisymmetric harmonics; 1 mixes them.
     pub stereo_mu: f32,
-    /// Strength. At 1 a full-scale band moves the most moved vertex by the calibrated amount.
+    /// Strength. At 1 a full-scale band moves the shape as far, or as steeply, as calibrated.
     pub gain: f32,
 }
 

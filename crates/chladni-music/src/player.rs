@@ -116,10 +116,10 @@ pub struct Playing {
     /// Exchanges left and right.
     pub flip_sides: bool,
     /// What a full-scale band does at gain 1: the share of the bounding box's diagonal that
-    /// the most moved vertex goes, (0, 1]; less where the surface would move more than six times
+    /// the most moved vertex goes, (0, 1]; less where the surface would move more than 5.5 times
     /// that steeply (two and a half times in the modal form).
     pub calibration: f32,
-    /// The share of the diagonal that no vertex is to exceed, and six times that as steepness,
+    /// The share of the diagonal that no vertex is to exceed, and 5.5 times that as steepness,
     /// (0, 1]: a soft limit that is felt from its half on, by each octave of harmonics alone
     /// and by their sum. Taken at probes, so that vertices between them may go a little
     /// farther.
@@ -150,7 +150,7 @@ impl Default for Playing {
 
 /// How steeply the surface may move for each share of the diagonal that it may go: the slowest waves, about as
 /// long as the shape, reach both at once; all others grow steep first. At the usual limit nothing turns over.
-const STEEPNESS: f32 = 6.0;
+const STEEPNESS: f32 = 5.5;
 /// The same along the normal, where what swells at a thin end is steep on all sides of it.
 const MODAL_STEEPNESS: f32 = 2.5;
 /// What music has in most bands, about.
@@ -217,11 +217,12 @@ impl Player {
         Ok(Self::compiled(mapping, dancer, bands, playing, lift))
     }
 
-    /// What a mapping that spreads its sound thinly is multiplied by, 1 or more: a soft sound
+    /// What a mapping that spreads its sound thinly, or to one place, is multiplied by, 1 or more: a soft sound
     /// in every band uses half of the limits then. As with the calibration, what mutes does not enter.
     fn lift(mapping: &Mapping, dancer: &Arc<Dancer>, bands: usize, playing: Playing) -> Result<f32, Error> {
         let playing = Playing { gain: 1.0, choir: Choir::All, harmonics: None, detail: 1.0, ..playing };
-        let mut all = Self::compiled(&Mapping { gain: 1.0, ..mapping.clone() }, dancer, bands, playing, 1.0);
+        let even_mapping = Mapping { gain: mapping.even_gain(), ..mapping.clone() };
+        let mut all = Self::compiled(&even_mapping, dancer, bands, playing, 1.0);
         let even = vec![EVEN; bands];
         let mut item = all.item();
         let heard = Bands { left: &even, right: &even, mid: &even, side: &even, side_gain: 1.0 };

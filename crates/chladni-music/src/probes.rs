@@ -27,7 +27,7 @@ pub(crate) struct Limits {
 
 const COUNT: usize = 64;
 /// Patches at most.
-const PATCHES: usize = 64;
+const PATCHES: usize = 96;
 
 impl Probes {
     /// `unit[k]`: how far harmonic k moves the shape; its extremes are probed in this order.

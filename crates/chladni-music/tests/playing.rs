@@ -152,7 +152,7 @@ fn calibrated_share(ready: &Ready, mapping: &Mapping) -> f64 {
         let bands = Bands { left: &f, right: &f, mid: &f, side: &f, side_gain: 1.0 };
         let d = displacements(ready, mapping, &bands, playing);
         let way = farthest(&d) / f64::from(ready.dancer.box_diagonal);
-        way.max(steepness(&ready.body, &d) / 6.0) / f64::from(playing.calibration * mapping.gain)
+        way.max(steepness(&ready.body, &d) / 5.5) / f64::from(playing.calibration * mapping.gain)
     };
     (0..BANDS).map(of_band).fold(0.0, f64::max)
 }
@@ -206,10 +206,12 @@ fn gallery(bred: bool) -> Vec<Mapping> {
 #[test]
 fn a_full_scale_band_goes_as_far_or_as_steeply_as_calibrated_on_each_shape() {
     for ready in [octopus(), head()] {
-        for (item, mapping) in gallery(false).into_iter().enumerate() {
-            let share = calibrated_share(ready, &Mapping { stereo_mu: 0.0, ..mapping });
-            // The steepest probes are softened a little; the mask of a half is a little steep itself.
-            assert!((0.6..=1.2).contains(&share), "item {item}: {share}");
+        for (item, mapping) in gallery(false).iter().enumerate() {
+            let gain = f64::from(mapping.gain);
+            let share = calibrated_share(ready, &Mapping { stereo_mu: 0.0, ..mapping.clone() });
+            // Up to the limit, 18/8 as far, where thin sound is lifted, and a little beyond where the limit is not
+            // probed.
+            assert!(share >= 0.6 && share * gain <= 2.7, "item {item}: {share}");
         }
     }
 }
@@ -268,7 +270,7 @@ fn a_preset_bred_on_the_octopus_plays_on_the_head() {
     for ready in [octopus(), head()] {
         let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands: BANDS };
         let share = calibrated_share(ready, &preset.mapping_on(&shape));
-        assert!((0.6..=1.2).contains(&share), "{share}");
+        assert!(share >= 0.6 && share * f64::from(preset.mapping.gain) <= 2.7, "{share}");
     }
 }
 
