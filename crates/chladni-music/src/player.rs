@@ -429,12 +429,12 @@ fn calibrate(targets: &[u32], amplification: &[f32], dancer: &Dancer, playing: P
 }
 
 /// Harmonics of one octave are limited together; those that hear the side apart from those that hear
-/// the middle. Along the normal all keep step, since what swings to one side is a sum of both.
+/// the middle. Along the normal both keep step, since what swings to one side is a sum of both.
 fn grouped(voiced: &[Voiced], dancer: &Dancer, form: Form) -> Vec<Vec<u32>> {
     let mut groups: Vec<Vec<u32>> = Vec::new();
     for v in voiced {
         let group = match form {
-            Form::Modal => 0,
+            Form::Modal => dancer.octave(v.first),
             Form::Filter | Form::HalfMask => 2 * dancer.octave(v.first) + usize::from(v.antisymmetric),
         };
         groups.resize(groups.len().max(group + 1), Vec::new());

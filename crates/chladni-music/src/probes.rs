@@ -81,6 +81,7 @@ impl Probes {
                 Coefficients::Normal(c) => c.len(),
             };
             self.field(term, 0..count as u32, part);
+            self.mask(term, part);
             add(total, part, 1.0);
             self.residual(term, part);
             add(total, part, 1.0);
@@ -103,12 +104,14 @@ impl Probes {
         for term in &mut item.terms {
             for group in groups {
                 self.field(term, group.iter().copied(), part);
+                // As if there were no mask, so that halves that play the same are held alike.
                 let reach = self.reach(part, limits);
                 let scale = soft_limit(reach);
                 if scale < 1.0 {
                     scale_group(&mut term.coefficients, group, scale);
                 }
                 most = most.max(reach);
+                self.mask(term, part);
                 add(total, part, scale);
             }
             self.residual(term, part);
@@ -129,7 +132,7 @@ impl Probes {
         scratch.split_at_mut(self.count())
     }
 
-    /// What some harmonics of a term do.
+    /// What some harmonics of a term do, but for its mask.
     fn field(&self, term: &Term, harmonics: impl Iterator<Item = u32>, out: &mut [[f32; 3]]) {
         let p = self.count();
         out.fill([0.0; 3]);
@@ -150,10 +153,10 @@ impl Probes {
                 }
             }
         }
-        self.place(term, out);
+        self.turn(term, out);
     }
 
-    /// What the residual of a term does.
+    /// What the residual of a term does, under its mask.
     fn residual(&self, term: &Term, out: &mut [[f32; 3]]) {
         let g = term.residual_gain;
         out.fill([0.0; 3]);
@@ -169,15 +172,23 @@ impl Probes {
                 None => {}
             }
         }
-        self.place(term, out);
+        self.turn(term, out);
+        self.mask(term, out);
     }
 
-    /// Along the normals where the term is of that form, and under its mask.
-    fn place(&self, term: &Term, field: &mut [[f32; 3]]) {
-        let along_normal = matches!(term.coefficients, Coefficients::Normal(_));
-        for ((d, &v), normal) in field.iter_mut().zip(&self.vertices).zip(&self.normals) {
-            let mask = term.mask.as_ref().map_or(1.0, |m| m.get(v as usize).copied().unwrap_or(1.0));
-            *d = if along_normal { normal.map(|n| mask * d[0] * n) } else { d.map(|c| mask * c) };
+    /// Along the normals where the term is of that form.
+    fn turn(&self, term: &Term, field: &mut [[f32; 3]]) {
+        if matches!(term.coefficients, Coefficients::Normal(_)) {
+            field.iter_mut().zip(&self.normals).for_each(|(d, normal)| *d = normal.map(|n| d[0] * n));
+        }
+    }
+
+    fn mask(&self, term: &Term, field: &mut [[f32; 3]]) {
+        if let Some(mask) = &term.mask {
+            for (d, &v) in field.iter_mut().zip(&self.vertices) {
+                let weight = mask.get(v as usize).copied().unwrap_or(1.0);
+                *d = d.map(|c| weight * c);
+            }
         }
     }
 
