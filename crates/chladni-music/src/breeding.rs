@@ -17,7 +17,8 @@ const SILENT: f32 = 0.02;
 /// to the longer parent's length, so that every value of the child lies between its parents'.
 ///
 /// A child that no sound would move, because its transfer leads where its amplification does not
-/// answer, has the mean of both amplifications; if that does not help, its mother's transfer, too.
+/// answer, has the mean of both amplifications; if that does not help, its mother's transfer, too; if the
+/// parents' amplifications cancel, its mother's.
 pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mapping {
     let bands = mother.transfer.len().max(father.transfer.len());
     let harmonics = mother.amplification.len().max(father.amplification.len());
@@ -32,6 +33,10 @@ pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mappin
         child.amplification = p.iter().zip(&q).map(|(p, q)| 0.5 * (p + q)).collect();
         if child.loudness() < SILENT {
             child.transfer = mother.transfer_on(bands);
+        }
+        // What one parent amplifies and the other damps is silent in their mean.
+        if child.loudness() < SILENT {
+            child.amplification = mother.amplification_on(harmonics);
         }
     }
     child
