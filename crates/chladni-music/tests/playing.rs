@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::samples;
 use chladni_music::{
-    Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Player,
-    Playing, Preset, Show, Symmetry,
+    Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Player, Playing,
+    Preset, Show, Symmetry,
 };
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
 use chladni_synth::{Item, displacements_f64};
