@@ -450,7 +450,9 @@ fn the_limit_holds_where_it_is_not_probed() {
         let playing = Playing { form, gain: 20.0, ..Playing::default() };
         let share =
             farthest(&displacements(ready, &mapping, &bands, playing)) / f64::from(ready.dancer.box_diagonal);
-        assert!((0.01..0.18 * 1.3).contains(&share), "{form:?}: {share}");
+        // Twenty times too loud in all bands: along the normal the finest waves take what steepness there is, and
+        // leave little way.
+        assert!((0.004..0.18 * 1.3).contains(&share), "{form:?}: {share}");
     }
 }
 
