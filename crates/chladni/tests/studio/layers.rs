@@ -40,8 +40,7 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     assert_eq!(picked.len(), places.len());
 
     // The first is dragged along the shape, the second removed, and both undone by one step each.
-    // Its vertex is drawn a little above where the click was.
-    let dot = left.center() + vec2(1.0, -15.0);
+    let dot = left.min + drawn_at(&desk.path("shape.obj"), picked[0].shape, left.size());
     person.drag(&[dot, dot + vec2(20.0, 10.0), dot + vec2(60.0, 40.0)]);
     person.screenshot("studio-dragged.png");
     person.click("Remove landmark 2");
@@ -67,6 +66,22 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     assert_eq!(landmarks("changed.chladni"), changed);
     person.press(Key::Escape);
     assert!(!person.sees("Landmarks on the template"));
+}
+
+/// Where a pane of this size draws a vertex of a mesh that fills it, seen from the front.
+fn drawn_at(mesh: &std::path::Path, vertex: u32, size: egui::Vec2) -> egui::Vec2 {
+    use chladni_mesh::{Estimate, Frame, Known};
+    use chladni_view::{Camera, Rect, View};
+    let mesh = chladni_mesh::load_mesh(mesh).unwrap().mesh;
+    let stands = Estimate::of(&mesh, Known::default(), &chladni_task::Task::new()).unwrap().orientation;
+    let frame = Frame::of(&mesh);
+    let points: Vec<[f32; 3]> =
+        mesh.positions.iter().map(|p| frame.to_working(*p).map(|c| c as f32)).collect();
+    let mut camera = Camera::on(stands, View::Front);
+    let pane = Rect::of_size(size.x as u32, size.y as u32);
+    camera.fit(points.iter().copied(), pane.aspect(), 0.82);
+    let ([x, y], _) = camera.project(points[vertex as usize], pane).unwrap();
+    vec2(x, y)
 }
 
 #[test]
