@@ -4,13 +4,13 @@ use std::fs::File;
 use std::io::{BufWriter, Error, Result};
 use std::path::Path;
 
-use npyz::npz::NpzWriter;
-use npyz::zip::write::FileOptions;
-use npyz::{AutoSerialize, DType, Order, WriterBuilder};
+use npyz::{AutoSerialize, DType, Order, WriteOptions, WriterBuilder};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 /// An archive that is being written.
 pub struct Npz<'a, 'b> {
-    writer: NpzWriter<&'a mut BufWriter<&'b mut File>>,
+    archive: ZipWriter<&'a mut BufWriter<&'b mut File>>,
 }
 
 impl Npz<'_, '_> {
@@ -50,8 +50,10 @@ impl Npz<'_, '_> {
     ) -> Result<()> {
         // Archives of more than 4 GB need wider numbers, which all of today's readers know.
         let options =
-            FileOptions::default().compression_method(npyz::zip::CompressionMethod::Stored).large_file(true);
-        let mut array = self.writer.array(name, options)?.dtype(kind).shape(shape).order(order).begin_nd()?;
+            SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
+        self.archive.start_file(format!("{name}.npy"), options).map_err(Error::other)?;
+        let array = WriteOptions::new().dtype(kind).shape(shape).order(order);
+        let mut array = array.writer(&mut self.archive).begin_nd()?;
         array.extend(values)?;
         array.finish()
     }
@@ -60,8 +62,8 @@ impl Npz<'_, '_> {
 /// Writes the archive at `path` with the arrays that `fill` adds.
 pub fn write_npz(path: &Path, fill: impl FnOnce(&mut Npz<'_, '_>) -> Result<()>) -> Result<()> {
     chladni_task::write_atomic_with(path, |file| {
-        let mut npz = Npz { writer: NpzWriter::new(file) };
+        let mut npz = Npz { archive: ZipWriter::new(file) };
         fill(&mut npz)?;
-        npz.writer.zip_writer().finish().map(drop).map_err(Error::other)
+        npz.archive.finish().map(drop).map_err(Error::other)
     })
 }

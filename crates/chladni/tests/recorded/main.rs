@@ -1,0 +1,74 @@
+//! What a list of commands gave when it was last looked at, kept beside this file: a change of the
+//! house must change none of it, and a change of behaviour is seen here and recorded anew with
+//! `CHLADNI_RECORD=1 cargo test --release --test recorded`.
+//!
+//! Numbers are compared to a tolerance, since processors round differently.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+#[path = "../archive/mod.rs"]
+mod archive;
+mod commands;
+mod summary;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use commands::{COMMANDS, Recorded};
+use summary::Summary;
+
+/// The folder with one file for each command.
+fn records() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded/outputs")
+}
+
+/// Runs the steps of one entry in a folder of its own and sums up what it printed and wrote.
+fn run(entry: &Recorded, cache: &Path) -> Summary {
+    let folder = tempfile::tempdir().unwrap();
+    let mut summary = Summary::default();
+    for (step, line) in entry.steps.iter().enumerate() {
+        let output = Command::new(env!("CARGO_BIN_EXE_chladni"))
+            .args(line.split_whitespace())
+            .arg("--quiet")
+            .current_dir(folder.path())
+            .env("CHLADNI_CACHE", cache)
+            .output()
+            .unwrap();
+        summary.number(&format!("step {step}: exit code"), f64::from(output.status.code().unwrap_or(-1)));
+        summary.printed(&format!("step {step}: stdout"), &String::from_utf8_lossy(&output.stdout));
+        summary.printed(&format!("step {step}: stderr"), &String::from_utf8_lossy(&output.stderr));
+    }
+    summary.files(folder.path());
+    summary
+}
+
+#[test]
+fn commands_give_what_was_recorded() {
+    let cache = tempfile::tempdir().unwrap();
+    let recording = std::env::var_os("CHLADNI_RECORD").is_some();
+    let mut differing = Vec::new();
+    for entry in COMMANDS {
+        let now = run(entry, cache.path());
+        let path = records().join(format!("{}.json", entry.name));
+        if recording {
+            std::fs::write(&path, now.to_json()).unwrap();
+            continue;
+        }
+        let Ok(text) = std::fs::read_to_string(&path) else {
+            differing.push(format!("{}: was never recorded", entry.name));
+            continue;
+        };
+        let differences = Summary::from_json(&text).differences(&now);
+        differing.extend(differences.iter().take(5).map(|line| format!("{}: {line}", entry.name)));
+    }
+    assert!(differing.is_empty(), "{} differences:\n{}", differing.len(), differing.join("\n"));
+}
+
+#[test]
+fn every_record_belongs_to_a_command() {
+    for file in std::fs::read_dir(records()).unwrap() {
+        let path = file.unwrap().path();
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        assert!(COMMANDS.iter().any(|entry| entry.name == name), "{name} is recorded, but no command");
+    }
+}

@@ -1,0 +1,209 @@
+//! What a command printed and wrote, in few numbers.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::archive;
+
+/// Numbers and texts by where they were found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    entries: BTreeMap<String, Value>,
+}
+
+/// Cells of the grid that a picture is averaged in.
+const GRID: [u32; 2] = [8, 6];
+/// Colours may differ by so much, of 255: edges are smoothed differently by different devices.
+const COLOR_TOLERANCE: f64 = 6.0;
+/// All other numbers by this share, of themselves or of 1.
+const TOLERANCE: f64 = 2e-4;
+/// Samples kept of a long list of numbers.
+const SAMPLES: usize = 8;
+
+impl Summary {
+    pub fn number(&mut self, key: &str, value: f64) {
+        // Rounded, so that a record stays legible and does not change where it is made again.
+        let rounded = if value == 0.0 { 0.0 } else { format!("{value:.6e}").parse().unwrap() };
+        self.entries.insert(key.into(), Value::from(rounded));
+    }
+
+    fn text(&mut self, key: &str, value: impl Into<String>) {
+        self.entries.insert(key.into(), Value::from(value.into()));
+    }
+
+    /// JSON leaf by leaf, anything else line by line; what takes time is left out.
+    pub fn printed(&mut self, key: &str, text: &str) {
+        match serde_json::from_str::<Value>(text) {
+            Ok(value) if value.is_object() || value.is_array() => self.json(key, &value),
+            _ => self.lines(key, text),
+        }
+    }
+
+    fn json(&mut self, key: &str, value: &Value) {
+        match value {
+            Value::Object(fields) => {
+                for (name, value) in fields.iter().filter(|(name, _)| !is_volatile(name)) {
+                    self.json(&format!("{key}.{name}"), value);
+                }
+            }
+            Value::Array(items) if items.iter().all(Value::is_number) => {
+                let numbers: Vec<f64> = items.iter().filter_map(Value::as_f64).collect();
+                self.numbers(key, &numbers);
+            }
+            Value::Array(items) => {
+                self.number(&format!("{key}: items"), items.len() as f64);
+                for (i, item) in items.iter().take(SAMPLES).enumerate() {
+                    self.json(&format!("{key}[{i}]"), item);
+                }
+            }
+            Value::Number(number) => self.number(key, number.as_f64().unwrap_or(f64::NAN)),
+            other => self.text(key, other.to_string()),
+        }
+    }
+
+    /// Words and numbers of each line, the numbers apart.
+    fn lines(&mut self, key: &str, text: &str) {
+        for (i, line) in text.lines().enumerate().filter(|(_, line)| !is_volatile(line)) {
+            let mut words = Vec::new();
+            let mut count = 0;
+            for word in line.split_whitespace() {
+                match word.trim_matches(',').parse::<f64>() {
+                    Ok(number) => {
+                        self.number(&format!("{key}, line {i}, number {count}"), number);
+                        count += 1;
+                        words.push("#");
+                    }
+                    Err(_) => words.push(word),
+                }
+            }
+            self.text(&format!("{key}, line {i}"), words.join(" "));
+        }
+    }
+
+    fn numbers(&mut self, key: &str, numbers: &[f64]) {
+        let size = (numbers.iter().map(|x| x * x).sum::<f64>() / numbers.len().max(1) as f64).sqrt();
+        self.number(&format!("{key}: count"), numbers.len() as f64);
+        self.number(&format!("{key}: root mean square"), size);
+        for i in 0..SAMPLES.min(numbers.len()) {
+            let at = i * numbers.len() / SAMPLES.min(numbers.len());
+            self.number(&format!("{key}[{at}]"), numbers[at]);
+        }
+    }
+
+    /// Every file below `folder`.
+    pub fn files(&mut self, folder: &Path) {
+        let mut pending = vec![folder.to_owned()];
+        while let Some(next) = pending.pop() {
+            for entry in std::fs::read_dir(next).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    pending.push(path);
+                } else {
+                    let name = path.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
+                    self.file(&name, &path);
+                }
+            }
+        }
+    }
+
+    fn file(&mut self, name: &str, path: &Path) {
+        match path.extension().and_then(|extension| extension.to_str()).unwrap_or_default() {
+            "obj" | "ply" | "stl" | "glb" => self.mesh(name, path),
+            "npz" => {
+                let mut names = archive::names(path);
+                names.sort();
+                self.text(name, names.join(" "));
+                for array in names {
+                    if let Some(read) = archive::array(path, &array) {
+                        self.text(&format!("{name}/{array}: shape"), format!("{:?}", read.shape));
+                        self.numbers(&format!("{name}/{array}"), &read.values);
+                    }
+                }
+            }
+            "png" => self.picture(name, path),
+            "wav" | "mp4" | "gif" => self.number(&format!("{name}: is there"), 1.0),
+            _ => match std::fs::read_to_string(path) {
+                Ok(text) => self.printed(name, &text),
+                Err(_) => self.text(name, "no text"),
+            },
+        }
+    }
+
+    fn mesh(&mut self, name: &str, path: &Path) {
+        let mesh = chladni_mesh::load_mesh(path).unwrap().mesh;
+        self.number(&format!("{name}: triangles"), mesh.triangles.len() as f64);
+        let flat: Vec<f64> = mesh.positions.iter().flatten().copied().collect();
+        self.numbers(&format!("{name}: coordinates"), &flat);
+    }
+
+    fn picture(&mut self, name: &str, path: &Path) {
+        let picture = chladni_view::Picture::decode(&std::fs::read(path).unwrap()).unwrap();
+        let (width, height) = (picture.width, picture.height);
+        self.text(&format!("{name}: size"), format!("{width}×{height}"));
+        for row in 0..GRID[1] {
+            for column in 0..GRID[0] {
+                let (x, y) = (span(column, GRID[0], width), span(row, GRID[1], height));
+                let mut sum = [0.0; 3];
+                let pixels = (x.len() * y.len()).max(1) as f64;
+                for at in y.flat_map(|y| x.clone().map(move |x| 4 * (y * width + x) as usize)) {
+                    for (sum, value) in sum.iter_mut().zip(&picture.rgba[at..at + 3]) {
+                        *sum += f64::from(*value) / pixels;
+                    }
+                }
+                for (sum, channel) in sum.into_iter().zip(["red", "green", "blue"]) {
+                    self.number(&format!("{name}: {channel} of cell {column}, {row}"), sum.round());
+                }
+            }
+        }
+    }
+
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(&self.entries).unwrap() + "\n"
+    }
+
+    pub fn from_json(text: &str) -> Self {
+        Self { entries: serde_json::from_str(text).unwrap() }
+    }
+
+    /// What is not the same in `now`, a line each.
+    pub fn differences(&self, now: &Self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for (key, before) in &self.entries {
+            match now.entries.get(key) {
+                None => lines.push(format!("{key}: was {before}, is missing")),
+                Some(after) if !is_alike(key, before, after) => {
+                    lines.push(format!("{key}: was {before}, is {after}"));
+                }
+                Some(_) => {}
+            }
+        }
+        let new = now.entries.keys().filter(|key| !self.entries.contains_key(*key));
+        lines.extend(new.map(|key| format!("{key}: is new")));
+        lines
+    }
+}
+
+fn span(cell: u32, cells: u32, length: u32) -> std::ops::Range<u32> {
+    let size = (length / cells).max(1);
+    (cell * size).min(length)..((cell + 1) * size).min(length)
+}
+
+fn is_alike(key: &str, before: &Value, after: &Value) -> bool {
+    match (before.as_f64(), after.as_f64()) {
+        (Some(a), Some(b)) => {
+            let tolerance =
+                if key.contains(" of cell ") { COLOR_TOLERANCE } else { TOLERANCE * a.abs().max(1.0) };
+            (a - b).abs() <= tolerance
+        }
+        _ => before == after,
+    }
+}
+
+/// Times and what depends on the machine.
+fn is_volatile(name: &str) -> bool {
+    ["seconds", "wrote", "certificate", "residual", "orthogonality", "threads", "device", "error"]
+        .iter()
+        .any(|word| name.contains(word))
+}
