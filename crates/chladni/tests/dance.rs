@@ -1,6 +1,8 @@
 //! `chladni dance` and `chladni symmetry` as a script runs them.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+mod archive;
+
 use std::path::Path;
 
 use chladni_mesh::{samples, save_mesh};
@@ -11,14 +13,7 @@ fn run(arguments: &[&str]) -> u8 {
 }
 
 fn array(path: &Path, name: &str) -> (Vec<u64>, Vec<f64>) {
-    let mut npz = npyz::npz::NpzArchive::open(path).unwrap();
-    let array = npz.by_name(name).unwrap().unwrap();
-    let shape = array.shape().to_vec();
-    let values = if name == "times_secs" {
-        array.into_vec::<f64>().unwrap()
-    } else {
-        array.into_vec::<f32>().unwrap().into_iter().map(f64::from).collect()
-    };
+    let archive::Array { shape, values } = archive::array(path, name).unwrap();
     (shape, values)
 }
 
@@ -195,10 +190,7 @@ fn the_layers_of_a_caricature_dance_along() {
         };
         let (plain, voiced) = (record("plain.npz", mesh), record("voiced.npz", path));
         assert_eq!(array(&plain, "coefficients"), array(&voiced, "coefficients"));
-        let right = |path: &Path| {
-            let mut npz = npyz::npz::NpzArchive::open(path).unwrap();
-            npz.by_name("coefficients_right").unwrap().is_some()
-        };
+        let right = |path: &Path| archive::array(path, "coefficients_right").is_some();
         assert_eq!((right(&plain), right(&voiced)), (form == "half-mask", form == "half-mask"));
     }
 }
@@ -277,6 +269,8 @@ fn a_film_that_is_cancelled_leaves_nothing() {
         film: Some(film),
         is_folder: false,
         coefficients: None,
+        presets: None,
+        shows_rest: false,
         width: 64,
         height: 64,
         rate: chladni_view::FrameRate::per_second(30),
