@@ -94,7 +94,8 @@ impl Recovery {
 
 impl Recovered {
     fn read(copy: &Path) -> Result<Self, Error> {
-        let text = read_text_file(copy, MOST_BYTES).map_err(|source| Error::Io { path: copy.into(), source })?;
+        let text =
+            read_text_file(copy, MOST_BYTES).map_err(|source| Error::Io { path: copy.into(), source })?;
         let (project, original) = Project::from_text(&text, copy)?;
         let modified = std::fs::metadata(copy).and_then(|m| m.modified()).ok();
         Ok(Self { copy: copy.into(), original, modified, project })

@@ -13,7 +13,13 @@ fn shared(name: &str) -> Option<TriMesh> {
 
 fn run(shape: &TriMesh, template: &TriMesh, method: Method, landmarks: &[(u32, u32)]) -> Match {
     let landmarks = landmarks.iter().map(|&(shape, template)| Landmark { shape, template }).collect();
-    match_shapes(shape, template, &Settings { method, landmarks, seed: 1, ..Settings::default() }, &Task::new()).unwrap()
+    match_shapes(
+        shape,
+        template,
+        &Settings { method, landmarks, seed: 1, ..Settings::default() },
+        &Task::new(),
+    )
+    .unwrap()
 }
 
 fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {

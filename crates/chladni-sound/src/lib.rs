@@ -35,7 +35,9 @@ pub use beat::{
     track_beats_causally,
 };
 pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
-pub use decode::{SONG_EXTENSIONS, Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav};
+pub use decode::{
+    SONG_EXTENSIONS, Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav,
+};
 pub use error::SoundError;
 pub use player::{
     OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, output_devices,

@@ -16,6 +16,6 @@ pub use wav::{WavSample, wav_bytes, write_wav};
 /// Endings of the files that are decoded, without dots: what a file dialog offers. What a file is, its first
 /// bytes decide.
 pub const SONG_EXTENSIONS: [&str; 17] = [
-    "wav", "wave", "flac", "mp3", "ogg", "oga", "opus", "m4a", "m4b", "mp4", "aac", "aiff", "aif", "aifc", "mka",
-    "mkv", "webm",
+    "wav", "wave", "flac", "mp3", "ogg", "oga", "opus", "m4a", "m4b", "mp4", "aac", "aiff", "aif", "aifc",
+    "mka", "mkv", "webm",
 ];

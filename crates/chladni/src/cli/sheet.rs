@@ -100,7 +100,8 @@ pub fn draw(
                 style,
             };
             let cell = Rect::of_size(cell_width, cell_height);
-            let picture = render_placed(&mut renderer, &request, &[(cell, camera)]).map_err(Failure::other)?;
+            let picture =
+                render_placed(&mut renderer, &request, &[(cell, camera)]).map_err(Failure::other)?;
             sheet.paste(&picture, column * cell_width, row * cell_height);
         }
     }
