@@ -7,7 +7,7 @@ use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::samples;
 use chladni_music::{
     Action, Bands, Beat, Dancer, Driver, Ensemble, Error, GalleryShape, Instrument, Mapping, Moment,
-    Parameter, Show, Symmetry, Voice, VoiceSettings, Voices,
+    Parameter, Settings, Show, Symmetry, Voice, VoiceSettings, Voices,
 };
 use chladni_synth::{Coefficients, Item, Residual, Term, displacements_f64};
 use chladni_task::Task;
@@ -129,7 +129,8 @@ fn voices_move_every_item_of_an_ensemble_and_a_session_keeps_them() {
             assert!((moved(item)[0] - 0.05).abs() < 1e-6);
         }
     }
-    let tried = ensemble.audition(&instrument, &Mapping::rest(8, K), &mono(&mid), Beat::default()).unwrap();
+    let rest = (&Mapping::rest(8, K), &Settings::default());
+    let tried = ensemble.audition(&instrument, rest, &mono(&mid), Beat::default()).unwrap();
     assert!((moved(&tried[0])[0] - 0.05).abs() < 1e-6);
     instrument.apply(now, Action::Perform { item: 2 }).unwrap();
     let staged = ensemble.play(&instrument, &mono(&mid), Beat::default()).unwrap();
