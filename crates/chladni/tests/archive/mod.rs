@@ -18,7 +18,8 @@ pub struct Array {
 /// The names of the arrays at `path`.
 pub fn names(path: &Path) -> Vec<String> {
     let archive = zip::ZipArchive::new(File::open(path).unwrap()).unwrap();
-    archive.file_names().filter_map(|name| name.strip_suffix(".npy")).map(str::to_owned).collect()
+    let names = archive.file_names().filter_map(Result::ok);
+    names.filter_map(|name| name.strip_suffix(".npy").map(str::to_owned)).collect()
 }
 
 /// The array `name`, `None` where there is none or it holds no numbers.
