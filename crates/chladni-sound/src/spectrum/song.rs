@@ -5,10 +5,11 @@ use std::sync::Arc;
 use super::{Spectrum, SpectrumAnalyser, SpectrumSettings};
 use crate::{Song, SoundError};
 
-/// The song is analysed so often: a power of two, so that the times of all hops are exact.
-const HOPS_PER_SEC: f64 = 64.0;
+/// The song is analysed so often: a power of two, so that the times of all hops are exact; three times in
+/// the shortest silence that a strobe of five flashes a second leaves under a window.
+const HOPS_PER_SEC: f64 = 128.0;
 /// Level and decay have heard so much before the moment that a stretch begins at.
-const WARM_HOPS: i64 = 160;
+const WARM_HOPS: i64 = 320;
 
 /// What a song sounds like at any time of a stretch of it, level and decay included.
 ///
@@ -34,7 +35,7 @@ impl SongSpectrum {
         let analyser = SpectrumAnalyser::new(settings)?;
         let window = vec![0.0; analyser.window_frames()];
         // Before the song there is only silence, which a window reaches into.
-        let first_hop = (hop_at(from_secs) - WARM_HOPS).max(-16);
+        let first_hop = (hop_at(from_secs) - WARM_HOPS).max(-32);
         let silence = analyser.spectrum().clone();
         Ok(Self {
             song,
