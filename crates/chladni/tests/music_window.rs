@@ -696,14 +696,11 @@ fn a_run_of_the_window_filmed_by_the_command_has_the_same_coefficients_bit_for_b
     click(&mut window, "Halves");
     run_for(&mut window, 0.3);
     window.key_press(Key::Space);
-    run_for(&mut window, 0.4);
+    run_for(&mut window, 1.0);
     window.key_press(Key::Space);
     run_for(&mut window, 0.3);
-    window.get_by_label("Where in the song").focus();
-    window.run_steps(1);
-    for _ in 0..4 {
-        window.key_press(Key::ArrowRight);
-    }
+    let slider = window.get_by_label("Where in the song").rect();
+    drag(&mut window, &[slider.lerp_inside([0.12, 0.5])]);
     run_for(&mut window, 0.5);
     window.get_by_label("Dance 3").hover();
     window.run_steps(2);
