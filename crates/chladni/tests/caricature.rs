@@ -334,7 +334,7 @@ fn a_shape_with_few_vertices_dances_with_the_harmonics_it_has() {
     save_mesh(&samples::icosphere(0), &desk.path("few.obj")).unwrap();
     let dance = desk.run("dance few.obj sample:tune --coefficients c.npz --duration 0.1");
     let told = String::from_utf8(dance.stderr).unwrap();
-    assert!(dance.status.success() && told.contains("12 harmonics instead of 256"), "{told}");
+    assert!(dance.status.success() && told.contains("12 harmonics instead of 512"), "{told}");
 }
 
 /// The picture that `line` writes, or `None`, with a printed line, where this machine cannot draw.

@@ -87,7 +87,8 @@ impl Summary {
         self.number(&format!("{key}: count"), numbers.len() as f64);
         self.number(&format!("{key}: root mean square"), size);
         for i in 0..SAMPLES.min(numbers.len()) {
-            let at = i * numbers.len() / SAMPLES.min(numbers.len());
+            // Not in step with rows of a round number.
+            let at = (i * numbers.len() / SAMPLES + 17 * i + 5) % numbers.len();
             self.number(&format!("{key}[{at}]"), numbers[at]);
         }
     }

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use chladni_mesh::Orientation;
 use chladni_music::{
     BeatReading, Dancer, Ensemble, GalleryShape, Instrument, LoggedAction, Parameter, Preset, Show, Stretch,
     Symmetry, SymmetrySettings, Viewpoint,
@@ -181,7 +182,11 @@ pub fn make(request: Request, terminal: &Terminal) -> Result<Report, Failure> {
         return Err(Failure::BadInput("start must not be negative and the duration must be positive".into()));
     }
     let cast = Cast::open(&request.body, terminal)?;
-    let stands = cast.stands(request.stance, terminal)?;
+    // Only pictures ask how it stands.
+    let stands = match output.film {
+        Some(_) => cast.stands(request.stance, terminal)?,
+        None => Orientation::Y_UP,
+    };
     let range = (request.start_secs, request.duration_secs);
     let mut songs = Songs::open(&request.songs, request.heard, request.show_secs, range, terminal)?;
     let mut seconds = Seconds { reading: begin.elapsed().as_secs_f64(), ..Seconds::default() };
