@@ -69,10 +69,13 @@ fn itself(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edit
     }
 }
 
+/// Name, explanation, values, step and range of three numbers.
+type Row<'a> = (&'a str, &'a str, &'a mut [f64; 3], f64, std::ops::RangeInclusive<f64>);
+
 fn given(ui: &mut Ui, session: &Session, id: LayerId, known: GivenEllipsoid, edits: &mut Edits) {
     let size = 1.0 / session.stack.body().frame.scale;
     let mut now = known;
-    let rows: [(&str, &str, &mut [f64; 3], f64, std::ops::RangeInclusive<f64>); 3] = [
+    let rows: [Row<'_>; 3] = [
         (
             "Centre",
             "x, y and z in the units of the shape's file",
