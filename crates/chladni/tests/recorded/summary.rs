@@ -204,7 +204,18 @@ fn is_alike(key: &str, before: &Value, after: &Value) -> bool {
 
 /// Times and what depends on the machine.
 fn is_volatile(name: &str) -> bool {
-    ["seconds", "wrote", "certificate", "residual", "orthogonality", "threads", "device", "error"]
-        .iter()
-        .any(|word| name.contains(word))
+    [
+        "seconds",
+        "wrote",
+        "frames in",
+        "drawn by",
+        "certificate",
+        "residual",
+        "orthogonality",
+        "threads",
+        "device",
+        "error",
+    ]
+    .iter()
+    .any(|word| name.contains(word))
 }
