@@ -9,7 +9,7 @@ seconds=${1:-60}
 for program in Xvfb pulseaudio pactl parec sox; do
   command -v "$program" > /dev/null || { echo "$program is missing" >&2; exit 1; }
 done
-[ -n "${CHLADNI:-}" ] || cargo build --release --quiet -p chladni
+[ -n "${CHLADNI:-}" ] || cargo build --release --quiet -p chladni-program
 chladni=${CHLADNI:-${CARGO_TARGET_DIR:-target}/release/chladni}
 folder=$(mktemp -d)
 pids=()

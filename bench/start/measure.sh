@@ -8,7 +8,7 @@ mesh=$(realpath "$1")
 times=${2:-5}
 cd "$(dirname "$0")/../.."
 chladni=${CHLADNI:-${CARGO_TARGET_DIR:-target}/release/chladni}
-[ -n "${CHLADNI:-}" ] || cargo build --release --quiet -p chladni
+[ -n "${CHLADNI:-}" ] || cargo build --release --quiet -p chladni-program
 screen() { if [ -n "${DISPLAY:-}" ]; then "$@"; else xvfb-run -a -s '-screen 0 1440x900x24' "$@"; fi; }
 "$chladni" --quiet basis "$mesh" -k 512 >/dev/null
 screen "$chladni" open "$mesh" --until-picture >/dev/null 2>&1

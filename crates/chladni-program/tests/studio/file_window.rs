@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use chladni::studio::{FileWindow, Purpose, Request, Settings};
+use chladni_program::studio::{FileWindow, Purpose, Request, Settings};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     silence_wayland_lookup();
-    chladni::cli::main()
+    chladni_program::cli::main()
 }
 
 /// Mesa's device-selection layer looks for a Wayland session whenever Vulkan lists its devices, and

@@ -1,6 +1,6 @@
 //! A driver that restarts takes the window's device with it.
 
-use chladni::studio::{Handover, Opening};
+use chladni_program::studio::{Handover, Opening};
 use egui::Key;
 
 use crate::CTRL;

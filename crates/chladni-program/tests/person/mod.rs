@@ -6,7 +6,7 @@
 
 use std::path::PathBuf;
 
-use chladni::studio::{Folders, Opening};
+use chladni_program::studio::{Folders, Opening};
 use chladni_mesh::{TriMesh, samples, save_mesh};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::kittest::{NodeT, Queryable};

@@ -8,7 +8,7 @@ mod driving;
 use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;
 
-use chladni::studio::{Folders, Handover, Opening, Trace};
+use chladni_program::studio::{Folders, Handover, Opening, Trace};
 use chladni_music::{Preset, Show};
 use chladni_sound::{Song, WavSample, write_wav};
 use driving::{
@@ -240,7 +240,7 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
         let [session, out] = [&session, &coefficients].map(|path| path.to_str().unwrap());
         let dance =
             ["chladni", "--quiet", "dance", "sample:octopus", "sample:tune", "-k", "96", "--duration", "1"];
-        let told = chladni::cli::run(dance.iter().chain(&["--session", session, "--coefficients", out]));
+        let told = chladni_program::cli::run(dance.iter().chain(&["--session", session, "--coefficients", out]));
         assert_eq!(told, 0);
         archive::array(&coefficients, "coefficients").unwrap().values
     };
@@ -444,7 +444,7 @@ fn looking_at_knobs_dances_and_voices_changes_none_of_them() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let project = path("wild.chladni");
-    let run = |arguments: &[&str]| chladni::cli::run(["chladni", "--quiet"].iter().chain(arguments));
+    let run = |arguments: &[&str]| chladni_program::cli::run(["chladni", "--quiet"].iter().chain(arguments));
     let name = project.to_str().unwrap();
     assert_eq!(run(&["project", "new", "sample:head", "-o", name, "--harmonics", "24"]), 0);
     assert_eq!(run(&["project", "add-layer", name, "--template", "ellipsoid", "--mu", "-2"]), 0);
@@ -586,7 +586,7 @@ fn songs_looks_harmonics_and_a_caricature_whose_layers_are_voices() {
     screenshot(&mut window, "window-music-look.png");
 
     let project = folder.path().join("wild.chladni");
-    let run = |arguments: &[&str]| chladni::cli::run(["chladni", "--quiet"].iter().chain(arguments));
+    let run = |arguments: &[&str]| chladni_program::cli::run(["chladni", "--quiet"].iter().chain(arguments));
     let path = project.to_str().unwrap();
     assert_eq!(run(&["project", "new", "sample:head", "-o", path, "--harmonics", "48"]), 0);
     for mu in ["-2", "1.5"] {
@@ -731,7 +731,7 @@ fn a_run_of_the_window_filmed_by_the_command_has_the_same_coefficients_bit_for_b
         let start = frame.at_secs.to_string();
         let [show, npz] = [&show_file, &out].map(|path| path.to_str().unwrap());
         let dance = ["chladni", "--quiet", "dance", "--show", show, "--start", &start, "--duration", "0.03"];
-        assert_eq!(chladni::cli::run(dance.iter().chain(&["--coefficients", npz])), 0);
+        assert_eq!(chladni_program::cli::run(dance.iter().chain(&["--coefficients", npz])), 0);
         let filmed = archive::array(&out, "coefficients").unwrap().values;
         let seen: Vec<u32> = frame.coefficients.iter().map(|c| c.to_bits()).collect();
         let filmed: Vec<u32> = filmed.iter().map(|c| (*c as f32).to_bits()).collect();
@@ -808,7 +808,7 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
     let [show, out] = [&show_file, &frames].map(|path| path.to_str().unwrap());
     let dance =
         ["chladni", "--quiet", "dance", "--show", show, "--frames", out, "--size", &size, "--samples", "4"];
-    assert_eq!(chladni::cli::run(dance.iter().chain(&["--start", &start, "--duration", "0.03"])), 0);
+    assert_eq!(chladni_program::cli::run(dance.iter().chain(&["--start", &start, "--duration", "0.03"])), 0);
     let png = std::fs::read(frames.join("frame-00000.png")).unwrap();
     let film = chladni_view::Picture::decode(&png).unwrap();
     if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use chladni::studio::{FirstPicture, Opening};
+use chladni_program::studio::{FirstPicture, Opening};
 use chladni_caricature::{Project, ShapeSource};
 use chladni_mesh::save_mesh;
 use egui::Key;
@@ -50,7 +50,7 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
 fn a_project_that_is_only_looked_at_has_nothing_to_save() {
     let desk = Desk::new();
     let path = |name: &str| desk.path(name).to_str().unwrap().to_owned();
-    let run = |arguments: &[&str]| chladni::cli::run(["chladni", "--quiet"].iter().chain(arguments));
+    let run = |arguments: &[&str]| chladni_program::cli::run(["chladni", "--quiet"].iter().chain(arguments));
     let project = path("fine.chladni");
     let new = ["project", "new", &path("shape.obj"), "-o", &project, "--harmonics", &HARMONICS.to_string()];
     assert_eq!(run(&new), 0);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use chladni::studio::{Chooser, Kind, Opening, Studio};
+use chladni_program::studio::{Chooser, Kind, Opening, Studio};
 use eframe::wgpu;
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, HarnessBuilder};

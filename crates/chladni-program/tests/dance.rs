@@ -9,7 +9,7 @@ use chladni_mesh::{samples, save_mesh};
 use chladni_sound::{Song, WavSample, write_wav};
 
 fn run(arguments: &[&str]) -> u8 {
-    chladni::cli::run(["chladni", "--quiet"].iter().chain(arguments))
+    chladni_program::cli::run(["chladni", "--quiet"].iter().chain(arguments))
 }
 
 fn array(path: &Path, name: &str) -> (Vec<u64>, Vec<f64>) {
@@ -262,7 +262,7 @@ fn knobs_switches_and_choices_are_set_by_their_names() {
 
 #[test]
 fn a_film_that_is_cancelled_leaves_nothing() {
-    use chladni::cli::{Failure, Terminal, dance};
+    use chladni_program::cli::{Failure, Terminal, dance};
     let folder = tempfile::tempdir().unwrap();
     let film = folder.path().join("film.gif");
     let output = dance::Output {

@@ -1,6 +1,6 @@
 //! A first-time user's way through the window.
 
-use chladni::studio::Opening;
+use chladni_program::studio::Opening;
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 

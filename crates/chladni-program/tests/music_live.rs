@@ -8,7 +8,7 @@ mod driving;
 
 use std::f32::consts::TAU;
 
-use chladni::studio::{Folders, Opening};
+use chladni_program::studio::{Folders, Opening};
 use chladni_mesh::{samples, save_mesh};
 use chladni_music::{Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
 use chladni_sound::{Capture, CaptureFeed};

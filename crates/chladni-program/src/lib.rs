@@ -1,0 +1,17 @@
+//! The program: commands for scripts ([`cli`]) and the window for people.
+//!
+//! ```
+//! // Every command can be called the way a shell would call it.
+//! let code = chladni_program::cli::run(["chladni", "info", "no-such-file.obj"]);
+//! assert_eq!(code, 2); // bad input
+//! ```
+//!
+//! Not guaranteed: this library exists for the program and its tests; its items may change
+//! with any version. What scripts may rely on are the command line, the files and the exit codes.
+
+pub mod cli;
+pub mod dance;
+mod own_look;
+pub mod source;
+pub mod studio;
+mod symmetry_figure;
