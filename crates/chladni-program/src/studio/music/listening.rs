@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Beat, BeatReading, Parameters, Stretch};
+use chladni_music::{Beat, BeatReading, Parameters, Resonators, Stretch, Timbre};
 use chladni_sound::{
     BeatFollower, BeatMoment, Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings,
     PlayerState, PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune,
@@ -39,6 +39,9 @@ pub struct Listening {
     last_beat: Beat,
     analyser: SpectrumAnalyser,
     follower: BeatFollower,
+    /// What live input strikes, and how long the last piece of it has rung.
+    resonators: Option<Resonators>,
+    rung_secs: f32,
     left: Vec<f32>,
     right: Vec<f32>,
     last_secs: f64,
@@ -140,6 +143,8 @@ impl Listening {
             last_beat: Beat::default(),
             analyser,
             follower,
+            resonators: None,
+            rung_secs: 0.0,
             left: Vec::new(),
             right: Vec::new(),
             last_secs: 0.0,
@@ -441,7 +446,8 @@ impl Listening {
             self.live.is_none() && self.hearing.hear(at_secs).map_err(|error| error.to_string())?.is_some();
         let has_beats = known && self.known_beats().is_some();
         if known && std::mem::replace(&mut self.by_ear, !known) {
-            self.hearing.fade_from(at_secs, self.analyser.spectrum().clone(), self.last_beat);
+            let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
+            self.hearing.fade_from(at_secs, self.analyser.spectrum().clone(), ringing, self.last_beat);
         }
         self.by_ear = !known;
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
@@ -462,7 +468,13 @@ impl Listening {
         if !known {
             let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
             self.last_beat = by_ear;
-            let bands = bands_of(spectrum);
+            let timbre = Timbre::of(parameters);
+            Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
+            let ringing = self.resonators.as_mut().map(|bank| {
+                bank.hear(&bands_of(spectrum, None), std::mem::replace(&mut self.rung_secs, dt_secs as f32));
+                bank.ring(dt_secs as f32)
+            });
+            let bands = bands_of(spectrum, ringing);
             return Ok(Heard { at_secs, is_known: false, bands, beat: by_ear, fading: None });
         }
         let heard = self.hearing.hear(at_secs).map_err(|error| error.to_string())?;
@@ -498,7 +510,8 @@ impl Listening {
                 }
                 Learned::Beats(beats) => {
                     self.hearing.know_beats(number, read_beats(&beats, song.reading));
-                    self.hearing.fade_from(self.clock.at_secs(), self.spectrum().0.clone(), self.last_beat);
+                    let (spectrum, ringing) = (self.spectrum().0.clone(), self.hearing.ringing().clone());
+                    self.hearing.fade_from(self.clock.at_secs(), spectrum, ringing, self.last_beat);
                     if let Some(song) = self.repertoire.get_mut(number) {
                         song.beats = Some(beats);
                     }

@@ -87,7 +87,7 @@ pub fn folds(ready: &Ready) -> Result<Vec<Folds>, Failure> {
                     Player::new(&shown.mapping, &ready.dancer, bands, playing).map_err(Failure::other)?;
                 let mut item = player.item();
                 let mut worst = |left: &[f32], right: &[f32], mid: &[f32], side: &[f32]| {
-                    let heard = Bands { left, right, mid, side, side_gain: 1.0 };
+                    let heard = Bands { left, right, mid, side, side_gain: 1.0, ringing: None };
                     player.play(&heard, &mut item).map_err(Failure::other)?;
                     folded(&item)
                 };
@@ -166,8 +166,14 @@ pub fn moved(ready: &Ready, instrument: &Instrument, song: &Song) -> Result<(Vec
             analyser.analyse(&left, &right, 1.0 / (RATE_HZ * f64::from(STEPS)));
         }
         let s = analyser.spectrum();
-        let bands =
-            Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side, side_gain: s.side_gain };
+        let bands = Bands {
+            left: &s.left,
+            right: &s.right,
+            mid: &s.mid,
+            side: &s.side,
+            side_gain: s.side_gain,
+            ringing: None,
+        };
         let items = ensemble.play(instrument, &bands, Beat::default()).map_err(Failure::other)?;
         synthesizer.synthesize_positions(items).map_err(Failure::other)?;
         for (item, last) in last.iter_mut().enumerate() {

@@ -88,6 +88,7 @@ fn tone(
         mid: &heard.mid,
         side: &heard.side,
         side_gain: heard.side_gain,
+        ringing: None,
     };
     ready.displacements(mapping, &bands, Playing { form, ..Playing::default() })
 }

@@ -68,8 +68,14 @@ impl BenchMusic {
             let (left, right) = (&song.left[from..from + window], &song.right[from..from + window]);
             let s = analyser.analyse(left, right, 1.0 / 60.0);
             let heard = start.elapsed().as_secs_f64();
-            let bands =
-                Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side, side_gain: s.side_gain };
+            let bands = Bands {
+                left: &s.left,
+                right: &s.right,
+                mid: &s.mid,
+                side: &s.side,
+                side_gain: s.side_gain,
+                ringing: None,
+            };
             let items =
                 ensemble.play(&instrument, &bands, chladni_music::Beat::default()).map_err(Failure::other)?;
             let mapped = start.elapsed().as_secs_f64();

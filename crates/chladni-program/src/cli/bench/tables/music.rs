@@ -80,6 +80,7 @@ impl BenchTables {
                     mid: &s.mid,
                     side: &s.side,
                     side_gain: s.side_gain,
+                    ringing: None,
                 };
                 let played = ensemble.play(&instrument, &bands, Beat::default()).map_err(Failure::other)?;
                 let mapped = start.elapsed().as_secs_f64();
