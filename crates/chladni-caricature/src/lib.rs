@@ -61,7 +61,6 @@ mod recovery;
 mod region;
 mod runs;
 mod scale_curve;
-mod shape_source;
 mod softening;
 mod stack;
 mod surface;
@@ -87,10 +86,11 @@ pub use project_file::DEFAULT_HARMONICS;
 pub use recovery::{Recovered, Recovery};
 pub use region::{Painted, Region, RollOff, Smoothing, Sphere};
 pub use scale_curve::ScaleCurve;
-pub use shape_source::ShapeSource;
 pub use stack::{EvaluatedLayer, Evaluation, LayerState, Stack};
 pub use surface::Surface;
 pub use wavelength::{parse_wavelength, size, usual_wavelength, wavelengths};
+
+pub use chladni_mesh::ShapeSource;
 
 #[cfg(test)]
 mod fixture;

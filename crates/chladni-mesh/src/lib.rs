@@ -44,6 +44,7 @@ mod mirror;
 mod orientation;
 mod read;
 pub mod samples;
+mod shape_source;
 mod weld;
 mod write;
 
@@ -59,5 +60,6 @@ pub use mesh::TriMesh;
 pub use mirror::{MirrorPlane, MirrorSearch, OnSurface};
 pub use orientation::{Axis, Estimate, Evidence, Known, Orientation};
 pub use read::{Loaded, Mended, load_mesh, read_mesh};
+pub use shape_source::ShapeSource;
 pub use weld::{Weld, weld};
 pub use write::{MorphTarget, save_mesh, write_glb, write_mesh};
