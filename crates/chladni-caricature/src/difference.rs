@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::transform::{analyse, synthesise};
-use crate::vector::{Vec3, add, dot, scale, sub};
 use crate::{Error, Surface};
+use chladni_mesh::surface::vec3::{Vec3, add, dot, scaled, sub};
 
 /// The three harmonic representations of a difference (section 4 of the paper).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -130,7 +130,7 @@ impl Target {
 
     /// The base itself, scaled by `factor` about the origin of the working frame.
     pub fn scaled(base: Arc<Base>, factor: f64) -> Self {
-        let points = base.positions.iter().map(|p| scale(*p, factor)).collect();
+        let points = base.positions.iter().map(|p| scaled(*p, factor)).collect();
         Self { points, spectrum: OnceLock::new(), source: Source::Scaled(base, factor) }
     }
 
@@ -148,7 +148,7 @@ impl Target {
     pub fn spectrum(&self) -> &[Vec3] {
         self.spectrum.get_or_init(|| match &self.source {
             Source::Points(basis) => analyse(basis, basis.harmonics(), |v| self.points[v]),
-            Source::Scaled(base, factor) => base.spectrum().iter().map(|c| scale(*c, *factor)).collect(),
+            Source::Scaled(base, factor) => base.spectrum().iter().map(|c| scaled(*c, *factor)).collect(),
             Source::LowPass(base, cutoff) => {
                 let low = base.spectrum().iter().enumerate();
                 low.map(|(k, c)| if k < *cutoff { *c } else { [0.0; 3] }).collect()

@@ -6,8 +6,8 @@ use chladni_match::{Ellipsoid, MatchError, Settings as MatchSettings};
 use chladni_mesh::ShapeSource;
 use serde::{Deserialize, Serialize};
 
-use crate::vector::Vec3;
 use crate::{Error, Model, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
+use chladni_mesh::surface::vec3::Vec3;
 
 /// Names a layer for as long as its project is open, across moves and undo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

@@ -65,7 +65,6 @@ mod softening;
 mod stack;
 mod surface;
 mod transform;
-mod vector;
 mod wavelength;
 
 pub use brush::{Brush, Reach, Seen};
@@ -75,7 +74,6 @@ pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};
 pub use error::Error;
 pub use exaggeration::{Field, Signals};
 pub use fold::{flipped_triangles, furthest};
-pub use geodesic::SurfacePoint;
 pub use history::History;
 pub use layer::{GivenEllipsoid, Layer, LayerId, MAX_MU, Template};
 pub use matching::{MatchRequest, Matched};
@@ -91,6 +89,7 @@ pub use surface::Surface;
 pub use wavelength::{parse_wavelength, size, usual_wavelength, wavelengths};
 
 pub use chladni_mesh::ShapeSource;
+pub use chladni_mesh::surface::SurfacePoint;
 
 #[cfg(test)]
 mod fixture;

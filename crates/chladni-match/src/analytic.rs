@@ -4,7 +4,7 @@ use chladni_harmonics::Body;
 use chladni_mesh::{TriMesh, symmetric_eigen};
 use glam::{DMat3, DVec3, EulerRot};
 
-use crate::eigen::solve_small;
+use crate::small_system::solve_small;
 use crate::surface::Surface;
 use crate::{Correspondence, MatchError, Side};
 

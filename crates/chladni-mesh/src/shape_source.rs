@@ -103,7 +103,10 @@ mod tests {
 
     #[test]
     fn a_sample_is_made_and_a_file_is_found_from_its_folder() {
-        assert_eq!(ShapeSource::named("sample:head").load(None).unwrap().mesh, samples::sample("head").unwrap());
+        assert_eq!(
+            ShapeSource::named("sample:head").load(None).unwrap().mesh,
+            samples::sample("head").unwrap()
+        );
         let error = ShapeSource::named("sample:unicorn").load(None).unwrap_err().to_string();
         assert!(error.starts_with("sample:unicorn: there is no such sample; there are head, "), "{error}");
         let folder = tempfile::tempdir().unwrap();

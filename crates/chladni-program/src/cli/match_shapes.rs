@@ -196,8 +196,8 @@ fn save(path: &Path, found: &Correspondence) -> std::io::Result<()> {
     let n = found.vertices() as u64;
     write_npz(path, |npz| {
         if let Some(on) = &found.on_template {
-            npz.array("triangle", &[n], on.triangle.iter().copied())?;
-            npz.array("barycentric", &[n, 3], on.barycentric.iter().flatten().copied())?;
+            npz.array("triangle", &[n], on.iter().map(|on| on.triangle))?;
+            npz.array("barycentric", &[n, 3], on.iter().flat_map(|on| on.weights))?;
         }
         npz.array("point", &[n, 3], found.point.iter().flatten().copied())?;
         npz.array("confidence", &[n], found.confidence.iter().copied())?;
