@@ -5,7 +5,6 @@ use std::sync::Arc;
 use chladni_synth::{Coefficients, Residual, Term};
 use rayon::prelude::*;
 
-use crate::transform::synthesise;
 use crate::{Difference, Model, ScaleCurve};
 use chladni_mesh::surface::vec3::{Vec3, scaled};
 
@@ -70,14 +69,14 @@ impl Difference {
             let split = split_normal(self, curve);
             let mut out: Vec<f64> = self.xi().iter().map(|xi| split.whole * xi).collect();
             if !split.coefficients.is_empty() {
-                synthesise(basis, &split.coefficients, &mut out, |_, [sum], f| *f += sum);
+                basis.synthesize_each(&split.coefficients, &mut out, |_, [sum], f| *f += sum);
             }
             return Field::Normal(out);
         }
         let split = split_vector(self, model, curve);
         let mut out: Vec<Vec3> = self.signal(model).iter().map(|x| scaled(*x, split.whole)).collect();
         if !split.coefficients.is_empty() {
-            synthesise(basis, &split.coefficients, &mut out, |_, sum, f| {
+            basis.synthesize_each(&split.coefficients, &mut out, |_, sum, f| {
                 (0..3).for_each(|c| f[c] += sum[c]);
             });
         }
@@ -102,7 +101,7 @@ impl Difference {
             [a, b, c, normal.whole * xi, d, e, f]
         };
         let mut out: Vec<[f64; 7]> = signals.map(whole).collect();
-        synthesise(self.base.basis(), &together, &mut out, |_, sum, f| {
+        self.base.basis().synthesize_each(&together, &mut out, |_, sum, f| {
             (0..7).for_each(|c| f[c] += sum[c]);
         });
         [

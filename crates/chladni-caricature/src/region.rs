@@ -9,7 +9,6 @@ use crate::Error;
 use crate::difference::check_count;
 use crate::painted_spectrum::PaintedSpectrum;
 use crate::softening::Softening;
-use crate::transform::synthesise;
 use crate::wavelength::{eigenvalue_of, wavelengths};
 use chladni_mesh::surface::vec3::{Vec3, distance};
 
@@ -157,7 +156,7 @@ impl Smoothing {
                 let low = spectrum.follow(basis, painted, passing).iter().take(passing);
                 let low: Vec<[f64; 1]> = low.map(|c| [*c]).collect();
                 let mut smooth = vec![0.0_f32; basis.vertices()];
-                synthesise(basis, &low, &mut smooth, |_, [sum], out| {
+                basis.synthesize_each(&low, &mut smooth, |_, [sum], out| {
                     *out = if self.clamp { sum.clamp(0.0, 1.0) as f32 } else { sum as f32 };
                 });
                 Ok(smooth.into())

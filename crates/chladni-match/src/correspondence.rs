@@ -31,8 +31,8 @@ impl Correspondence {
         self.point.len()
     }
 
-    /// Points that are given directly in the shape's coordinates.
-    pub(crate) fn direct(point: Vec<[f64; 3]>, confidence: Vec<f64>) -> Self {
+    /// Points given directly in the shape's coordinates, n, and how far to trust each, in [0, 1].
+    pub fn direct(point: Vec<[f64; 3]>, confidence: Vec<f64>) -> Self {
         let target = point.clone();
         Self { on_template: None, point, target, confidence, similarity: Similarity::IDENTITY }
     }

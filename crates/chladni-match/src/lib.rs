@@ -61,7 +61,7 @@ mod sphere;
 mod surface;
 mod unfold;
 
-pub use analytic::{Ellipsoid, onto_ellipsoid, self_low_passed, self_scaled};
+pub use analytic::{Ellipsoid, onto_ellipsoid, self_scaled};
 pub use correspondence::{Correspondence, same_connectivity};
 pub use error::{MatchError, Side};
 pub use infill::{Infill, infilled};

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Instant;
 
-use chladni_caricature::GivenEllipsoid;
-use chladni_harmonics::{BasisSettings, Body};
+use chladni_caricature::{GivenEllipsoid, self_low_passed};
+use chladni_harmonics::npz::write_npz;
+use chladni_harmonics::{BasisSettings, Body, HarmonicsError};
 use chladni_match::{
     Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, load_landmarks, match_shapes,
-    onto_ellipsoid, self_low_passed, self_scaled,
+    onto_ellipsoid, self_scaled,
 };
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
@@ -16,7 +17,6 @@ use chladni_view::{Camera, ColorMap, Gpu, PictureRequest, PictureShape, Scale, S
 use serde::Serialize;
 
 use super::layer_options::scaling;
-use super::npz::write_npz;
 use super::outputs::{check_file, check_picture};
 use super::stance::Stance;
 use super::{Failure, Terminal};
@@ -175,11 +175,15 @@ impl MatchShapes {
             How::SelfScaled(scale) => alone(self_scaled(shape, scale)),
             How::SelfLowPassed(k0) => {
                 // The constants of all pieces count as one harmonic.
-                let pieces = HealthReport::of(shape).welded.topology.components;
+                let welded = HealthReport::of(shape).welded;
+                let (pieces, vertices) = (welded.topology.components, welded.vertices);
                 let harmonics = k0.max(1).saturating_add(pieces.saturating_sub(1));
+                if harmonics > vertices {
+                    return Err(Failure::input(HarmonicsError::BadHarmonicCount { harmonics, vertices }));
+                }
                 let body =
                     Body::build(shape, &BasisSettings::new(harmonics), task).map_err(Failure::input)?;
-                alone(self_low_passed(&body, &shape.positions, k0))
+                alone(Ok(self_low_passed(&body, &shape.positions, k0).map_err(Failure::input)?))
             }
         }
     }
