@@ -74,13 +74,7 @@ pub fn build_body(
     terminal: &Terminal,
 ) -> Result<(Body, BuildReport), Failure> {
     let cache = basis_cache();
-    let vertices = chladni_mesh::weld(mesh).positions.len();
-    let all = vertices.max(1);
-    if harmonics > all {
-        terminal
-            .warn(format_args!("{name}: has {vertices} vertices; {all} harmonics instead of {harmonics}"));
-    }
-    let settings = BasisSettings { laplacian, ..BasisSettings::new(harmonics.min(all)) };
+    let settings = BasisSettings { laplacian, ..BasisSettings::new(harmonics) };
     let (body, report) = terminal
         .watch("solving for harmonics", |task| Body::load_or_build(mesh, &settings, cache.as_ref(), task))
         .map_err(|error| match error {

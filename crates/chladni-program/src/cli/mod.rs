@@ -13,7 +13,6 @@ mod info;
 mod inputs;
 mod layer_options;
 mod match_shapes;
-mod npz;
 mod open;
 mod outputs;
 mod project;
