@@ -17,14 +17,14 @@ from sync import sync
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
 from section import machine, write_section
 
-chladni = sys.argv[1]
+chladni, bench = sys.argv[1:]
 K = 100
 GALLERY_MESHES = ["animals/spot.obj", "heads/face.obj", "shapes/armadillo.obj"]
 SONGS = ["dubstep.wav", "techno_loop.mp3", "music.ogg", "sample.wav", "Chord_Detection_Test.flac", "lmms24bit.wav"]
 
 
-def run(*arguments):
-    return subprocess.run([chladni, "--quiet", *map(str, arguments)], check=True, capture_output=True).stdout
+def run(*arguments, program=chladni):
+    return subprocess.run([program, "--quiet", *map(str, arguments)], check=True, capture_output=True).stdout
 
 
 def mirror_blob(path):
@@ -63,7 +63,7 @@ def main():
     meshes = [data / name for name in GALLERY_MESHES if (data / name).exists()]
     songs = [data.parent / "audio" / name for name in SONGS if (data.parent / "audio" / name).exists()]
     named = [part for kind, files in [("--shape", meshes), ("--song", songs)] for file in files for part in (kind, file)]
-    measured = json.loads(run("bench", "music", "--json", *named))
+    measured = json.loads(run("music", "--json", *named, program=bench))
     lines += [
         f"{machine()}, {measured['timing'][0]['threads']} threads. Made by `bench/music/run`.",
         "",

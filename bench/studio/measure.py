@@ -11,7 +11,7 @@ import tempfile
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
 from section import machine, write_section
 
-chladni, drawing_cost = sys.argv[1:]
+chladni, drawing_cost, bench = sys.argv[1:]
 koala = pathlib.Path(os.environ["CHLADNI_DATA"]) / "meshes/animals/koala.obj"
 
 
@@ -37,10 +37,10 @@ def start(folder):
 def controls():
     """What each control of the caricature room takes between the action and the drawing."""
     shape = koala if koala.exists() else "sample:head"
-    rows = json.loads(output(chladni, "--quiet", "bench", "caricature", shape, "--harmonics", 512, "--repeats", 25, "--json"))
+    rows = json.loads(output(bench, "--quiet", "caricature", shape, "--harmonics", 512, "--repeats", 25, "--json"))
     about = rows[0]
     lines = [
-        f"`chladni bench caricature {getattr(shape, 'name', shape)} --harmonics 512 --repeats 25`: n = {about['vertices']:,}, "
+        f"`chladni-bench caricature {getattr(shape, 'name', shape)} --harmonics 512 --repeats 25`: n = {about['vertices']:,}, "
         f"K = {about['harmonics']}, {about['threads']} threads, milliseconds. Rows of *window* hold everything from the action to "
         "the figures handed to the device; only drawing is left out. Targets: the next frame, a stroke 16, a new shape 30.",
         "", "| what | median | fastest |", "|---|---|---|",

@@ -1,4 +1,4 @@
-"""Writes the section of BENCHMARKS.md from what `chladni bench tables` printed."""
+"""Writes the section of BENCHMARKS.md from what `chladni-bench tables` printed."""
 
 import json
 import pathlib

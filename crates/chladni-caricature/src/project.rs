@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use chladni_harmonics::Laplacian;
-use chladni_match::Settings as MatchSettings;
+use chladni_match::{Method, Settings as MatchSettings};
 use chladni_mesh::Orientation;
 use serde::{Deserialize, Serialize};
 
@@ -143,15 +143,25 @@ impl Project {
         LayerId(self.next_id)
     }
 
-    /// A layer with the settings to begin with here: the paper's in a project with the paper's
-    /// Laplacian; else without the finest harmonics against a mesh, where a match is rough.
+    /// A layer with the settings to begin with here: the paper's in a project with the paper's Laplacian, and
+    /// the [`usual_curve`](Self::usual_curve).
     pub fn new_layer(&self, name: impl Into<String>, template: Template) -> Layer {
-        match self.laplacian {
+        let layer = match self.laplacian {
             Laplacian::Cotangent => Layer::paper(name, template),
-            Laplacian::Delaunay if template.is_mesh() => {
-                Layer { curve: ScaleCurve::smooth(), ..Layer::new(name, template) }
-            }
             Laplacian::Delaunay => Layer::new(name, template),
+        };
+        let curve = self.usual_curve(&layer.template, layer.matching.method, layer.mu);
+        Layer { curve, ..layer }
+    }
+
+    /// The scale curve to begin with: every scale alike, but without the finest where a template mesh is
+    /// exaggerated (μ < 0) that was matched, because its match is rough there. In a project with the paper's
+    /// Laplacian every scale alike.
+    pub fn usual_curve(&self, template: &Template, method: Method, mu: f64) -> ScaleCurve {
+        let rough = template.is_mesh() && method != Method::Same && mu < 0.0;
+        match self.laplacian {
+            Laplacian::Delaunay if rough => ScaleCurve::smooth(),
+            Laplacian::Delaunay | Laplacian::Cotangent => ScaleCurve::flat(1.0),
         }
     }
 

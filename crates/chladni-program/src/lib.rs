@@ -1,4 +1,5 @@
-//! The program: commands for scripts ([`cli`]) and the window for people.
+//! The program: commands for scripts ([`cli`]), the window for people ([`studio`]), and below both the
+//! [`work`] that they do.
 //!
 //! ```
 //! // Every command can be called the way a shell would call it.
@@ -6,12 +7,10 @@
 //! assert_eq!(code, 2); // bad input
 //! ```
 //!
-//! Not guaranteed: this library exists for the program and its tests; its items may change
+//! Not guaranteed: this library exists for the program, its benchmarks and its tests; its items may change
 //! with any version. What scripts may rely on are the command line, the files and the exit codes.
 
 pub mod cli;
-pub mod dance;
-mod own_look;
-pub mod source;
 pub mod studio;
-mod symmetry_figure;
+mod window;
+pub mod work;

@@ -262,29 +262,15 @@ fn knobs_switches_and_choices_are_set_by_their_names() {
 
 #[test]
 fn a_film_that_is_cancelled_leaves_nothing() {
-    use chladni_program::cli::{Failure, Terminal, dance};
+    use chladni_program::work::{Aside, film};
     let folder = tempfile::tempdir().unwrap();
-    let film = folder.path().join("film.gif");
-    let output = dance::Output {
-        film: Some(film),
-        is_folder: false,
-        coefficients: None,
-        presets: None,
-        shows_rest: false,
-        width: 64,
-        height: 64,
-        rate: chladni_view::FrameRate::per_second(30),
-        samples: None,
-        synthesis: chladni_synth::Backend::Auto,
-        allow_flashes: false,
-    };
+    let output = film::Output { width: 64, height: 64, ..film::Output::to(folder.path().join("film.gif")) };
     let show = chladni_music::Show::from_text("format_version = 1\nseed = 1\nsize = 6\n").unwrap();
     let song = ("sample:tune".to_owned(), chladni_music::BeatReading::default());
-    let request = dance::Request::of_show(show, "sample:octopus".into(), vec![song], output);
+    let film = film::Film::of_show(show, "sample:octopus".into(), vec![song], output);
     let task = chladni_task::Task::new();
     task.cancel();
-    let ended = dance::make(request, &Terminal::nobodys(&task)).map(drop);
-    assert_eq!(ended, Err(Failure::Cancelled));
+    assert!(film::make(film, &Aside::new(&task)).is_err_and(|error| error.is_cancelled()));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

@@ -4,14 +4,13 @@ use std::path::PathBuf;
 
 use chladni_harmonics::npz::{write_basis, write_operator};
 use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError, Laplacian, Operator};
-use chladni_mesh::weld;
+use chladni_mesh::{ShapeSource, weld};
 use serde::Serialize;
 
-use super::cache::basis_cache;
-use super::inputs::laplacian;
-use super::outputs::check_file;
-use super::{Failure, Terminal};
-use crate::source;
+use super::Terminal;
+use crate::work::body::{basis_cache, laplacian};
+use crate::work::outputs::check_file;
+use crate::work::{Error, Warning, Watcher};
 
 /// Solve for the harmonics of a mesh and write them for NumPy.
 #[derive(clap::Args)]
@@ -62,16 +61,10 @@ struct Summary {
 
 impl Args {
     /// Solves, writes what was asked for, and reports.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         [&self.output, &self.operator].into_iter().flatten().try_for_each(|path| check_file(path))?;
-        let loaded = source::named(&self.mesh).map_err(Failure::BadInput)?;
-        let named = |error: HarmonicsError| match error {
-            HarmonicsError::Cancelled(cancelled) => Failure::from(cancelled),
-            HarmonicsError::NotCertified { .. } | HarmonicsError::Threads(_) => {
-                Failure::other(format_args!("{}: {error}", self.mesh.display()))
-            }
-            error => Failure::input(format_args!("{}: {error}", self.mesh.display())),
-        };
+        let loaded = ShapeSource::named(&self.mesh).load(None)?;
+        let named = |error: HarmonicsError| Error::from(error).of(self.mesh.display());
         let settings = BasisSettings {
             laplacian: laplacian(self.paper),
             threads: self.threads,
@@ -92,27 +85,29 @@ impl Args {
             })
             .map_err(named)?;
         for warning in report.warnings(&body.basis.certificate) {
-            terminal.warn(warning);
+            terminal.warn(Warning::Told(warning.to_string()));
         }
         if report.fell_back_to_dense {
-            terminal.warn("the eigenvalues could not be counted in slices; solved as a dense matrix instead");
-        }
-        if report.cuts_cluster {
-            terminal.warn(format_args!(
-                "harmonic {} belongs to a group of equal eigenvalues that goes on; --whole-clusters takes all of it",
-                self.harmonics - 1
+            terminal.warn(Warning::Told(
+                "the eigenvalues could not be counted in slices; solved as a dense matrix instead".into(),
             ));
         }
+        if report.cuts_cluster {
+            terminal.warn(Warning::Told(format!(
+                "harmonic {} belongs to a group of equal eigenvalues that goes on; --whole-clusters takes all of it",
+                self.harmonics - 1
+            )));
+        }
         if let (Some(path), Some(operator)) = (&self.operator, &operator) {
-            write_operator(path, operator).map_err(|e| Failure::writing(path, e))?;
+            write_operator(path, operator).map_err(|e| Error::unwritten(path, e))?;
         }
         if let Some(path) = &self.output {
-            write_basis(path, &body).map_err(|e| Failure::writing(path, e))?;
+            write_basis(path, &body).map_err(|e| Error::unwritten(path, e))?;
         }
         self.report(terminal, &body, &report)
     }
 
-    fn report(&self, terminal: &Terminal, body: &Body, report: &BuildReport) -> Result<(), Failure> {
+    fn report(&self, terminal: &Terminal, body: &Body, report: &BuildReport) -> Result<(), Error> {
         let (basis, certificate) = (&body.basis, &body.basis.certificate);
         if self.json {
             return terminal.json(&Summary {

@@ -3,8 +3,8 @@
 use chladni_sound::{track_beats, track_beats_causally};
 use clap::Args;
 
-use super::inputs::open_song;
-use super::{Failure, Terminal};
+use super::Terminal;
+use crate::work::{Error, Watcher, source};
 
 /// Find tempo and beats of a song.
 #[derive(Args)]
@@ -21,12 +21,12 @@ pub struct Beats {
 
 impl Beats {
     /// Runs the command.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let song = open_song(&self.song, 0.0, None, terminal)?;
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        let song = source::song(&self.song, 0.0, None, terminal)?;
         let found = terminal.watch("beats", |task| {
             if self.causal { track_beats_causally(&song, task) } else { track_beats(&song, task) }
         });
-        let beats = found.map_err(sound_failure)?;
+        let beats = found?;
         if self.json {
             return terminal.json(&beats);
         }
@@ -44,16 +44,5 @@ impl Beats {
             terminal.result(format_args!("{beat:.3}"))?;
         }
         Ok(())
-    }
-}
-
-/// Cancelling is not the song's fault; everything else that reading reports is.
-pub(super) fn sound_failure(error: chladni_sound::SoundError) -> Failure {
-    match error {
-        chladni_sound::SoundError::Cancelled(cancelled) => cancelled.into(),
-        chladni_sound::SoundError::Write { .. } | chladni_sound::SoundError::Device { .. } => {
-            Failure::other(error)
-        }
-        other => Failure::input(other),
     }
 }

@@ -4,17 +4,18 @@
 use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use chladni_caricature::{DEFAULT_HARMONICS, Project, ShapeSource, Template};
+use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, Project, ShapeSource, Template};
 use chladni_mesh::{Format, TriMesh};
 
-use super::inputs::{laplacian, open_mesh};
+use super::Terminal;
 use super::layer_options::LayerOptions;
-use super::outputs::{check_file, check_picture};
-use super::project::opened;
-use super::sculpture::{Portrait, Sculpture, format_of};
+use super::portrait::{self, Portrait};
 use super::sheet::SheetOptions;
-use super::{Failure, Terminal};
+use crate::work::body::{self, laplacian};
+use crate::work::outputs::{check_file, check_picture};
+use crate::work::{Error, Made, Warning, Watcher, make, source};
 
 /// Exaggerate what makes a shape differ from a template.
 #[derive(clap::Args)]
@@ -56,14 +57,14 @@ pub struct Caricature {
 
 impl Caricature {
     /// Makes what was asked for.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let Some(recipe) = &self.recipe else { return self.single(terminal) };
-        let project = opened(recipe, terminal)?;
+        let project = source::project(recipe, terminal)?;
         match (&self.batch, &self.shape) {
             (Some(folder), _) => self.batch(&project, folder, terminal),
             (None, Some(shape)) => {
                 self.check()?;
-                let from = open_mesh(&project.shape.to_string(), terminal)?;
+                let from = source::shape(&project.shape, terminal)?;
                 one(
                     shape,
                     &project,
@@ -82,7 +83,7 @@ impl Caricature {
     }
 
     /// Before any work: can the results be written?
-    fn check(&self) -> Result<(), Failure> {
+    fn check(&self) -> Result<(), Error> {
         format_of(&self.output)?;
         check_file(&self.output)?;
         self.portrait.check()?;
@@ -93,29 +94,29 @@ impl Caricature {
         path.map(|path| Picture { path, portrait: &self.portrait, sheet: &self.sheet })
     }
 
-    fn single(&self, terminal: &Terminal) -> Result<(), Failure> {
+    fn single(&self, terminal: &Terminal) -> Result<(), Error> {
         let (Some(shape), Some(template)) = (&self.shape, &self.template) else {
-            return Err(Failure::input("a shape and a template are needed"));
+            return Err(Error::input("a shape and a template are needed"));
         };
         self.check()?;
         if self.harmonics == Some(0) {
-            return Err(Failure::input("the number of harmonics must be 1 or more"));
+            return Err(Error::input("the number of harmonics must be 1 or more"));
         }
-        let source: ShapeSource = shape.parse().map_err(Failure::input)?;
+        let source: ShapeSource = shape.parse()?;
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.laplacian = laplacian(self.paper);
         let layer = self.layer.layer("caricature", template.clone(), &project)?;
-        project.push(layer).map_err(Failure::input)?;
+        project.push(layer)?;
         one(shape, &project, None, &self.output, self.picture(self.render.as_deref()), terminal)
     }
 
     /// Every mesh of `folder`, in order of name. One that fails does not stop the others.
-    fn batch(&self, project: &Project, folder: &Path, terminal: &Terminal) -> Result<(), Failure> {
+    fn batch(&self, project: &Project, folder: &Path, terminal: &Terminal) -> Result<(), Error> {
         let shapes = meshes_in(folder)?;
         let planned = self.planned(folder, &shapes)?;
-        let from = open_mesh(&project.shape.to_string(), terminal)?;
+        let from = source::shape(&project.shape, terminal)?;
         for out in [Some(&self.output), self.render.as_ref()].into_iter().flatten() {
-            std::fs::create_dir_all(out).map_err(|error| Failure::writing(out, error))?;
+            std::fs::create_dir_all(out).map_err(|error| Error::unwritten(out, error))?;
         }
         let mut failed = 0;
         for (shape, (output, render)) in shapes.iter().zip(planned) {
@@ -123,29 +124,29 @@ impl Caricature {
             let name = shape.display().to_string();
             match one(&name, project, Some(&from), &output, self.picture(render.as_deref()), terminal) {
                 Ok(()) => {}
-                Err(Failure::Cancelled) => return Err(Failure::Cancelled),
+                Err(Error::Cancelled) => return Err(Error::Cancelled),
                 Err(failure) => {
                     failed += 1;
                     match failure.to_string() {
-                        told if told.starts_with(&name) => terminal.warn(told),
-                        told => terminal.warn(format_args!("{name}: {told}")),
+                        told if told.starts_with(&name) => terminal.warn(Warning::Told(told)),
+                        told => terminal.warn(Warning::of(&name, told)),
                     }
                 }
             }
         }
         match failed {
             0 => Ok(()),
-            _ => Err(Failure::input(format_args!("{failed} of {} shapes failed", shapes.len()))),
+            _ => Err(Error::input(format_args!("{failed} of {} shapes failed", shapes.len()))),
         }
     }
 
     /// The mesh and the picture that each of `shapes`, the meshes of `folder`, becomes; refused
     /// where one would replace another or a shape.
-    fn planned(&self, folder: &Path, shapes: &[PathBuf]) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Failure> {
+    fn planned(&self, folder: &Path, shapes: &[PathBuf]) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Error> {
         let real = |path: &Path| std::fs::canonicalize(path).ok();
         if real(&self.output).is_some_and(|output| Some(output) == real(folder)) {
             let folder = folder.display();
-            return Err(Failure::input(format_args!("{folder}: results there would replace the shapes")));
+            return Err(Error::input(format_args!("{folder}: results there would replace the shapes")));
         }
         let mut owners: HashMap<PathBuf, &Path> = HashMap::new();
         let mut planned = Vec::with_capacity(shapes.len());
@@ -161,7 +162,7 @@ impl Caricature {
             for path in std::iter::once(&output).chain(&render) {
                 if let Some(other) = owners.insert(path.clone(), shape) {
                     let (path, other, shape) = (path.display(), other.display(), shape.display());
-                    return Err(Failure::input(format_args!("{other} and {shape} would both become {path}")));
+                    return Err(Error::input(format_args!("{other} and {shape} would both become {path}")));
                 }
             }
             planned.push((output, render));
@@ -195,21 +196,56 @@ fn one(
     output: &Path,
     picture: Option<Picture<'_>>,
     terminal: &Terminal,
-) -> Result<(), Failure> {
-    let mesh = open_mesh(shape, terminal)?;
+) -> Result<(), Error> {
+    let mesh = source::mesh(shape, terminal)?;
     // Another shape need not stand as the project's own does.
     let kept = project.stands.filter(|_| from.is_none());
     let carried = from.map(|from| carry(project, from, shape, &mesh, terminal)).transpose()?;
     let project = carried.as_ref().unwrap_or(project);
-    let mut sculpture = Sculpture::make(shape, mesh, project, terminal)?;
-    sculpture.describe(terminal)?;
-    sculpture.save(output)?;
+    let (body, _) = body::build(shape, &mesh, project.harmonics, project.laplacian, terminal)?;
+    let mut made = make(mesh, Arc::new(body), project, false, terminal)?;
+    describe(&made, terminal)?;
+    made.sculpture.save(output)?;
     terminal.wrote(output)?;
     if let Some(Picture { path, portrait, sheet }) = picture {
-        sculpture.render(shape, project, path, portrait, sheet, kept, terminal)?;
+        portrait::render(&mut made, shape, project, path, portrait, sheet, kept, terminal)?;
         terminal.wrote(path)?;
     }
     Ok(())
+}
+
+/// Tells of every acting layer how far it moves the shape and what it folds.
+fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
+    let Made { sculpture, stack, .. } = made;
+    for layer in &sculpture.evaluation.layers {
+        let Some(displacement) = &layer.displacement else {
+            terminal.result(format_args!("{}: off", layer.name))?;
+            continue;
+        };
+        let farthest = displacement.iter().map(|d| d[0].hypot(d[1]).hypot(d[2])).fold(0.0, f64::max);
+        let folded = layer.folds(stack.surface());
+        let name = &layer.name;
+        let by = farthest / sculpture.body.frame.scale;
+        terminal.result(format_args!("{name}: moves up to {by:.4} units, {folded} triangles folded"))?;
+    }
+    let crossings = Crossings::of(stack.surface().clone());
+    let crossing = |base: &Base| {
+        let found = terminal.watch("counting crossings", |task| crossings.triangles(&base.positions, task));
+        found.map(|found| found.len())
+    };
+    let (now, before) = (crossing(&sculpture.evaluation.result)?, crossing(stack.original())?);
+    terminal.result(format_args!("{now} triangles pass through others ({before} did before)"))
+}
+
+/// The format of `path`, if it is one that results are written in.
+fn format_of(path: &Path) -> Result<Format, Error> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    match Format::from_extension(extension) {
+        Some(format @ (Format::Obj | Format::Ply | Format::Stl | Format::Glb)) => Ok(format),
+        _ => {
+            Err(Error::input(format_args!("{}: results are written as obj, ply, stl or glb", path.display())))
+        }
+    }
 }
 
 /// The recipe for `mesh`, which is called `name`; warns where the two shapes hardly match.
@@ -219,20 +255,17 @@ fn carry(
     name: &str,
     mesh: &TriMesh,
     terminal: &Terminal,
-) -> Result<Project, Failure> {
+) -> Result<Project, Error> {
     let carried = terminal.watch("carrying regions over", |task| project.carried(from, mesh, task));
-    let carried = carried.map_err(|error| match error {
-        chladni_caricature::Error::Cancelled(_) => Failure::Cancelled,
-        error => Failure::input(format_args!("{name}: {error}")),
-    })?;
+    let carried = carried.map_err(|error| Error::from(error).of(name))?;
     for warning in carried.report.iter().flat_map(|report| &report.warnings) {
-        terminal.warn(format_args!("{name}, matched with {}: {warning}", project.shape));
+        terminal.warn(Warning::of(format_args!("{name}, matched with {}", project.shape), warning));
     }
     Ok(carried.project)
 }
 
-fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let unreadable = |error| Failure::input(format_args!("{}: {error}", folder.display()));
+fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let unreadable = |error| Error::input(format_args!("{}: {error}", folder.display()));
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
     let is_mesh = |path: &PathBuf| {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
@@ -241,7 +274,7 @@ fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let mut meshes: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_mesh).collect();
     meshes.sort();
     if meshes.is_empty() {
-        return Err(Failure::input(format_args!("{}: holds no mesh", folder.display())));
+        return Err(Error::input(format_args!("{}: holds no mesh", folder.display())));
     }
     Ok(meshes)
 }

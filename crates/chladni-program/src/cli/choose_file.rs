@@ -1,7 +1,8 @@
 //! `chladni choose-file REQUEST`: the file window, for the program itself.
 
-use super::{Failure, Terminal};
-use crate::studio;
+use super::Terminal;
+use crate::window;
+use crate::work::Error;
 
 /// Ask for a file in a small window and print the answer as JSON.
 #[derive(clap::Args)]
@@ -12,8 +13,7 @@ pub struct ChooseFile {
 
 impl ChooseFile {
     /// Returns when the window is closed.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let request = serde_json::from_str(&self.request).map_err(Failure::input)?;
-        terminal.json(&studio::choose_file(request).map_err(Failure::other)?)
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        terminal.json(&window::choose_file(&self.request)?)
     }
 }

@@ -1,12 +1,18 @@
-//! `chladni demo [-o DIR]`: a taste of both instruments from the samples, made with the same
-//! commands that a user would type.
+//! `chladni demo [-o DIR]`: a taste of both instruments from the samples.
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use chladni_view::ffmpeg_is_there;
+use chladni_caricature::{DEFAULT_HARMONICS, Layer, Project, ShapeSource, Template};
+use chladni_music::{Action, Form, Parameter};
+use chladni_view::{FrameRate, ffmpeg_is_there};
 
-use super::{Failure, Terminal};
+use super::Terminal;
+use super::portrait::{self, Portrait};
+use super::sheet::SheetOptions;
+use crate::work::film::{self, Beginning, Film, Output};
+use crate::work::source::{self, TUNE};
+use crate::work::{Error, body, make};
 
 /// Make a caricature and a dancing clip from the samples.
 #[derive(clap::Args)]
@@ -16,24 +22,26 @@ pub struct Demo {
     output: PathBuf,
 }
 
-/// Sizes and lengths that a software driver on four cores draws in seconds.
-const CLIP: [&str; 10] =
-    ["--form", "half-mask", "--gain", "1.5", "--size", "480x360", "--fps", "15", "--duration", "4"];
-const FILM: [&str; 10] =
-    ["--form", "half-mask", "--gain", "1.5", "--size", "640x480", "--fps", "24", "--duration", "6"];
+/// Size, frames a second and seconds of a film that a software driver on four cores draws in seconds.
+struct Clip {
+    file: &'static str,
+    size: [u32; 2],
+    fps: u32,
+    secs: f64,
+}
+
+const CLIP: Clip = Clip { file: "dance.gif", size: [480, 360], fps: 15, secs: 4.0 };
+const FILM: Clip = Clip { file: "dance.mp4", size: [640, 480], fps: 24, secs: 6.0 };
 
 impl Demo {
-    /// Makes everything and says what it made.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    /// Makes everything and says what it made, and how a user would.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let folder = &self.output;
-        std::fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
-        let mut caricature = words(&["caricature", "sample:head", "sample:template", "--mu", "-0.7"]);
-        caricature.extend(["-o".into(), folder.join("caricature.glb").into()]);
-        caricature.extend(["--render".into(), folder.join("caricature.png").into()]);
-        show_and_run(&caricature, terminal)?;
-        show_and_run(&dance(folder, "dance.gif", &CLIP), terminal)?;
+        std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
+        caricature(folder, terminal)?;
+        dance(folder, &CLIP, terminal)?;
         if ffmpeg_is_there() {
-            show_and_run(&dance(folder, "dance.mp4", &FILM), terminal)?;
+            dance(folder, &FILM, terminal)?;
         } else {
             terminal.note("ffmpeg is not on the PATH: no MP4 with sound this time");
         }
@@ -41,20 +49,47 @@ impl Demo {
     }
 }
 
-fn words(texts: &[&str]) -> Vec<OsString> {
-    texts.iter().map(OsString::from).collect()
+fn caricature(folder: &Path, terminal: &Terminal) -> Result<(), Error> {
+    let (out, picture) = (folder.join("caricature.glb"), folder.join("caricature.png"));
+    terminal.note(format_args!(
+        "$ chladni caricature sample:head sample:template --mu -0.7 -o {} --render {}",
+        out.display(),
+        picture.display()
+    ));
+    let shape = ShapeSource::Sample("head".into());
+    let mut project = Project::new(shape.clone(), DEFAULT_HARMONICS);
+    let template = Template::Sample("template".into());
+    project.push(Layer { mu: -0.7, ..project.new_layer("caricature", template) })?;
+    let mesh = source::shape(&project.shape, terminal)?;
+    let name = shape.to_string();
+    let (body, _) = body::build(&name, &mesh, project.harmonics, project.laplacian, terminal)?;
+    let mut made = make(mesh, Arc::new(body), &project, false, terminal)?;
+    made.sculpture.save(&out)?;
+    terminal.wrote(&out)?;
+    let (portrait, sheet) = (Portrait::default(), SheetOptions::default());
+    portrait::render(&mut made, &name, &project, &picture, &portrait, &sheet, None, terminal)?;
+    terminal.wrote(&picture)
 }
 
-fn dance(folder: &Path, film: &str, options: &[&str]) -> Vec<OsString> {
-    let mut dance = words(&["dance", "sample:octopus", "sample:tune"]);
-    dance.extend(["-o".into(), folder.join(film).into()]);
-    dance.extend(words(options));
-    dance
-}
-
-/// Prints the command as one would type it, then runs it.
-fn show_and_run(command: &[OsString], terminal: &Terminal) -> Result<(), Failure> {
-    let line: Vec<_> = command.iter().map(|word| word.to_string_lossy()).collect();
-    terminal.note(format_args!("$ chladni {}", line.join(" ")));
-    super::follow(command, terminal)
+fn dance(folder: &Path, clip: &Clip, terminal: &Terminal) -> Result<(), Error> {
+    let (out, [width, height]) = (folder.join(clip.file), clip.size);
+    terminal.note(format_args!(
+        "$ chladni dance sample:octopus {TUNE} -o {} --form half-mask --gain 1.5 --size {width}x{height} --fps {} \
+         --duration {}",
+        out.display(),
+        clip.fps,
+        clip.secs
+    ));
+    let output = Output { width, height, rate: FrameRate::per_second(clip.fps), ..Output::to(out.clone()) };
+    let changes = vec![
+        Action::SetForm { form: Form::HalfMask },
+        Action::Set { parameter: Parameter::Gain, value: 1.5 },
+    ];
+    let beginning = Beginning { changes, ..Beginning::default() };
+    let mut film = Film::new("sample:octopus".into(), TUNE.into(), beginning, output);
+    film.duration_secs = Some(clip.secs);
+    let report = film::make(film, terminal)?;
+    terminal.wrote(&out)?;
+    terminal.note(report);
+    Ok(())
 }

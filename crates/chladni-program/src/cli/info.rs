@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use chladni_mesh::{Estimate, HealthReport, Known, Topology};
+use chladni_mesh::{Estimate, HealthReport, Known, ShapeSource, Topology};
 use serde::Serialize;
 
-use super::{Failure, Terminal};
-use crate::source;
+use super::Terminal;
+use crate::work::{Error, Warning, Watcher};
 
 /// Report what a mesh file holds and how sound it is.
 #[derive(clap::Args)]
@@ -38,15 +38,15 @@ struct Stands {
 
 impl Info {
     /// Prints the report.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let (report, mended, found) = terminal.watch("reading the mesh", |task| {
-            let loaded = source::named(&self.mesh).map_err(Failure::BadInput)?;
+            let loaded = ShapeSource::named(&self.mesh).load(None)?;
             let mended: Vec<String> = loaded.mended.iter().map(ToString::to_string).collect();
-            let found = Estimate::of(&loaded.mesh, Known::default(), task).map_err(|_| Failure::Cancelled)?;
-            Ok::<_, Failure>((loaded.health(), mended, found))
+            let found = Estimate::of(&loaded.mesh, Known::default(), task)?;
+            Ok::<_, Error>((loaded.health(), mended, found))
         })?;
         for line in &mended {
-            terminal.warn(format_args!("{}: {line}", self.mesh.display()));
+            terminal.warn(Warning::of(self.mesh.display(), line));
         }
         if self.json {
             let stands = Stands {

@@ -9,7 +9,7 @@ use chladni_caricature::{
 use chladni_harmonics::Laplacian;
 use chladni_match::{Method, Scaling, Settings, load_landmarks};
 
-use super::Failure;
+use crate::work::Error;
 
 /// How a layer exaggerates.
 #[derive(clap::Args, Clone, Debug)]
@@ -90,7 +90,7 @@ fn method(text: &str) -> Result<Method, String> {
 
 impl LayerOptions {
     /// The layer called `name` with these options, for `project`.
-    pub fn layer(&self, name: &str, template: Template, project: &Project) -> Result<Layer, Failure> {
+    pub fn layer(&self, name: &str, template: Template, project: &Project) -> Result<Layer, Error> {
         let paper = project.laplacian == Laplacian::Cotangent;
         let usual = if paper { Layer::paper(name, template) } else { Layer::new(name, template) };
         let painted =
@@ -105,10 +105,9 @@ impl LayerOptions {
         let mut matching = Settings { seed: self.seed, scaling: scaling(self.rigid), ..Settings::default() };
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
-            matching.landmarks = load_landmarks(path).map_err(Failure::input)?;
+            matching.landmarks = load_landmarks(path)?;
         }
-        let rough = !paper && usual.template.is_mesh() && matching.method != Method::Same && mu < 0.0;
-        let curve = || if rough { ScaleCurve::smooth() } else { ScaleCurve::flat(1.0) };
+        let curve = project.usual_curve(&usual.template, matching.method, mu);
         let layer = Layer {
             matching,
             infill: self.infill.unwrap_or(usual.infill),
@@ -116,10 +115,10 @@ impl LayerOptions {
             mu,
             strength: self.strength,
             region: Region { painted, smoothing },
-            curve: self.scale_curve.clone().unwrap_or_else(curve),
+            curve: self.scale_curve.clone().unwrap_or(curve),
             ..usual
         };
-        layer.validate().map_err(Failure::input)?;
+        layer.validate()?;
         Ok(layer)
     }
 }

@@ -16,11 +16,10 @@ use chladni_task::Task;
 use chladni_view::{Camera, ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, View, render_picture};
 use serde::Serialize;
 
+use super::Terminal;
 use super::layer_options::scaling;
-use super::outputs::{check_file, check_picture};
-use super::stance::Stance;
-use super::{Failure, Terminal};
-use crate::source;
+use crate::work::outputs::{check_file, check_picture};
+use crate::work::{Error, Stance, Warning, Watcher, source};
 
 /// Find the point of a template that belongs to each vertex of a shape, and say how good it is.
 #[derive(clap::Args)]
@@ -105,20 +104,20 @@ struct Printed<'a> {
 
 impl MatchShapes {
     /// Matches, writes what was asked for and prints the report.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.check()?;
-        let shape = self.load(&self.shape, terminal)?;
+        let shape = source::mesh(&self.shape, terminal)?;
         let start = Instant::now();
         let found = terminal.watch("matching", |task| self.find(&shape, terminal, task))?;
         let seconds = start.elapsed().as_secs_f64();
         if let Some(path) = &self.output {
-            save(path, &found.correspondence).map_err(|error| Failure::writing(path, error))?;
+            save(path, &found.correspondence).map_err(|error| Error::unwritten(path, error))?;
         }
         if let Some(path) = &self.render {
             draw(path, &self.shape.display().to_string(), &shape, &found.correspondence, terminal)?;
         }
         for warning in &found.report.warnings {
-            terminal.warn(warning);
+            terminal.warn(Warning::Told(warning.clone()));
         }
         if self.json {
             return terminal.json(&Printed { report: &found.report, seconds });
@@ -128,28 +127,17 @@ impl MatchShapes {
     }
 
     /// Before any work: is what was asked for possible, and can it be written?
-    fn check(&self) -> Result<(), Failure> {
+    fn check(&self) -> Result<(), Error> {
         let of_mesh = self.template.is_some() || self.landmarks.is_some() || self.rigid;
         if !matches!(self.method, How::Mesh(_)) && of_mesh {
-            return Err(Failure::input("this method takes neither a template, landmarks nor --rigid"));
+            return Err(Error::input("this method takes neither a template, landmarks nor --rigid"));
         }
         self.output.as_deref().map_or(Ok(()), check_file)?;
         self.render.as_deref().map_or(Ok(()), check_picture)
     }
 
-    fn load(&self, path: &Path, terminal: &Terminal) -> Result<TriMesh, Failure> {
-        let loaded = source::named(path).map_err(Failure::BadInput)?;
-        for mended in &loaded.mended {
-            terminal.warn(format_args!("{}: {mended}", path.display()));
-        }
-        Ok(loaded.mesh)
-    }
-
-    fn find(&self, shape: &TriMesh, terminal: &Terminal, task: &Task) -> Result<Match, Failure> {
-        let failed = |error| match error {
-            MatchError::Cancelled(cancelled) => Failure::from(cancelled),
-            other => Failure::input(format!("{}: {other}", self.names())),
-        };
+    fn find(&self, shape: &TriMesh, terminal: &Terminal, task: &Task) -> Result<Match, Error> {
+        let failed = |error: MatchError| Error::from(error).of(self.names());
         let alone = |correspondence: Result<Correspondence, MatchError>| {
             let correspondence = correspondence.map_err(failed)?;
             let report = Report::without_template(shape, &correspondence).map_err(failed)?;
@@ -158,11 +146,11 @@ impl MatchShapes {
         match self.method {
             How::Mesh(method) => {
                 let path = self.template.as_ref().ok_or_else(|| {
-                    Failure::input("this method needs a template: chladni match SHAPE TEMPLATE")
+                    Error::input("this method needs a template: chladni match SHAPE TEMPLATE")
                 })?;
-                let template = self.load(path, terminal)?;
+                let template = source::mesh(path, terminal)?;
                 let landmarks = match &self.landmarks {
-                    Some(path) => load_landmarks(path).map_err(Failure::input)?,
+                    Some(path) => load_landmarks(path)?,
                     None => Vec::new(),
                 };
                 let scaling = scaling(self.rigid);
@@ -179,11 +167,10 @@ impl MatchShapes {
                 let (pieces, vertices) = (welded.topology.components, welded.vertices);
                 let harmonics = k0.max(1).saturating_add(pieces.saturating_sub(1));
                 if harmonics > vertices {
-                    return Err(Failure::input(HarmonicsError::BadHarmonicCount { harmonics, vertices }));
+                    return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices }.into());
                 }
-                let body =
-                    Body::build(shape, &BasisSettings::new(harmonics), task).map_err(Failure::input)?;
-                alone(Ok(self_low_passed(&body, &shape.positions, k0).map_err(Failure::input)?))
+                let body = Body::build(shape, &BasisSettings::new(harmonics), task)?;
+                alone(Ok(self_low_passed(&body, &shape.positions, k0)?))
             }
         }
     }
@@ -216,7 +203,7 @@ fn draw(
     shape: &TriMesh,
     found: &Correspondence,
     terminal: &Terminal,
-) -> Result<(), Failure> {
+) -> Result<(), Error> {
     let narrow =
         |points: &[[f64; 3]]| -> Vec<[f32; 3]> { points.iter().map(|p| p.map(|x| x as f32)).collect() };
     let (rest, laid) = (narrow(&shape.positions), narrow(&found.target));
@@ -233,12 +220,12 @@ fn draw(
         PictureShape { colors: Some(&colors), ..shown(&laid) },
         shown(&laid),
     ];
-    let gpu = Gpu::headless().map_err(Failure::other)?;
+    let gpu = Gpu::headless()?;
     let stands = Stance::default().of(name, shape, None, None, terminal)?;
     let from = Camera::on(stands, View::ThreeQuarter);
     let request = PictureRequest { shapes: &shapes, width: 1600, height: 500, from, style: Style::default() };
-    let png = render_picture(&gpu, &request).and_then(|picture| picture.to_png()).map_err(Failure::other)?;
-    chladni_task::write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
+    let png = render_picture(&gpu, &request).and_then(|picture| picture.to_png())?;
+    chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
 }
 
 /// A colour for each place in the bounding box, so that the same colour means the same vertex.

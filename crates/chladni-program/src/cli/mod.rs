@@ -2,21 +2,16 @@
 
 mod basis;
 mod beats;
-mod bench;
-mod cache;
 mod caricature;
 mod choose_file;
-pub mod dance;
+mod dance;
 mod demo;
-mod failure;
 mod info;
-mod inputs;
 mod layer_options;
 mod match_shapes;
 mod open;
-mod outputs;
+mod portrait;
 mod project;
-mod sculpture;
 mod sheet;
 mod spectrum;
 mod stance;
@@ -25,9 +20,9 @@ mod terminal;
 
 use clap::{Parser, Subcommand};
 
-pub use cache::basis_cache;
-pub use failure::Failure;
 pub use terminal::Terminal;
+
+use crate::work::Error;
 
 /// Plays the natural vibrations of 3D shapes.
 ///
@@ -56,8 +51,7 @@ enum Command {
     Beats(beats::Beats),
     Spectrum(spectrum::Spectrum),
     Symmetry(symmetry::SymmetryCommand),
-    Bench(bench::Bench),
-    #[command(hide = true, name = crate::studio::CHOOSE_FILE)]
+    #[command(hide = true, name = crate::window::CHOOSE_FILE)]
     ChooseFile(choose_file::ChooseFile),
 }
 
@@ -76,9 +70,9 @@ where
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
-            let failure = Failure::input(in_one_line(&error));
-            Terminal::new(false).error(&failure);
-            return failure.exit_code();
+            let error = Error::Input(in_one_line(&error));
+            Terminal::new(false).error(&error);
+            return exit_code(&error);
         }
         Err(help_or_version) => {
             let _ = help_or_version.print();
@@ -92,11 +86,16 @@ where
     };
     match done {
         Ok(()) => 0,
-        Err(failure) => {
-            terminal.error(&failure);
-            failure.exit_code()
+        Err(error) => {
+            terminal.error(&error);
+            exit_code(&error)
         }
     }
+}
+
+/// 2 for bad input or arguments, 1 for anything else.
+pub fn exit_code(error: &Error) -> u8 {
+    if error.is_of_input() { 2 } else { 1 }
 }
 
 /// What is wrong with the arguments and what was perhaps meant, without the usage that follows.
@@ -123,21 +122,12 @@ fn in_one_line(error: &clap::Error) -> String {
     format!("{} (--help lists what there is)", said.strip_prefix("error: ").unwrap_or(&said))
 }
 
-/// Runs the words of another command as if they were typed: for commands made of others.
-fn follow(words: &[std::ffi::OsString], terminal: &Terminal) -> Result<(), Failure> {
-    let name = std::ffi::OsString::from("chladni");
-    let cli = Cli::try_parse_from(std::iter::once(&name).chain(words))
-        .map_err(|error| Failure::other(in_one_line(&error)))?;
-    cli.command.map_or(Ok(()), |command| command.run(terminal))
-}
-
 impl Command {
-    fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    fn run(self, terminal: &Terminal) -> Result<(), Error> {
         match self {
             Self::Open(command) => command.run(terminal),
             Self::ChooseFile(command) => command.run(terminal),
             Self::Basis(args) => args.run(terminal),
-            Self::Bench(bench) => bench.run(terminal),
             Self::Match(command) => command.run(terminal),
             Self::Info(info) => info.run(terminal),
             Self::Demo(demo) => demo.run(terminal),

@@ -1,12 +1,10 @@
 //! `chladni open FILE…`: the window.
 
-use std::cell::RefCell;
 use std::path::PathBuf;
-use std::rc::Rc;
-use std::time::Instant;
 
-use super::{Failure, Terminal};
-use crate::studio::{self, FirstPicture, Measure};
+use super::Terminal;
+use crate::window::{self, Until};
+use crate::work::Error;
 
 /// Open the window, on files where some are given.
 #[derive(clap::Args, Default)]
@@ -23,31 +21,14 @@ pub struct Open {
     until_picture: bool,
 }
 
-/// What `--until-picture` prints.
-#[derive(serde::Serialize)]
-struct Start {
-    first_picture_secs: f64,
-}
-
 impl Open {
     /// Returns when the window is closed.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let measure = self.measure.map(|secs| Rc::new(RefCell::new(Measure::new(secs))));
-        let first_picture = self.until_picture.then(|| Rc::new(FirstPicture::since(Instant::now())));
-        studio::open(self.files, measure.clone(), first_picture.clone()).map_err(Failure::other)?;
-        if let Some(first_picture) = first_picture {
-            return match first_picture.outcome() {
-                Some(Ok(first_picture_secs)) => terminal.json(&Start { first_picture_secs }),
-                Some(Err(why)) => Err(Failure::BadInput(why)),
-                None => Err(Failure::other("the window was closed before a shape was seen")),
-            };
-        }
-        match measure {
-            Some(measure) => match measure.borrow().report() {
-                Some(report) => terminal.json(&report),
-                None => Err(Failure::other("the window was closed before a song was heard")),
-            },
-            None => Ok(()),
-        }
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        let until = match self.measure {
+            Some(secs) => Until::Measured(secs),
+            None if self.until_picture => Until::Picture,
+            None => Until::Closed,
+        };
+        window::open(self.files, until)?.map_or(Ok(()), |outcome| terminal.json(&outcome))
     }
 }

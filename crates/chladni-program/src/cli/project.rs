@@ -1,16 +1,17 @@
 //! `chladni project`: make, change and read caricature projects without the window.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use chladni_caricature::{DEFAULT_HARMONICS, FORMAT_VERSION, Layer, Painted, Project, ShapeSource, Template};
 use chladni_harmonics::{Laplacian, Operator};
 use serde::Serialize;
 
-use super::inputs::{laplacian, open_mesh};
+use super::Terminal;
 use super::layer_options::LayerOptions;
-use super::outputs::check_file;
-use super::stance::Stance;
-use super::{Failure, Terminal};
+use super::stance::StanceOptions;
+use crate::work::body::laplacian;
+use crate::work::outputs::check_file;
+use crate::work::{Error, Stance, source, template_mesh};
 
 /// Make, change and read caricature projects.
 #[derive(clap::Subcommand)]
@@ -35,7 +36,7 @@ pub struct New {
     #[arg(short = 'k', long, value_name = "K", default_value_t = DEFAULT_HARMONICS)]
     harmonics: usize,
     #[command(flatten)]
-    stance: Stance,
+    stance: StanceOptions,
     /// Paper mode: the papers' plain cotangent Laplacian, which not every mesh can have; its layers
     /// begin with the caricature paper's settings.
     #[arg(long)]
@@ -69,18 +70,9 @@ pub struct Show {
     json: bool,
 }
 
-/// The project at `path`; says so where it was made by an older program.
-pub fn opened(path: &Path, terminal: &Terminal) -> Result<Project, Failure> {
-    let project = Project::load(path).map_err(Failure::input)?;
-    if let Some(told) = project.taken_over() {
-        terminal.warn(format_args!("{}: {told}", path.display()));
-    }
-    Ok(project)
-}
-
 impl ProjectCommand {
     /// Does what was asked for.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         match self {
             Self::New(new) => new.run(terminal),
             Self::AddLayer(add) => add.run(terminal),
@@ -90,50 +82,45 @@ impl ProjectCommand {
 }
 
 impl New {
-    fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    fn run(self, terminal: &Terminal) -> Result<(), Error> {
         if self.output.extension().is_none_or(|e| e != "chladni") {
-            return Err(Failure::input(format_args!(
-                "{}: a project ends in .chladni",
-                self.output.display()
-            )));
+            return Err(Error::input(format_args!("{}: a project ends in .chladni", self.output.display())));
         }
         if self.output.exists() {
             // Hours of painting may be in it.
-            return Err(Failure::input(format_args!("{}: exists already", self.output.display())));
+            return Err(Error::input(format_args!("{}: exists already", self.output.display())));
         }
         check_file(&self.output)?;
         if self.harmonics == 0 {
-            return Err(Failure::input("the number of harmonics must be 1 or more"));
+            return Err(Error::input("the number of harmonics must be 1 or more"));
         }
         // A project on a shape that cannot be read helps nobody.
-        self.stance.check()?;
-        let mesh = open_mesh(&self.shape, terminal)?;
-        let shape: ShapeSource = self.shape.parse().map_err(Failure::input)?;
+        let stance = Stance::from(self.stance);
+        stance.check()?;
+        let mesh = source::mesh(&self.shape, terminal)?;
+        let shape: ShapeSource = self.shape.parse()?;
         let mut project = Project::new(shape, self.harmonics);
-        if self.stance.is_told() {
-            project.stands = Some(self.stance.of(&self.shape, &mesh, None, None, terminal)?);
+        if stance.is_told() {
+            project.stands = Some(stance.of(&self.shape, &mesh, None, None, terminal)?);
         }
         project.laplacian = laplacian(self.paper);
         if self.paper {
             // Told now rather than with the first layer.
-            Operator::with(&mesh, project.laplacian)
-                .map_err(|error| Failure::input(format_args!("{}: {error}", self.shape)))?;
+            Operator::with(&mesh, project.laplacian).map_err(|error| Error::from(error).of(&self.shape))?;
         }
-        project.save(&self.output).map_err(Failure::other)?;
+        project.save(&self.output).map_err(Error::unsaved)?;
         terminal.wrote(&self.output)
     }
 }
 
 impl AddLayer {
-    fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let mut project = opened(&self.project, terminal)?;
-        if self.template.is_mesh() {
-            open_mesh(&self.template.to_string(), terminal)?;
-        }
+    fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        let mut project = source::project(&self.project, terminal)?;
+        template_mesh(&self.template, terminal)?;
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
         let layer = self.layer.layer(&name, self.template, &project)?;
-        project.push(layer).map_err(Failure::input)?;
-        project.save(&self.project).map_err(Failure::other)?;
+        project.push(layer)?;
+        project.save(&self.project).map_err(Error::unsaved)?;
         let layers = project.layers().len();
         let noun = if layers == 1 { "layer" } else { "layers" };
         terminal.result(format_args!("{} has {layers} {noun}", self.project.display()))
@@ -211,8 +198,8 @@ impl ShownLayer {
 }
 
 impl Show {
-    fn run(self, terminal: &Terminal) -> Result<(), Failure> {
-        let project = opened(&self.project, terminal)?;
+    fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        let project = source::project(&self.project, terminal)?;
         let shown = Shown {
             format_version: FORMAT_VERSION,
             shape: project.shape.to_string(),

@@ -6,10 +6,10 @@ use chladni_view::{
     render_placed,
 };
 
-use super::Failure;
+use crate::work::Error;
 
 /// Which panels a picture has; without either, the shape before and after.
-#[derive(clap::Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug, Default)]
 pub struct SheetOptions {
     /// The panels of a row of the picture, in this order.
     #[arg(long, value_delimiter = ',', value_name = "PANEL", requires = "render")]
@@ -58,28 +58,18 @@ impl Portrayed {
     }
 }
 
-/// The most dots that stand for a shape: more would be a black area.
-const DOTS: usize = 2500;
-
-/// Some of `positions` as black dots.
-pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
-    let step = positions.len().div_ceil(DOTS).max(1);
-    let dot = |position| Marker { position, radius_px: 1.2, color: [0, 0, 0, 255] };
-    positions.step_by(step).map(dot).collect()
-}
-
 /// Draws rows of shapes with the same triangles, seen from where `camera` looks, fitted to all.
 pub fn draw(
     rows: &[Vec<Portrayed>],
     triangles: &[[u32; 3]],
     mut camera: Camera,
     [width, height]: [u32; 2],
-) -> Result<Picture, Failure> {
+) -> Result<Picture, Error> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;
     let (cell_width, cell_height) = ((width / columns).max(1), (height / rows.len().max(1) as u32).max(1));
     let all = rows.iter().flatten().flat_map(|panel| panel.positions.iter().copied());
     camera.fit(all, cell_width as f32 / cell_height as f32, 0.92);
-    let mut renderer = Renderer::new(&Gpu::headless().map_err(Failure::other)?);
+    let mut renderer = Renderer::new(&Gpu::headless()?);
     let style = Style::default();
     let mut sheet = Picture::filled(width, height, [255; 4]);
     for (row, panels) in (0..).zip(rows) {
@@ -100,8 +90,7 @@ pub fn draw(
                 style,
             };
             let cell = Rect::of_size(cell_width, cell_height);
-            let picture =
-                render_placed(&mut renderer, &request, &[(cell, camera)]).map_err(Failure::other)?;
+            let picture = render_placed(&mut renderer, &request, &[(cell, camera)])?;
             sheet.paste(&picture, column * cell_width, row * cell_height);
         }
     }

@@ -6,10 +6,9 @@ use chladni_sound::{FrontEnd, Level, Song, SoundError, SpectrumAnalyser, Spectru
 use chladni_task::Task;
 use clap::Args;
 
-use super::beats::sound_failure;
-use super::inputs::open_song;
-use super::outputs::check_picture;
-use super::{Failure, Terminal};
+use super::Terminal;
+use crate::work::outputs::check_picture;
+use crate::work::{Error, Watcher, source};
 
 /// Show the middle and side spectra of a song over time.
 #[derive(Args)]
@@ -62,9 +61,9 @@ const PICTURE_COLUMNS: f64 = 1200.0;
 
 impl Spectrum {
     /// Runs the command.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.render.as_deref().map_or(Ok(()), check_picture)?;
-        let song = open_song(&self.song, self.start, self.duration, terminal)?;
+        let song = source::song(&self.song, self.start, self.duration, terminal)?;
         let settings = SpectrumSettings {
             bands: self.bands,
             front_end: if self.linear { FrontEnd::Linear } else { FrontEnd::LogBands },
@@ -75,35 +74,34 @@ impl Spectrum {
         };
         let fps = match (self.fps, &self.render) {
             (Some(fps), _) if fps.is_finite() && (0.1..=1000.0).contains(&fps) => fps,
-            (Some(_), _) => return Err(Failure::input("--fps must lie between 0.1 and 1000")),
+            (Some(_), _) => return Err(Error::input("--fps must lie between 0.1 and 1000")),
             (None, Some(_)) => (PICTURE_COLUMNS / song.duration_secs().max(0.1)).min(200.0),
             (None, None) => JSON_FPS,
         };
-        let mut analyser = SpectrumAnalyser::new(settings).map_err(Failure::input)?;
-        let frames = terminal
-            .watch("spectrum", |task| analyse(&song, &mut analyser, fps, self.start, task))
-            .map_err(sound_failure)?;
+        let mut analyzer = SpectrumAnalyser::new(settings)?;
+        let frames =
+            terminal.watch("spectrum", |task| analyze(&song, &mut analyzer, fps, self.start, task))?;
         match &self.render {
             Some(path) => {
-                let picture = picture::spectrogram(&frames).map_err(Failure::other)?;
-                chladni_task::write_atomic(path, &picture).map_err(|error| Failure::writing(path, error))?;
+                let picture = picture::spectrogram(&frames).map_err(Error::other)?;
+                chladni_task::write_atomic(path, &picture).map_err(|error| Error::unwritten(path, error))?;
                 terminal.wrote(path)
             }
-            None => print_json(terminal, &song, &analyser, &frames),
+            None => print_json(terminal, &song, &analyzer, &frames),
         }
     }
 }
 
 /// Frame i shows the window centred on i / fps.
-fn analyse(
+fn analyze(
     song: &Song,
-    analyser: &mut SpectrumAnalyser,
+    analyzer: &mut SpectrumAnalyser,
     fps: f64,
     start_secs: f64,
     task: &Task,
 ) -> Result<Vec<Frame>, SoundError> {
     let rate_hz = f64::from(song.rate_hz);
-    let n = analyser.window_frames();
+    let n = analyzer.window_frames();
     let count = (song.duration_secs() * fps).ceil() as u64;
     let stage = task.stage("spectrum", count);
     let (mut left, mut right) = (vec![0.0; n], vec![0.0; n]);
@@ -114,7 +112,7 @@ fn analyse(
         let time_secs = i as f64 / fps;
         let centre = (time_secs * rate_hz).round() as i64;
         song.window_ending_at(centre + n as i64 / 2, &mut left, &mut right);
-        let spectrum = analyser.analyse(&left, &right, 1.0 / fps);
+        let spectrum = analyzer.analyse(&left, &right, 1.0 / fps);
         frames.push(Frame {
             time_secs: start_secs + time_secs,
             mid: rounded(&spectrum.mid),
@@ -129,18 +127,18 @@ fn analyse(
 fn print_json(
     terminal: &Terminal,
     song: &Song,
-    analyser: &SpectrumAnalyser,
+    analyzer: &SpectrumAnalyser,
     frames: &[Frame],
-) -> Result<(), Failure> {
-    let json = |value: &[f32]| serde_json::to_string(value).map_err(Failure::other);
+) -> Result<(), Error> {
+    let json = |value: &[f32]| serde_json::to_string(value).map_err(Error::other);
     terminal.result(format_args!(
         "{{\"rate_hz\": {}, \"bands_hz\": {}, \"frames\": [",
         song.rate_hz,
-        json(analyser.bands_hz())?
+        json(analyzer.bands_hz())?
     ))?;
     for (i, frame) in frames.iter().enumerate() {
         let comma = if i + 1 < frames.len() { "," } else { "" };
-        terminal.result(format_args!("{}{comma}", serde_json::to_string(frame).map_err(Failure::other)?))?;
+        terminal.result(format_args!("{}{comma}", serde_json::to_string(frame).map_err(Error::other)?))?;
     }
     terminal.result("]}")
 }

@@ -4,16 +4,17 @@ use std::path::{Path, PathBuf};
 
 use chladni_harmonics::Body;
 use chladni_mesh::{Estimate, Known, Orientation};
-use chladni_music::{Class, Symmetry, SymmetryMethod, SymmetrySettings};
+use chladni_music::{Class, Symmetry, SymmetryMethod};
 use chladni_view::{
     Camera, ColorMap, Gpu, Marker, PictureRequest, PictureShape, Scale, Style, View, render_picture,
 };
 use serde::Serialize;
 
-use super::inputs::{build_body, laplacian, open_mesh};
-use super::outputs::check_picture;
-use super::{Failure, Terminal};
-use crate::symmetry_figure::figure_markers;
+use super::Terminal;
+use crate::work::body::{self, laplacian};
+use crate::work::dancer::classes;
+use crate::work::outputs::check_picture;
+use crate::work::{Error, Watcher, figure_markers, source};
 
 /// Tell symmetric from antisymmetric harmonics.
 #[derive(clap::Args)]
@@ -57,23 +58,18 @@ struct Report {
 
 impl SymmetryCommand {
     /// Classifies and prints.
-    pub fn run(self, terminal: &Terminal) -> Result<(), Failure> {
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.render.as_deref().map_or(Ok(()), check_picture)?;
-        let mesh = open_mesh(&self.mesh, terminal)?;
-        let (body, _) = build_body(&self.mesh, &mesh, self.harmonics, laplacian(self.paper), terminal)?;
-        let settings = SymmetrySettings { by_vote: self.paper, ..SymmetrySettings::default() };
+        let mesh = source::mesh(&self.mesh, terminal)?;
+        let (body, _) = body::build(&self.mesh, &mesh, self.harmonics, laplacian(self.paper), terminal)?;
         let symmetry = terminal
-            .watch("finding the mirror", |task| Symmetry::with(&body, &settings, task))
-            .map_err(|error| match error {
-                chladni_music::Error::Cancelled(_) => Failure::Cancelled,
-                error => Failure::BadInput(format!("{}: {error}", self.mesh)),
-            })?;
+            .watch("finding the mirror", |task| classes(&body, self.paper, task))
+            .map_err(|error| error.of(&self.mesh))?;
         if let Some(path) = &self.render {
             let stands = terminal
                 .watch("finding which way is up", |task| {
                     Estimate::of_surface(&body.positions, &body.triangles, Known::default(), task)
-                })
-                .map_err(|_| Failure::Cancelled)?
+                })?
                 .orientation;
             draw(path, &body, &symmetry, stands)?;
         }
@@ -127,7 +123,7 @@ fn report(body: &Body, symmetry: &Symmetry) -> Report {
 
 /// First how often each vertex is an extremum, with both ends of a pair in one colour; then the
 /// first harmonics: warm markers above for symmetric ones, cool for antisymmetric, grey for none.
-fn draw(path: &Path, body: &Body, symmetry: &Symmetry, stands: Orientation) -> Result<(), Failure> {
+fn draw(path: &Path, body: &Body, symmetry: &Symmetry, stands: Orientation) -> Result<(), Error> {
     const SHOWN: usize = 11;
     let rotated = symmetry.rotated(body);
     let basis = &*rotated.basis;
@@ -164,9 +160,9 @@ fn draw(path: &Path, body: &Body, symmetry: &Symmetry, stands: Orientation) -> R
         markers: flag,
         ..shape
     }));
-    let gpu = Gpu::headless().map_err(Failure::other)?;
+    let gpu = Gpu::headless()?;
     let request = PictureRequest { shapes: &shapes, width: 1280, height: 960, from, style: Style::default() };
-    let picture = render_picture(&gpu, &request).map_err(Failure::other)?;
-    let png = picture.to_png().map_err(Failure::other)?;
-    chladni_task::write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
+    let picture = render_picture(&gpu, &request)?;
+    let png = picture.to_png()?;
+    chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
 }

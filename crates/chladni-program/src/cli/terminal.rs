@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -9,7 +10,7 @@ use std::time::{Duration, Instant};
 use chladni_task::Task;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::Failure;
+use crate::work::{Error, Warning, Watcher};
 
 /// Work shorter than this shows no progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -18,8 +19,6 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub struct Terminal {
     quiet: bool,
     task: Task,
-    /// The warnings, where nobody sits before it.
-    unheard: Option<Mutex<Vec<String>>>,
 }
 
 /// What Ctrl-C cancels: the task of the command that runs.
@@ -42,73 +41,58 @@ impl Terminal {
                 }
             });
         }
-        Self { quiet, task, unheard: None }
-    }
-
-    /// Nobody's terminal: nothing is printed, `task` is watched and cancelled elsewhere, and
-    /// [`unheard`](Self::unheard) has the warnings.
-    pub fn nobodys(task: &Task) -> Self {
-        Self { quiet: true, task: task.clone(), unheard: Some(Mutex::default()) }
-    }
-
-    /// What nobody was warned of.
-    pub fn unheard(self) -> Vec<String> {
-        self.unheard.map_or_else(Vec::new, |lines| lines.into_inner().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// The task of this command: hand it to long work.
-    pub fn task(&self) -> &Task {
-        &self.task
+        Self { quiet, task }
     }
 
     /// Prints one line of the result to standard output.
     ///
     /// A reader who has had enough, such as `head`, is no failure: what remains to be done is done.
-    pub fn result(&self, line: impl Display) -> Result<(), Failure> {
-        match &self.unheard {
-            Some(_) => Ok(()),
-            None => match writeln!(std::io::stdout().lock(), "{line}") {
-                Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-                written => written.map_err(Failure::other),
-            },
+    pub fn result(&self, line: impl Display) -> Result<(), Error> {
+        match writeln!(std::io::stdout().lock(), "{line}") {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+            written => written.map_err(Error::other),
         }
     }
 
     /// Prints a JSON value to standard output.
-    pub fn json(&self, value: &impl serde::Serialize) -> Result<(), Failure> {
-        let text = serde_json::to_string_pretty(value).map_err(Failure::other)?;
-        self.result(text)
+    pub fn json(&self, value: &impl serde::Serialize) -> Result<(), Error> {
+        self.result(serde_json::to_string_pretty(value).map_err(Error::other)?)
+    }
+
+    /// Tells of a file that now holds a result.
+    pub fn wrote(&self, path: &Path) -> Result<(), Error> {
+        self.result(format_args!("wrote {}", path.display()))
     }
 
     /// A line for the person at the terminal, on standard error.
     pub fn note(&self, line: impl Display) {
-        if self.unheard.is_none() {
-            // A closed standard error leaves nobody to tell.
-            let _ = writeln!(std::io::stderr().lock(), "{line}");
-        }
-    }
-
-    /// Something was mended or is not as asked, but work goes on.
-    pub fn warn(&self, line: impl Display) {
-        match &self.unheard {
-            Some(lines) => lines.lock().unwrap_or_else(PoisonError::into_inner).push(line.to_string()),
-            None => self.note(format_args!("warning: {line}")),
-        }
+        // A closed standard error leaves nobody to tell.
+        let _ = writeln!(std::io::stderr().lock(), "{line}");
     }
 
     /// The one line with which a command fails.
-    pub fn error(&self, failure: &Failure) {
-        self.note(format_args!("chladni: {failure}"));
+    pub fn error(&self, error: &Error) {
+        self.note(format_args!("chladni: {error}"));
+    }
+}
+
+impl Watcher for Terminal {
+    fn task(&self) -> &Task {
+        &self.task
     }
 
-    /// Runs `work` and draws its progress once it has taken over a second.
-    pub fn watch<T>(&self, label: &str, work: impl FnOnce(&Task) -> T) -> T {
+    fn warn(&self, warning: Warning) {
+        self.note(format_args!("warning: {warning}"));
+    }
+
+    /// Draws the progress once the part has taken over a second.
+    fn watch<T>(&self, label: &str, part: impl FnOnce(&Task) -> T) -> T {
         let done = Arc::new(AtomicBool::new(false));
         let watcher = (!self.quiet).then(|| {
             let (task, done, label) = (self.task.clone(), Arc::clone(&done), label.to_owned());
             std::thread::spawn(move || draw_progress(&label, &task, &done))
         });
-        let value = work(&self.task);
+        let value = part(&self.task);
         done.store(true, Ordering::Release);
         if let Some(watcher) = watcher {
             watcher.thread().unpark();

@@ -4,23 +4,14 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use chladni_task::{Progress, Task};
 
+use crate::work::Error;
+
 /// One piece of work on its own thread.
 #[derive(Debug)]
 pub struct Job<T> {
     label: String,
     task: Task,
-    result: Receiver<T>,
-}
-
-/// What has become of a [`Job`].
-#[derive(Debug)]
-pub enum Outcome<T> {
-    /// Still at work.
-    Running,
-    /// Done; the result is handed out once.
-    Done(T),
-    /// The thread ended without a result: a bug in the work, to be shown as such.
-    Lost,
+    result: Receiver<Result<T, Error>>,
 }
 
 impl<T: Send + 'static> Job<T> {
@@ -28,7 +19,7 @@ impl<T: Send + 'static> Job<T> {
     pub fn start(
         label: impl Into<String>,
         ctx: &egui::Context,
-        work: impl FnOnce(&Task) -> T + Send + 'static,
+        work: impl FnOnce(&Task) -> Result<T, Error> + Send + 'static,
     ) -> Self {
         let (task, (sender, result)) = (Task::new(), channel());
         let (worker, ctx) = (task.clone(), ctx.clone());
@@ -40,12 +31,13 @@ impl<T: Send + 'static> Job<T> {
         Self { label: label.into(), task, result }
     }
 
-    /// Looks, without waiting, whether the result is there.
-    pub fn poll(&self) -> Outcome<T> {
+    /// What came of it, handed out once; `None` while it goes on. [`Error::BrokeOff`] where the thread ended
+    /// without a result.
+    pub fn ended(&self) -> Option<Result<T, Error>> {
         match self.result.try_recv() {
-            Ok(value) => Outcome::Done(value),
-            Err(TryRecvError::Empty) => Outcome::Running,
-            Err(TryRecvError::Disconnected) => Outcome::Lost,
+            Ok(result) => Some(result),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Err(Error::BrokeOff(self.label.clone()))),
         }
     }
 }

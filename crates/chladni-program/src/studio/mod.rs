@@ -2,7 +2,6 @@
 //!
 //! Rooms read their engines' state and emit actions; only the engines change state.
 
-mod bodies;
 mod caricature;
 mod choose;
 mod closing;
@@ -26,7 +25,7 @@ mod viewport;
 mod window_painter;
 
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
@@ -49,6 +48,8 @@ use pictures::Pictures;
 use room::{Room, Shared};
 use shortcut::Shortcut;
 use window_painter::WindowPainter;
+
+use crate::work::source::from_anywhere;
 
 /// Why the window did not open.
 #[derive(Debug, thiserror::Error)]
@@ -141,11 +142,6 @@ pub struct PlayedFrame {
     pub on_stage: bool,
     /// Of the mapping's first term, of the first item.
     pub coefficients: Vec<f32>,
-}
-
-/// What shapes look like until somebody chooses otherwise.
-pub fn first_looks() -> chladni_music::Looks {
-    music::Preferences::default().looks()
 }
 
 /// What a window opens with.
@@ -496,13 +492,6 @@ impl eframe::App for Studio {
     fn on_exit(&mut self) {
         self.rooms.iter_mut().for_each(|room| room.leave());
     }
-}
-
-/// A file by a name that holds whatever folder a project comes to lie in; samples keep theirs.
-fn from_anywhere(path: &Path) -> PathBuf {
-    let sample = path.to_str().is_some_and(|name| name.starts_with("sample:"));
-    let absolute = if sample { None } else { std::path::absolute(path).ok() };
-    absolute.unwrap_or_else(|| path.to_owned())
 }
 
 /// eframe asks for default limits only; a basis of a large shape needs what the adapter has.

@@ -1,11 +1,13 @@
 //! Short messages in the corner: what was done, what went wrong. Errors stay until they are read.
 
+use std::fmt::Display;
 use std::time::{Duration, Instant};
 
 use egui::accesskit::Live;
 
 use super::icon::{self, Icon};
 use super::theme;
+use crate::work::Error;
 
 /// How long a message that is no error stays.
 const LINGER: Duration = Duration::from_secs(6);
@@ -32,18 +34,26 @@ pub struct Notices {
 
 impl Notices {
     /// Something the user asked for is done.
-    pub fn done(&mut self, text: impl Into<String>) {
-        self.push(Kind::Done, text.into());
+    pub fn done(&mut self, text: impl Display) {
+        self.push(Kind::Done, text.to_string());
     }
 
     /// It went on, but not quite as asked.
-    pub fn warn(&mut self, text: impl Into<String>) {
-        self.push(Kind::Warning, text.into());
+    pub fn warn(&mut self, text: impl Display) {
+        self.push(Kind::Warning, text.to_string());
     }
 
     /// It failed; the text says what, where and why.
-    pub fn error(&mut self, text: impl Into<String>) {
-        self.push(Kind::Error, text.into());
+    pub fn error(&mut self, text: impl Display) {
+        self.push(Kind::Error, text.to_string());
+    }
+
+    /// Work was not done. Who stopped it knows; that is no error.
+    pub fn failed(&mut self, error: impl Into<Error>) {
+        match error.into() {
+            Error::Cancelled => self.done("Cancelled; no unfinished file is left."),
+            error => self.error(error),
+        }
     }
 
     /// The oldest error on screen.

@@ -9,7 +9,8 @@ use chladni_view::{
     Background, Camera, Gpu, Picture, PictureRequest, PictureShape, Style, View, render_picture,
 };
 
-use super::job::{Job, Outcome};
+use super::job::Job;
+use crate::work::source::sample_path;
 
 /// Pixels of a picture, twice its size on an ordinary screen.
 pub const SIZE: [u32; 2] = [328, 216];
@@ -34,7 +35,7 @@ impl Pictures {
     /// The picture of a sample shape; drawn beside the window the first time.
     pub fn of_sample(&mut self, ctx: &egui::Context, name: &'static str) -> Option<egui::TextureHandle> {
         let gpu = self.gpu.clone();
-        self.of(ctx, format!("sample:{name}"), move || portrait(&gpu, name))
+        self.of(ctx, sample_path(name).to_string_lossy().into_owned(), move || portrait(&gpu, name))
     }
 
     /// The picture that was kept of the file at `path`.
@@ -54,13 +55,14 @@ impl Pictures {
     ) {
         let Some(file) = self.file(path) else { return };
         self.held.remove(&*path.to_string_lossy());
-        self.keeping.retain(|job| matches!(job.poll(), Outcome::Running));
+        self.keeping.retain(|job| job.ended().is_none());
         self.keeping.push(Job::start("Keeping a picture", ctx, move |_| {
             let kept = || {
                 std::fs::create_dir_all(file.parent()?).ok()?;
                 chladni_task::write_atomic(&file, &draw()?.to_png().ok()?).ok()
             };
             kept();
+            Ok(())
         }));
     }
 
@@ -73,11 +75,12 @@ impl Pictures {
         if let Some(held) = self.held.get(&key) {
             return held.clone();
         }
-        match self.coming.as_ref().map(|(_, job)| job.poll()) {
-            None => self.coming = Some((key, Job::start("Drawing", ctx, move |_| make()))),
-            Some(Outcome::Running) => {}
-            Some(outcome) => {
-                let picture = if let Outcome::Done(picture) = outcome { picture } else { None };
+        match self.coming.as_ref().map(|(_, job)| job.ended()) {
+            None => self.coming = Some((key, Job::start("Drawing", ctx, move |_| Ok(make())))),
+            Some(None) => {}
+            Some(Some(drawn)) => {
+                // A picture that cannot be drawn is not missed.
+                let picture = drawn.ok().flatten();
                 let (done, _) = self.coming.take()?;
                 let texture = picture.map(|picture| upload(ctx, &done, &picture));
                 self.held.insert(done, texture);

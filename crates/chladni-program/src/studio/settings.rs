@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use chladni_task::read_text_file;
 use serde::{Deserialize, Serialize};
 
+use crate::work::HARMONICS;
+
 /// Recent files that the start screen shows at most.
 const RECENT: usize = 8;
 
@@ -30,7 +32,7 @@ impl Default for Settings {
         Self {
             light: false,
             zoom: 1.0,
-            harmonics: 512,
+            harmonics: HARMONICS,
             recent: Vec::new(),
             music: super::music::Preferences::default(),
         }

@@ -8,6 +8,7 @@ use egui::{Align, Align2, Layout, RichText, Sense, Stroke, StrokeKind, Ui, UiBui
 use super::icon::{self, Icon};
 use super::shortcut::Shortcut;
 use super::{Studio, theme};
+use crate::work::source::sample_path;
 
 /// Width of the column that everything stands in.
 const COLUMN: f32 = 704.0;
@@ -79,7 +80,7 @@ impl Studio {
             for name in SAMPLES {
                 let picture = self.pictures.of_sample(ui.ctx(), name);
                 if card(ui, picture.as_ref(), Icon::Box, &theme::capitalised(name)).clicked() {
-                    chosen = Some((0, vec![PathBuf::from(format!("sample:{name}"))]));
+                    chosen = Some((0, vec![sample_path(name)]));
                 }
             }
         });

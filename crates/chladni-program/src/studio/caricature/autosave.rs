@@ -6,6 +6,8 @@ use std::thread::JoinHandle;
 
 use chladni_caricature::{History, Project, Recovered, Recovery};
 
+use crate::work::Error;
+
 /// The least time between two copies.
 const INTERVAL_SECS: f64 = 2.0;
 
@@ -30,13 +32,13 @@ enum Order {
 
 impl Autosave {
     /// Copies go to `folder`; fails where it cannot be written.
-    pub fn start(folder: &Path) -> Result<Self, String> {
-        let recovery = Recovery::start(folder, std::process::id()).map_err(|error| error.to_string())?;
+    pub fn start(folder: &Path) -> Result<Self, Error> {
+        let recovery = Recovery::start(folder, std::process::id())?;
         let ((orders, inbox), (report, errors)) = (channel(), channel());
         let thread = std::thread::Builder::new()
             .name("autosave".into())
             .spawn(move || work(recovery, &inbox, &report))
-            .map_err(|error| format!("no thread to keep copies on: {error}"))?;
+            .map_err(|error| Error::other(format!("no thread to keep copies on: {error}")))?;
         let last_secs = f64::NEG_INFINITY;
         Ok(Self { orders: Some(orders), errors, thread: Some(thread), kept: None, last_secs })
     }

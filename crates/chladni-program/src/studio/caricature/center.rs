@@ -12,6 +12,7 @@ use super::stage::{self, BrushInHand, Look, Show, Shown, Stage};
 use super::{CaricatureRoom, single};
 use crate::studio::room::Shared;
 use crate::studio::{job, shortcut, theme};
+use crate::work::Error;
 
 impl CaricatureRoom {
     /// Draws it.
@@ -29,7 +30,7 @@ impl CaricatureRoom {
             self.toolbar(ui, shared);
             if let Some(preview) = &mut self.preview {
                 if let Err(why) = preview.show(ui, self.look, shared) {
-                    shared.notices.error(why);
+                    shared.notices.failed(why);
                 }
                 return;
             }
@@ -42,7 +43,7 @@ impl CaricatureRoom {
                 match self.thumbnails.update(shared.gpu, stage, session) {
                     Ok(true) => shared.ctx.request_repaint(),
                     Ok(false) => {}
-                    Err(error) => shared.notices.error(error.to_string()),
+                    Err(error) => shared.notices.failed(error),
                 }
             }
             let painting = if self.brush.smoothed { Painting::Smoothed } else { Painting::Raw };
@@ -51,7 +52,7 @@ impl CaricatureRoom {
             if let Some(picking) = &mut self.picking {
                 let confidence = self.heat.quantity() == Quantity::Confidence;
                 if let Err(why) = picking.show(ui, session, edits, (self.look, confidence), shared) {
-                    shared.notices.error(why);
+                    shared.notices.failed(why);
                     self.picking = None;
                 }
                 return;
@@ -59,7 +60,7 @@ impl CaricatureRoom {
             let shown = update_stage(session, stage, &mut self.heat, self.look, &mut self.stale)
                 .and_then(|()| show_stage(ui, shared, session, stage, &mut self.brush, self.look, edits));
             if let Err(why) = shown {
-                shared.notices.error(why);
+                shared.notices.failed(why);
             }
         });
     }
@@ -80,14 +81,12 @@ pub(super) fn update_stage(
     heat: &mut Heat,
     look: Look,
     stale: &mut bool,
-) -> Result<(), String> {
+) -> Result<(), Error> {
     if !std::mem::take(stale) && !heat.take_stale() {
         return Ok(());
     }
     let result = &session.evaluation.result;
-    stage
-        .set_figure(stage::RESULT, &single(&result.positions), &single(result.normals()))
-        .map_err(|error| error.to_string())?;
+    stage.set_figure(stage::RESULT, &single(&result.positions), &single(result.normals()))?;
     if look.show == Show::Models {
         let project = session.project().clone();
         let models = session.selected.and_then(|layer| session.stack.three_models(&project, layer));
@@ -97,12 +96,10 @@ pub(super) fn update_stage(
                 None => &result.positions,
             };
             let normals = single(&session.stack.surface().normals(positions));
-            stage
-                .set_figure(stage::MODELS + index, &single(positions), &normals)
-                .map_err(|error| error.to_string())?;
+            stage.set_figure(stage::MODELS + index, &single(positions), &normals)?;
         }
     }
-    stage.set_coating(heat.coating(session), look).map_err(|error| error.to_string())
+    stage.set_coating(heat.coating(session), look).map_err(Error::from)
 }
 
 fn show_stage(
@@ -113,7 +110,7 @@ fn show_stage(
     brush: &mut BrushTool,
     mut look: Look,
     edits: &mut Edits,
-) -> Result<(), String> {
+) -> Result<(), Error> {
     let rect = ui.available_rect_before_wrap();
     if ui.ctx().input(|input| input.key_down(Key::C)) && !shortcut::is_taken(ui.ctx(), Key::C) {
         look.show = Show::Original;
@@ -127,8 +124,7 @@ fn show_stage(
         brush: Brush { radius: f64::from(brush.radius), mirror },
         surface: session.stack.surface(),
     });
-    let Shown { response, presses, figure } =
-        stage.show(ui, gpu, rect, look, in_hand, &[]).map_err(|error| error.to_string())?;
+    let Shown { response, presses, figure } = stage.show(ui, gpu, rect, look, in_hand, &[])?;
     if let Some(layer) = session.selected.filter(|_| brush.active) {
         brush.paint(ui, &response, &presses, layer, edits);
     } else if response.clicked()

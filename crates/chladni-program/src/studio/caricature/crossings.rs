@@ -5,7 +5,8 @@ use std::sync::Arc;
 use chladni_caricature::{Base, Crossings, Evaluation, Stack, Surface};
 use chladni_task::{Cancelled, Task};
 
-use crate::studio::job::{Job, Outcome};
+use crate::studio::job::Job;
+use crate::work::Error;
 
 /// What is known of the result, and the search that goes on.
 #[derive(Default)]
@@ -18,7 +19,7 @@ pub struct CrossingMeter {
 }
 
 /// What a search brings back, itself for the next one included.
-type Found = Result<(Searcher, Vec<u32>), Cancelled>;
+type Found = (Searcher, Vec<u32>);
 
 /// What outlives one search.
 #[derive(Clone)]
@@ -48,21 +49,20 @@ impl CrossingMeter {
         stack: &Stack,
         evaluation: &Evaluation,
         resting: bool,
-    ) -> Result<bool, &'static str> {
+    ) -> Result<bool, Error> {
         let mut changed = false;
-        match self.running.as_ref().map(Job::poll) {
+        match self.running.as_ref().map(Job::ended) {
             None => {}
-            Some(Outcome::Running) if resting && self.is_searched(&evaluation.result) => return Ok(false),
+            Some(None) if resting && self.is_searched(&evaluation.result) => return Ok(false),
             // The hand moves on and needs all threads: dropped, the search stops.
-            Some(Outcome::Running) => (self.running, self.searched) = (None, None),
-            Some(Outcome::Done(Ok((searcher, found)))) => {
+            Some(None | Some(Err(Error::Cancelled))) => (self.running, self.searched) = (None, None),
+            Some(Some(Ok((searcher, found)))) => {
                 (self.searcher, self.found) = (Some(searcher), Some(found));
                 (self.running, changed) = (None, true);
             }
-            Some(Outcome::Done(Err(Cancelled))) => (self.running, self.searched) = (None, None),
-            Some(Outcome::Lost) => {
+            Some(Some(Err(why))) => {
                 self.running = None;
-                return Err("Counting crossings broke off; this is a bug.");
+                return Err(why);
             }
         }
         if resting && !self.is_searched(&evaluation.result) {

@@ -21,11 +21,9 @@ use crate::studio::job::Job;
 use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
 use crate::studio::theme;
+use crate::work::Error;
+use crate::work::formats::{MESHES, PROJECT, is_project};
 
-/// Extensions of meshes that can be read.
-pub const MESHES: [&str; 7] = ["obj", "ply", "off", "stl", "gltf", "glb", "mesh"];
-/// Extension of projects.
-pub const PROJECT: &str = "chladni";
 /// A project that is to take the place of the open one.
 pub struct Candidate {
     /// The document.
@@ -46,11 +44,6 @@ impl Candidate {
     pub fn new(project: Project) -> Self {
         Self { project, path: None, recovered: None, made_on: None, templates: Vec::new() }
     }
-}
-
-/// Whether `path` is named like a project.
-pub fn is_project(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PROJECT))
 }
 
 /// `path` named like a project, else it could not be opened again: `igea 1.2` has an extension,
@@ -94,9 +87,9 @@ impl CaricatureRoom {
         let candidate = if is_project(path) {
             match Project::load(path) {
                 Ok(project) => Candidate { path: Some(path.to_owned()), ..Candidate::new(project) },
-                Err(error) => return self.refuse(error.to_string(), shared),
+                Err(error) => return self.refuse(error.into(), shared),
             }
-        } else if let Some(name) = path.to_str().and_then(|text| text.strip_prefix("sample:")) {
+        } else if let Some(name) = ShapeSource::sample_name(path) {
             return self.start(Candidate { templates, ..sample(name, shared) }, shared);
         } else {
             let shape = ShapeSource::File(path.to_owned());
@@ -107,9 +100,9 @@ impl CaricatureRoom {
     }
 
     /// Tells why nothing was opened.
-    pub(super) fn refuse(&mut self, why: String, shared: &mut Shared<'_>) {
+    pub(super) fn refuse(&mut self, why: Error, shared: &mut Shared<'_>) {
         self.refused = true;
-        shared.notices.error(why);
+        shared.notices.failed(why);
     }
 
     /// Asks for another shape and takes the layers there.
@@ -175,7 +168,7 @@ impl CaricatureRoom {
         let layer = Box::new(session.project().new_layer(name, Template::File(path)));
         match session.apply(vec![Edit::Once(Action::Add { index, layer })]) {
             Ok(changed) => self.stale |= changed,
-            Err(why) => shared.notices.error(why),
+            Err(why) => shared.notices.failed(why),
         }
     }
 
@@ -195,7 +188,7 @@ impl CaricatureRoom {
                 true
             }
             Err(why) => {
-                shared.notices.error(why);
+                shared.notices.failed(why);
                 false
             }
         }
@@ -301,15 +294,15 @@ fn sample(name: &str, shared: &mut Shared<'_>) -> Candidate {
         let template = Template::Sample("template".into());
         let first = Layer { mu: -0.8, ..project.new_layer("Character", template) };
         if let Err(error) = project.push(first) {
-            shared.notices.error(error.to_string());
+            shared.notices.failed(error);
         }
     }
     Candidate::new(project)
 }
 
 /// Writes the project to `path`, whole or not at all.
-fn save_to(session: &mut Session, path: &Path) -> Result<(), String> {
-    session.project().save(path).map_err(|error| error.to_string())?;
+fn save_to(session: &mut Session, path: &Path) -> Result<(), Error> {
+    session.project().save(path).map_err(Error::unsaved)?;
     session.path = Some(PathBuf::from(path));
     session.history.mark_saved();
     Ok(())

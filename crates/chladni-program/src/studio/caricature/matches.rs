@@ -12,6 +12,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::job;
 use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::formats::MESHES;
 
 /// Draws the panel for the selected layer.
 ///
@@ -44,7 +45,7 @@ fn template(
         ui.add(egui::Label::new(template_name(&layer.template)).truncate());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.button(icon::text(Icon::FolderOpen)).on_hover_text("Use another mesh as template").clicked()
-                && let Some(path) = shared.chooser.open(&[("Meshes", &super::files::MESHES)])
+                && let Some(path) = shared.chooser.open(&[("Meshes", &MESHES)])
             {
                 edits.once(Action::Set { layer: id, to: Property::Template(Template::File(path)) });
             }

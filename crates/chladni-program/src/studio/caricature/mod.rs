@@ -30,7 +30,6 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::{Property, Recovered};
 use egui::{Key, Ui};
 
-pub use self::files::MESHES;
 pub use self::rehearsal::Rehearsal;
 
 use self::autosave::Autosave;
@@ -48,10 +47,12 @@ use self::session::{Loaded, Session};
 use self::stage::{Look, Show, Stage};
 use self::thumbnails::Thumbnails;
 use super::icon::Icon;
-use super::job::{Job, Outcome};
+use super::job::Job;
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::{theme, viewport};
+use crate::work::Error;
+use crate::work::formats::{MESHES, PROJECT, is_project};
 
 const OPEN: Shortcut = Shortcut::command(Key::O, "Open a mesh or project");
 const SAVE: Shortcut = Shortcut::command(Key::S, "Save the project");
@@ -126,7 +127,7 @@ const KEYS: [Shortcut; 36] = [
 /// The room: at most one open project.
 #[derive(Default)]
 pub struct CaricatureRoom {
-    loading: Option<Job<Result<Loaded, String>>>,
+    loading: Option<Job<Loaded>>,
     /// The shape that is being loaded, to be seen before its harmonics are there.
     preview: Option<Preview>,
     session: Option<Session>,
@@ -189,7 +190,7 @@ impl Room for CaricatureRoom {
                 Ok(changed) => self.stale |= changed,
                 Err(why) => {
                     self.stale = true;
-                    shared.notices.error(why);
+                    shared.notices.failed(why);
                 }
             }
         }
@@ -202,11 +203,11 @@ impl Room for CaricatureRoom {
     }
 
     fn extensions(&self) -> Vec<&'static str> {
-        [files::PROJECT].into_iter().chain(MESHES).collect()
+        [PROJECT].into_iter().chain(MESHES).collect()
     }
 
     fn claims(&self, path: &Path) -> bool {
-        files::is_project(path)
+        is_project(path)
     }
 
     fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
@@ -229,7 +230,7 @@ impl Room for CaricatureRoom {
         let stage = self.stage.take().map(|stage| stage.on(viewport::gpu_of(shared.gpu)));
         match stage.transpose() {
             Ok(stage) => self.stage = stage,
-            Err(error) => shared.notices.error(error.to_string()),
+            Err(error) => shared.notices.failed(error),
         }
         // Half a pair is lost, and what is picked is in the project.
         if self.picking.take().is_some()
@@ -249,12 +250,7 @@ impl Room for CaricatureRoom {
 impl CaricatureRoom {
     /// Takes in what jobs have finished.
     fn poll(&mut self, shared: &mut Shared<'_>) {
-        let loaded = match self.loading.as_ref().map(Job::poll) {
-            Some(Outcome::Done(loaded)) => Some(loaded),
-            Some(Outcome::Lost) => Some(Err("Opening broke off; this is a bug.".into())),
-            Some(Outcome::Running) | None => None,
-        };
-        if let Some(loaded) = loaded {
+        if let Some(loaded) = self.loading.as_ref().and_then(Job::ended) {
             (self.loading, self.preview) = (None, None);
             let templates = std::mem::take(&mut self.templates);
             match loaded.and_then(|loaded| self.take_in(loaded, shared)) {
@@ -269,7 +265,7 @@ impl CaricatureRoom {
                     self.stale = true;
                     warnings.into_iter().for_each(|warning| shared.notices.warn(warning));
                 }
-                Err(why) => shared.notices.error(why),
+                Err(why) => shared.notices.failed(why),
             }
             let (message, changed) = session.pump_matches(&shared.ctx);
             if let Some(message) = message {
@@ -279,13 +275,13 @@ impl CaricatureRoom {
             let resting = !shared.ctx.input(|input| input.pointer.any_down());
             match session.pump_crossings(&shared.ctx, resting) {
                 Ok(new) => self.stale |= new && self.heat.quantity() == Quantity::Crossings,
-                Err(why) => shared.notices.error(why),
+                Err(why) => shared.notices.failed(why),
             }
         }
     }
 
     /// Puts what was loaded in the place of what is open; an error leaves that as it is.
-    fn take_in(&mut self, mut loaded: Loaded, shared: &mut Shared<'_>) -> Result<(), String> {
+    fn take_in(&mut self, mut loaded: Loaded, shared: &mut Shared<'_>) -> Result<(), Error> {
         for warning in &loaded.warnings {
             shared.notices.warn(warning.clone());
         }
@@ -294,8 +290,7 @@ impl CaricatureRoom {
         let session = Session::new(loaded);
         let body = session.stack.body();
         let positions = single(&body.positions);
-        let stage = Stage::new(viewport::gpu_of(shared.gpu), &positions, &body.triangles, look)
-            .map_err(|error| error.to_string())?;
+        let stage = Stage::new(viewport::gpu_of(shared.gpu), &positions, &body.triangles, look)?;
         self.heat.start(stage.has_own_look());
         self.thumbnails.clear(shared.gpu);
         // Layers of another project, or of this one on another shape, may have the same names.
@@ -382,7 +377,7 @@ fn toggle_picking(picking: &mut Option<Picking>, session: &Session, shared: &mut
     }
     match Picking::begin(session, shared) {
         Some(Ok(begun)) => *picking = Some(begun),
-        Some(Err(why)) => shared.notices.error(why),
+        Some(Err(why)) => shared.notices.failed(why),
         None => shared.notices.warn("Landmarks need a layer whose template is a mesh."),
     }
 }

@@ -11,6 +11,7 @@ use super::landmarks::Side;
 use super::stage::{Look, backdrop};
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
+use crate::work::Error;
 
 /// The shape, as soon as it comes.
 pub struct Preview {
@@ -25,10 +26,10 @@ impl Preview {
     }
 
     /// Draws it into all of `ui`; says what comes where there is nothing yet.
-    pub fn show(&mut self, ui: &mut Ui, look: Look, shared: &Shared<'_>) -> Result<(), String> {
+    pub fn show(&mut self, ui: &mut Ui, look: Look, shared: &Shared<'_>) -> Result<(), Error> {
         if let Ok((mesh, stands)) = self.meshes.try_recv() {
             let viewport = Viewport::new(shared.gpu);
-            let side = Side::new(viewport.gpu(), &mesh, stands).map_err(|error| error.to_string())?;
+            let side = Side::new(viewport.gpu(), &mesh, stands)?;
             self.shown = Some((viewport, side));
         }
         let rect = ui.available_rect_before_wrap();
@@ -47,6 +48,6 @@ impl Preview {
         let cell = |viewport: Rect| {
             vec![Cell { viewport, camera, lights, background, figures: &figures, markers: &[] }]
         };
-        viewport.show(ui, shared.gpu, rect, cell).map_err(|error| error.to_string())
+        viewport.show(ui, shared.gpu, rect, cell).map_err(Error::from)
     }
 }

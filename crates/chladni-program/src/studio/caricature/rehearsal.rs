@@ -15,6 +15,7 @@ use super::heat::{self, Heat, Painting};
 use super::session::{self, Session};
 use super::single;
 use super::stage::{Look, Show, Stage};
+use crate::work::Error;
 
 /// An open project whose pictures nobody draws.
 pub struct Rehearsal {
@@ -27,26 +28,26 @@ pub struct Rehearsal {
 
 impl Rehearsal {
     /// Opens the shape of `project` and matches what its layers wait for.
-    pub fn of(project: Project, gpu: &Gpu, task: &Task) -> Result<Self, String> {
+    pub fn of(project: Project, gpu: &Gpu, task: &Task) -> Result<Self, Error> {
         let candidate = Candidate::new(project);
         let loaded = session::load(candidate, &channel().0, task)?;
         let mut session = Session::new(loaded);
         let nobody = egui::Context::default();
         while !session.stack.missing(session.project()).is_empty() {
             if let (Some(why), _) = session.pump_matches(&nobody) {
-                return Err(why);
+                return Err(Error::Input(why.to_string()));
             }
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
         session.refresh();
         let body = session.stack.body();
         let stage = Stage::new(gpu.clone(), &single(&body.positions), &body.triangles, None);
-        let stage = stage.map_err(|error| error.to_string())?;
+        let stage = stage?;
         Ok(Self { session, stage, heat: Heat::default(), look: Look::default(), gpu: gpu.clone() })
     }
 
     /// Does what the person does in one frame and brings the figures of the next one up to date.
-    pub fn act(&mut self, actions: Vec<Action>) -> Result<(), String> {
+    pub fn act(&mut self, actions: Vec<Action>) -> Result<(), Error> {
         let models_of = self.session.selected.filter(|_| self.look.show == Show::Models);
         self.session.stack.prepare_models_of(models_of);
         self.session.apply(actions.into_iter().map(Edit::Live).collect())?;
@@ -59,7 +60,7 @@ impl Rehearsal {
     }
 
     /// Ends the drag or the stroke.
-    pub fn release(&mut self) -> Result<(), String> {
+    pub fn release(&mut self) -> Result<(), Error> {
         self.session.apply(vec![Edit::Finish]).map(|_| ())
     }
 

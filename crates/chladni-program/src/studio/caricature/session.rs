@@ -1,14 +1,14 @@
 //! An open project in the window: document, body, evaluation, and the jobs that feed them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, OnceLock};
 
 use chladni_caricature::{
-    Action, Error, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Painted,
-    Project, Recovered, ShapeSource, Stack, Surface, Template, furthest,
+    Action, Error as CaricatureError, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest,
+    Matched, Painted, Project, Recovered, ShapeSource, Stack, Surface, furthest,
 };
-use chladni_harmonics::Laplacian;
+use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, Orientation, TriMesh};
 use chladni_task::Task;
 
@@ -16,10 +16,8 @@ use super::crossings::CrossingMeter;
 use super::edits::Edit;
 use super::export::named_after;
 use super::files::Candidate;
-use crate::own_look::OwnLook;
-use crate::source;
-use crate::studio::bodies::{Solved, solve};
-use crate::studio::job::{Job, Outcome};
+use crate::studio::job::Job;
+use crate::work::{Aside, Error, OwnLook, Sculpture, Warning, Watcher, body, matched, source};
 
 /// What loading brings back.
 pub struct Loaded {
@@ -36,7 +34,7 @@ pub struct Loaded {
     /// The colours that the file has.
     pub look: Option<OwnLook>,
     /// What was mended in the file, and what is wrong with the harmonics.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 /// Loads the shape of a project and its harmonics. The mesh is sent to `read` as soon as it is
@@ -45,30 +43,39 @@ pub fn load(
     candidate: Candidate,
     read: &Sender<(Arc<TriMesh>, Orientation)>,
     task: &Task,
-) -> Result<Loaded, String> {
+) -> Result<Loaded, Error> {
     let Candidate { mut project, path, recovered, made_on, .. } = candidate;
-    let folder = path.as_deref().and_then(Path::parent);
-    let (mesh, mut warnings) = source::shape(&project.shape, folder)?;
-    warnings.extend(project.taken_over().map(|told| format!("This is {told}.")));
-    let mesh = Arc::new(mesh);
-    let stands = Estimate::of(&mesh, Known::default(), task).map_err(|error| error.to_string())?;
+    let aside = Aside::new(task);
+    let name = project.shape.to_string();
+    let mesh = Arc::new(source::shape(&project.shape, &aside)?);
+    if let Some(told) = project.taken_over() {
+        aside.warn(Warning::Told(format!("This is {told}.")));
+    }
+    let stands = Estimate::of(&mesh, Known::default(), task)?;
     // Whoever does not look any more misses nothing.
     let _ = read.send((Arc::clone(&mesh), project.stands.unwrap_or(stands.orientation)));
     let new = recovered.is_some() || made_on.is_some();
     if let Some(from) = made_on {
-        let carried = project.carried(&from, &mesh, task).map_err(|error| error.to_string())?;
-        warnings.extend(carried.report.into_iter().flat_map(|report| report.warnings));
+        let carried = project.carried(&from, &mesh, task)?;
+        for told in carried.report.into_iter().flat_map(|report| report.warnings) {
+            aside.warn(Warning::of(&name, told));
+        }
         project = carried.project;
     }
-    let (body, doubts) = solve(&mesh, project.harmonics, project.laplacian, task)?;
-    warnings.extend(doubts);
-    let look = OwnLook::of(&mesh, &body, &mut warnings);
-    let stack = Stack::new(Arc::new(body)).map_err(|error| error.to_string())?;
+    let (body, _) = body::build(&name, &mesh, project.harmonics, project.laplacian, &aside)?;
+    let look = OwnLook::of(&name, &mesh, &body, &aside);
+    let stack = Stack::new(Arc::new(body))?;
     if project.layers().iter().any(|(_, layer)| layer.region.painted != Painted::Everywhere) {
         stack.brush_preparation()();
     }
+    let warnings = aside.warnings();
     Ok(Loaded { project, path, new, recovered, mesh, stands, stack, look, warnings })
 }
+
+/// A shape with its harmonics, and what a person should know of them.
+pub type Solved = (Body, Vec<Warning>);
+/// What came of a match; why it failed is shown with its layer.
+pub type Found = Result<Matched, CaricatureError>;
 
 /// A project with everything it needs to be drawn and changed.
 pub struct Session {
@@ -88,7 +95,7 @@ pub struct Session {
     pub folds: Vec<Vec<u32>>,
     /// Where the result passes through itself.
     pub crossings: CrossingMeter,
-    matching: Option<(MatchRequest, Job<Result<Matched, Error>>)>,
+    matching: Option<(MatchRequest, Job<Found>)>,
     mirror: Arc<OnceLock<Option<MirrorPlane>>>,
     /// Makes ready what a brush needs, from the moment when it is taken up.
     brush: Option<Job<()>>,
@@ -140,6 +147,7 @@ impl Session {
         self.brush = Some(Job::start("Preparing the brush", ctx, move |task| {
             soften();
             mirror.get_or_init(|| own_mirror(&surface, task));
+            Ok(())
         }));
     }
 
@@ -176,7 +184,7 @@ impl Session {
     }
 
     /// Does what the panels asked, up to the first error; true where something may look different.
-    pub fn apply(&mut self, edits: Vec<Edit>) -> Result<bool, String> {
+    pub fn apply(&mut self, edits: Vec<Edit>) -> Result<bool, Error> {
         let mut changed = false;
         let outcome = edits.into_iter().try_for_each(|edit| {
             changed |= self.take_up(&edit)?;
@@ -190,7 +198,7 @@ impl Session {
     }
 
     /// Does one thing; true where the document has changed.
-    fn take_up(&mut self, edit: &Edit) -> Result<bool, String> {
+    fn take_up(&mut self, edit: &Edit) -> Result<bool, Error> {
         let (next, surface) = (self.project().next_id(), Arc::clone(self.stack.surface()));
         match edit {
             Edit::Once(action) => self.history.apply(action, Some(&surface)),
@@ -199,8 +207,7 @@ impl Session {
                 self.history.finish();
                 return Ok(false);
             }
-        }
-        .map_err(|error| error.to_string())?;
+        }?;
         if matches!(edit, Edit::Once(Action::Add { .. } | Action::Duplicate(_))) {
             self.selected = Some(next);
         }
@@ -258,30 +265,32 @@ impl Session {
         Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
     }
 
+    /// What it looks like now; later edits do not change it.
+    pub fn sculpture(&self) -> Sculpture {
+        let (mesh, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
+        Sculpture { mesh, body, evaluation: self.evaluation.clone() }
+    }
+
     /// Starts the next match that a layer waits for, and takes in one that is done. Returns
     /// why a match failed, and whether to look again.
-    pub fn pump_matches(&mut self, ctx: &egui::Context) -> (Option<String>, bool) {
+    pub fn pump_matches(&mut self, ctx: &egui::Context) -> (Option<Warning>, bool) {
         let mut message = None;
         let mut changed = false;
-        if let Some((request, job)) = &self.matching {
-            let outcome = match job.poll() {
-                Outcome::Running => None,
-                Outcome::Done(result) => Some(result),
-                Outcome::Lost => Some(Err(failure(request, "matching broke off; this is a bug".into()))),
-            };
-            if let Some(result) = outcome {
-                let request = request.clone();
-                message = result.as_ref().err().map(ToString::to_string);
-                if let Ok(Matched { stands: Some(stands), .. }) = &result
-                    && self.stands.in_doubt
-                {
-                    self.stands = Estimate { orientation: *stands, in_doubt: false, ..self.stands };
-                }
-                self.stack.install(request, result);
-                self.matching = None;
-                self.refresh();
-                changed = true;
+        if let Some((request, job)) = &self.matching
+            && let Some(outcome) = job.ended()
+        {
+            let request = request.clone();
+            let result = outcome.unwrap_or_else(|why| Err(CaricatureError::Unmatched(why.to_string())));
+            message = result.as_ref().err().map(|why| Warning::Told(why.to_string()));
+            if let Ok(Matched { stands: Some(stands), .. }) = &result
+                && self.stands.in_doubt
+            {
+                self.stands = Estimate { orientation: *stands, in_doubt: false, ..self.stands };
             }
+            self.stack.install(request, result);
+            self.matching = None;
+            self.refresh();
+            changed = true;
         }
         let missing = self.stack.missing(self.history.project());
         if self.matching.as_ref().is_some_and(|(running, _)| !missing.contains(running)) {
@@ -298,19 +307,19 @@ impl Session {
 
     /// Solves for other harmonics where the project asks for them, and takes them in.
     /// Where they have come, what a person should know of them; an error says why they did not.
-    pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<Option<Vec<String>>, String> {
+    pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<Option<Vec<Warning>>, Error> {
         let (harmonics, laplacian) = (self.project().harmonics, self.project().laplacian);
         if self.asked != (harmonics, laplacian) {
             self.asked = (harmonics, laplacian);
-            let mesh = Arc::clone(&self.mesh);
-            let work = move |task: &Task| solve(&mesh, harmonics, laplacian, task);
+            let (mesh, name) = (Arc::clone(&self.mesh), self.project().shape.to_string());
+            let work = move |task: &Task| {
+                let aside = Aside::new(task);
+                let (body, _) = body::build(&name, &mesh, harmonics, laplacian, &aside)?;
+                Ok((body, aside.warnings()))
+            };
             self.solving = Some(Job::start(format!("Solving for {harmonics} harmonics"), ctx, work));
         }
-        let outcome = match self.solving.as_ref().map(Job::poll) {
-            None | Some(Outcome::Running) => return Ok(None),
-            Some(Outcome::Done(outcome)) => outcome,
-            Some(Outcome::Lost) => Err("Solving broke off; this is a bug.".into()),
-        };
+        let Some(outcome) = self.solving.as_ref().and_then(Job::ended) else { return Ok(None) };
         self.solving = None;
         if outcome.is_err() {
             // A project that asks for what its shape cannot have would not open again.
@@ -322,7 +331,7 @@ impl Session {
         }
         let (body, warnings) = outcome?;
         // Matches do not depend on harmonics: those that are there stay, and one that runs goes on.
-        self.stack = self.stack.with_harmonics_of(Arc::new(body)).map_err(|error| error.to_string())?;
+        self.stack = self.stack.with_harmonics_of(Arc::new(body))?;
         self.brush = None;
         self.crossings = CrossingMeter::default();
         self.refresh();
@@ -331,7 +340,7 @@ impl Session {
 
     /// Counts where the result passes through itself, while the hand rests. True where the count
     /// is new; an error says why there is none.
-    pub fn pump_crossings(&mut self, ctx: &egui::Context, resting: bool) -> Result<bool, &'static str> {
+    pub fn pump_crossings(&mut self, ctx: &egui::Context, resting: bool) -> Result<bool, Error> {
         self.crossings.pump(ctx, &self.stack, &self.evaluation, resting)
     }
 
@@ -340,25 +349,16 @@ impl Session {
         self.solving.as_ref()
     }
 
-    fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Result<Matched, Error>> {
+    fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Found> {
         let (shape, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
-        let folder = self.folder();
         let name = super::matches::template_name(&request.template);
-        Job::start(format!("Matching {name}"), ctx, move |task| {
-            let mesh = match &request.template {
-                Template::File(path) => {
-                    source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| Some(mesh))
-                }
-                Template::Sample(name) => source::sample(name).map(Some),
-                _ => Ok(None),
-            };
-            let mesh = mesh.map_err(Error::Unmatched)?;
-            request.run(&shape, &body, mesh.as_ref(), task)
-        })
+        // What is wrong with a match is told beside its quality.
+        let work = move |task: &Task| Ok(matched(&request, &shape, &body, &Aside::new(task)));
+        Job::start(format!("Matching {name}"), ctx, work)
     }
 
     /// The match that runs now.
-    pub fn running_match(&self) -> Option<&Job<Result<Matched, Error>>> {
+    pub fn running_match(&self) -> Option<&Job<Found>> {
         self.matching.as_ref().map(|(_, job)| job)
     }
 
@@ -396,11 +396,6 @@ impl Session {
         named_after(&self.own_path(), addition, extension)
     }
 
-    /// The folder that the project's relative paths start from.
-    pub fn folder(&self) -> Option<PathBuf> {
-        self.path.as_deref().and_then(Path::parent).map(Path::to_owned)
-    }
-
     fn own_path(&self) -> PathBuf {
         match (&self.path, &self.project().shape) {
             (Some(path), _) | (None, ShapeSource::File(path)) => path.clone(),
@@ -433,14 +428,10 @@ fn moves_alike(a: &EvaluatedLayer, b: &EvaluatedLayer) -> bool {
     a.id == b.id && displaced && Arc::ptr_eq(&a.base, &b.base)
 }
 
-fn failure(request: &MatchRequest, why: String) -> Error {
-    Error::Template { template: request.template.to_string(), why }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_caricature::Layer;
+    use chladni_caricature::{Layer, Template};
     use std::sync::mpsc::channel;
 
     #[test]
@@ -463,7 +454,7 @@ mod tests {
     }
 
     /// Asks for the papers' operator and waits for what comes of it.
-    fn in_paper_mode(mesh: &TriMesh) -> (Session, Result<Option<Vec<String>>, String>) {
+    fn in_paper_mode(mesh: &TriMesh) -> (Session, Result<Option<Vec<Warning>>, Error>) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("shape.ply");
         chladni_mesh::save_mesh(mesh, &path).unwrap();
@@ -495,10 +486,10 @@ mod tests {
             ..TriMesh::default()
         };
         let (mut session, outcome) = in_paper_mode(&fan);
-        assert!(outcome.unwrap_err().contains("3 triangles meet"));
+        assert!(outcome.unwrap_err().to_string().contains("3 triangles meet"));
         assert_eq!((of(&session), session.project().laplacian), (Laplacian::Delaunay, Laplacian::Delaunay));
         // Nothing is left to be solved.
-        assert_eq!(session.pump_harmonics(&egui::Context::default()), Ok(None));
+        assert_eq!(session.pump_harmonics(&egui::Context::default()).unwrap(), None);
         assert!(session.solving().is_none());
     }
 

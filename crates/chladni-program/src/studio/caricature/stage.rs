@@ -11,9 +11,9 @@ use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
 use super::shot::{Coat, Pose, Shot};
-use crate::own_look::OwnLook;
 use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
+use crate::work::OwnLook;
 
 /// Figures that the stage holds room for: the result, the three models, and the original.
 pub const FIGURES: usize = 5;

@@ -22,11 +22,12 @@ use super::loading::Ready;
 use super::pace::Pace;
 use super::stillness::{self, Shown};
 use super::wish::Wish;
-use crate::dance::{FIRST_VIEW, Look, Staging, reaction};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 use crate::studio::{PlayedFrame, Trace};
+use crate::work::dancer::Dancing;
+use crate::work::{Error, FIRST_VIEW, Look, Staging, reaction};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -93,22 +94,22 @@ pub struct Concert {
 
 impl Concert {
     /// A gallery of twelve on what was loaded.
-    pub fn new(state: &RenderState, ready: Ready) -> Result<Self, String> {
+    pub fn new(state: &RenderState, ready: Ready) -> Result<Self, Error> {
         let bands = Parameter::Bands.initial() as usize;
-        let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands };
-        let instrument = Instrument::new(FIRST_SEED, 12, shape).map_err(|error| error.to_string())?;
-        let model = SynthModel::new(&ready.body).map_err(|error| error.to_string())?;
+        let Dancing { body, symmetry, dancer } = ready.dancing;
+        let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
+        let instrument = Instrument::new(FIRST_SEED, 12, shape)?;
+        let model = SynthModel::new(&body)?;
         let viewport = Viewport::new(state);
         let gpu = viewport.gpu();
-        let topology =
-            Topology::new(gpu, model.vertices(), &ready.body.triangles).map_err(|error| error.to_string())?;
+        let topology = Topology::new(gpu, model.vertices(), &body.triangles)?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
         let vertices = rest.len();
-        let staging = Staging::new(ready.dancer.clone(), rest, ready.stands);
+        let staging = Staging::new(dancer.clone(), rest, ready.stands);
         let levels = on_device(gpu, vertices, ready.levels)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
-        let ensemble = Ensemble::new(ready.dancer).with_voices(terms).map_err(|error| error.to_string())?;
+        let ensemble = Ensemble::new(dancer).with_voices(terms)?;
         Ok(Self {
             instrument,
             saved: 0,
@@ -133,18 +134,17 @@ impl Concert {
             view: View::Gallery,
             draft: None,
             tried_out: None,
-            harmonics: Harmonics::new(ready.body, ready.symmetry),
+            harmonics: Harmonics::new(body, symmetry),
             pace: Pace::default(),
             voice_names,
         })
     }
 
     /// Goes on on another device, with the same dances.
-    pub fn change_device(&mut self, state: &RenderState) -> Result<(), String> {
+    pub fn change_device(&mut self, state: &RenderState) -> Result<(), Error> {
         let viewport = Viewport::new(state);
         let (gpu, vertices) = (viewport.gpu(), self.staging.rest().len());
-        self.topology =
-            Topology::new(gpu, vertices, self.harmonics.triangles()).map_err(|error| error.to_string())?;
+        self.topology = Topology::new(gpu, vertices, self.harmonics.triangles())?;
         let levels = std::mem::take(&mut self.levels).into_iter().map(|(level, _)| level);
         self.levels = on_device(gpu, vertices, levels)?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
@@ -192,14 +192,14 @@ impl Concert {
 
     /// Does what the user asked, at the moment that is heard. A stage that would open and close
     /// so often that the window flashes is refused.
-    pub fn act(&mut self, action: Action) -> Result<(), String> {
+    pub fn act(&mut self, action: Action) -> Result<(), Error> {
         let opens = matches!(action, Action::Perform { .. } | Action::PerformFavourites { .. });
         let curtain = if self.on_stage() { action == Action::LeaveStage } else { opens };
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         if curtain && limited && !self.guard.may_step(self.seconds) {
-            return Err("The stage was held back: more would be a flash too many in a second.".into());
+            return Err(Error::input("The stage was held back: more would be a flash too many in a second."));
         }
-        self.instrument.apply(self.moment, action).map_err(|error| error.to_string())?;
+        self.instrument.apply(self.moment, action)?;
         let count = self.instrument.gallery().items().len();
         if matches!(self.view, View::CloseUp(item) if item >= count) {
             self.look_at(View::Gallery);
@@ -219,16 +219,16 @@ impl Concert {
     }
 
     /// Counts the beats of all that was done anew.
-    pub fn count_beats(&mut self, beats: impl Fn(f64) -> f64) -> Result<(), String> {
-        self.instrument = self.instrument.with_beats(beats).map_err(|error| error.to_string())?;
+    pub fn count_beats(&mut self, beats: impl Fn(f64) -> f64) -> Result<(), Error> {
+        self.instrument = self.instrument.with_beats(beats)?;
         Ok(())
     }
 
     /// Replaces the gallery by that of a show, as it was in the end.
-    pub fn replay(&mut self, show: &Show) -> Result<(), String> {
+    pub fn replay(&mut self, show: &Show) -> Result<(), Error> {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: self.ensemble.dancer().eigenvalues.clone(), bands };
-        self.instrument = show.replay(shape).map_err(|error| error.to_string())?;
+        self.instrument = show.replay(shape)?;
         self.saved = self.instrument.log().len();
         self.view = View::Gallery;
         self.viewpoint = show.viewpoint;
@@ -236,7 +236,7 @@ impl Concert {
     }
 
     /// Does on this body all that was done on another.
-    pub fn go_on_from(&mut self, before: &Self) -> Result<(), String> {
+    pub fn go_on_from(&mut self, before: &Self) -> Result<(), Error> {
         self.replay(&Show::of(&before.instrument))?;
         self.saved = before.saved;
         self.viewpoint = FIRST_VIEW;
@@ -244,7 +244,7 @@ impl Concert {
     }
 
     /// All that was done is in a file now.
-    pub fn is_saved(&mut self) {
+    pub fn mark_saved(&mut self) {
         self.saved = self.instrument.log().len();
     }
 
@@ -327,7 +327,7 @@ impl Concert {
         listening: &mut Listening,
         trace: Option<&Trace>,
         wishes: &mut Vec<Wish>,
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         let began = (shared.now)();
         let whole = ui.available_rect_before_wrap();
         self.seconds = ui.input(|input| input.time);
@@ -359,8 +359,7 @@ impl Concert {
                 self.ensemble.audition(&self.instrument, (mapping, settings), &heard.bands, beat)
             }
             None => self.ensemble.play(&self.instrument, &heard.bands, beat),
-        }
-        .map_err(|error| error.to_string())?;
+        }?;
         if let (Some(trace), Some(item)) = (trace, items.first()) {
             let coefficients = match item.terms.first().map(|term| &term.coefficients) {
                 Some(Coefficients::Vector(c)) => c.as_flattened().to_vec(),
@@ -375,9 +374,7 @@ impl Concert {
         let count = items.len();
         let pose = stillness::pose(items, normal_blending);
         if self.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
-            self.synthesizer
-                .synthesize(items, &FrameSettings { normal_blending })
-                .map_err(|error| error.to_string())?;
+            self.synthesizer.synthesize(items, &FrameSettings { normal_blending })?;
             self.seen.clear();
             if !self.levels.is_empty() {
                 self.seen.extend(items.iter().map(coarse::harmonics_seen));
@@ -448,7 +445,7 @@ impl Concert {
         reaction: Reaction,
         look: Look,
         pose: u64,
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         let staged = self.staging.set(area, cells.len(), &self.viewpoint, &look, reaction, &self.instrument);
         let material = staged.material;
@@ -457,7 +454,7 @@ impl Concert {
         if self.moving {
             self.viewport.invalidate();
         }
-        let buffers = ItemBuffers::of_frame(&self.synthesizer.frame()).map_err(|error| error.to_string())?;
+        let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
         let mut drawn_vertices = 0;
         let figures: Vec<Figure<'_>> = (0..)
             .zip(cells)
@@ -478,9 +475,7 @@ impl Concert {
             if self.glimpse.is_coming() {
                 (self.glimpse, self.judged) = (Glimpse::default(), false);
             }
-            self.viewport
-                .draw(ui, shared.gpu, rect, |_| staged.cells(&figures))
-                .map_err(|error| error.to_string())?;
+            self.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures))?;
             self.shown = Some(shown);
             self.viewport.paint(ui, rect);
             return Ok(());
@@ -493,9 +488,7 @@ impl Concert {
         }
         if !self.glimpse.is_coming() {
             let drawn = self.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures));
-            if drawn.map_err(|error| error.to_string())?
-                && let Some(canvas) = self.viewport.canvas()
-            {
+            if drawn? && let Some(canvas) = self.viewport.canvas() {
                 self.glimpse.begin(self.viewport.gpu(), canvas, behind);
             }
             self.shown = Some(shown);
@@ -553,8 +546,8 @@ fn on_device(
     gpu: &Gpu,
     vertices: usize,
     levels: impl IntoIterator<Item = Level>,
-) -> Result<Vec<(Level, Topology)>, String> {
+) -> Result<Vec<(Level, Topology)>, Error> {
     let upload =
         |level: Level| Topology::new(gpu, vertices, &level.triangles).map(|topology| (level, topology));
-    levels.into_iter().map(upload).collect::<Result<_, _>>().map_err(|error| error.to_string())
+    Ok(levels.into_iter().map(upload).collect::<Result<_, _>>()?)
 }

@@ -4,16 +4,15 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use chladni_music::{Action, BeatReading, LoggedAction, Moment, Show, Switch};
-use chladni_synth::Backend;
 use chladni_view::{FrameRate, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 use super::concert::View;
-use crate::cli::dance::{Output, Request};
-use crate::cli::{Terminal, dance};
-use crate::studio::job::{self, Job, Outcome};
+use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::film::{self, Film, Output};
+use crate::work::{Aside, Error, Warning};
 
 /// What the menu says of it.
 pub const TIP: &str = "With its sound, in any size: what dances now for a whole song, or all that was done";
@@ -39,13 +38,13 @@ const LONGEST_SIDE: u32 = 8192;
 #[derive(Default)]
 pub struct Filming {
     form: Option<Form>,
-    running: Option<Job<Result<Made, String>>>,
+    running: Option<Job<Made>>,
 }
 
 /// A film, and what went otherwise than asked.
 struct Made {
     path: PathBuf,
-    warnings: Vec<String>,
+    warnings: Vec<Warning>,
 }
 
 /// What is filmed.
@@ -85,9 +84,9 @@ pub struct Scene {
 
 impl Filming {
     /// Opens the form.
-    pub fn ask(&mut self) -> Result<(), String> {
+    pub fn ask(&mut self) -> Result<(), Error> {
         if self.running.is_some() {
-            return Err("A film is being made already.".into());
+            return Err(Error::input("A film is being made already."));
         }
         let first = Form { what: What::AsItIs, size: SIZES[0].1, fps: 30, from_secs: 0.0, to_secs: 0.0 };
         self.form.get_or_insert(first);
@@ -117,33 +116,32 @@ impl Filming {
     }
 
     /// Asks where to, and begins.
-    pub fn begin(&mut self, scene: Scene, shared: &mut Shared<'_>) -> Result<(), String> {
+    pub fn begin(&mut self, scene: Scene, shared: &mut Shared<'_>) -> Result<(), Error> {
         let Some(form) = self.form.clone() else { return Ok(()) };
         let kinds: [(&str, &[&str]); 2] = [("MP4 with sound", &["mp4"]), ("GIF", &["gif"])];
         let (kinds, name) =
             if ffmpeg_is_there() { (&kinds[..], "dance.mp4") } else { (&kinds[1..], "dance.gif") };
         let Some(path) = shared.chooser.save(kinds, Path::new(name)) else { return Ok(()) };
-        let request = form.request(scene, path.clone())?;
+        let film = form.film(scene, path.clone())?;
         self.form = None;
         let label = format!("Filming {}", path.file_name().unwrap_or_default().to_string_lossy());
         self.running = Some(Job::start(label, &shared.ctx, move |task| {
-            let terminal = Terminal::nobodys(task);
-            dance::make(request, &terminal).map_err(|failure| failure.to_string())?;
-            Ok(Made { path, warnings: terminal.unheard() })
+            let aside = Aside::new(task);
+            film::make(film, &aside)?;
+            Ok(Made { path, warnings: aside.warnings() })
         }));
         Ok(())
     }
 
     /// Tells what came of it.
     pub fn poll(&mut self, shared: &mut Shared<'_>) {
-        match self.running.as_ref().map(Job::poll) {
-            None | Some(Outcome::Running) => return,
-            Some(Outcome::Done(Ok(made))) => {
+        match self.running.as_ref().and_then(Job::ended) {
+            None => return,
+            Some(Ok(made)) => {
                 made.warnings.into_iter().for_each(|warning| shared.notices.warn(warning));
                 shared.notices.done(format!("Filmed {}", made.path.display()));
             }
-            Some(Outcome::Done(Err(why))) => shared.notices.error(why),
-            Some(Outcome::Lost) => shared.notices.error("Filming broke off; this is a bug.".to_owned()),
+            Some(Err(why)) => shared.notices.failed(why),
         }
         self.running = None;
     }
@@ -153,7 +151,7 @@ impl Filming {
         let Some(running) = self.running.take() else { return };
         running.cancel();
         let began = Instant::now();
-        while matches!(running.poll(), Outcome::Running) && began.elapsed() < PATIENCE {
+        while running.ended().is_none() && began.elapsed() < PATIENCE {
             std::thread::sleep(Duration::from_millis(10));
         }
     }
@@ -226,31 +224,20 @@ impl Form {
         });
     }
 
-    fn request(&self, scene: Scene, film: PathBuf) -> Result<Request, String> {
-        let output = Output {
-            presets: None,
-            shows_rest: false,
-            film: Some(film),
-            is_folder: false,
-            coefficients: None,
-            width: self.size[0],
-            height: self.size[1],
-            rate: FrameRate::per_second(self.fps),
-            samples: None,
-            synthesis: Backend::Auto,
-            allow_flashes: false,
-        };
-        let request = match self.what {
-            What::TheShow => Request::of_show(scene.show, scene.body, scene.songs, output),
+    fn film(&self, scene: Scene, path: PathBuf) -> Result<Film, Error> {
+        let [width, height] = self.size;
+        let output = Output { width, height, rate: FrameRate::per_second(self.fps), ..Output::to(path) };
+        let film = match self.what {
+            What::TheShow => Film::of_show(scene.show, scene.body, scene.songs, output),
             What::AsItIs => {
                 let song = scene.song.and_then(|number| scene.songs.get(number).cloned());
-                let song = song.ok_or("Live input cannot be filmed: choose a song.")?;
+                let song = song.ok_or_else(|| Error::input("Live input cannot be filmed: choose a song."))?;
                 let show = as_it_is(scene.show, scene.view, scene.favourites);
-                Request::of_show(show, scene.body, vec![song], output)
+                Film::of_show(show, scene.body, vec![song], output)
             }
         };
         let duration_secs = (self.to_secs > 0.0).then_some(self.to_secs - self.from_secs);
-        Ok(Request { start_secs: self.from_secs, duration_secs, ..request })
+        Ok(Film { start_secs: self.from_secs, duration_secs, ..film })
     }
 }
 

@@ -8,6 +8,8 @@ use chladni_view::{Canvas, Gpu};
 use eframe::wgpu;
 use egui::Color32;
 
+use crate::work::Error;
+
 /// So many rows of the picture are fetched, spread evenly; all of a lower picture.
 const ROWS: u32 = 96;
 /// Every fourth pixel of a row is counted.
@@ -77,18 +79,18 @@ impl Glimpse {
     }
 
     /// Looks, without waiting, whether the rows have come; true once they were counted.
-    pub fn look(&mut self, gpu: &Gpu) -> Result<bool, String> {
+    pub fn look(&mut self, gpu: &Gpu) -> Result<bool, Error> {
         let Some(coming) = &self.coming else { return Ok(false) };
-        gpu.device.poll(wgpu::PollType::Poll).map_err(|error| error.to_string())?;
+        gpu.device.poll(wgpu::PollType::Poll).map_err(Error::other)?;
         let Some(&arrived) = coming.arrived.get() else { return Ok(false) };
         let Some((coming, buffer)) = self.coming.take().zip(self.buffer.as_ref()) else { return Ok(false) };
         if !arrived {
             self.buffer = None;
-            return Err("the picture could not be looked at, and is not shown".into());
+            return Err(Error::other("the picture could not be looked at, and is not shown"));
         }
         self.histogram.clear();
         {
-            let bytes = buffer.get_mapped_range(..).map_err(|error| error.to_string())?;
+            let bytes = buffer.get_mapped_range(..).map_err(Error::other)?;
             for row in bytes.chunks_exact(coming.stride as usize) {
                 for &[r, g, b, a] in row[..4 * coming.width as usize].as_chunks().0.iter().step_by(STEP) {
                     // The canvas holds colours times their opacity.

@@ -10,7 +10,7 @@ use egui::{Color32, RichText, Ui};
 
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
-use crate::symmetry_figure::figure_markers;
+use crate::work::{Error, figure_markers};
 
 /// Cells of the view: the figure, then harmonics.
 pub const CELLS: usize = 12;
@@ -96,11 +96,11 @@ impl Harmonics {
         camera: Camera,
         rect: egui::Rect,
         first: usize,
-    ) -> Result<bool, String> {
+    ) -> Result<bool, Error> {
         let first = first.clamp(self.first_waving(), self.count());
         let shown = (self.count() - first).min(CELLS - 1) + 1;
         if self.drawn.as_ref().is_none_or(|drawn| drawn.first != first) {
-            self.drawn = Some(self.prepare(viewport, first, shown).map_err(|why| why.to_string())?);
+            self.drawn = Some(self.prepare(viewport, first, shown)?);
         }
         let Some(drawn) = &self.drawn else { return Ok(false) };
         let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
@@ -127,19 +127,17 @@ impl Harmonics {
             viewport.invalidate();
         }
         let places: Vec<egui::Rect> = cells.iter().map(|cell| viewport::to_points(ui, rect, *cell)).collect();
-        viewport
-            .show(ui, shared.gpu, rect, |_| {
-                let cell = |(i, (cell, figure)): (usize, (&Rect, _))| Cell {
-                    viewport: *cell,
-                    camera: fitted,
-                    lights: Lights::SOFT,
-                    background: Background::SLATE,
-                    figures: std::slice::from_ref(figure),
-                    markers: if i == 0 { &self.figure_markers } else { &[] },
-                };
-                cells.iter().zip(&figures).enumerate().map(cell).collect()
-            })
-            .map_err(|error| error.to_string())?;
+        viewport.show(ui, shared.gpu, rect, |_| {
+            let cell = |(i, (cell, figure)): (usize, (&Rect, _))| Cell {
+                viewport: *cell,
+                camera: fitted,
+                lights: Lights::SOFT,
+                background: Background::SLATE,
+                figures: std::slice::from_ref(figure),
+                markers: if i == 0 { &self.figure_markers } else { &[] },
+            };
+            cells.iter().zip(&figures).enumerate().map(cell).collect()
+        })?;
         self.shown = shown;
         self.captions(ui, &places, first);
         Ok(new)

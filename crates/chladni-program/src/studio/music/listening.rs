@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Beat, BeatReading, Parameters, Resonators, Stretch, Timbre};
+use chladni_music::{Bands, Beat, BeatReading, Parameters, Resonators, Stretch, Timbre};
 use chladni_sound::{
     BeatFollower, BeatMoment, Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings,
     PlayerState, PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune,
@@ -11,16 +11,16 @@ use chladni_sound::{
 };
 
 use super::study::{Learned, Study};
-use crate::dance::{Heard, Hearing, KnownSong, Playing, ShowClock, bands_of, read_beats, spectrum_settings};
+use crate::work::source::TUNE;
+use crate::work::{
+    Error, Heard, Hearing, KnownSong, Playing, ShowClock, bands_of, read_beats, spectrum_settings,
+};
 
 /// Where the song has moved on by so much more or less than the clock, someone sought: the beat
 /// tracker starts afresh.
 const SEEK_SECS: f64 = 0.3;
 /// A longer pause between two frames is not made up for.
 const LONGEST_STEP_SECS: f64 = 2.0;
-
-/// What the sample tune is called in shows.
-const TUNE: &str = "sample:tune";
 
 /// Player or capture, and the ears: a song that is read as a whole is heard as its films hear it; live input,
 /// and a song until it is read, by an analyser and a beat tracker that know only what was heard.
@@ -121,16 +121,15 @@ struct Live {
 
 impl Listening {
     /// Starts the player on the sample tune, at a volume in [0, 1], on a device or the system's own.
-    pub fn start(volume: f32, device: Option<String>) -> Result<Self, String> {
-        let folder = tempfile::tempdir().map_err(|error| format!("no room for the sample tune: {error}"))?;
+    pub fn start(volume: f32, device: Option<String>) -> Result<Self, Error> {
+        let folder = tempfile::tempdir()
+            .map_err(|error| Error::other(format!("no room for the sample tune: {error}")))?;
         let tune = folder.path().join("sample tune.wav");
-        write_wav(&tune, &sample_tune(), WavSample::Int16).map_err(|error| error.to_string())?;
-        let player = Player::start(PlayerSettings { device: device.clone(), volume, audible: true })
-            .map_err(|error| error.to_string())?;
+        write_wav(&tune, &sample_tune(), WavSample::Int16)?;
+        let player = Player::start(PlayerSettings { device: device.clone(), volume, audible: true })?;
         let rate_hz = 44_100;
-        let analyser =
-            SpectrumAnalyser::new(SpectrumSettings::new(rate_hz)).map_err(|error| error.to_string())?;
-        let follower = BeatFollower::new(rate_hz).map_err(|error| error.to_string())?;
+        let analyser = SpectrumAnalyser::new(SpectrumSettings::new(rate_hz))?;
+        let follower = BeatFollower::new(rate_hz)?;
         let mut listening = Self {
             player,
             live: None,
@@ -211,8 +210,8 @@ impl Listening {
     }
 
     /// Listens to a microphone or to what the machine plays; the song pauses.
-    pub fn listen_to(&mut self, source: &CaptureSource) -> Result<(), String> {
-        let capture = Capture::start(source).map_err(|error| error.to_string())?;
+    pub fn listen_to(&mut self, source: &CaptureSource) -> Result<(), Error> {
+        let capture = Capture::start(source)?;
         self.listen_on(capture, source.name.clone());
         Ok(())
     }
@@ -421,7 +420,7 @@ impl Listening {
     }
 
     /// Listens to what is heard at this moment, which is `now_secs` by any clock that goes on.
-    pub fn hear(&mut self, now_secs: f64, parameters: &Parameters) -> Result<Heard<'_>, String> {
+    pub fn hear(&mut self, now_secs: f64, parameters: &Parameters) -> Result<Heard<'_>, Error> {
         let since_last_secs = now_secs - self.last_secs;
         let dt_secs = since_last_secs.clamp(1e-3, 0.25);
         self.last_secs = now_secs;
@@ -436,14 +435,13 @@ impl Listening {
             Playing { song, position_secs: status.position_secs, duration_secs: status.duration_secs };
         let was_live = self.hearing.stretch().is_some_and(|stretch| stretch.song.is_none());
         if let Some(stretch) = self.clock.follow(now_secs, playing) {
-            self.hearing.begin(stretch).map_err(|error| error.to_string())?;
+            self.hearing.begin(stretch)?;
             // What the tracker has counted is not in the show.
             self.beats_changed |= was_live;
         }
         let at_secs = self.clock.at_secs();
         let is_playing = self.live.is_some() || status.state == PlayerState::Playing;
-        let known =
-            self.live.is_none() && self.hearing.hear(at_secs).map_err(|error| error.to_string())?.is_some();
+        let known = self.live.is_none() && self.hearing.hear(at_secs)?.is_some();
         let has_beats = known && self.known_beats().is_some();
         if known && std::mem::replace(&mut self.by_ear, !known) {
             let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
@@ -471,14 +469,14 @@ impl Listening {
             let timbre = Timbre::of(parameters);
             Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
             let ringing = self.resonators.as_mut().map(|bank| {
-                bank.hear(&bands_of(spectrum, None), std::mem::replace(&mut self.rung_secs, dt_secs as f32));
+                bank.hear(&bands_of(spectrum), std::mem::replace(&mut self.rung_secs, dt_secs as f32));
                 bank.ring(dt_secs as f32)
             });
-            let bands = bands_of(spectrum, ringing);
+            let bands = Bands { ringing, ..bands_of(spectrum) };
             return Ok(Heard { at_secs, is_known: false, bands, beat: by_ear, fading: None });
         }
-        let heard = self.hearing.hear(at_secs).map_err(|error| error.to_string())?;
-        let heard = heard.ok_or("the song is forgotten")?;
+        let heard = self.hearing.hear(at_secs)?;
+        let heard = heard.ok_or_else(|| Error::other("the song is forgotten"))?;
         let beat = if has_beats { heard.beat } else { by_ear };
         self.last_beat = beat;
         Ok(Heard { beat, is_known: has_beats, ..heard })
@@ -537,14 +535,14 @@ impl Listening {
         }
     }
 
-    fn follow_rate(&mut self, rate_hz: u32, parameters: &Parameters) -> Result<(), String> {
+    fn follow_rate(&mut self, rate_hz: u32, parameters: &Parameters) -> Result<(), Error> {
         let rate_hz = if rate_hz > 0 { rate_hz } else { self.analyser.settings().rate_hz };
         if rate_hz != self.analyser.settings().rate_hz {
-            self.follower = BeatFollower::new(rate_hz).map_err(|error| error.to_string())?;
+            self.follower = BeatFollower::new(rate_hz)?;
         }
         let wanted = spectrum_settings(rate_hz, parameters);
         if *self.analyser.settings() != wanted {
-            self.analyser = SpectrumAnalyser::new(wanted).map_err(|error| error.to_string())?;
+            self.analyser = SpectrumAnalyser::new(wanted)?;
         }
         Ok(())
     }

@@ -29,9 +29,8 @@ mod wish;
 
 use std::path::{Path, PathBuf};
 
-use chladni_caricature::ShapeSource;
 use chladni_music::{Action, BeatReading, Cue, Preset, Show, SongRef};
-use chladni_sound::{Capture, SONG_EXTENSIONS};
+use chladni_sound::Capture;
 use egui::{Key, Ui};
 
 use self::concert::{Concert, View};
@@ -44,11 +43,13 @@ use self::stage::Curtain;
 use self::wish::Wish;
 use super::Trace;
 use super::icon::{self, Icon};
-use super::job::{self, Job, Outcome};
+use super::job::{self, Job};
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::theme;
-use crate::dance::{refer, resolve};
+use crate::work::formats::{self, Kind, MESHES, PROJECT, SONGS, TEXT};
+use crate::work::source::sample_path;
+use crate::work::{Error, refer, resolve};
 
 /// So often a room at rest looks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
@@ -106,16 +107,13 @@ const KEYS: [Shortcut; 24] = [
     LEAVE,
 ];
 
-/// Extension of presets and shows.
-const TEXT: &str = "toml";
-
 /// The most harmonics that dance live.
 const MOST_HARMONICS: usize = 512;
 
 /// The room: one body, one gallery, one playlist.
 #[derive(Default)]
 pub struct MusicRoom {
-    loading: Option<Job<Result<Ready, String>>>,
+    loading: Option<Job<Ready>>,
     /// What is being loaded and what dances, as the command line calls them.
     names: Names,
     filming: Filming,
@@ -159,7 +157,7 @@ impl Room for MusicRoom {
 
     fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
         if self.concert.is_none() && self.loading.is_none() && !self.refused {
-            self.load(ShapeSource::Sample("octopus".into()), shared);
+            self.load(sample_path("octopus"), shared);
         }
         self.listening(shared);
         self.poll(shared);
@@ -186,7 +184,7 @@ impl Room for MusicRoom {
                 return;
             };
             if let Err(why) = concert.show(ui, shared, listening, self.trace.as_ref(), &mut wishes) {
-                shared.notices.error(why);
+                shared.notices.failed(why);
             }
             if on_stage {
                 self.curtain.show(ui, concert);
@@ -259,18 +257,17 @@ impl Room for MusicRoom {
             Ok(true)
         };
         saved.unwrap_or_else(|why| {
-            shared.notices.error(why);
+            shared.notices.failed(why);
             false
         })
     }
 
     fn extensions(&self) -> Vec<&'static str> {
-        [TEXT].into_iter().chain(SONG_EXTENSIONS).collect()
+        [TEXT].into_iter().chain(SONGS).collect()
     }
 
     fn claims(&self, path: &Path) -> bool {
-        let extension = extension(path);
-        extension == TEXT || SONG_EXTENSIONS.contains(&extension.as_str())
+        matches!(formats::kind(path), Kind::Text | Kind::Song)
     }
 
     fn change_device(&mut self, shared: &mut Shared<'_>) {
@@ -291,19 +288,14 @@ impl Room for MusicRoom {
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
         let mut songs = Vec::new();
         for path in paths {
-            match extension(path).as_str() {
-                TEXT => self.waiting.push(path.clone()),
-                "chladni" => self.load_caricature(path.clone(), shared),
-                song if SONG_EXTENSIONS.contains(&song) => songs.push(path.clone()),
-                _ => match path.to_str().and_then(|name| name.strip_prefix("sample:")) {
-                    Some(name) => {
-                        self.load(ShapeSource::Sample(name.to_owned()), shared);
-                        continue;
-                    }
-                    None => self.load(ShapeSource::File(path.clone()), shared),
-                },
+            match formats::kind(path) {
+                Kind::Text => self.waiting.push(path.clone()),
+                Kind::Song => songs.push(path.clone()),
+                Kind::Project | Kind::Mesh => self.load(path.clone(), shared),
             }
-            shared.settings.remember(path);
+            if chladni_mesh::ShapeSource::sample_name(path).is_none() {
+                shared.settings.remember(path);
+            }
         }
         if !songs.is_empty() {
             match self.listening(shared) {
@@ -320,23 +312,15 @@ impl MusicRoom {
         Self { input, trace, ..Self::default() }
     }
 
-    fn load(&mut self, source: ShapeSource, shared: &mut Shared<'_>) {
+    /// Loads a shape, or a caricature, whose voices are shown.
+    fn load(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
         let means = self.means(shared);
-        let label = format!("Opening {source}");
-        self.names.loading = match &source {
-            ShapeSource::File(path) => path.clone(),
-            sample @ ShapeSource::Sample(_) => sample.to_string().into(),
-        };
-        self.loading = Some(Job::start(label, &shared.ctx, move |task| loading::shape(&source, means, task)));
-    }
-
-    fn load_caricature(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
-        let means = self.means(shared);
+        if formats::is_project(&path) {
+            self.drawers.open = Drawer::Body;
+        }
+        self.names.loading.clone_from(&path);
         let label = format!("Opening {}", path.display());
-        self.drawers.open = Drawer::Body;
-        self.names.loading = path.clone();
-        self.loading =
-            Some(Job::start(label, &shared.ctx, move |task| loading::caricature(&path, means, task)));
+        self.loading = Some(Job::start(label, &shared.ctx, move |task| loading::load(&path, means, task)));
     }
 
     /// The ears, started when they are first needed; `None` where that failed.
@@ -352,7 +336,7 @@ impl MusicRoom {
                 }
                 Err(why) => {
                     self.refused = true;
-                    shared.notices.error(why);
+                    shared.notices.failed(why);
                 }
             }
         }
@@ -378,12 +362,12 @@ impl MusicRoom {
                 Err(not_show) => {
                     let unread = matches!(not_preset, chladni_music::Error::File { .. });
                     let why = if !unread && is_like_a_show(&path) { not_show } else { not_preset };
-                    Err(format!("{}: {why}", path.display()))
+                    Err(Error::from(why).of(path.display()))
                 }
             },
         };
         if let Err(why) = opened {
-            shared.notices.error(why);
+            shared.notices.failed(why);
         }
     }
 
@@ -407,11 +391,7 @@ impl MusicRoom {
                     shared.notices.warn(told);
                 }
                 self.coming = Some((path, show));
-                match body.to_str().and_then(|name| name.strip_prefix("sample:")) {
-                    Some(name) => self.load(ShapeSource::Sample(name.to_owned()), shared),
-                    None if extension(&body) == "chladni" => self.load_caricature(body, shared),
-                    None => self.load(ShapeSource::File(body), shared),
-                }
+                self.load(body, shared);
             }
             Err(why) => {
                 shared.notices.warn(format!("{why}. It goes on with the shape that dances now."));
@@ -434,7 +414,10 @@ impl MusicRoom {
             let found = resolve(&song.file(), path.parent());
             let (file, warning) = match found {
                 Ok(found) => found,
-                Err(why) => (PathBuf::from(&song.path), Some(why)),
+                Err(why) => {
+                    shared.notices.warn(why);
+                    (PathBuf::from(&song.path), None)
+                }
             };
             warning.into_iter().for_each(|warning| shared.notices.warn(warning));
             songs.push(ShowSong::new(file, song.reading));
@@ -447,8 +430,8 @@ impl MusicRoom {
     }
 
     fn poll(&mut self, shared: &mut Shared<'_>) {
-        match self.loading.as_ref().map(Job::poll) {
-            Some(Outcome::Done(Ok(ready))) => {
+        match self.loading.as_ref().and_then(Job::ended) {
+            Some(Ok(ready)) => {
                 self.loading = None;
                 for warning in &ready.warnings {
                     shared.notices.warn(warning.clone());
@@ -469,9 +452,8 @@ impl MusicRoom {
                     Err(why) => self.refuse(why, shared),
                 }
             }
-            Some(Outcome::Done(Err(why))) => self.refuse(why, shared),
-            Some(Outcome::Lost) => self.refuse("Opening broke off; this is a bug.".into(), shared),
-            Some(Outcome::Running) | None => {}
+            Some(Err(why)) => self.refuse(why, shared),
+            None => {}
         }
         while self.concert.is_some() && self.loading.is_none() && !self.waiting.is_empty() {
             let path = self.waiting.remove(0);
@@ -480,10 +462,10 @@ impl MusicRoom {
     }
 
     /// Tells what went wrong and does not try the same again by itself.
-    fn refuse(&mut self, why: String, shared: &mut Shared<'_>) {
+    fn refuse(&mut self, why: Error, shared: &mut Shared<'_>) {
         (self.loading, self.coming) = (None, None);
         self.refused |= self.concert.is_none();
-        shared.notices.error(why);
+        shared.notices.failed(why);
     }
 
     /// What the keys ask for.
@@ -622,7 +604,7 @@ impl MusicRoom {
             Wish::SavePreset(item) => match concert.instrument().item(item) {
                 Some(item) => {
                     let preset = Preset::of(concert.instrument(), item, Vec::new());
-                    let save = |path: &Path| preset.save(path).map_err(|why| why.to_string());
+                    let save = |path: &Path| preset.save(path).map_err(Error::unsaved);
                     save_as("dance.toml", shared, save).map(drop)
                 }
                 None => Ok(()),
@@ -637,10 +619,8 @@ impl MusicRoom {
     }
 
     fn choose_files(&mut self, songs_only: bool, shared: &mut Shared<'_>) {
-        let meshes = super::caricature::MESHES;
-        let all: Vec<&str> = meshes.into_iter().chain(self.extensions()).chain(["chladni"]).collect();
-        let kinds =
-            [("All that dances or sounds", &all[..]), ("Meshes", &meshes), ("Songs", &SONG_EXTENSIONS)];
+        let all: Vec<&str> = MESHES.into_iter().chain(self.extensions()).chain([PROJECT]).collect();
+        let kinds = [("All that dances or sounds", &all[..]), ("Meshes", &MESHES), ("Songs", &SONGS)];
         let paths = shared.chooser.open_several(if songs_only { &kinds[2..] } else { &kinds });
         if !paths.is_empty() {
             self.open(&paths, shared);
@@ -669,7 +649,7 @@ fn is_like_a_show(path: &Path) -> bool {
 
 /// A preset goes where nothing is lost that was chosen or loved: the last such place. The
 /// generation before stays as it was; the knobs are those of the preset.
-fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<(), String> {
+fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<(), Error> {
     let instrument = concert.instrument();
     let items = instrument.gallery().items();
     let loved = |id| instrument.favourites().iter().any(|favourite| favourite.id == id);
@@ -719,14 +699,14 @@ fn save_show(
     listening: &Listening,
     names: &Names,
     shared: &mut Shared<'_>,
-) -> Result<bool, String> {
+) -> Result<bool, Error> {
     let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new("show.toml")) else {
         return Ok(false);
     };
     let show = the_show(concert, listening, names, shared, path.parent());
-    show.save(&path).map_err(|why| why.to_string())?;
+    show.save(&path).map_err(Error::unsaved)?;
     shared.notices.done(format!("Saved {}", path.display()));
-    concert.is_saved();
+    concert.mark_saved();
     Ok(true)
 }
 
@@ -734,14 +714,10 @@ fn save_show(
 fn save_as(
     name: &str,
     shared: &mut Shared<'_>,
-    save: impl FnOnce(&Path) -> Result<(), String>,
-) -> Result<bool, String> {
+    save: impl FnOnce(&Path) -> Result<(), Error>,
+) -> Result<bool, Error> {
     let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new(name)) else { return Ok(false) };
     save(&path)?;
     shared.notices.done(format!("Saved {}", path.display()));
     Ok(true)
-}
-
-fn extension(path: &Path) -> String {
-    path.extension().map_or_else(String::new, |extension| extension.to_string_lossy().to_lowercase())
 }

@@ -3,7 +3,7 @@
 use chladni_music::{Binding, Looks};
 use serde::{Deserialize, Serialize};
 
-use crate::dance::{Look, look_named};
+use crate::work::{Look, first_looks, look_named};
 
 /// Looks, the stage's screen, and what turns what. Names that are not known any more fall back
 /// to the first look.
@@ -43,7 +43,7 @@ pub enum Screen {
 
 impl Default for Preferences {
     fn default() -> Self {
-        let [material, lights, background] = ["pearl", "stage", "night"].map(str::to_owned);
+        let Looks { material, lights, background } = first_looks();
         Self {
             material,
             lights,

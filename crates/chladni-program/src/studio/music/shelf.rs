@@ -10,6 +10,7 @@ use super::wish::Wish;
 use crate::studio::icon::{self, Icon};
 use crate::studio::notices::Notices;
 use crate::studio::theme;
+use crate::work::Error;
 
 /// At most this many presets are read.
 const MOST: usize = 2000;
@@ -67,11 +68,11 @@ impl Shelf {
     }
 
     /// Deletes a file of the shelf.
-    pub fn discard(&mut self, path: &Path) -> Result<(), String> {
+    pub fn discard(&mut self, path: &Path) -> Result<(), Error> {
         if self.find(path).is_none() {
-            return Err(format!("{}: is not on the shelf", path.display()));
+            return Err(Error::Input(format!("{}: is not on the shelf", path.display())));
         }
-        std::fs::remove_file(path).map_err(|why| format!("{}: {why}", path.display()))?;
+        std::fs::remove_file(path).map_err(|why| Error::unwritten(path, why))?;
         self.read = false;
         Ok(())
     }
@@ -132,7 +133,7 @@ impl Shelf {
         if keep {
             match self.keep(instrument) {
                 Ok(name) => notices.done(format!("Kept {name}")),
-                Err(why) => notices.error(why),
+                Err(why) => notices.failed(why),
             }
         }
         if keep || cancel {
@@ -141,16 +142,17 @@ impl Shelf {
     }
 
     /// Writes the form's item into the folder, under a name that is still free.
-    fn keep(&mut self, instrument: &Instrument) -> Result<String, String> {
-        let form = self.form.as_ref().ok_or("nothing to keep")?;
-        let folder = self.folder.as_ref().ok_or("this system has no folder for preferences")?;
-        let item = instrument.item(form.item).ok_or("this dance is no longer there")?;
+    fn keep(&mut self, instrument: &Instrument) -> Result<String, Error> {
+        let form = self.form.as_ref().ok_or_else(|| Error::input("nothing to keep"))?;
+        let folder = self.folder.as_ref();
+        let folder = folder.ok_or_else(|| Error::other("this system has no folder for preferences"))?;
+        let item = instrument.item(form.item).ok_or_else(|| Error::input("this dance is no longer there"))?;
         let tags = form.tags.split(',').map(str::trim).filter(|tag| !tag.is_empty());
         let mut preset = Preset::of(instrument, item, tags.map(str::to_owned).collect());
         preset.name = form.name.trim().to_owned();
-        std::fs::create_dir_all(folder).map_err(|why| format!("{}: {why}", folder.display()))?;
+        std::fs::create_dir_all(folder).map_err(|why| Error::unwritten(folder, why))?;
         let path = free_path(folder, &preset.name);
-        preset.save(&path).map_err(|why| why.to_string())?;
+        preset.save(&path).map_err(Error::unsaved)?;
         self.read = false;
         Ok(preset.name)
     }

@@ -1,8 +1,7 @@
 //! The playlist, and what is listened to instead of it.
 
 use chladni_sound::{
-    CaptureKind, CaptureSource, OutputDevice, PlayerState, Repeat, SoundError, capture_sources,
-    output_devices,
+    CaptureKind, CaptureSource, OutputDevice, PlayerState, Repeat, capture_sources, output_devices,
 };
 use egui::{RichText, Ui, vec2};
 
@@ -11,7 +10,7 @@ use super::meters;
 use super::preferences::Preferences;
 use super::wish::Wish;
 use crate::studio::icon::{self, Icon};
-use crate::studio::job::{Job, Outcome};
+use crate::studio::job::Job;
 use crate::studio::notices::Notices;
 use crate::studio::theme;
 
@@ -19,7 +18,7 @@ use crate::studio::theme;
 const VOLUME: f32 = 64.0;
 
 /// What hears and what plays, as the system was last asked.
-type Found = Result<(Vec<CaptureSource>, Vec<OutputDevice>), SoundError>;
+type Found = (Vec<CaptureSource>, Vec<OutputDevice>);
 
 /// The devices that were found when last looked for.
 #[derive(Default)]
@@ -38,11 +37,10 @@ impl Devices {
     }
 
     fn poll(&mut self, notices: &mut Notices) {
-        match self.looking.as_ref().map(Job::poll) {
-            Some(Outcome::Done(Ok((found, outputs)))) => (self.found, self.outputs) = (found, outputs),
-            Some(Outcome::Done(Err(why))) => notices.warn(why.to_string()),
-            Some(Outcome::Lost) => notices.error("Looking for devices broke off; this is a bug."),
-            Some(Outcome::Running) | None => return,
+        match self.looking.as_ref().and_then(Job::ended) {
+            Some(Ok((found, outputs))) => (self.found, self.outputs) = (found, outputs),
+            Some(Err(why)) => notices.warn(why),
+            None => return,
         }
         self.looking = None;
     }
@@ -172,7 +170,7 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, notices: &
     match chosen {
         Some((true, source)) => {
             if let Err(why) = listening.listen_to(&source) {
-                notices.error(why);
+                notices.failed(why);
             }
         }
         Some((false, _)) => listening.stop_listening(),

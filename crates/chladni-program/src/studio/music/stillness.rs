@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use chladni_synth::{Coefficients, Item, Residual, Term};
 
-use crate::dance::Staged;
+use crate::work::Staged;
 
 /// Differences of coefficients below this (the shape's area is one) move nothing that is seen: what a decay
 /// lets fade away comes to rest.

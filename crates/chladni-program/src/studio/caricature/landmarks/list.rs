@@ -64,7 +64,7 @@ pub fn show_list(
 
 fn load(shared: &mut Shared<'_>) -> Option<Vec<chladni_match::Landmark>> {
     let path = shared.chooser.open(&[("Landmarks", &["txt"])])?;
-    load_landmarks(&path).map_err(|error| shared.notices.error(error.to_string())).ok()
+    load_landmarks(&path).map_err(|error| shared.notices.failed(error)).ok()
 }
 
 fn save(session: &Session, settings: &Settings, shared: &mut Shared<'_>) {

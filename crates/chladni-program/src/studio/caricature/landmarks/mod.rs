@@ -17,11 +17,11 @@ pub use side::Side;
 use super::edits::Edits;
 use super::session::Session;
 use super::stage::{Look, backdrop};
-use crate::source;
-use crate::studio::job::{self, Job, Outcome};
+use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
+use crate::work::{Aside, Error, template_mesh};
 
 /// How near a landmark the pointer takes hold of it, in window points.
 const GRIP: f32 = 12.0;
@@ -58,7 +58,7 @@ pub struct Picking {
     shape: Side,
     /// `None` while it is read.
     other: Option<Side>,
-    reading: Option<Job<Result<(TriMesh, Orientation), String>>>,
+    reading: Option<Job<(TriMesh, Orientation)>>,
     /// Half a pair: picked on one shape, not yet on the other.
     pending: Option<(Which, u32)>,
     /// The landmark that the pointer holds, and where it is now.
@@ -77,7 +77,7 @@ enum Deed {
 
 impl Picking {
     /// Opens both shapes for the selected layer; `None` where its template is no mesh.
-    pub fn begin(session: &Session, shared: &Shared<'_>) -> Option<Result<Self, String>> {
+    pub fn begin(session: &Session, shared: &Shared<'_>) -> Option<Result<Self, Error>> {
         let layer = session.selected?;
         let template = session.project().layer(layer)?.template.clone();
         if !template.is_mesh() {
@@ -86,16 +86,13 @@ impl Picking {
         let viewport = Viewport::new(shared.gpu);
         let shape = match Side::new(viewport.gpu(), &session.mesh, session.stands()) {
             Ok(shape) => shape,
-            Err(error) => return Some(Err(error.to_string())),
+            Err(error) => return Some(Err(error.into())),
         };
-        let (wanted, folder, beside) = (template.clone(), session.folder(), session.stands());
+        let (wanted, beside) = (template.clone(), session.stands());
         let reading = Job::start("Reading the template", &shared.ctx, move |task| {
-            let mesh = match &wanted {
-                Template::File(path) => source::mesh_file(path, folder.as_deref()).map(|(mesh, _)| mesh),
-                Template::Sample(name) => source::sample(name),
-                other => Err(format!("{other} is no mesh")),
-            }?;
-            let found = Estimate::of(&mesh, Known::default(), task).map_err(|error| error.to_string())?;
+            let mesh = template_mesh(&wanted, &Aside::new(task))?;
+            let mesh = mesh.ok_or_else(|| Error::Input(format!("{wanted} is no mesh")))?;
+            let found = Estimate::of(&mesh, Known::default(), task)?;
             // Shapes that belong together are mostly in the same axes.
             Ok((mesh, if found.in_doubt { beside } else { found.orientation }))
         });
@@ -134,7 +131,7 @@ impl Picking {
         edits: &mut Edits,
         (look, confidence): (Look, bool),
         shared: &mut Shared<'_>,
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         self.poll()?;
         self.update_confidence(session.selected_match().filter(|_| confidence))?;
         let Some(settings) = session.project().layer(self.layer).map(|layer| layer.matching.clone()) else {
@@ -160,31 +157,22 @@ impl Picking {
         Ok(())
     }
 
-    fn poll(&mut self) -> Result<(), String> {
-        match self.reading.as_ref().map(Job::poll) {
-            Some(Outcome::Done(mesh)) => {
-                self.reading = None;
-                let (mesh, stands) = mesh?;
-                let side =
-                    Side::new(self.viewport.gpu(), &mesh, stands).map_err(|error| error.to_string())?;
-                self.other = Some(side);
-                self.viewport.invalidate();
-            }
-            Some(Outcome::Lost) => {
-                self.reading = None;
-                return Err("Reading the template broke off; this is a bug.".into());
-            }
-            Some(Outcome::Running) | None => {}
+    fn poll(&mut self) -> Result<(), Error> {
+        if let Some(read) = self.reading.as_ref().and_then(Job::ended) {
+            self.reading = None;
+            let (mesh, stands) = read?;
+            self.other = Some(Side::new(self.viewport.gpu(), &mesh, stands)?);
+            self.viewport.invalidate();
         }
         Ok(())
     }
 
-    fn update_confidence(&mut self, matched: Option<&Arc<Matched>>) -> Result<(), String> {
+    fn update_confidence(&mut self, matched: Option<&Arc<Matched>>) -> Result<(), Error> {
         if matched.map(Arc::as_ptr) != self.shown_match.as_ref().map(Arc::as_ptr) {
             self.shown_match = matched.cloned();
             let confidence = matched.map(|matched| matched.confidence.as_slice());
             let gpu = self.viewport.gpu();
-            self.shape.set_confidence(gpu, confidence).map_err(|error| error.to_string())?;
+            self.shape.set_confidence(gpu, confidence)?;
             self.viewport.invalidate();
         }
         Ok(())
@@ -326,7 +314,7 @@ impl Picking {
         areas: [egui::Rect; 2],
         settings: &Settings,
         look: Look,
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         let cells = areas.map(|area| cell_of(ui, area, rect));
         let material = look.material();
         let (background, lights) = (backdrop(ui), look.lights());
@@ -352,7 +340,7 @@ impl Picking {
             })
             .collect()
         });
-        drawn.map_err(|error| error.to_string())?;
+        drawn?;
         for ((((_, side), ends), area), name) in sides.iter().zip(&ends).zip(areas).zip(["Shape", "Template"])
         {
             label(ui, area, name);

@@ -1,0 +1,50 @@
+//! `chladni-bench`: measures the program against published numbers. The scripts in `bench/` run it and write
+//! BENCHMARKS.md.
+
+mod caricature;
+mod music;
+mod sphere;
+mod synth;
+mod tables;
+
+use std::process::ExitCode;
+
+use chladni_program::cli::{Terminal, exit_code};
+use clap::{Parser, Subcommand};
+
+/// Measure the program on this machine.
+#[derive(Parser)]
+#[command(name = "chladni-bench", version)]
+struct Bench {
+    #[command(subcommand)]
+    what: What,
+    /// Draw no progress bars.
+    #[arg(long, global = true)]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum What {
+    Caricature(caricature::BenchCaricature),
+    Music(music::BenchMusic),
+    Synth(synth::BenchSynth),
+    Tables(tables::BenchTables),
+}
+
+fn main() -> ExitCode {
+    let bench = Bench::parse();
+    let terminal = Terminal::new(bench.quiet);
+    let done = match bench.what {
+        What::Caricature(caricature) => caricature.run(&terminal),
+        What::Music(music) => music.run(&terminal),
+        What::Synth(synth) => synth.run(&terminal),
+        What::Tables(tables) => tables.run(&terminal),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            terminal.error(&error);
+            ExitCode::from(exit_code(&error))
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Do all items of a gallery move, and does none of them turn the surface over?
+
+use chladni_caricature::{Surface, flipped_triangles};
+use chladni_music::{Action, Bands, Beat, Ensemble, Form, GalleryShape, Instrument, Moment, Player, Playing};
+use chladni_sound::{Song, SpectrumAnalyser, SpectrumSettings};
+use chladni_synth::{CpuSynthesizer, Item, SynthModel, Synthesizer, displacements_f64};
+use serde::Serialize;
+
+use super::truth::{HARMONICS, Ready};
+use chladni_program::cli::Terminal;
+use chladni_program::work::{Error, bands_of, source};
+
+/// S.
+pub const ITEMS: usize = 12;
+/// Frames a second at which movement is looked at.
+const RATE_HZ: f64 = 10.0;
+/// How much of each song.
+const SECS: f64 = 20.0;
+
+/// The share of a shape's triangles that are turned over in the worst item of a gallery and its worst moment.
+#[derive(Serialize)]
+pub struct Folds {
+    pub shape: String,
+    pub triangles: usize,
+    pub form: Form,
+    pub gallery: &'static str,
+    /// Every band of both channels at full scale, and of one.
+    pub all_bands: f64,
+    /// One band at full scale.
+    pub one_band: f64,
+}
+
+/// How far the items of a gallery move, as shares of the box's diagonal: root mean square over the surface, mean
+/// over time and songs.
+#[derive(Serialize)]
+pub struct Movement {
+    pub shape: String,
+    pub gallery: &'static str,
+    /// Of each item, in order.
+    pub items: Vec<f64>,
+    /// Of each item, how much changes within a tenth of a second.
+    pub changes: Vec<f64>,
+    /// The least moved item over the median one.
+    pub least: f64,
+    /// The least changing item over the median one.
+    pub least_change: f64,
+}
+
+/// The mesh in a file, ready to dance.
+pub fn shape(file: &str, terminal: &Terminal) -> Result<Ready, Error> {
+    let name = std::path::Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
+    Ready::new(&name, &source::mesh(file, terminal)?, terminal)
+}
+
+/// The initial gallery of a seed, and one bred from all of it.
+fn galleries(ready: &Ready, form: Form) -> Result<[(&'static str, Instrument); 2], Error> {
+    let bands = SpectrumSettings::new(44_100).bands;
+    let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands };
+    let mut initial = Instrument::new(2012, ITEMS, shape)?;
+    initial.apply(Moment::default(), Action::SetForm { form })?;
+    let mut bred = initial.clone();
+    let mut act = |action| bred.apply(Moment::default(), action);
+    (0..ITEMS).try_for_each(|item| act(Action::Choose { item, on: true }))?;
+    act(Action::Breed)?;
+    Ok([("initial", initial), ("bred", bred)])
+}
+
+/// Folds in all forms.
+pub fn folds(ready: &Ready) -> Result<Vec<Folds>, Error> {
+    let surface = Surface::new(&ready.body);
+    let folded = |item: &Item| -> Result<f64, Error> {
+        let x = &ready.body.positions;
+        let d = displacements_f64(&ready.body, item)?;
+        let moved: Vec<[f64; 3]> =
+            x.iter().zip(&d).map(|(x, d)| std::array::from_fn(|i| x[i] + d[i])).collect();
+        Ok(flipped_triangles(&surface, x, &moved).len() as f64 / ready.body.triangles.len() as f64)
+    };
+    let bands = SpectrumSettings::new(44_100).bands;
+    let (full, silence) = (vec![1.0; bands], vec![0.0; bands]);
+    let mut rows = Vec::new();
+    for form in [Form::HalfMask, Form::Filter, Form::Modal] {
+        let playing = Playing { form, ..Playing::default() };
+        for (gallery, instrument) in galleries(ready, form)? {
+            let (mut all_bands, mut one_band) = (0.0f64, 0.0f64);
+            for shown in instrument.gallery().items() {
+                let mut player = Player::new(&shown.mapping, &ready.dancer, bands, playing)?;
+                let mut item = player.item();
+                let mut worst = |left: &[f32], right: &[f32], mid: &[f32], side: &[f32]| {
+                    let heard = Bands { left, right, mid, side, side_gain: 1.0, ringing: None };
+                    player.play(&heard, &mut item)?;
+                    folded(&item)
+                };
+                for (left, right, mid, side) in [
+                    (&full, &full, &full, &silence),
+                    (&full, &silence, &full, &full),
+                    (&full, &full, &full, &full),
+                ] {
+                    all_bands = all_bands.max(worst(left, right, mid, side)?);
+                }
+                // Bands that drive the same harmonic do the same.
+                let targets = shown.mapping.targets(bands, HARMONICS);
+                for band in (0..bands).filter(|&b| !targets[..b].contains(&targets[b])) {
+                    let mut one = silence.clone();
+                    one[band] = 1.0;
+                    one_band = one_band.max(worst(&one, &one, &one, &one)?);
+                }
+            }
+            let triangles = ready.body.triangles.len();
+            rows.push(Folds { shape: ready.name.clone(), triangles, form, gallery, all_bands, one_band });
+        }
+    }
+    Ok(rows)
+}
+
+/// Movement in the form to begin with.
+pub fn movement(ready: &Ready, songs: &[Song]) -> Result<Vec<Movement>, Error> {
+    let mut rows = Vec::new();
+    for (gallery, instrument) in galleries(ready, Form::default())? {
+        let (mut items, mut changes) = (vec![0.0; ITEMS], vec![0.0; ITEMS]);
+        for song in songs {
+            let (way, change) = moved(ready, &instrument, song)?;
+            let share = 1.0 / songs.len() as f64;
+            items.iter_mut().zip(&way).for_each(|(sum, way)| *sum += share * way);
+            changes.iter_mut().zip(&change).for_each(|(sum, change)| *sum += share * change);
+        }
+        let (least, least_change) = (least_over_median(&items), least_over_median(&changes));
+        rows.push(Movement { shape: ready.name.clone(), gallery, items, changes, least, least_change });
+    }
+    Ok(rows)
+}
+
+/// Songs that are files or `sample:tune`, as much of them as is danced to.
+pub fn songs(names: &[String], terminal: &Terminal) -> Result<Vec<Song>, Error> {
+    names.iter().map(|name| source::song(name, 0.0, Some(SECS), terminal)).collect()
+}
+
+/// Of some values the least over the median.
+pub fn least_over_median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |i: usize| sorted.get(i).copied().unwrap_or(0.0);
+    let median = 0.5 * (at(sorted.len().saturating_sub(1) / 2) + at(sorted.len() / 2));
+    if median > 0.0 { at(0) / median } else { 0.0 }
+}
+
+/// For each item, the means over time of its way from rest and of its change.
+pub fn moved(ready: &Ready, instrument: &Instrument, song: &Song) -> Result<(Vec<f64>, Vec<f64>), Error> {
+    let settings = SpectrumSettings::new(song.rate_hz);
+    let mut analyser = SpectrumAnalyser::new(settings)?;
+    let mut ensemble = Ensemble::new(ready.dancer.clone());
+    let mut synthesizer = CpuSynthesizer::new(SynthModel::new(&ready.body)?);
+    let mut last: Vec<Vec<[f32; 3]>> = vec![synthesizer.model().rest_positions().to_vec(); ITEMS];
+    let rest = last[0].clone();
+    let (mut way, mut change) = (vec![0.0; ITEMS], vec![0.0; ITEMS]);
+    let window = analyser.window_frames();
+    let (mut left, mut right) = (vec![0.0; window], vec![0.0; window]);
+    // The spectrum is taken more often than the movement, as in a film.
+    const STEPS: u32 = 3;
+    let frames = (song.duration_secs() * RATE_HZ) as usize;
+    for frame in 0..frames {
+        for step in 0..STEPS {
+            let secs = (frame as f64 + f64::from(step) / f64::from(STEPS)) / RATE_HZ;
+            let end = (secs * f64::from(song.rate_hz)) as i64 + window as i64 / 2;
+            song.window_ending_at(end, &mut left, &mut right);
+            analyser.analyse(&left, &right, 1.0 / (RATE_HZ * f64::from(STEPS)));
+        }
+        let s = analyser.spectrum();
+        let items = ensemble.play(instrument, &bands_of(s), Beat::default())?;
+        synthesizer.synthesize_positions(items)?;
+        for (item, last) in last.iter_mut().enumerate() {
+            let now = synthesizer.positions(item);
+            way[item] += root_mean_square(ready, now, &rest);
+            change[item] += root_mean_square(ready, now, last);
+            last.copy_from_slice(now);
+        }
+    }
+    let share = 1.0 / (frames.max(1) as f64 * f64::from(ready.dancer.box_diagonal));
+    way.iter_mut().chain(&mut change).for_each(|sum| *sum *= share);
+    Ok((way, change))
+}
+
+fn root_mean_square(ready: &Ready, a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
+    let mass = &ready.body.basis.mass;
+    let squared =
+        |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum::<f64>();
+    let sum: f64 = a.iter().zip(b).map(squared).zip(mass).map(|(d, m)| m * d).sum();
+    (sum / mass.iter().sum::<f64>()).sqrt()
+}

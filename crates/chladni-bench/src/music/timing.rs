@@ -1,0 +1,99 @@
+//! From sound to twelve shapes, frame by frame.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use chladni_harmonics::Laplacian;
+use chladni_mesh::TriMesh;
+use chladni_music::{Action, Dancer, Ensemble, Form, GalleryShape, Instrument, Moment};
+use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
+use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
+use serde::Serialize;
+
+use super::BenchMusic;
+use crate::sphere::bumpy_sphere;
+use chladni_program::cli::Terminal;
+use chladni_program::work::body;
+use chladni_program::work::dancer::{Dancing, classes};
+use chladni_program::work::{Error, Watcher, bands_of};
+
+/// Medians per frame, in milliseconds, on the processor.
+#[derive(Serialize)]
+pub struct Measured {
+    pub vertices: usize,
+    pub harmonics: usize,
+    pub items: usize,
+    pub form: Form,
+    pub threads: usize,
+    pub spectrum_ms: f64,
+    pub mapping_ms: f64,
+    pub synthesis_ms: f64,
+    pub normals_ms: f64,
+    pub total_ms: f64,
+}
+
+/// Measures the three forms.
+pub fn measure(bench: &BenchMusic, terminal: &Terminal) -> Result<Vec<Measured>, Error> {
+    let (positions, triangles) = bumpy_sphere(bench.vertices);
+    let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
+    let (body, _) = body::build("bumpy sphere", &mesh, bench.harmonics, Laplacian::Delaunay, terminal)?;
+    let symmetry = terminal.watch("finding the mirror", |task| classes(&body, false, task))?;
+    let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry)?;
+    let mut synthesizer = CpuSynthesizer::new(SynthModel::new(&body)?);
+    let forms = [Form::Filter, Form::Modal, Form::HalfMask];
+    forms.into_iter().map(|form| bench.time(form, &dancer, &mut synthesizer)).collect()
+}
+
+impl BenchMusic {
+    fn time(
+        &self,
+        form: Form,
+        dancer: &Arc<Dancer>,
+        synthesizer: &mut CpuSynthesizer,
+    ) -> Result<Measured, Error> {
+        let song = sample_tune();
+        let settings = SpectrumSettings::new(song.rate_hz);
+        let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands: settings.bands };
+        let mut instrument = Instrument::new(1, self.items, shape)?;
+        instrument.apply(Moment::default(), Action::SetForm { form })?;
+        let mut analyser = SpectrumAnalyser::new(settings)?;
+        let mut ensemble = Ensemble::new(dancer.clone());
+        let window = analyser.window_frames();
+        let hop = song.rate_hz as usize / 60;
+        let frames = self.frames.clamp(1, (song.frames() - window) / hop);
+        let mut times: [Vec<f64>; 5] = std::array::from_fn(|_| Vec::with_capacity(frames));
+        for frame in 0..frames {
+            let from = frame * hop;
+            let start = Instant::now();
+            let (left, right) = (&song.left[from..from + window], &song.right[from..from + window]);
+            let s = analyser.analyse(left, right, 1.0 / 60.0);
+            let heard = start.elapsed().as_secs_f64();
+            let items = ensemble.play(&instrument, &bands_of(s), chladni_music::Beat::default())?;
+            let mapped = start.elapsed().as_secs_f64();
+            synthesizer.synthesize_positions(items)?;
+            let moved = start.elapsed().as_secs_f64();
+            synthesizer.synthesize_normals(&FrameSettings::default())?;
+            let lit = start.elapsed().as_secs_f64();
+            let parts = [heard, mapped - heard, moved - mapped, lit - moved, lit];
+            times.iter_mut().zip(parts).for_each(|(t, secs)| t.push(1e3 * secs));
+        }
+        let [spectrum_ms, mapping_ms, synthesis_ms, normals_ms, total_ms] = times.map(median);
+        Ok(Measured {
+            vertices: synthesizer.model().vertices(),
+            harmonics: dancer.harmonics(),
+            items: self.items,
+            form,
+            threads: rayon::current_num_threads(),
+            spectrum_ms,
+            mapping_ms,
+            synthesis_ms,
+            normals_ms,
+            total_ms,
+        })
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,179 @@
+//! Pictures of a caricature: which, from where, how large.
+
+use std::path::Path;
+
+use chladni_caricature::{Action, Evaluation, LayerId, Model, Project, Property, Stack};
+use chladni_mesh::Orientation;
+use chladni_task::write_atomic;
+use chladni_view::{Camera, Gpu, Picture, PictureRequest, PictureShape, Style, render_picture};
+
+use super::sheet::{self, Panel, Portrayed, SheetOptions};
+use super::stance::StanceOptions;
+use crate::work::{Error, Made, OwnLook, Sculpture, Stance, Watcher, dots};
+
+/// Where the viewer of a picture stands, and how large the picture is.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub struct Portrait {
+    /// Where the picture is seen from: degrees to the right of the front and above the horizon.
+    #[arg(long, value_name = "YAW,PITCH", default_value = "30,10", allow_hyphen_values = true, value_parser = angles)]
+    view: [f32; 2],
+    /// Size of the picture in pixels.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", value_parser = pixels)]
+    size: [u32; 2],
+    #[command(flatten)]
+    stance: StanceOptions,
+}
+
+impl Default for Portrait {
+    fn default() -> Self {
+        Self { view: [30.0, 10.0], size: [1600, 900], stance: StanceOptions::default() }
+    }
+}
+
+impl Portrait {
+    /// Before any work: can it be drawn so?
+    pub fn check(&self) -> Result<(), Error> {
+        Stance::from(self.stance).check()
+    }
+}
+
+fn angles(text: &str) -> Result<[f32; 2], String> {
+    let parsed =
+        text.split_once(',').and_then(|(y, p)| Some([y.trim().parse().ok()?, p.trim().parse().ok()?]));
+    let within = |a: &[f32; 2]| a[0].abs() <= 360.0 && a[1].abs() <= 90.0;
+    parsed.filter(within).ok_or_else(|| "write it as yaw,pitch in degrees, such as 30,10".into())
+}
+
+fn pixels(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let within = |s: &[u32; 2]| s.iter().all(|s| (16..=16_384).contains(s));
+    parsed.filter(within).ok_or_else(|| "write it as WIDTHxHEIGHT in pixels, 16 to 16384 each".into())
+}
+
+/// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks
+/// for none. The shape is called `name`; `kept` is how its project says that it stands.
+pub fn render(
+    made: &mut Made,
+    name: &str,
+    project: &Project,
+    path: &Path,
+    portrait: &Portrait,
+    sheet: &SheetOptions,
+    kept: Option<Orientation>,
+    watcher: &impl Watcher,
+) -> Result<(), Error> {
+    let Portrait { view: [yaw, pitch], size, stance } = *portrait;
+    let stands = Stance::from(stance).of(name, &made.sculpture.mesh, kept, made.stands, watcher)?;
+    let (yaw_rad, pitch_rad) = (yaw.to_radians(), pitch.to_radians());
+    let from = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };
+    let picture = if sheet.show.is_empty() && sheet.sweep.is_empty() {
+        before_and_after(&made.sculpture, name, from, size, watcher)?
+    } else {
+        sheet::draw(&rows(&mut made.stack, project, sheet)?, &made.sculpture.body.triangles, from, size)?
+    };
+    let png = picture.to_png()?;
+    write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
+}
+
+/// The panels of a picture: a row for each μ of the top layer.
+fn rows(stack: &mut Stack, project: &Project, sheet: &SheetOptions) -> Result<Vec<Vec<Portrayed>>, Error> {
+    let Some((top, layer)) = project.layers().last() else {
+        return Err(Error::input("there is no layer to show"));
+    };
+    let panels: &[Panel] = if sheet.show.is_empty() { &[Panel::Before, Panel::After] } else { &sheet.show };
+    let sweep: &[f64] = if sheet.sweep.is_empty() { &[layer.mu] } else { &sheet.sweep };
+    let mut project = project.clone();
+    let mut rows = Vec::with_capacity(sweep.len());
+    for &mu in sweep {
+        let action = Action::Set { layer: *top, to: Property::Mu(mu) };
+        project.apply(&action, None)?;
+        let evaluation = stack.evaluate(&project);
+        let mut row = Vec::new();
+        for &panel in panels {
+            row.extend(panel_of(stack, panel, &project, *top, &evaluation));
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+fn panel_of(
+    stack: &mut Stack,
+    panel: Panel,
+    project: &Project,
+    top: LayerId,
+    evaluation: &Evaluation,
+) -> Vec<Portrayed> {
+    let original = &stack.original().positions;
+    let result = &evaluation.result.positions;
+    // The top layer may be off; then it shows nothing but the shape.
+    let base = evaluation.layers.last().map_or(original, |layer| &layer.base.positions);
+    match panel {
+        Panel::Before => vec![Portrayed::plain(original)],
+        Panel::After => vec![Portrayed::plain(result)],
+        Panel::Rest => {
+            let dots = dots(original.iter().map(|p| p.map(|c| c as f32)));
+            vec![Portrayed { dots, ..Portrayed::plain(result) }]
+        }
+        Panel::Steps => {
+            let acting = evaluation.layers.iter().filter(|layer| layer.displacement.is_some());
+            let bases = acting.map(|layer| &layer.base.positions);
+            bases.chain([result]).map(|positions| Portrayed::plain(positions)).collect()
+        }
+        Panel::Painted => {
+            let shares = project
+                .layer(top)
+                .map(|layer| layer.region.painted.values(&stack.surface().file_positions()).to_vec());
+            vec![Portrayed { shares, ..Portrayed::plain(base) }]
+        }
+        Panel::Region => {
+            let mask = evaluation.layers.last().and_then(|layer| layer.mask.as_deref());
+            let shares = mask.map_or_else(|| vec![1.0; base.len()], <[f32]>::to_vec);
+            vec![Portrayed { shares: Some(shares), ..Portrayed::plain(base) }]
+        }
+        Panel::Coordinate | Panel::Normal | Panel::Distance => {
+            let model = match panel {
+                Panel::Coordinate => Model::Coordinate,
+                Panel::Normal => Model::Normal,
+                _ => Model::Distance,
+            };
+            let base = Portrayed::plain(base);
+            let models = stack.three_models(project, top);
+            let at = Model::ALL.iter().position(|m| *m == model);
+            let moved = models.zip(at).map(|(models, at)| Portrayed::plain(&models[at]));
+            vec![moved.unwrap_or(base)]
+        }
+    }
+}
+
+/// Both with the colours that the shape brought along.
+fn before_and_after(
+    Sculpture { mesh, body, evaluation }: &Sculpture,
+    name: &str,
+    from: Camera,
+    [width, height]: [u32; 2],
+    watcher: &impl Watcher,
+) -> Result<Picture, Error> {
+    let single =
+        |positions: &[[f64; 3]]| -> Vec<[f32; 3]> { positions.iter().map(|p| p.map(|c| c as f32)).collect() };
+    let (before, after) = (single(&body.positions), single(&evaluation.result.positions));
+    let own = OwnLook::of(name, mesh, body, watcher);
+    let colors = match &own {
+        Some(OwnLook::Colors(bytes)) => Some(bytes.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect()),
+        _ => None::<Vec<[f32; 4]>>,
+    };
+    let image = match &own {
+        Some(OwnLook::Image { corner_uvs, picture }) => Some((picture, &corner_uvs[..])),
+        _ => None,
+    };
+    let shapes = [&before, &after].map(|positions| PictureShape {
+        positions,
+        triangles: &body.triangles,
+        colors: colors.as_deref(),
+        image,
+        ..PictureShape::default()
+    });
+    let gpu = Gpu::headless()?;
+    let request = PictureRequest { shapes: &shapes, width, height, from, style: Style::default() };
+    Ok(render_picture(&gpu, &request)?)
+}

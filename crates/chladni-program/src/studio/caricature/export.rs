@@ -1,0 +1,300 @@
+//! The export window: what to write, how large, and where.
+
+use std::path::{Path, PathBuf};
+
+use chladni_mesh::Format;
+use chladni_task::write_atomic;
+use chladni_view::{Background, FilmSettings, FrameRate, ffmpeg_is_there};
+use egui::{DragValue, RichText, Ui};
+
+use super::CaricatureRoom;
+use super::stage::backdrop;
+use crate::studio::job::{self, Job};
+use crate::studio::room::Shared;
+use crate::studio::theme;
+use crate::work::Error;
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum What {
+    Mesh(Format),
+    Picture,
+    Mp4,
+    Gif,
+}
+
+impl What {
+    /// By rows: name of the row, and what it offers.
+    const ROWS: [(&'static str, &'static [Self]); 3] = [
+        (
+            "Shape",
+            &[
+                Self::Mesh(Format::Glb),
+                Self::Mesh(Format::Obj),
+                Self::Mesh(Format::Ply),
+                Self::Mesh(Format::Stl),
+            ],
+        ),
+        ("Picture", &[Self::Picture]),
+        ("Turntable", &[Self::Mp4, Self::Gif]),
+    ];
+
+    fn extension(self) -> &'static str {
+        match self {
+            Self::Mesh(Format::Glb) => "glb",
+            Self::Mesh(Format::Obj) => "obj",
+            Self::Mesh(Format::Stl) => "stl",
+            Self::Mesh(_) => "ply",
+            Self::Picture => "png",
+            Self::Mp4 => "mp4",
+            Self::Gif => "gif",
+        }
+    }
+
+    fn explanation(self) -> &'static str {
+        match self {
+            Self::Mesh(Format::Glb) => {
+                "The original with one slider (morph target) per layer, named like it. Opens in Blender; all \
+                 sliders at 1 are the caricature."
+            }
+            Self::Mesh(Format::Obj) => {
+                "The caricature, in the file's own vertex order, with UVs and materials."
+            }
+            Self::Mesh(Format::Stl) => "The caricature for printing: triangles only, rounded to 32 bits.",
+            Self::Mesh(_) => "The caricature with every digit of its coordinates, and vertex colours.",
+            Self::Picture => "What the view shows, at any size.",
+            Self::Mp4 => "What the view shows, turning once around: an H.264 film.",
+            Self::Gif => "What the view shows, turning once around: a film that loops anywhere.",
+        }
+    }
+}
+
+/// What is behind the shape in pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Behind {
+    Nothing,
+    Window,
+    Preset(usize),
+}
+
+/// The choices, kept while the window is open.
+#[derive(Debug)]
+pub struct Export {
+    open: bool,
+    what: What,
+    size: [u32; 2],
+    behind: Behind,
+    secs: f64,
+    fps: u32,
+    ffmpeg: Option<bool>,
+    running: Option<Job<PathBuf>>,
+}
+
+impl Default for Export {
+    fn default() -> Self {
+        Self {
+            open: false,
+            what: What::Mesh(Format::Glb),
+            size: [1920, 1080],
+            behind: Behind::Nothing,
+            secs: 6.0,
+            fps: 30,
+            ffmpeg: None,
+            running: None,
+        }
+    }
+}
+
+impl CaricatureRoom {
+    /// Opens the export window.
+    pub(super) fn export(&mut self) {
+        self.export.open = self.session.is_some();
+    }
+
+    /// Draws the export window and takes in what is written.
+    pub(super) fn show_export(&mut self, ui: &Ui, shared: &mut Shared<'_>) {
+        self.export.poll(shared);
+        if !self.export.open {
+            return;
+        }
+        let (begin, dismissed) = theme::modal(ui.ctx(), "Export", 470.0, |ui| self.export.choices(ui));
+        if begin {
+            self.begin_export(ui, shared);
+        } else if dismissed {
+            self.export.open = false;
+        }
+    }
+
+    fn begin_export(&mut self, ui: &Ui, shared: &mut Shared<'_>) {
+        let (Some(session), Some(stage)) = (&self.session, &self.stage) else { return };
+        let extension = self.export.what.extension();
+        let suggested = session.beside_named("caricature", extension);
+        let Some(path) = shared.chooser.save(&[(&extension.to_uppercase(), &[extension])], &suggested) else {
+            return;
+        };
+        let Export { what, size: [width, height], secs, fps, .. } = self.export;
+        let label = format!("Writing {}", path.file_name().unwrap_or_default().to_string_lossy());
+        let shot = stage.shot(self.look, self.export.background(ui));
+        let job = match (what, shot) {
+            (What::Mesh(_), _) => {
+                let sculpture = session.sculpture();
+                Job::start(label, &shared.ctx, move |_| sculpture.save(&path).map(|()| path))
+            }
+            (_, Err(error)) => return shared.notices.failed(error),
+            (What::Picture, Ok(shot)) => Job::start(label, &shared.ctx, move |_| {
+                let png = shot.picture(width, height).and_then(|picture| picture.to_png());
+                let png = png.map_err(|error| Error::from(error).of(path.display()))?;
+                write_atomic(&path, &png).map_err(|error| Error::unwritten(&path, error))?;
+                Ok(path)
+            }),
+            (What::Mp4 | What::Gif, Ok(shot)) => {
+                let rate = FrameRate::per_second(fps);
+                let settings =
+                    FilmSettings { width, height, rate, frames: rate.frames_in(secs), audio: None };
+                Job::start(label, &shared.ctx, move |task| {
+                    let made = shot.turntable(&path, settings, task);
+                    made.map_err(|error| Error::from(error).of(path.display()))?;
+                    Ok(path)
+                })
+            }
+        };
+        self.export.running = Some(job);
+        self.export.open = false;
+    }
+}
+
+impl Export {
+    /// Shows progress while something is written; draws nothing otherwise.
+    pub fn progress(&self, ui: &mut Ui) {
+        if let Some(running) = &self.running {
+            egui::Panel::bottom("export progress").resizable(false).show(ui, |ui| {
+                ui.add_space(theme::GAP_SMALL);
+                job::show_progress(ui, running);
+                ui.add_space(theme::GAP_SMALL);
+            });
+        }
+    }
+
+    fn poll(&mut self, shared: &mut Shared<'_>) {
+        match self.running.as_ref().and_then(Job::ended) {
+            Some(Ok(path)) => shared.notices.done(format!("Exported {}", path.display())),
+            Some(Err(why)) => shared.notices.failed(why),
+            None => return,
+        }
+        self.running = None;
+    }
+
+    fn background(&self, ui: &Ui) -> Background {
+        match self.behind {
+            // Films have no transparency.
+            Behind::Nothing if self.what == What::Picture => Background::TRANSPARENT,
+            Behind::Nothing | Behind::Window => backdrop(ui),
+            Behind::Preset(index) => {
+                Background::PRESETS.get(index).map_or(Background::PAPER, |preset| preset.1)
+            }
+        }
+    }
+
+    /// Draws the choices; true when the person goes ahead.
+    fn choices(&mut self, ui: &mut Ui) -> bool {
+        let weak = theme::palette(ui).weak;
+        let ffmpeg = *self.ffmpeg.get_or_insert_with(ffmpeg_is_there);
+        egui::Grid::new("export").num_columns(2).spacing([theme::GAP_LARGE, theme::GAP]).show(ui, |ui| {
+            for (row, offers) in What::ROWS {
+                ui.label(RichText::new(row).color(weak));
+                ui.horizontal(|ui| {
+                    for what in offers {
+                        let possible = *what != What::Mp4 || ffmpeg;
+                        let button =
+                            egui::Button::selectable(self.what == *what, what.extension().to_uppercase());
+                        let response = ui.add_enabled(possible, button);
+                        let response = response.on_disabled_hover_text("Needs the program ffmpeg");
+                        if response.on_hover_text(what.explanation()).clicked() {
+                            self.what = *what;
+                        }
+                    }
+                });
+                ui.end_row();
+            }
+            if !matches!(self.what, What::Mesh(_)) {
+                self.picture_choices(ui, weak);
+            }
+        });
+        ui.add_space(theme::GAP);
+        ui.add(egui::Label::new(RichText::new(self.what.explanation()).color(weak)).wrap());
+        ui.add_space(theme::GAP_LARGE);
+        let mut begin = false;
+        ui.horizontal(|ui| {
+            let busy = self.running.is_some();
+            ui.add_enabled_ui(!busy, |ui| begin = theme::primary_button(ui, "Export…").clicked());
+            if ui.button("Cancel").clicked() {
+                self.open = false;
+            }
+            if busy {
+                ui.label(RichText::new("Another export is still running.").color(weak));
+            }
+        });
+        begin
+    }
+
+    fn picture_choices(&mut self, ui: &mut Ui, weak: egui::Color32) {
+        ui.label(RichText::new("Size").color(weak));
+        ui.horizontal(|ui| {
+            let [width, height] = &mut self.size;
+            let tip = "Pixels: width × height";
+            ui.add(DragValue::new(width).range(16..=16_384)).accessible_name("Width").on_hover_text(tip);
+            ui.label("×");
+            ui.add(DragValue::new(height).range(16..=16_384)).accessible_name("Height").on_hover_text(tip);
+            ui.menu_button("Usual sizes", |ui| {
+                let sizes = [
+                    ("HD", [1920, 1080]),
+                    ("4K", [3840, 2160]),
+                    ("Square", [1080, 1080]),
+                    ("Small", [640, 480]),
+                ];
+                for (name, size) in sizes {
+                    if ui.button(format!("{name}   {} × {}", size[0], size[1])).clicked() {
+                        self.size = size;
+                        ui.close();
+                    }
+                }
+            });
+        });
+        ui.end_row();
+        ui.label(RichText::new("Background").color(weak));
+        ui.horizontal_wrapped(|ui| {
+            let picture = self.what == What::Picture;
+            if picture {
+                ui.selectable_value(&mut self.behind, Behind::Nothing, "None")
+                    .on_hover_text("A transparent picture");
+            } else if self.behind == Behind::Nothing {
+                self.behind = Behind::Window;
+            }
+            ui.selectable_value(&mut self.behind, Behind::Window, "As here");
+            for (index, (name, background)) in Background::PRESETS.iter().enumerate() {
+                if background.opacity > 0.0 {
+                    ui.selectable_value(&mut self.behind, Behind::Preset(index), theme::capitalised(name));
+                }
+            }
+        });
+        ui.end_row();
+        if self.what == What::Picture {
+            return;
+        }
+        ui.label(RichText::new("Length").color(weak));
+        ui.horizontal(|ui| {
+            let length = DragValue::new(&mut self.secs).range(0.5..=120.0).speed(0.1).suffix(" s");
+            ui.add(length).accessible_name("Length");
+            ui.label("at");
+            let fps = DragValue::new(&mut self.fps).range(1..=60).suffix(" frames/s");
+            ui.add(fps).accessible_name("Frames a second");
+        });
+        ui.end_row();
+    }
+}
+
+/// A name for a file made from `path`, such as `igea-caricature.glb`.
+pub fn named_after(path: &Path, addition: &str, extension: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}-{addition}.{extension}"))
+}

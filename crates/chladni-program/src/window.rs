@@ -1,0 +1,70 @@
+//! The door between commands and the window: the one place that opens it.
+
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::time::Instant;
+
+use serde::Serialize;
+
+pub use crate::studio::CHOOSE_FILE;
+use crate::studio::{self, FirstPicture, Measure, Report};
+use crate::work::Error;
+
+/// What the window closes by itself for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Until {
+    /// Nothing: a person closes it.
+    Closed,
+    /// The shape is on screen.
+    Picture,
+    /// So many seconds of a song were measured.
+    Measured(f64),
+}
+
+/// What it closed for, as JSON.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub enum Outcome {
+    /// How long the first picture took.
+    Picture {
+        /// Since the window was asked for.
+        first_picture_secs: f64,
+    },
+    /// How the frames came.
+    Measured(Report),
+}
+
+/// Opens the window on `files` and returns when it is closed.
+///
+/// # Errors
+/// [`Error::Other`] where it cannot open, or was closed before what was waited for; [`Error::Input`] where a
+/// file shows no picture.
+pub fn open(files: Vec<PathBuf>, until: Until) -> Result<Option<Outcome>, Error> {
+    let measure = match until {
+        Until::Measured(secs) => Some(Rc::new(RefCell::new(Measure::new(secs)))),
+        Until::Closed | Until::Picture => None,
+    };
+    let picture = (until == Until::Picture).then(|| Rc::new(FirstPicture::since(Instant::now())));
+    studio::open(files, measure.clone(), picture.clone()).map_err(Error::other)?;
+    if let Some(picture) = picture {
+        let first_picture_secs = match picture.outcome() {
+            Some(seen) => seen.map_err(Error::Input)?,
+            None => return Err(Error::other("the window was closed before a shape was seen")),
+        };
+        return Ok(Some(Outcome::Picture { first_picture_secs }));
+    }
+    let Some(measure) = measure else { return Ok(None) };
+    match measure.borrow().report() {
+        Some(report) => Ok(Some(Outcome::Measured(report))),
+        None => Err(Error::other("the window was closed before a song was heard")),
+    }
+}
+
+/// Opens the small window that asks for a file, with `request` as JSON, and returns the answer.
+///
+/// # Errors
+/// [`Error::Input`] for a request that is none, [`Error::Other`] where the window cannot open.
+pub fn choose_file(request: &str) -> Result<Vec<PathBuf>, Error> {
+    studio::choose_file(serde_json::from_str(request).map_err(Error::input)?).map_err(Error::other)
+}

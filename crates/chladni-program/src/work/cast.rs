@@ -1,0 +1,74 @@
+//! Who dances: a shape, or a caricature whose layers are voices.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use chladni_caricature::Project;
+use chladni_harmonics::{Body, Laplacian};
+use chladni_mesh::{Orientation, ShapeSource, TriMesh};
+use chladni_synth::Term;
+
+use super::{Error, Stance, Watcher, body, formats, make, source};
+
+/// A mesh, and the project that it comes from where it is a caricature.
+pub struct Cast {
+    name: String,
+    mesh: Arc<TriMesh>,
+    project: Option<Project>,
+}
+
+impl Cast {
+    /// Reads a mesh, or a project and its shape.
+    ///
+    /// # Errors
+    /// Whatever either file has against it.
+    pub fn open(path: &Path, watcher: &impl Watcher) -> Result<Self, Error> {
+        let project = match formats::is_project(path) {
+            true => Some(source::project(path, watcher)?),
+            false => None,
+        };
+        let shape =
+            project.as_ref().map_or_else(|| ShapeSource::named(path), |project| project.shape.clone());
+        let mesh = Arc::new(source::shape(&shape, watcher)?);
+        Ok(Self { name: shape.to_string(), mesh, project })
+    }
+
+    /// How its project says that it stands.
+    pub fn kept_stance(&self) -> Option<Orientation> {
+        self.project.as_ref()?.stands
+    }
+
+    /// How many harmonics its project has.
+    pub fn harmonics(&self) -> Option<usize> {
+        self.project.as_ref().map(|project| project.harmonics)
+    }
+
+    /// How it stands; errors as [`Stance::of`] does.
+    pub(super) fn stands(&self, stance: Stance, watcher: &impl Watcher) -> Result<Orientation, Error> {
+        stance.of(&self.name, &self.mesh, self.kept_stance(), None, watcher)
+    }
+
+    /// The body with so many harmonics, and the voices by name, each at its full strength. A layer that cannot
+    /// act is an error, or `forgiven` with a warning.
+    ///
+    /// # Errors
+    /// As [`body::build`] and [`make`] do.
+    pub fn prepare(
+        self,
+        harmonics: usize,
+        laplacian: Laplacian,
+        forgiven: bool,
+        watcher: &impl Watcher,
+    ) -> Result<(Body, Vec<(String, Term)>), Error> {
+        let build = |harmonics, laplacian| body::build(&self.name, &self.mesh, harmonics, laplacian, watcher);
+        let (body, _) = build(harmonics, laplacian)?;
+        let Some(project) = &self.project else { return Ok((body, Vec::new())) };
+        // The layers are displacements: they do not depend on how many harmonics dance.
+        let layered = match (project.harmonics, project.laplacian) == (harmonics, laplacian) {
+            true => body.clone(),
+            false => build(project.harmonics, project.laplacian)?.0,
+        };
+        let made = make(Arc::clone(&self.mesh), Arc::new(layered), project, forgiven, watcher)?;
+        Ok((body, made.sculpture.evaluation.voices()))
+    }
+}

@@ -1,0 +1,237 @@
+//! Why work failed, and what went otherwise than asked.
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+use chladni_caricature::Error as CaricatureError;
+use chladni_harmonics::HarmonicsError;
+use chladni_match::MatchError;
+use chladni_mesh::MeshError;
+use chladni_music::Error as MusicError;
+use chladni_sound::SoundError;
+use chladni_synth::SynthError;
+use chladni_task::Cancelled;
+use chladni_view::ViewError;
+
+/// What an error of another library comes as.
+type Cause = Box<dyn std::error::Error + Send + Sync>;
+
+/// Why work was not done. Its line says what, where and why.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Somebody stopped it.
+    #[error("cancelled; no unfinished file is left")]
+    Cancelled,
+    /// What was asked for cannot be, for the reason given.
+    #[error("{0}")]
+    Input(String),
+    /// An error of what is called `name`, which the error itself does not say.
+    #[error("{name}: {error}")]
+    Of {
+        /// A file, a sample, a pair of them.
+        name: String,
+        /// What is wrong with it.
+        error: Box<Self>,
+    },
+    /// A file could not be written; the error says which.
+    #[error("{0}")]
+    Unsaved(Box<Self>),
+    /// A file could not be written.
+    #[error("{}: cannot be written: {why}", path.display())]
+    Unwritten {
+        /// The file.
+        path: PathBuf,
+        /// What the system, or the format, has against it.
+        why: Cause,
+    },
+    /// Work on a thread of its own ended without a result: a bug in that work.
+    #[error("{0} broke off; this is a bug")]
+    BrokeOff(String),
+    /// A failure of the machine or of the program rather than of the input.
+    #[error("{0}")]
+    Other(Cause),
+    /// A mesh cannot be read.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A mesh has no harmonics.
+    #[error(transparent)]
+    Harmonics(HarmonicsError),
+    /// Two shapes do not match.
+    #[error(transparent)]
+    Match(MatchError),
+    /// A project cannot be read or evaluated.
+    #[error(transparent)]
+    Caricature(CaricatureError),
+    /// A preset or show cannot be read or played.
+    #[error(transparent)]
+    Music(MusicError),
+    /// A song cannot be read or played.
+    #[error(transparent)]
+    Sound(SoundError),
+    /// A shape cannot be deformed.
+    #[error(transparent)]
+    Synth(#[from] SynthError),
+    /// A picture cannot be drawn.
+    #[error(transparent)]
+    View(ViewError),
+}
+
+impl Error {
+    /// What was asked for cannot be, and `why`.
+    pub fn input(why: impl Display) -> Self {
+        Self::Input(why.to_string())
+    }
+
+    /// A failure of the machine or the program.
+    pub fn other(cause: impl Into<Cause>) -> Self {
+        Self::Other(cause.into())
+    }
+
+    /// Writing `path` failed.
+    pub fn unwritten(path: &Path, why: impl Into<Cause>) -> Self {
+        Self::Unwritten { path: path.to_owned(), why: why.into() }
+    }
+
+    /// Saving failed, with an error that names the file.
+    pub fn unsaved(error: impl Into<Self>) -> Self {
+        Self::Unsaved(Box::new(error.into()))
+    }
+
+    /// The same error of what is called `name`; cancelling is nobody's.
+    pub fn of(self, name: impl Display) -> Self {
+        match self {
+            Self::Cancelled => Self::Cancelled,
+            error => Self::Of { name: name.to_string(), error: Box::new(error) },
+        }
+    }
+
+    /// Whether somebody stopped the work.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Cancelled)
+    }
+
+    /// Whether a file, a shape or a wish is to blame, rather than the machine or the program.
+    pub fn is_of_input(&self) -> bool {
+        match self {
+            Self::Of { error, .. } => error.is_of_input(),
+            Self::Input(_) => true,
+            Self::Mesh(_) | Self::Match(_) | Self::Caricature(_) | Self::Music(_) => true,
+            Self::Harmonics(error) => {
+                !matches!(error, HarmonicsError::NotCertified { .. } | HarmonicsError::Threads(_))
+            }
+            Self::Sound(error) => !matches!(error, SoundError::Write { .. } | SoundError::Device { .. }),
+            Self::Cancelled
+            | Self::Unsaved(_)
+            | Self::Unwritten { .. }
+            | Self::BrokeOff(_)
+            | Self::Other(_)
+            | Self::Synth(_)
+            | Self::View(_) => false,
+        }
+    }
+}
+
+impl From<Cancelled> for Error {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+/// Errors of engines that can be cancelled: that is one thing, whoever noticed it.
+macro_rules! from_engines {
+    ($($engine:ident => $variant:ident),+) => {$(
+        impl From<$engine> for Error {
+            fn from(error: $engine) -> Self {
+                match error {
+                    $engine::Cancelled(_) => Self::Cancelled,
+                    error => Self::$variant(error),
+                }
+            }
+        }
+    )+};
+}
+
+from_engines! {
+    HarmonicsError => Harmonics,
+    MatchError => Match,
+    CaricatureError => Caricature,
+    MusicError => Music,
+    SoundError => Sound,
+    ViewError => View
+}
+
+/// Something was mended or is not as asked, and work goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// The shape called `name` has too few vertices for the harmonics that were `asked` for.
+    FewerHarmonics {
+        /// Of the shape.
+        name: String,
+        /// That can be used; so many harmonics there are.
+        vertices: usize,
+        /// For so many.
+        asked: usize,
+    },
+    /// A layer's region holds no vertex of a shape, which reaches from `from` to `to`.
+    EmptyRegion {
+        /// The layer.
+        layer: String,
+        /// The least coordinates, file units.
+        from: [f64; 3],
+        /// The largest.
+        to: [f64; 3],
+    },
+    /// What an engine or a file has to say of what is called `name`.
+    Of {
+        /// A file, a sample, a template.
+        name: String,
+        /// A sentence.
+        told: String,
+    },
+    /// What concerns all of the work.
+    Told(String),
+}
+
+impl Warning {
+    /// Of what is called `name`.
+    pub fn of(name: impl Display, told: impl Display) -> Self {
+        Self::Of { name: name.to_string(), told: told.to_string() }
+    }
+}
+
+impl Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::FewerHarmonics { name, vertices, asked } => {
+                write!(f, "{name}: has {vertices} vertices; {vertices} harmonics instead of {asked}")
+            }
+            Self::EmptyRegion { layer, from, to } => {
+                let corner = |at: &[f64; 3]| at.map(|c| format!("{c:.4}")).join(",");
+                let (from, to) = (corner(from), corner(to));
+                write!(
+                    f,
+                    "layer {layer}: its region holds no vertex, so it moves nothing; the shape reaches from {from} \
+                     to {to}"
+                )
+            }
+            Self::Of { name, told } => write!(f, "{name}: {told}"),
+            Self::Told(told) => f.write_str(told),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cancelling_is_one_thing_and_blame_is_kept_through_names() {
+        let stopped = Error::from(SoundError::Cancelled(Cancelled)).of("a.wav");
+        assert!(stopped.is_cancelled() && !stopped.is_of_input());
+        let bad = Error::from(HarmonicsError::NoTriangle).of("a.obj");
+        assert!(bad.is_of_input() && bad.to_string().starts_with("a.obj: "));
+        let doubtful = Error::from(HarmonicsError::NotCertified { reason: String::new() }).of("a.obj");
+        assert!(!doubtful.is_of_input());
+        assert!(!Error::unsaved(Error::input("disk full")).is_of_input());
+    }
+}

@@ -1,0 +1,78 @@
+//! The files that a show needs: named by path and hash, and found again.
+
+use std::path::{Path, PathBuf};
+
+use chladni_music::FileRef;
+
+use super::{Error, Warning};
+use chladni_mesh::ShapeSource;
+
+/// How a show that lies in `folder` names `path`: as it is seen from there where it lies below, else whole.
+/// A sample by its name.
+pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
+    if ShapeSource::sample_name(path).is_some() {
+        return FileRef { path: path.to_string_lossy().into_owned(), blake3: None };
+    }
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = folder.and_then(|folder| std::path::absolute(folder).ok());
+    let below = folder.and_then(|folder| whole.strip_prefix(folder).ok().map(Path::to_owned));
+    let named = below.as_ref().unwrap_or(&whole);
+    FileRef { path: named.to_string_lossy().into_owned(), blake3: hash(&whole) }
+}
+
+/// Where the file is that a show in `folder` names, and a warning where it is not the same as then.
+///
+/// # Errors
+/// [`Error::Input`] where there is no such file.
+pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option<Warning>), Error> {
+    let named = Path::new(&file.path);
+    if ShapeSource::sample_name(named).is_some() {
+        return Ok((named.to_owned(), None));
+    }
+    let beside = folder.zip(named.file_name()).map(|(folder, name)| folder.join(name));
+    let below = folder.map(|folder| folder.join(named));
+    let places = [below, Some(named.to_owned()), beside];
+    let Some(found) = places.into_iter().flatten().find(|path| path.is_file()) else {
+        return Err(Error::Input(format!(
+            "{}: the file of this show is not there, nor beside the show",
+            file.path
+        )));
+    };
+    let other = file.blake3.is_some() && hash(&found) != file.blake3;
+    let warning = other.then(|| Warning::of(found.display(), "is not the file that the show was made with"));
+    Ok((found, warning))
+}
+
+/// In hexadecimal digits; `None` of what cannot be read.
+fn hash(path: &Path) -> Option<String> {
+    let file = std::fs::File::open(path).ok().filter(|file| file.metadata().is_ok_and(|m| m.is_file()))?;
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(file).ok()?;
+    Some(hasher.finalize().to_hex().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_found_again_where_the_show_has_moved_with_them() {
+        let (old, new) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        std::fs::create_dir(old.path().join("songs")).unwrap();
+        let song = old.path().join("songs/a.wav");
+        std::fs::write(&song, b"la").unwrap();
+        let named = refer(&song, Some(old.path()));
+        assert_eq!(Path::new(&named.path), Path::new("songs/a.wav"));
+        assert_eq!(resolve(&named, Some(old.path())).unwrap(), (song.clone(), None));
+        assert!(resolve(&named, Some(new.path())).unwrap_err().to_string().contains("not there"));
+        let moved = new.path().join("a.wav");
+        std::fs::write(&moved, b"lala").unwrap();
+        let (found, warning) = resolve(&named, Some(new.path())).unwrap();
+        assert_eq!(found, moved);
+        assert!(warning.unwrap().to_string().contains("not the file"));
+        let far = refer(&song, Some(new.path()));
+        assert_eq!(resolve(&far, Some(new.path())).unwrap(), (song, None));
+        let sample = refer(Path::new("sample:octopus"), None);
+        assert_eq!(resolve(&sample, None).unwrap(), ("sample:octopus".into(), None));
+    }
+}

@@ -1,0 +1,73 @@
+//! How a dance begins, and what is done to it then.
+
+use chladni_music::{
+    Action, Dancer, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter, Preset, Show,
+};
+
+use crate::work::Error;
+
+/// A show that is repeated, or else a preset, a gallery or one dance of it.
+#[derive(Clone, Debug, Default)]
+pub struct Beginning {
+    /// Is repeated; the next three then say nothing.
+    pub show: Option<Box<Show>>,
+    /// The dance that is on stage.
+    pub preset: Option<Preset>,
+    /// Seed of all that is random. Without preset and gallery a dance is bred from its gallery, and without a
+    /// seed, too, the direct mapping is on stage.
+    pub seed: Option<u64>,
+    /// All of a gallery of this many items is shown.
+    pub gallery: Option<usize>,
+    /// Done before anything else.
+    pub changes: Vec<Action>,
+}
+
+impl Beginning {
+    /// The instrument on `dancer`, and what will be done to it.
+    pub(super) fn begin(self, dancer: &Dancer) -> Result<(Instrument, Vec<LoggedAction>), Error> {
+        let bands = Parameter::Bands.initial() as usize;
+        let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
+        let (mut instrument, script) = match self.show {
+            Some(show) => (show.begin(shape)?, show.actions),
+            None => {
+                let mut instrument =
+                    Instrument::new(self.seed.unwrap_or(1), self.gallery.unwrap_or(6), shape)?;
+                let dance = put_on_stage(dancer, bands, self.preset, self.seed, self.gallery);
+                apply(&mut instrument, dance)?;
+                (instrument, Vec::new())
+            }
+        };
+        apply(&mut instrument, self.changes)?;
+        Ok((instrument, script))
+    }
+}
+
+/// What puts the one dance on stage; nothing where a gallery is shown.
+fn put_on_stage(
+    dancer: &Dancer,
+    bands: usize,
+    preset: Option<Preset>,
+    seed: Option<u64>,
+    gallery: Option<usize>,
+) -> Vec<Action> {
+    let perform = Action::Perform { item: 0 };
+    match (preset, gallery, seed) {
+        (Some(preset), ..) => vec![Action::Take { item: 0, preset: Box::new(preset) }, perform],
+        (None, Some(_), _) => Vec::new(),
+        (None, None, Some(_)) => {
+            let choose = |item| Action::Choose { item, on: true };
+            (0..6).map(choose).chain([Action::Breed, perform]).collect()
+        }
+        (None, None, None) => {
+            let mapping = Mapping::direct(&dancer.eigenvalues, bands);
+            vec![Action::Load { item: 0, name: "direct".into(), mapping }, perform]
+        }
+    }
+}
+
+fn apply(instrument: &mut Instrument, actions: Vec<Action>) -> Result<(), Error> {
+    for action in actions {
+        instrument.apply(Moment::default(), action)?;
+    }
+    Ok(())
+}

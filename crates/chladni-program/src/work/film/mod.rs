@@ -1,0 +1,314 @@
+//! Films of a shape that dances: frame-exact, with their sound. The window and the command make theirs here.
+
+mod beginning;
+mod guard;
+mod performance;
+mod record;
+mod report;
+mod songs;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use chladni_mesh::Orientation;
+use chladni_music::{BeatReading, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
+use chladni_sound::{WavSample, write_wav};
+use chladni_synth::Backend;
+use chladni_view::{Film as Reel, FilmFormat, FilmSettings, FrameRate, Samples, ffmpeg_is_there};
+
+use super::body::laplacian;
+use super::dancer::{Dancing, classes};
+use super::outputs::check_file;
+use super::{
+    Cast, Error, FIRST_VIEW, HARMONICS, Hearing, Look, Stance, Warning, Watcher, first_looks, look_named,
+};
+pub use beginning::Beginning;
+use performance::{Means, Performance};
+pub use report::{Report, Seconds};
+use songs::Songs;
+
+/// A film that is wanted.
+pub struct Film {
+    /// A mesh, a sample or a caricature, as the command line calls it.
+    pub body: String,
+    /// Songs or samples, by the numbers that `heard` has for them.
+    pub songs: Vec<(String, BeatReading)>,
+    /// How the body stands.
+    pub stance: Stance,
+    /// K.
+    pub harmonics: usize,
+    /// Harmonics and classes as in the paper.
+    pub paper: bool,
+    /// Which song is heard when; the first one from its beginning where this is empty.
+    pub heard: Vec<Stretch>,
+    /// How long the show is; as long as the first song where that is not said.
+    pub show_secs: Option<f64>,
+    /// How it begins and what is done.
+    pub beginning: Beginning,
+    /// Of shapes, lights and background.
+    pub look: Look,
+    /// Where the viewer stands.
+    pub viewpoint: Viewpoint,
+    /// Where in the show the film begins.
+    pub start_secs: f64,
+    /// How much of it is filmed; all unless said.
+    pub duration_secs: Option<f64>,
+    /// What becomes of it.
+    pub output: Output,
+}
+
+/// What is written, and how it is drawn.
+#[derive(Clone, Debug)]
+pub struct Output {
+    /// The film's file or folder; none is drawn without.
+    pub film: Option<PathBuf>,
+    /// It is a folder of pictures, with the sound beside them.
+    pub is_folder: bool,
+    /// Where the coefficients of every frame go.
+    pub coefficients: Option<PathBuf>,
+    /// Where the mapping of each item of the gallery goes, as presets.
+    pub presets: Option<PathBuf>,
+    /// The shape at rest is shown, too, as dots.
+    pub shows_rest: bool,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Frames a second.
+    pub rate: FrameRate,
+    /// Of each pixel; what suits the device unless said.
+    pub samples: Option<Samples>,
+    /// Who deforms.
+    pub synthesis: Backend,
+    /// More than three a second.
+    pub allow_flashes: bool,
+}
+
+impl Film {
+    /// `body` dances to all of `song` as `beginning` says, looking as nobody has chosen otherwise.
+    pub fn new(body: String, song: String, beginning: Beginning, output: Output) -> Self {
+        Self {
+            body,
+            songs: vec![(song, BeatReading::default())],
+            stance: Stance::default(),
+            harmonics: HARMONICS,
+            paper: false,
+            heard: Vec::new(),
+            show_secs: None,
+            beginning,
+            look: look_named(&first_looks()).0,
+            viewpoint: FIRST_VIEW,
+            start_secs: 0.0,
+            duration_secs: None,
+            output,
+        }
+    }
+
+    /// The film of a show, whose body and songs were found.
+    pub fn of_show(show: Show, body: String, songs: Vec<(String, BeatReading)>, output: Output) -> Self {
+        let looks = show.looks.clone().unwrap_or_else(first_looks);
+        let heard = show.heard.clone();
+        Self {
+            body,
+            songs,
+            stance: Stance::default(),
+            paper: false,
+            harmonics: show.harmonics.unwrap_or(HARMONICS),
+            heard,
+            show_secs: show.duration_secs,
+            look: look_named(&looks).0,
+            viewpoint: show.viewpoint,
+            start_secs: 0.0,
+            duration_secs: None,
+            output,
+            beginning: Beginning { show: Some(Box::new(show)), ..Beginning::default() },
+        }
+    }
+}
+
+/// Makes a film.
+///
+/// # Errors
+/// Whatever its body, its songs or its files have against it. No unfinished film is left.
+pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
+    let began = Instant::now();
+    wanted.check()?;
+    let output = wanted.output;
+    let cast = Cast::open(Path::new(&wanted.body), watcher)?;
+    // Only pictures ask how it stands.
+    let stands = match output.film {
+        Some(_) => cast.stands(wanted.stance, watcher)?,
+        None => Orientation::Y_UP,
+    };
+    let range = (wanted.start_secs, wanted.duration_secs);
+    let mut songs = Songs::open(&wanted.songs, wanted.heard, wanted.show_secs, range, watcher)?;
+    let mut seconds = Seconds { reading: began.elapsed().as_secs_f64(), ..Seconds::default() };
+    let preparing = Instant::now();
+    let (body, voices) = cast.prepare(wanted.harmonics, laplacian(wanted.paper), false, watcher)?;
+    let symmetry = watcher.watch("finding the mirror", |task| classes(&body, wanted.paper, task))?;
+    let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry)?;
+    seconds.preparing = preparing.elapsed().as_secs_f64();
+    let listening = Instant::now();
+    songs.track_beats(watcher)?;
+    seconds.beats = listening.elapsed().as_secs_f64();
+
+    let (instrument, script) = wanted.beginning.begin(&dancer)?;
+    let frames = output.rate.frames_in(songs.film_secs());
+    let film_secs = output.rate.start_secs(frames);
+    let (tempo_bpm, beat_confidence) = songs.tempo();
+    let ensemble = Ensemble::new(dancer).with_voices(voices.into_iter().map(|(_, term)| term).collect())?;
+    let mut hearing = Hearing::from(wanted.start_secs);
+    songs.tell(&mut hearing);
+    let mut performance = Performance::new(
+        (&body, stands),
+        ensemble,
+        hearing,
+        (instrument, script),
+        songs.stretches().to_vec(),
+        wanted.start_secs,
+        output.rate,
+    )?;
+    if output.allow_flashes {
+        performance.allow_flashes();
+    }
+    if output.shows_rest {
+        performance.show_rest();
+    }
+    // Only now: a mesh or song that cannot be read leaves no empty folder behind.
+    let folder = output.film.as_deref().filter(|_| output.is_folder);
+    if let Some(folder) = folder {
+        std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
+    }
+    let recording = output.coefficients.is_some();
+    let done = match &output.film {
+        Some(path) => {
+            let sound = sound_for(path, &songs, watcher)?;
+            let settings = FilmSettings {
+                width: output.width,
+                height: output.height,
+                rate: output.rate,
+                frames,
+                audio: sound.as_ref().map(|file| file.path().to_owned()),
+            };
+            let film = Reel::create(path, settings)?;
+            let means = Means { samples: output.samples, synthesis: output.synthesis };
+            let scene = (&wanted.look, &wanted.viewpoint);
+            watcher.watch("filming", |task| {
+                performance.film(film, scene, means, recording, &mut seconds, task)
+            })?
+        }
+        None => watcher.watch("dancing", |task| performance.rehearse(frames, &mut seconds, task))?,
+    };
+    if let Some(folder) = folder {
+        let path = folder.join("sound.wav");
+        write_wav(&path, &songs.sound()?, WavSample::Int16)
+            .map_err(|error| Error::unwritten(&path, error))?;
+    }
+    if let Some(path) = &output.coefficients {
+        done.recording.write(path).map_err(|error| Error::unwritten(path, error))?;
+    }
+    if let Some(folder) = &output.presets {
+        save_presets(folder, performance.instrument())?;
+    }
+    for told in &done.warnings {
+        watcher.warn(Warning::Told(told.clone()));
+    }
+    seconds.total = began.elapsed().as_secs_f64();
+    Ok(Report {
+        vertices: body.positions.len(),
+        harmonics: body.basis.harmonics(),
+        frames,
+        film_secs,
+        times_real_time: film_secs / seconds.total,
+        tempo_bpm,
+        beat_confidence,
+        largest_displacement: done.largest_displacement,
+        by_processor: done.drawn.as_ref().filter(|drawn| drawn.software).map(|drawn| drawn.samples),
+        device: done.drawn.as_ref().map(|drawn| drawn.device.clone()),
+        samples: done.drawn.as_ref().map(|drawn| drawn.samples.count()),
+        synthesis: done.drawn.map(|drawn| drawn.synthesis),
+        flashes_in_worst_second: done.most_flashes,
+        frames_damped: done.damped_frames,
+        seconds,
+    })
+}
+
+impl Film {
+    /// Before any work: can it be made at all?
+    fn check(&self) -> Result<(), Error> {
+        self.output.check()?;
+        self.stance.check()?;
+        let times = [Some(self.start_secs), self.duration_secs.map(|d| d.max(-1.0))];
+        if times.iter().flatten().any(|secs| !(secs.is_finite() && *secs >= 0.0))
+            || self.duration_secs == Some(0.0)
+        {
+            return Err(Error::input("start must not be negative and the duration must be positive"));
+        }
+        Ok(())
+    }
+}
+
+impl Output {
+    /// A film in HD, 30 frames a second, drawn by whoever there is.
+    pub fn to(film: PathBuf) -> Self {
+        Self {
+            film: Some(film),
+            is_folder: false,
+            coefficients: None,
+            presets: None,
+            shows_rest: false,
+            width: 1280,
+            height: 720,
+            rate: FrameRate::per_second(30),
+            samples: None,
+            synthesis: Backend::Auto,
+            allow_flashes: false,
+        }
+    }
+
+    /// Before any work: can it be written at all?
+    fn check(&self) -> Result<(), Error> {
+        if let Some(path) = self.film.as_deref().filter(|_| !self.is_folder) {
+            let format = FilmFormat::of(path).map_err(Error::input)?;
+            if format == FilmFormat::Frames {
+                let path = path.display();
+                return Err(Error::Input(format!(
+                    "{path}: a film ends in .mp4, .gif or .png; for a folder use --frames"
+                )));
+            }
+            if format == FilmFormat::Mp4 && !ffmpeg_is_there() {
+                return Err(Error::input(
+                    "an MP4 needs ffmpeg, which is not on the PATH: install it, write a .gif or .png, or use \
+                     --frames DIR for PNG frames and a WAV",
+                ));
+            }
+            check_file(path)?;
+        }
+        self.coefficients.as_deref().map_or(Ok(()), check_file)
+    }
+}
+
+/// Each item of the gallery as a preset, `item-01.toml` and so on.
+fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
+    std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
+    for (i, item) in instrument.gallery().items().iter().enumerate() {
+        let path = folder.join(format!("item-{:02}.toml", i + 1));
+        Preset::of(instrument, item, Vec::new()).save(&path).map_err(Error::unsaved)?;
+    }
+    Ok(())
+}
+
+/// The sound that an MP4 is given, as a temporary file.
+fn sound_for(
+    film: &Path,
+    songs: &Songs,
+    watcher: &impl Watcher,
+) -> Result<Option<tempfile::NamedTempFile>, Error> {
+    if FilmFormat::of(film).map_err(Error::input)? != FilmFormat::Mp4 {
+        return Ok(None);
+    }
+    let file = tempfile::Builder::new().prefix("chladni-").suffix(".wav").tempfile().map_err(Error::other)?;
+    let sound = songs.sound()?;
+    watcher.watch("writing the sound", |_| write_wav(file.path(), &sound, WavSample::Int16))?;
+    Ok(Some(file))
+}

@@ -1,0 +1,287 @@
+//! A performance, frame after frame: actions, sound, shape, picture.
+
+use std::time::Instant;
+
+use chladni_harmonics::Body;
+use chladni_mesh::Orientation;
+use chladni_music::{
+    Ensemble, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch, Viewpoint,
+};
+use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, GpuContext, Item, SynthModel, Synthesizer};
+use chladni_task::Task;
+use chladni_view::film::shoot_retouched;
+use chladni_view::{
+    Canvas, Figure, Film, FrameRate, Gpu, ItemBuffers, Rect, Renderer, Samples, Topology, ViewError,
+};
+
+use super::Seconds;
+use super::guard::FrameGuard;
+use super::record::Recording;
+use crate::work::{Error, Hearing, Look, Staging, dots};
+
+/// Who computes and draws; where nothing is said, what suits the device.
+#[derive(Clone, Copy, Default)]
+pub struct Means {
+    pub samples: Option<Samples>,
+    pub synthesis: Backend,
+}
+
+/// What came of it.
+#[derive(Default)]
+pub struct Done {
+    pub recording: Recording,
+    /// Unknown where the positions never leave the device.
+    pub largest_displacement: Option<f32>,
+    /// Who drew, and how; none where nothing was drawn.
+    pub drawn: Option<Drawn>,
+    /// What went otherwise than asked.
+    pub warnings: Vec<String>,
+    pub most_flashes: usize,
+    pub damped_frames: usize,
+}
+
+/// Who drew.
+pub struct Drawn {
+    /// The adapter.
+    pub device: String,
+    pub samples: Samples,
+    /// The processor's instructions, or the device.
+    pub synthesis: String,
+    /// The device is a processor.
+    pub software: bool,
+}
+
+/// All that changes from frame to frame.
+pub struct Performance {
+    hearing: Hearing,
+    heard: std::iter::Peekable<std::vec::IntoIter<Stretch>>,
+    instrument: Instrument,
+    script: std::iter::Peekable<std::vec::IntoIter<LoggedAction>>,
+    ensemble: Ensemble,
+    staging: Staging,
+    model: SynthModel,
+    triangles: Vec<[u32; 3]>,
+    start_secs: f64,
+    rate: FrameRate,
+    flashes_allowed: bool,
+    shows_rest: bool,
+}
+
+impl Performance {
+    pub fn new(
+        (body, stands): (&Body, Orientation),
+        ensemble: Ensemble,
+        hearing: Hearing,
+        (instrument, script): (Instrument, Vec<LoggedAction>),
+        heard: Vec<Stretch>,
+        start_secs: f64,
+        rate: FrameRate,
+    ) -> Result<Self, Error> {
+        let model = SynthModel::new(body)?;
+        let mut performance = Self {
+            hearing,
+            heard: heard.into_iter().peekable(),
+            staging: Staging::new(ensemble.dancer().clone(), model.rest_positions().to_vec(), stands),
+            instrument,
+            script: script.into_iter().peekable(),
+            ensemble,
+            model,
+            triangles: body.triangles.clone(),
+            start_secs,
+            rate,
+            flashes_allowed: false,
+            shows_rest: false,
+        };
+        performance.hearing.tune(0.0, performance.instrument.parameters());
+        Ok(performance)
+    }
+
+    pub fn instrument(&self) -> &Instrument {
+        &self.instrument
+    }
+
+    /// Shows the shape at rest, too, as dots.
+    pub fn show_rest(&mut self) {
+        self.shows_rest = true;
+    }
+
+    pub fn allow_flashes(&mut self) {
+        self.flashes_allowed = true;
+    }
+
+    /// Does what was done and hears what was heard up to a time of the show, in order.
+    fn go_to(&mut self, at_secs: f64) -> Result<(), Error> {
+        loop {
+            let begins = self.heard.peek().map(|stretch| stretch.at_secs).filter(|begins| *begins <= at_secs);
+            let done = self.script.peek().map(|line| line.moment.at_secs).filter(|done| *done <= at_secs);
+            // What plays comes first: an action is done at its beat.
+            let stretch_first = begins.is_some_and(|begins| done.is_none_or(|done| begins <= done));
+            if stretch_first && let Some(stretch) = self.heard.next() {
+                self.hearing.begin(stretch)?;
+            } else if let Some(line) = self.script.next_if(|_| done.is_some()) {
+                // Beats are those of the whole song, which the window may not have known yet.
+                let at_secs = line.moment.at_secs;
+                let at_beat = self.hearing.beat_at(at_secs).count;
+                self.instrument.apply(Moment { at_secs, at_beat }, line.action)?;
+                self.hearing.tune(at_secs, self.instrument.parameters());
+            } else {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Plays a frame: its time in the film, what the beat does, and the items to draw.
+    fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(f64, Reaction, &[Item]), Error> {
+        let time_secs = self.rate.start_secs(frame);
+        let at_secs = self.start_secs + time_secs;
+        let listening = Instant::now();
+        self.go_to(at_secs)?;
+        let unheard = || Error::other(format!("nothing is known of what is heard at {at_secs} s"));
+        let heard = self.hearing.hear(at_secs)?.ok_or_else(unheard)?;
+        seconds.analysis += listening.elapsed().as_secs_f64();
+        let mapping = Instant::now();
+        let reaction = heard.reaction(&self.instrument);
+        let items = self.ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
+        seconds.mapping += mapping.elapsed().as_secs_f64();
+        Ok((time_secs, reaction, items))
+    }
+
+    /// Plays without drawing, for the coefficients.
+    pub fn rehearse(&mut self, frames: u64, seconds: &mut Seconds, task: &Task) -> Result<Done, Error> {
+        let stage = task.stage("dancing", frames);
+        let mut done = Done::default();
+        for frame in 0..frames {
+            task.check()?;
+            let (time_secs, _, items) = self.play(frame, seconds)?;
+            let first = items.first().cloned().unwrap_or_default();
+            done.recording.push(time_secs, self.instrument.parameters().form, &first);
+            stage.advance(1);
+        }
+        Ok(done)
+    }
+
+    /// Draws all frames of `film` and finishes it.
+    pub fn film(
+        &mut self,
+        film: Film,
+        scene: (&Look, &Viewpoint),
+        means: Means,
+        recording: bool,
+        seconds: &mut Seconds,
+        task: &Task,
+    ) -> Result<Done, Error> {
+        let (width, height) = (film.settings().width, film.settings().height);
+        let gpu = Gpu::headless()?;
+        let samples = means.samples.unwrap_or_else(|| gpu.live_samples());
+        let canvas = Canvas::with_samples(&gpu, width, height, samples)?;
+        let mut theatre = Theatre::new(&gpu, self, means.synthesis)?;
+        let (rate, mut done) = (self.rate, Done::default());
+        let mut guard =
+            FrameGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
+        let mut guarding = 0.0;
+        let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Error> {
+            let (time_secs, reaction, items) = self.play(frame, seconds)?;
+            let items = items.to_vec();
+            if let Some(first) = items.first().filter(|_| recording) {
+                done.recording.push(time_secs, self.instrument.parameters().form, first);
+            }
+            // Full blending is the paper's: the mean of the exact and the rest normal.
+            let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
+            theatre.synthesize(&items, &FrameSettings { normal_blending }, seconds)?;
+            if let Some(fallback) = theatre.synthesizer.take_fallback() {
+                done.warnings.push(fallback.to_string());
+            }
+            if let Some(displacement) = theatre.largest_displacement() {
+                let share = displacement / self.ensemble.dancer().box_diagonal;
+                done.largest_displacement =
+                    Some(done.largest_displacement.map_or(share, |most| most.max(share)));
+            }
+            let drawing = Instant::now();
+            theatre.draw(renderer, canvas, self, scene, reaction)?;
+            seconds.drawing += drawing.elapsed().as_secs_f64();
+            Ok(())
+        };
+        let retouch = |frame, picture: &mut _| {
+            let start = Instant::now();
+            guard.pass(rate.start_secs(frame), picture);
+            guarding += start.elapsed().as_secs_f64();
+        };
+        let waits = shoot_retouched(&mut Renderer::new(&gpu), &canvas, film, task, draw, retouch)?;
+        seconds.drawing += waits.device_secs;
+        seconds.encoding += waits.encoder_secs;
+        seconds.guarding += guarding;
+        done.most_flashes = guard.most_flashes();
+        done.damped_frames = guard.damped_frames();
+        done.drawn = Some(Drawn {
+            device: gpu.description(),
+            samples,
+            synthesis: theatre.synthesizer.device_name(),
+            software: gpu.is_software(),
+        });
+        Ok(done)
+    }
+}
+
+/// What is kept from frame to frame beside the canvas.
+struct Theatre {
+    synthesizer: AutoSynthesizer,
+    topology: Topology,
+}
+
+impl Theatre {
+    fn new(gpu: &Gpu, show: &Performance, synthesis: Backend) -> Result<Self, Error> {
+        let model = &show.model;
+        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
+        let topology = Topology::new(gpu, model.vertices(), &show.triangles)?;
+        Ok(Self { topology, synthesizer: AutoSynthesizer::new(&context, model.clone(), synthesis) })
+    }
+
+    fn synthesize(
+        &mut self,
+        items: &[Item],
+        settings: &FrameSettings,
+        seconds: &mut Seconds,
+    ) -> Result<(), Error> {
+        let synthesis = Instant::now();
+        self.synthesizer.synthesize_positions(items)?;
+        seconds.synthesis += synthesis.elapsed().as_secs_f64();
+        let normals = Instant::now();
+        self.synthesizer.synthesize_normals(settings)?;
+        seconds.normals += normals.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// The farthest any vertex of the first item went; `None` where the positions are on the device.
+    fn largest_displacement(&self) -> Option<f32> {
+        let cpu = self.synthesizer.cpu()?;
+        let squared = |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f32>();
+        let pairs = cpu.positions(0).iter().zip(cpu.model().rest_positions());
+        Some(pairs.map(|(a, b)| squared(a, b)).fold(0.0, f32::max).sqrt())
+    }
+
+    fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        canvas: &Canvas,
+        performance: &mut Performance,
+        (look, viewpoint): (&Look, &Viewpoint),
+        reaction: Reaction,
+    ) -> Result<(), ViewError> {
+        let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
+        let area = Rect::of_size(canvas.width(), canvas.height());
+        let (instrument, items) = (&performance.instrument, buffers.items());
+        let staged = performance.staging.set(area, items, viewpoint, look, reaction, instrument);
+        let figures: Vec<Figure<'_>> = (0..items)
+            .map(|item| Figure { material: staged.material, ..Figure::new(&self.topology, &buffers, item) })
+            .collect();
+        let dots = match performance.shows_rest {
+            true => dots(performance.model.rest_positions().iter().copied()),
+            false => Vec::new(),
+        };
+        let mut cells = staged.cells(&figures);
+        // The first is the background.
+        cells.iter_mut().skip(1).for_each(|cell| cell.markers = &dots);
+        renderer.draw(canvas, &cells)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,423 @@
+//! What is heard at any time of a show: sound bands and beat, a function of the show alone.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use chladni_music::{
+    Bands, Beat, BeatReading, Parameter, Parameters, Resonators, Ringing, Stretch, Switch, Timbre,
+};
+use chladni_sound::{Beats, FrontEnd, Hop, Song, SongSpectrum, SoundError, Spectrum, SpectrumSettings};
+
+/// A leap within a song, or to another one, takes so long to arrive at the shape.
+const FADE_SECS: f64 = 0.3;
+/// Leaps so long before all that is asked for are not followed.
+const FORGOTTEN_SECS: f64 = 10.0;
+
+/// A song of the show that is known as a whole.
+#[derive(Clone, Debug)]
+pub struct KnownSong {
+    /// Its samples.
+    pub song: Arc<Song>,
+    /// Its beats, once they are tracked.
+    pub beats: Option<Beats>,
+}
+
+/// What is heard at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Heard<'a> {
+    /// Since the show began.
+    pub at_secs: f64,
+    /// It comes of a song that is known as a whole.
+    pub is_known: bool,
+    /// The sound.
+    pub bands: Bands<'a>,
+    /// The beat.
+    pub beat: Beat,
+    /// Where a leap still fades: the beat before it, and how much of the leap is done, in [0, 1].
+    pub fading: Option<(Beat, f32)>,
+}
+
+/// Follows a show stretch by stretch. Whoever tells it the same stretches and knobs at the same times hears
+/// the same, bit for bit, however often they ask.
+#[derive(Default)]
+pub struct Hearing {
+    songs: BTreeMap<usize, KnownSong>,
+    /// Each with the whole beats to be added to those of its song.
+    stretches: Vec<(Stretch, f64)>,
+    tuning: Option<Tuning>,
+    resonators: Option<Resonators>,
+    /// Where in its song the ear began to listen.
+    from_song_secs: f64,
+    ear: Option<SongSpectrum>,
+    fade: Option<Fade>,
+    now: Spectrum,
+    /// What the resonators do now, where there are any.
+    ringing: Ringing,
+    /// Nothing before it will be asked for.
+    begins_secs: f64,
+}
+
+struct Fade {
+    from: Spectrum,
+    ringing: Ringing,
+    beat: Beat,
+    since_secs: f64,
+}
+
+/// The knobs that the ear has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Tuning {
+    bands: usize,
+    decay: f32,
+    side_gain: f32,
+    front_end: FrontEnd,
+    /// Of the resonators: none where they are off.
+    timbre: Option<Timbre>,
+}
+
+impl Tuning {
+    fn of(parameters: &Parameters) -> Self {
+        Self {
+            bands: parameters.get(Parameter::Bands).round() as usize,
+            decay: parameters.get(Parameter::Decay),
+            side_gain: parameters.get(Parameter::SideGain),
+            front_end: if parameters.is_on(Switch::LogBands) { FrontEnd::LogBands } else { FrontEnd::Linear },
+            // Tuning and stretch choose among the oscillators; they do not change them.
+            timbre: Timbre::of(parameters).map(|timbre| Timbre { tuning_hz: 1.0, stretch: 0.0, ..timbre }),
+        }
+    }
+
+    fn settings(self, rate_hz: u32) -> SpectrumSettings {
+        let Self { bands, decay, side_gain, front_end, .. } = self;
+        SpectrumSettings { bands, decay, side_gain, front_end, ..SpectrumSettings::new(rate_hz) }
+    }
+}
+
+/// What an analyzer of sound at `rate_hz` is to do.
+pub fn spectrum_settings(rate_hz: u32, parameters: &Parameters) -> SpectrumSettings {
+    Tuning::of(parameters).settings(rate_hz)
+}
+
+/// Beats as a person wants them read.
+pub fn read_beats(beats: &Beats, reading: BeatReading) -> Beats {
+    let factor = 2f64.powi(reading.octave);
+    Beats {
+        tempo_bpm: factor * beats.tempo_bpm,
+        beats_secs: reading.of(&beats.beats_secs),
+        confidence: beats.confidence,
+        other_octaves_bpm: beats.other_octaves_bpm.map(|bpm| factor * bpm),
+    }
+}
+
+/// A spectrum as the instrument takes it, without what rings.
+pub fn bands_of(spectrum: &Spectrum) -> Bands<'_> {
+    Bands {
+        ringing: None,
+        left: &spectrum.left,
+        right: &spectrum.right,
+        mid: &spectrum.mid,
+        side: &spectrum.side,
+        side_gain: spectrum.side_gain,
+    }
+}
+
+impl Hearing {
+    /// Of which nothing before `begins_secs` will be asked.
+    pub fn from(begins_secs: f64) -> Self {
+        Self { begins_secs, ..Self::default() }
+    }
+
+    /// A song of the show, by its number, is known from now on.
+    pub fn know(&mut self, number: usize, song: KnownSong) {
+        self.songs.insert(number, song);
+        if self.stretch().is_some_and(|stretch| stretch.song == Some(number)) {
+            self.ear = None;
+        }
+        self.count_again();
+    }
+
+    /// Its beats are.
+    pub fn know_beats(&mut self, number: usize, beats: Beats) {
+        if let Some(song) = self.songs.get_mut(&number) {
+            song.beats = Some(beats);
+        }
+        self.count_again();
+    }
+
+    /// What is known of a song.
+    pub fn song(&self, number: usize) -> Option<&KnownSong> {
+        self.songs.get(&number)
+    }
+
+    /// Lets go of the samples of all songs but one; their beats are kept.
+    pub fn forget_samples_but(&mut self, number: usize) {
+        for (_, song) in self.songs.iter_mut().filter(|(known, _)| **known != number) {
+            song.song = Arc::default();
+        }
+    }
+
+    /// The stretch that was begun last.
+    pub fn stretch(&self) -> Option<Stretch> {
+        self.stretches.last().map(|(stretch, _)| *stretch)
+    }
+
+    /// All stretches so far.
+    pub fn stretches(&self) -> impl Iterator<Item = Stretch> {
+        self.stretches.iter().map(|(stretch, _)| *stretch)
+    }
+
+    /// What was heard before, in order: a show that goes on.
+    pub fn go_on(&mut self, stretches: &[Stretch]) {
+        self.stretches = stretches.iter().map(|stretch| (*stretch, 0.0)).collect();
+        (self.ear, self.fade) = (None, None);
+        self.from_song_secs = self.stretch().map_or(0.0, |stretch| stretch.song_secs);
+        self.count_again();
+    }
+
+    /// From `stretch.at_secs` on, this is heard. Errors as [`hear`](Self::hear) does.
+    pub fn begin(&mut self, stretch: Stretch) -> Result<(), SoundError> {
+        let leaps = self.stretch().is_some_and(|last| {
+            last.song != stretch.song || last.song_secs_at(stretch.at_secs) != stretch.song_secs
+        });
+        if leaps && stretch.at_secs + FORGOTTEN_SECS > self.begins_secs {
+            let beat = self.beat_at(stretch.at_secs);
+            if self.listen(stretch.at_secs)? {
+                let (from, ringing) = (self.now.clone(), self.ringing.clone());
+                self.fade = Some(Fade { from, ringing, beat, since_secs: stretch.at_secs });
+            }
+        }
+        if leaps || self.stretches.is_empty() {
+            self.ear = None;
+            self.from_song_secs = stretch.song_secs;
+        }
+        let added = self.added_beats(&self.stretches, stretch);
+        self.stretches.push((stretch, added));
+        Ok(())
+    }
+
+    /// From `at_secs` on the ear is tuned as `parameters` say.
+    pub fn tune(&mut self, at_secs: f64, parameters: &Parameters) {
+        let tuning = Tuning::of(parameters);
+        Resonators::follow(&mut self.resonators, tuning.timbre.as_ref(), tuning.bands);
+        if self.tuning.replace(tuning).is_some_and(|before| before != tuning) {
+            self.ear = None;
+            self.from_song_secs = self.stretch().map_or(0.0, |stretch| stretch.song_secs_at(at_secs));
+        }
+    }
+
+    /// What is shown instead of silence fades out from `at_secs` on: sound that was heard in another way.
+    pub fn fade_from(&mut self, at_secs: f64, from: Spectrum, ringing: Ringing, beat: Beat) {
+        self.fade = Some(Fade { from, ringing, beat, since_secs: at_secs });
+    }
+
+    /// What is heard at `at_secs`, which lies in the stretch begun last; `None` where its song is not known.
+    pub fn hear(&mut self, at_secs: f64) -> Result<Option<Heard<'_>>, SoundError> {
+        if !self.listen(at_secs)? {
+            return Ok(None);
+        }
+        let beat = self.beat_at(at_secs);
+        let fading = self.fade.as_ref().map(|fade| (fade.beat, fade.done(at_secs)));
+        let fading = fading.filter(|(_, done)| *done < 1.0);
+        let ringing = self.resonators.as_ref().map(|_| &self.ringing);
+        let bands = Bands { ringing, ..bands_of(&self.now) };
+        Ok(Some(Heard { at_secs, is_known: true, bands, beat, fading }))
+    }
+
+    /// The spectrum that [`hear`](Self::hear) gave last, and where its bands lie.
+    pub fn spectrum(&self) -> Option<(&Spectrum, &[f32])> {
+        Some((&self.now, self.ear.as_ref()?.bands_hz()))
+    }
+
+    /// How it rings there.
+    pub fn ringing(&self) -> &Ringing {
+        &self.ringing
+    }
+
+    /// Beats gone by at any time of the show so far.
+    pub fn beat_at(&self, at_secs: f64) -> Beat {
+        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
+        let Some((stretch, added)) = self.stretches.get(begun.saturating_sub(1)) else {
+            return Beat::default();
+        };
+        let beat = self.beat_of_song(*stretch, stretch.song_secs_at(at_secs));
+        Beat { count: beat.count + added, ..beat }
+    }
+
+    fn beat_of_song(&self, stretch: Stretch, song_secs: f64) -> Beat {
+        let beats = stretch.song.and_then(|song| self.songs.get(&song)?.beats.as_ref());
+        beats.map_or_else(Beat::default, |beats| {
+            Beat::among(&beats.beats_secs, beats.confidence as f32, song_secs)
+        })
+    }
+
+    /// The whole beats to add in `stretch` so that none of those gone by before comes back.
+    fn added_beats(&self, before: &[(Stretch, f64)], stretch: Stretch) -> f64 {
+        let Some((last, added)) = before.last() else { return 0.0 };
+        let gone = self.beat_of_song(*last, last.song_secs_at(stretch.at_secs)).count + added;
+        (gone - self.beat_of_song(stretch, stretch.song_secs).count).ceil()
+    }
+
+    fn count_again(&mut self) {
+        for i in 0..self.stretches.len() {
+            let (before, stretch) = (&self.stretches[..i], self.stretches[i].0);
+            self.stretches[i].1 = self.added_beats(before, stretch);
+        }
+    }
+
+    /// Listens to `at_secs`; false where nothing is known of what plays there.
+    fn listen(&mut self, at_secs: f64) -> Result<bool, SoundError> {
+        let (Some(stretch), Some(tuning)) = (self.stretch(), self.tuning) else { return Ok(false) };
+        let Some(number) = stretch.song else {
+            let silence = vec![0.0; tuning.bands];
+            let [mid, side, left, right] = std::array::from_fn(|_| silence.clone());
+            self.now = Spectrum { mid, side, left, right, side_gain: tuning.side_gain };
+            self.ringing.still(tuning.bands);
+            return Ok(true);
+        };
+        let known = self.songs.get(&number).filter(|known| known.song.frames() > 0);
+        let Some(known) = known else { return Ok(false) };
+        let ear = match &mut self.ear {
+            Some(ear) => ear,
+            None => {
+                let settings = tuning.settings(known.song.rate_hz);
+                let song = Arc::clone(&known.song);
+                self.ear.insert(SongSpectrum::new(song, settings, self.from_song_secs)?)
+            }
+        };
+        let bank = &mut self.resonators;
+        let after_secs = ear.at_after(stretch.song_secs_at(at_secs), |hop| match (hop, bank.as_mut()) {
+            (Hop::Beginning, Some(bank)) => bank.still(),
+            (Hop::Heard(spectrum), Some(bank)) => bank.hear(&bands_of(spectrum), SongSpectrum::HOP_SECS),
+            (_, None) => {}
+        });
+        self.now.clone_from(ear.spectrum());
+        if let Some(bank) = bank {
+            self.ringing.clone_from(bank.ring(after_secs));
+        }
+        if let Some(fade) = &self.fade {
+            let done = fade.done(at_secs);
+            if done < 1.0 {
+                self.now.mix(&fade.from, 1.0 - done);
+                self.ringing.mix(&fade.ringing, 1.0 - done);
+            }
+        }
+        Ok(true)
+    }
+}
+
+impl Fade {
+    fn done(&self, at_secs: f64) -> f32 {
+        let x = ((at_secs - self.since_secs) / FADE_SECS).clamp(0.0, 1.0) as f32;
+        x * x * (3.0 - 2.0 * x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_sound::{sample_tune, sample_tune_beats_secs};
+
+    fn known() -> KnownSong {
+        let beats = Beats { beats_secs: sample_tune_beats_secs(), confidence: 1.0, ..Beats::default() };
+        KnownSong { song: Arc::new(sample_tune()), beats: Some(beats) }
+    }
+
+    fn stretch(at_secs: f64, song_secs: f64, playing: bool) -> Stretch {
+        Stretch { at_secs, song: Some(0), song_secs, playing }
+    }
+
+    fn hearing() -> Hearing {
+        let mut hearing = Hearing::default();
+        hearing.know(0, known());
+        hearing.tune(0.0, &Parameters::default());
+        hearing
+    }
+
+    #[test]
+    fn pausing_and_seeking_snap_nothing_and_beats_only_grow() {
+        let mut hearing = hearing();
+        // Plays, stands still, goes on, leaps ahead and far back.
+        let script = [
+            stretch(0.0, 2.0, true),
+            stretch(1.5, 3.5, false),
+            stretch(3.0, 3.5, true),
+            stretch(4.0, 9.0, true),
+            stretch(5.0, 0.5, true),
+            stretch(5.1, 7.0, true),
+        ];
+        let mut script = script.into_iter().peekable();
+        let (mut last, mut count) = (Vec::new(), 0.0);
+        let (mut most, mut snap) = (0.0f32, 0.0f32);
+        for frame in 0..1400 {
+            let at_secs = f64::from(frame) / 200.0;
+            let mut begins = false;
+            while let Some(stretch) = script.next_if(|stretch| stretch.at_secs <= at_secs) {
+                hearing.begin(stretch).unwrap();
+                begins = true;
+            }
+            let heard = hearing.hear(at_secs).unwrap().unwrap();
+            assert!(heard.beat.count >= count, "beat {} after {count}", heard.beat.count);
+            count = heard.beat.count;
+            let mid = heard.bands.mid.to_vec();
+            let step = mid.iter().zip(&last).map(|(a, b): (&f32, &f32)| (a - b).abs()).fold(0.0, f32::max);
+            if at_secs > 1.55 && at_secs < 3.0 {
+                assert_eq!(step, 0.0, "the pose changes in a pause");
+                assert!(mid.iter().any(|f| *f > 0.05) && heard.beat.confidence > 0.0, "it is let go");
+            }
+            let of = if begins && frame > 0 { &mut snap } else { &mut most };
+            *of = of.max(step);
+            last = mid;
+        }
+        assert!(snap <= most && most < 0.3, "{snap} at a leap, else {most}");
+    }
+
+    #[test]
+    fn whoever_hears_the_same_show_hears_the_same_bits() {
+        let mut parameters = Parameters::default();
+        let run = |parameters: &mut Parameters, fps: f64, from_secs: f64| {
+            *parameters = Parameters::default();
+            let mut hearing = Hearing::from(from_secs);
+            hearing.know(0, known());
+            hearing.tune(0.0, parameters);
+            let mut shots = Vec::new();
+            let mut script = [stretch(0.0, 1.0, true), stretch(2.0, 3.0, false), stretch(2.5, 8.0, true)]
+                .into_iter()
+                .peekable();
+            let mut turned = false;
+            for frame in (from_secs * fps) as u32..(4.0 * fps) as u32 {
+                let at_secs = f64::from(frame) / fps;
+                while let Some(stretch) = script.next_if(|stretch| stretch.at_secs <= at_secs) {
+                    hearing.begin(stretch).unwrap();
+                }
+                if at_secs >= 3.0 && !turned {
+                    turned = true;
+                    parameters.set(Parameter::Decay, 0.8).unwrap();
+                    hearing.tune(2.9, parameters);
+                }
+                let heard = hearing.hear(at_secs).unwrap().unwrap();
+                if at_secs.fract() == 0.5 || at_secs.fract() == 0.75 {
+                    shots.push((at_secs, heard.beat, heard.bands.mid.to_vec(), heard.bands.right.to_vec()));
+                }
+            }
+            shots
+        };
+        let window = run(&mut parameters, 100.0, 0.0);
+        assert_eq!(window.len(), 8);
+        assert_eq!(window, run(&mut parameters, 8.0, 0.0));
+        assert_eq!(window[4..], run(&mut parameters, 20.0, 2.25)[..]);
+    }
+
+    #[test]
+    fn what_is_not_known_is_not_heard() {
+        let mut hearing = Hearing::default();
+        hearing.tune(0.0, &Parameters::default());
+        hearing.begin(stretch(0.0, 0.0, true)).unwrap();
+        assert!(hearing.hear(1.0).unwrap().is_none());
+        hearing.begin(Stretch { song: None, ..stretch(1.5, 0.0, true) }).unwrap();
+        let heard = hearing.hear(2.0).unwrap().unwrap();
+        assert!(heard.bands.mid.iter().all(|f| *f == 0.0));
+        hearing.begin(stretch(2.5, 1.0, true)).unwrap();
+        hearing.know(0, known());
+        assert!(hearing.hear(3.0).unwrap().is_some());
+    }
+}

@@ -1,0 +1,38 @@
+//! The work itself, for the window and the commands alike: from the name of a shape to its harmonics, a
+//! caricature, a dance and a film. Knows neither a window nor a command line, and prints nothing: a
+//! [`Watcher`] hears how it goes.
+
+pub mod body;
+mod cast;
+mod clock;
+pub mod dancer;
+mod error;
+mod files;
+pub mod film;
+pub mod formats;
+mod hearing;
+pub mod outputs;
+mod own_look;
+mod sculpture;
+pub mod source;
+mod stance;
+mod symmetry_figure;
+mod template;
+mod theatre;
+mod watcher;
+
+pub use cast::Cast;
+pub use clock::{Playing, ShowClock};
+pub use error::{Error, Warning};
+pub use files::{refer, resolve};
+pub use hearing::{Heard, Hearing, KnownSong, bands_of, read_beats, spectrum_settings};
+pub use own_look::OwnLook;
+pub use sculpture::{Made, Sculpture, make};
+pub use stance::Stance;
+pub use symmetry_figure::figure_markers;
+pub use template::{matched, template_mesh};
+pub use theatre::{FIRST_VIEW, Look, Staged, Staging, dots, first_looks, look_named, reaction};
+pub use watcher::{Aside, Watcher};
+
+/// K where nobody says otherwise, in the window and on the command line.
+pub const HARMONICS: usize = 512;

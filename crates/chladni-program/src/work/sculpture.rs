@@ -1,0 +1,102 @@
+//! A project evaluated on its shape, and the mesh that comes of it.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use chladni_caricature::{Evaluation, LayerState, Project, Stack};
+use chladni_harmonics::Body;
+use chladni_mesh::{Format, MorphTarget, Orientation, TriMesh, save_mesh, write_glb};
+use chladni_task::write_atomic;
+
+use super::{Error, Warning, Watcher, matched};
+
+/// What a project makes of its shape. Later edits of the project do not change it.
+pub struct Sculpture {
+    /// The shape as its file holds it.
+    pub mesh: Arc<TriMesh>,
+    /// With its harmonics.
+    pub body: Arc<Body>,
+    /// Of all layers.
+    pub evaluation: Evaluation,
+}
+
+/// A sculpture that can be changed.
+pub struct Made {
+    /// As the project has it.
+    pub sculpture: Sculpture,
+    /// Evaluates other projects on the same shape with the same matches.
+    pub stack: Stack,
+    /// How the shape stands if it stands as a template that it was matched with.
+    pub stands: Option<Orientation>,
+}
+
+/// Matches what `project` asks for with `mesh`, which `body` was built from, and evaluates it. A layer that
+/// cannot act is an error, or, where others may go on without it, `forgiven` with a warning.
+///
+/// # Errors
+/// [`Error::Caricature`] or [`Error::Input`] with the first layer that cannot act.
+pub fn make(
+    mesh: impl Into<Arc<TriMesh>>,
+    body: Arc<Body>,
+    project: &Project,
+    forgiven: bool,
+    watcher: &impl Watcher,
+) -> Result<Made, Error> {
+    let mesh = mesh.into();
+    let mut stack = Stack::new(Arc::clone(&body))?;
+    let mut stands = None;
+    for request in stack.missing(project) {
+        let found = match matched(&request, &mesh, &body, watcher) {
+            Err(why) if !forgiven => return Err(why.into()),
+            found => found,
+        };
+        watcher.task().check()?;
+        match &found {
+            Ok(found) => stands = stands.or(found.stands),
+            Err(why) => watcher.warn(Warning::Told(why.to_string())),
+        }
+        stack.install(request, found);
+    }
+    let evaluation = stack.evaluate(project);
+    for layer in &evaluation.layers {
+        if let LayerState::Failed(why) = &layer.state
+            && !forgiven
+        {
+            return Err(Error::Input(format!("layer {}: {why}", layer.name)));
+        }
+        if layer.mask.as_ref().is_some_and(|mask| mask.iter().all(|share| *share == 0.0)) {
+            let [from, to] = reach(&mesh);
+            watcher.warn(Warning::EmptyRegion { layer: layer.name.clone(), from, to });
+        }
+    }
+    Ok(Made { sculpture: Sculpture { mesh, body, evaluation }, stack, stands })
+}
+
+/// The least and the largest coordinates.
+fn reach(mesh: &TriMesh) -> [[f64; 3]; 2] {
+    [f64::min, f64::max].map(|of: fn(f64, f64) -> f64| {
+        let all = mesh.positions.iter().copied();
+        all.reduce(|a, b| std::array::from_fn(|i| of(a[i], b[i]))).unwrap_or_default()
+    })
+}
+
+impl Sculpture {
+    /// Writes it in the format of the ending: GLB holds the original with one morph target per layer, other
+    /// formats the result itself.
+    ///
+    /// # Errors
+    /// [`Error::Unsaved`] or [`Error::Unwritten`], with the file's name.
+    pub fn save(&self, path: &Path) -> Result<(), Error> {
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        if Format::from_extension(ending) == Some(Format::Glb) {
+            let targets = self.evaluation.morph_targets(&self.body).into_iter();
+            let targets: Vec<MorphTarget> =
+                targets.map(|(name, displacements)| MorphTarget { name, displacements }).collect();
+            let bytes = write_glb(&self.mesh, &targets).map_err(|error| Error::unwritten(path, error))?;
+            return write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error));
+        }
+        let positions = self.evaluation.file_positions(&self.body, &self.mesh.positions);
+        let result = TriMesh { positions, ..TriMesh::clone(&self.mesh) };
+        save_mesh(&result, path).map_err(Error::unsaved)
+    }
+}

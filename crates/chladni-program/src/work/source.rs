@@ -1,0 +1,100 @@
+//! Shapes and songs by the names that users give them: a path, or `sample:NAME`.
+
+use std::path::{Path, PathBuf};
+
+use chladni_caricature::Project;
+use chladni_mesh::{ShapeSource, TriMesh};
+use chladni_sound::{Song, SongOptions, SongReader, sample_tune};
+
+use super::{Error, Warning, Watcher};
+
+/// The name of the sample tune.
+pub const TUNE: &str = "sample:tune";
+
+/// What users call the sample shape `name`.
+pub fn sample_path(name: &str) -> PathBuf {
+    ShapeSource::Sample(name.to_owned()).to_string().into()
+}
+
+/// A file by a name that holds whatever folder a project comes to lie in; samples keep theirs.
+pub fn from_anywhere(path: &Path) -> PathBuf {
+    let absolute =
+        if ShapeSource::sample_name(path).is_some() { None } else { std::path::absolute(path).ok() };
+    absolute.unwrap_or_else(|| path.to_owned())
+}
+
+/// Reads a mesh file, or makes a sample; warns of what was mended.
+///
+/// # Errors
+/// [`Error::Mesh`], which names it.
+pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Error> {
+    let loaded = watcher.watch("reading the mesh", |_| source.load(None))?;
+    for mended in &loaded.mended {
+        watcher.warn(Warning::of(source, mended));
+    }
+    Ok(loaded.mesh)
+}
+
+/// The mesh that users call `name`; warns of what was mended.
+///
+/// # Errors
+/// As [`shape`] does.
+pub fn mesh(name: impl AsRef<Path>, watcher: &impl Watcher) -> Result<TriMesh, Error> {
+    shape(&ShapeSource::named(name.as_ref()), watcher)
+}
+
+/// The project at `path`; warns where it was made by an older program.
+///
+/// # Errors
+/// [`Error::Caricature`] with the file's name.
+pub fn project(path: &Path, watcher: &impl Watcher) -> Result<Project, Error> {
+    let project = Project::load(path)?;
+    if let Some(told) = project.taken_over() {
+        watcher.warn(Warning::of(path.display(), told));
+    }
+    Ok(project)
+}
+
+/// Reads a stretch of a song, or of `sample:tune`; warns of damage.
+///
+/// # Errors
+/// [`Error::Sound`], and [`Error::Input`] for a stretch that is not there.
+pub fn song(
+    name: &str,
+    start_secs: f64,
+    duration_secs: Option<f64>,
+    watcher: &impl Watcher,
+) -> Result<Song, Error> {
+    if !(start_secs.is_finite() && start_secs >= 0.0)
+        || duration_secs.is_some_and(|d| !(d.is_finite() && d > 0.0))
+    {
+        return Err(Error::input("start must not be negative and the duration must be positive"));
+    }
+    if let Some(sample) = ShapeSource::sample_name(Path::new(name)) {
+        if name != TUNE {
+            return Err(Error::Input(format!("there is no sample {sample}: tune is a song")));
+        }
+        return stretch(sample_tune(), start_secs, duration_secs);
+    }
+    let options = SongOptions { start_secs, duration_secs, ..SongOptions::default() };
+    let mut reader = SongReader::open(Path::new(name))?;
+    let song = watcher.watch("decoding the song", |task| Song::read(&mut reader, &options, task));
+    if let Some(damage) = reader.damage() {
+        watcher.warn(Warning::of(name, damage));
+    }
+    Ok(song?)
+}
+
+fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<Song, Error> {
+    let frames = |secs: f64| (secs * f64::from(song.rate_hz)).round() as usize;
+    let first = frames(start_secs).min(song.frames());
+    let last = duration_secs.map_or(song.frames(), |d| (first + frames(d)).min(song.frames()));
+    if first == last {
+        return Err(Error::Input(format!("the song ends after {:.1} s", song.duration_secs())));
+    }
+    Ok(Song {
+        rate_hz: song.rate_hz,
+        left: song.left[first..last].to_vec(),
+        right: song.right[first..last].to_vec(),
+    })
+}

@@ -1,0 +1,66 @@
+//! Which way a shape stands in pictures: told by a person or a project, else estimated.
+
+use chladni_mesh::{Axis, Estimate, Known, Orientation, TriMesh};
+
+use super::{Error, Warning, Watcher};
+
+/// What a person said of up and front; what is not said is estimated.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stance {
+    /// The axis of the file that points up.
+    pub up: Option<Axis>,
+    /// The axis that points to a viewer in front.
+    pub front: Option<Axis>,
+}
+
+impl Stance {
+    /// Whether anything was said.
+    pub fn is_told(&self) -> bool {
+        self.up.is_some() || self.front.is_some()
+    }
+
+    /// Before any work: can it be so?
+    ///
+    /// # Errors
+    /// [`Error::Input`] where up and front lie on one line.
+    pub fn check(&self) -> Result<(), Error> {
+        match (self.up, self.front) {
+            (Some(up), Some(front)) if up.is_along(front) => {
+                Err(Error::Input(format!("--up {up} and --front {front} lie on one line")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// How the mesh called `name` stands: as was said here, or else as `kept` says, or else as its
+    /// surface speaks for, or, where that is in doubt, as `matched` to a template does. Warns where it
+    /// stays in doubt.
+    ///
+    /// # Errors
+    /// As [`check`](Self::check) does, and [`Error::Cancelled`].
+    pub fn of(
+        &self,
+        name: &str,
+        mesh: &TriMesh,
+        kept: Option<Orientation>,
+        matched: Option<Orientation>,
+        watcher: &impl Watcher,
+    ) -> Result<Orientation, Error> {
+        self.check()?;
+        if let Some(kept) = kept.filter(|_| !self.is_told()) {
+            return Ok(kept);
+        }
+        let known = Known { up: self.up.map(Axis::direction), front: self.front.map(Axis::direction) };
+        let found = watcher.watch("finding which way is up", |task| Estimate::of(mesh, known, task))?;
+        if !found.in_doubt {
+            return Ok(found.orientation);
+        }
+        if let Some(matched) = matched.filter(|_| !self.is_told()) {
+            return Ok(matched);
+        }
+        let told =
+            format!("drawn with {}, which is in doubt: --up and --front say otherwise", found.orientation);
+        watcher.warn(Warning::of(name, told));
+        Ok(found.orientation)
+    }
+}

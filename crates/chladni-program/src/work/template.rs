@@ -1,0 +1,40 @@
+//! Templates: their meshes, and the match of a shape with one.
+
+use chladni_caricature::{Error as CaricatureError, MatchRequest, Matched, ShapeSource, Template};
+use chladni_harmonics::Body;
+use chladni_mesh::TriMesh;
+
+use super::{Error, Warning, Watcher, source};
+
+/// The mesh of a template; `None` where it is none.
+///
+/// # Errors
+/// As [`source::loaded`] does.
+pub fn template_mesh(template: &Template, watcher: &impl Watcher) -> Result<Option<TriMesh>, Error> {
+    let source = match template {
+        Template::File(path) => ShapeSource::File(path.clone()),
+        Template::Sample(name) => ShapeSource::Sample(name.clone()),
+        _ => return Ok(None),
+    };
+    source::shape(&source, watcher).map(Some)
+}
+
+/// Matches the shape `mesh`, which `body` was built from, as `request` says, and warns of what is wrong
+/// with the match.
+///
+/// # Errors
+/// Whatever keeps the layer from acting, in the words that the layer is shown with.
+pub fn matched(
+    request: &MatchRequest,
+    mesh: &TriMesh,
+    body: &Body,
+    watcher: &impl Watcher,
+) -> Result<Matched, CaricatureError> {
+    let template = template_mesh(&request.template, watcher)
+        .map_err(|error| CaricatureError::Unmatched(error.to_string()))?;
+    let found = watcher.watch("matching", |task| request.run(mesh, body, template.as_ref(), task))?;
+    for told in found.report.iter().flat_map(|report| &report.warnings) {
+        watcher.warn(Warning::of(&request.template, told));
+    }
+    Ok(found)
+}

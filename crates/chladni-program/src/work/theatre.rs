@@ -1,0 +1,174 @@
+//! How a dance looks at one moment: camera, lights and cells, from what the beat does and where the viewer
+//! stands.
+
+use std::sync::Arc;
+
+use chladni_mesh::Orientation;
+use chladni_music::{Beat, Dancer, Instrument, Looks, Parameter, Reaction, Viewpoint, react};
+use chladni_view::{Background, Camera, Cell, Figure, Lights, Marker, Material, Rect, layout};
+
+use super::Heard;
+
+/// How much of its cell the shape may fill where it is moved as far as the limit allows.
+const FILL: f32 = 0.96;
+/// Between cells lies one part in so many of the picture's shorter side.
+const GAP: u32 = 100;
+
+/// Where the viewer stands before anybody moves.
+pub const FIRST_VIEW: Viewpoint = Viewpoint { yaw_rad: 0.0, pitch_rad: 0.14, distance: 1.0, shift: [0.0; 2] };
+
+/// What the shapes are made of and what shines on them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// The shapes'.
+    pub material: Material,
+    /// On them.
+    pub lights: Lights,
+    /// Behind them.
+    pub background: Background,
+}
+
+/// What shapes look like until somebody chooses otherwise.
+pub fn first_looks() -> Looks {
+    let [material, lights, background] = ["pearl", "stage", "night"].map(str::to_owned);
+    Looks { material, lights, background }
+}
+
+/// The most dots that stand for a shape: more would be a black area.
+const DOTS: usize = 2500;
+
+/// Some of `positions` as black dots.
+pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
+    let step = positions.len().div_ceil(DOTS).max(1);
+    let dot = |position| Marker { position, radius_px: 1.2, color: [0, 0, 0, 255] };
+    positions.step_by(step).map(dot).collect()
+}
+
+/// The look of those names; names that nobody knows any more fall back to the first look, and are returned.
+pub fn look_named(looks: &Looks) -> (Look, Vec<String>) {
+    let (material, lights) = (Material::named(&looks.material), Lights::named(&looks.lights));
+    let background = Background::named(&looks.background);
+    let missing = [
+        material.is_none().then_some(&looks.material),
+        lights.is_none().then_some(&looks.lights),
+        background.is_none().then_some(&looks.background),
+    ];
+    let look = Look {
+        material: material.unwrap_or(Material::PEARL),
+        lights: lights.unwrap_or(Lights::STAGE),
+        background: background.unwrap_or(Background::NIGHT),
+    };
+    (look, missing.into_iter().flatten().cloned().collect())
+}
+
+/// What the beat does to the picture; where a leap in the song fades, so does what it changes.
+pub fn reaction(instrument: &Instrument, beat: Beat, fading: Option<(Beat, f32)>) -> Reaction {
+    let of = |beat| react(beat, instrument.seed(), instrument.parameters());
+    let to = of(beat);
+    let Some((before, done)) = fading else { return to };
+    let from = of(before);
+    let mix = |from: f32, to: f32| from + done * (to - from);
+    Reaction {
+        turn_rad: mix(from.turn_rad, to.turn_rad),
+        light_turn_rad: mix(from.light_turn_rad, to.light_turn_rad),
+        light_gain: mix(from.light_gain, to.light_gain),
+    }
+}
+
+impl Heard<'_> {
+    /// What the beat does to the picture.
+    pub fn reaction(&self, instrument: &Instrument) -> Reaction {
+        reaction(instrument, self.beat, self.fading)
+    }
+}
+
+/// Sets the stage for one body, frame after frame.
+pub struct Staging {
+    dancer: Arc<Dancer>,
+    rest: Vec<[f32; 3]>,
+    /// Where up and front are.
+    stands: Orientation,
+    /// What has to fit into a cell, for a limit of displacement.
+    room: (f32, Vec<[f32; 3]>),
+}
+
+/// All that a picture shows beside the shapes themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Staged {
+    area: Rect,
+    /// Who looks.
+    pub camera: Camera,
+    lights: Lights,
+    background: Background,
+    /// Of the shapes.
+    pub material: Material,
+    /// Where each item stands.
+    pub viewports: Vec<Rect>,
+    /// How many stand beside each other.
+    pub columns: usize,
+}
+
+impl Staging {
+    /// For a body at rest and how it stands.
+    pub fn new(dancer: Arc<Dancer>, rest: Vec<[f32; 3]>, stands: Orientation) -> Self {
+        Self { dancer, rest, stands, room: (0.0, Vec::new()) }
+    }
+
+    /// How the body stands.
+    pub fn stands(&self) -> Orientation {
+        self.stands
+    }
+
+    /// The body at rest.
+    pub fn rest(&self) -> &[[f32; 3]] {
+        &self.rest
+    }
+
+    /// The cells of `items` items in a picture of `area`.
+    pub fn cells(area: Rect, items: usize) -> (Vec<Rect>, usize) {
+        let (rows, columns) = layout::rows_and_columns(area.width, area.height, items, 1.0);
+        let gap = area.width.min(area.height).div_ceil(GAP).min(area.width / 8);
+        (layout::grid(area, rows, columns, gap, items), columns)
+    }
+
+    /// The picture of `items` items.
+    pub fn set(
+        &mut self,
+        area: Rect,
+        items: usize,
+        viewpoint: &Viewpoint,
+        look: &Look,
+        reaction: Reaction,
+        instrument: &Instrument,
+    ) -> Staged {
+        let limit = instrument.parameters().get(Parameter::Limit);
+        if self.room.0 != limit {
+            self.room = (limit, self.dancer.room(&self.rest, limit));
+        }
+        let (viewports, columns) = Self::cells(area, items);
+        let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+        let mut camera = Camera { pitch_rad: viewpoint.pitch_rad, stands: self.stands, ..Camera::default() };
+        camera.fit_turntable(&self.room.1, aspect, FILL);
+        camera.distance *= viewpoint.distance;
+        // The shape turns about its own axis, wherever the picture is shifted to.
+        camera.yaw_rad = viewpoint.yaw_rad - reaction.turn_rad;
+        camera.pan(viewpoint.shift[0], viewpoint.shift[1], 1.0);
+        let mut lights = look.lights.turned(reaction.light_turn_rad);
+        lights.exposure *= reaction.light_gain;
+        let Look { material, background, .. } = *look;
+        Staged { area, camera, lights, background, material, viewports, columns }
+    }
+}
+
+impl Staged {
+    /// Width and height, in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.area.width, self.area.height]
+    }
+
+    /// The cells that a renderer draws, for one figure each.
+    pub fn cells<'a>(&self, figures: &'a [Figure<'a>]) -> Vec<Cell<'a>> {
+        let placed = self.viewports.iter().copied().zip(figures);
+        Cell::gallery(self.area, self.background, self.camera, self.lights, placed)
+    }
+}

@@ -1,0 +1,49 @@
+//! Who watches work: a terminal, a window, or whoever asks afterwards.
+
+use std::cell::RefCell;
+
+use chladni_task::Task;
+
+use super::Warning;
+
+/// Hears how work goes, and may stop it.
+pub trait Watcher {
+    /// What long work reports to; cancelling it stops the work.
+    fn task(&self) -> &Task;
+
+    /// Work goes on, but not quite as asked.
+    fn warn(&self, warning: Warning);
+
+    /// Does a `part` of the work that may take long and is called `label`.
+    fn watch<T>(&self, _label: &str, part: impl FnOnce(&Task) -> T) -> T {
+        part(self.task())
+    }
+}
+
+/// Keeps the warnings of work that is done beside the window, until they can be shown.
+pub struct Aside<'a> {
+    task: &'a Task,
+    warnings: RefCell<Vec<Warning>>,
+}
+
+impl<'a> Aside<'a> {
+    /// Work that reports to `task`.
+    pub fn new(task: &'a Task) -> Self {
+        Self { task, warnings: RefCell::default() }
+    }
+
+    /// What there was to warn of.
+    pub fn warnings(self) -> Vec<Warning> {
+        self.warnings.into_inner()
+    }
+}
+
+impl Watcher for Aside<'_> {
+    fn task(&self) -> &Task {
+        self.task
+    }
+
+    fn warn(&self, warning: Warning) {
+        self.warnings.borrow_mut().push(warning);
+    }
+}
