@@ -6,7 +6,7 @@ use chladni_music::{Form, Mapping, Playing};
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings};
 use serde::Serialize;
 
-use super::truth::{RATE_HZ, Ready, farthest};
+use super::ready::{RATE_HZ, Ready, farthest};
 use chladni_program::work::{Error, bands_of};
 
 /// What a tone in one channel, or the same in both, does.

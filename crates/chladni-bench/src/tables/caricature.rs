@@ -17,8 +17,8 @@ use super::{BenchTables, median_ms};
 use crate::synth::stage::Stage;
 use chladni_program::cli::Terminal;
 use chladni_program::work::body::laplacian;
-use chladni_program::work::{source, template_mesh};
 use chladni_program::work::{Error, Watcher};
+use chladni_program::work::{source, template_mesh};
 
 /// Radius of the brush in the working frame, where a shape is 2 wide.
 const BRUSH: f64 = 0.15;

@@ -178,7 +178,6 @@ pub fn install(ctx: &egui::Context) {
     super::icon::install(&mut fonts);
     ctx.set_fonts(fonts);
     ctx.add_plugin(super::icon::Unspoken);
-    ctx.add_plugin(super::focus::Ring::default());
     ctx.all_styles_mut(|style| {
         style.text_styles = [
             (title(), FontId::new(30.0, FontFamily::Proportional)),

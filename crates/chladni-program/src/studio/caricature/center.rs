@@ -2,16 +2,18 @@
 
 use chladni_caricature::{Brush, Model, Property};
 use eframe::egui_wgpu::RenderState;
-use egui::{Key, RichText, Ui};
+use egui::{RichText, Ui};
 
 use super::brush::BrushTool;
 use super::edits::Edits;
 use super::heat::{Heat, Painting, Quantity};
+use super::look::{Look, Show};
 use super::session::Session;
-use super::stage::{self, BrushInHand, Look, Show, Shown, Stage};
+use super::stage::{self, BrushInHand, Shown, Stage};
 use super::{CaricatureRoom, single};
+use crate::studio::keys::caricature::COMPARE;
 use crate::studio::room::Shared;
-use crate::studio::{job, shortcut, theme};
+use crate::studio::{job, theme};
 use crate::work::Error;
 
 impl CaricatureRoom {
@@ -112,7 +114,7 @@ fn show_stage(
     edits: &mut Edits,
 ) -> Result<(), Error> {
     let rect = ui.available_rect_before_wrap();
-    if ui.ctx().input(|input| input.key_down(Key::C)) && !shortcut::is_taken(ui.ctx(), Key::C) {
+    if COMPARE.held(ui.ctx()) {
         look.show = Show::Original;
     }
     let gpu: &RenderState = shared.gpu;

@@ -8,7 +8,7 @@ use chladni_view::{Background, FilmSettings, FrameRate, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 use super::CaricatureRoom;
-use super::stage::backdrop;
+use super::overlay::backdrop;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;

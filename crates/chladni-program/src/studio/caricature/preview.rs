@@ -8,7 +8,8 @@ use chladni_view::{Cell, Rect};
 use egui::Ui;
 
 use super::landmarks::Side;
-use super::stage::{Look, backdrop};
+use super::look::Look;
+use super::overlay::backdrop;
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::Error;

@@ -10,11 +10,12 @@ use chladni_view::Gpu;
 
 use super::center::update_stage;
 use super::edits::Edit;
-use super::files::Candidate;
 use super::heat::{self, Heat, Painting};
-use super::session::{self, Session};
+use super::loading::{self, Candidate};
+use super::look::{Look, Show};
+use super::session::Session;
 use super::single;
-use super::stage::{Look, Show, Stage};
+use super::stage::Stage;
 use crate::work::Error;
 
 /// An open project whose pictures nobody draws.
@@ -30,7 +31,7 @@ impl Rehearsal {
     /// Opens the shape of `project` and matches what its layers wait for.
     pub fn of(project: Project, gpu: &Gpu, task: &Task) -> Result<Self, Error> {
         let candidate = Candidate::new(project);
-        let loaded = session::load(candidate, &channel().0, task)?;
+        let loaded = loading::load(candidate, &channel().0, task)?;
         let mut session = Session::new(loaded);
         let nobody = egui::Context::default();
         while !session.stack.missing(session.project()).is_empty() {

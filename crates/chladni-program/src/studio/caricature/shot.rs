@@ -4,11 +4,11 @@ use std::path::Path;
 
 use chladni_task::Task;
 use chladni_view::{
-    Background, Camera, Canvas, Cell, Figure, Film, FilmSettings, Gpu, ItemBuffers, Lights, Material, Paint,
-    Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, ViewError, Wire, film, layout,
+    Background, Camera, Canvas, Cell, Figure, Film, FilmSettings, Gpu, ItemBuffers, Paint, Picture, Rect,
+    Renderer, Scale, Skin, Topology, VertexPaint, ViewError, film, layout,
 };
 
-use super::stage::Look;
+use super::look::Look;
 
 /// What gives figures their colour, whoever owns it.
 #[derive(Clone, Debug)]
@@ -115,31 +115,6 @@ impl Shot {
             Cell::gallery(Rect::of_size(width, height), self.background, camera, self.look.lights(), placed);
         renderer.draw(canvas, &cells)?;
         Ok(())
-    }
-}
-
-impl Look {
-    /// The chosen lights.
-    pub fn lights(&self) -> Lights {
-        Lights::PRESETS.get(self.lights).map_or(Lights::STUDIO, |preset| preset.1)
-    }
-
-    /// The chosen material.
-    pub fn material(&self) -> Material {
-        Material::PRESETS.get(self.material).map_or(Material::CLAY, |preset| preset.1)
-    }
-
-    /// A figure in the chosen material, with edges where they are wanted.
-    pub fn figure<'a>(
-        &self,
-        topology: &'a Topology,
-        buffers: &'a ItemBuffers,
-        item: usize,
-        paint: Paint<'a>,
-    ) -> Figure<'a> {
-        let material = self.material();
-        let wire = self.wire.then_some(Wire { color: [20, 20, 24], opacity: 0.35, width_px: 1.0 });
-        Figure { material, paint, wire, ..Figure::new(topology, buffers, item) }
     }
 }
 

@@ -5,11 +5,13 @@ use chladni_mesh::{Axis, Orientation};
 use chladni_view::{ColorMap, Lights, Material};
 use egui::Ui;
 
+use super::CaricatureRoom;
 use super::edits::Edit;
 use super::heat::Quantity;
-use super::stage::{Show, Stage};
-use super::{CaricatureRoom, EXPORT, FIT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
+use super::look::Show;
+use super::stage::Stage;
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::caricature::{EXPORT, FIT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 

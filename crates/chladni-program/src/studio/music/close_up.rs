@@ -3,11 +3,12 @@
 use chladni_music::{Action, FormControl, GalleryItem, Instrument, Mapping, direct_transfer};
 use egui::{Rect, RichText, TextEdit, Ui, UiBuilder, pos2, vec2};
 
-use super::concert::View;
 use super::curve::{self, Plot};
 use super::lineage;
+use super::view::View;
 use super::wish::Wish;
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::music::{FAVORITE, STAGE};
 use crate::studio::theme;
 
 /// Height of the plots with their head.
@@ -136,7 +137,7 @@ fn header(
     }
     let favourite = instrument.favourites().iter().any(|known| known.id == item.id);
     let star = egui::Button::selectable(favourite, text(ui, Icon::Star, "Favourite"));
-    if button(ui, star, "Favourite", super::FAVOURITE.tooltip(ui.ctx())) {
+    if button(ui, star, "Favourite", FAVORITE.tooltip(ui.ctx())) {
         wishes.push(Wish::Do(Action::Favourite { item: index, on: !favourite }));
     }
     let keep = egui::Button::new(text(ui, Icon::BookmarkPlus, "Keep …"));
@@ -144,7 +145,7 @@ fn header(
         wishes.push(Wish::Keep(item.id));
     }
     let stage = egui::Button::new(text(ui, Icon::Presentation, "Stage"));
-    if button(ui, stage, "Stage", super::STAGE.tooltip(ui.ctx())) {
+    if button(ui, stage, "Stage", STAGE.tooltip(ui.ctx())) {
         wishes.push(Wish::Do(Action::Perform { item: index }));
     }
     let name = text(ui, Icon::GitFork, "Lineage");

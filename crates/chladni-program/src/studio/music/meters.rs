@@ -5,6 +5,7 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Stroke, Ui, pos
 
 use super::curve;
 use super::listening::{Level, Listening};
+use crate::studio::keys::music::{DOUBLE, HALVE, TAP};
 use crate::studio::theme;
 
 /// Height of the bar with all meters.
@@ -134,13 +135,13 @@ fn beat(ui: &mut Ui, listening: &mut Listening) {
         }
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            if ui.small_button("½").on_hover_text(super::HALVE.tooltip(ui.ctx())).clicked() {
+            if ui.small_button("½").on_hover_text(HALVE.tooltip(ui.ctx())).clicked() {
                 listening.halve();
             }
-            if ui.small_button("×2").on_hover_text(super::DOUBLE.tooltip(ui.ctx())).clicked() {
+            if ui.small_button("×2").on_hover_text(DOUBLE.tooltip(ui.ctx())).clicked() {
                 listening.double();
             }
-            if ui.small_button("Tap").on_hover_text(super::TAP.tooltip(ui.ctx())).clicked() {
+            if ui.small_button("Tap").on_hover_text(TAP.tooltip(ui.ctx())).clicked() {
                 listening.tap();
             }
         });

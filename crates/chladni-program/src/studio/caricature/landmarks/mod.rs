@@ -15,8 +15,9 @@ pub use list::show_list;
 pub use side::Side;
 
 use super::edits::Edits;
+use super::look::Look;
+use super::overlay::backdrop;
 use super::session::Session;
-use super::stage::{Look, backdrop};
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
