@@ -2,6 +2,8 @@
 //! lavapipe will do.
 
 mod names;
+#[allow(dead_code, reason = "each test program uses a part")]
+pub mod person;
 
 use std::cell::RefCell;
 use std::collections::VecDeque;

@@ -279,6 +279,7 @@ fn moves_alike(a: &EvaluatedLayer, b: &EvaluatedLayer) -> bool {
 mod tests {
     use super::super::loading::{Candidate, load};
     use super::*;
+    use crate::work::Warning;
     use chladni_caricature::{Layer, ShapeSource, Template};
     use std::sync::mpsc::channel;
 
