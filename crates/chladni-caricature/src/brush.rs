@@ -2,8 +2,8 @@
 
 use chladni_mesh::MirrorPlane;
 
-use crate::vector::{Vec3, dot, sub};
 use crate::{Surface, SurfacePoint};
+use chladni_mesh::surface::vec3::{Vec3, dot, sub};
 
 /// The shape as somebody sees it.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +45,7 @@ impl Seen<'_> {
     /// How far triangle `t` faces `eye`: positive where its front is seen.
     fn facing(&self, t: u32, eye: Vec3) -> f64 {
         let [a, b, c] = self.surface.triangles[t as usize].map(|v| self.at(v));
-        dot(crate::vector::cross(sub(b, a), sub(c, a)), sub(eye, a))
+        dot(chladni_mesh::surface::vec3::cross(sub(b, a), sub(c, a)), sub(eye, a))
     }
 }
 
@@ -108,8 +108,8 @@ impl Reach {
 mod tests {
     use super::*;
     use crate::fixture::{icosphere, single};
-    use crate::vector::distance;
     use chladni_mesh::Frame;
+    use chladni_mesh::surface::vec3::distance;
 
     const FILE: Frame = Frame { center: [0.0; 3], scale: 1.0 };
 
@@ -228,7 +228,7 @@ mod tests {
     fn a_mirrored_press_has_a_twin_across_a_plane_of_any_slope() {
         let (points, triangles) = icosphere(4);
         let surface = Surface::of(points, triangles, FILE);
-        let normal = crate::vector::scale([1.0, 2.0, -0.5], 1.0 / 5.25_f64.sqrt());
+        let normal = chladni_mesh::surface::vec3::scaled([1.0, 2.0, -0.5], 1.0 / 5.25_f64.sqrt());
         let plane = MirrorPlane { normal, offset: 0.0, misfit: 0.0 };
         let positions = single(&surface.positions);
         let seen = Seen { surface: &surface, positions: &positions, eye: None };

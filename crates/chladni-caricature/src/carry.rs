@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use chladni_match::{Landmark, MatchError, Method, OnTemplate, Report, Settings, match_shapes};
+use chladni_match::{Landmark, MatchError, Method, Report, Settings, match_shapes};
 use chladni_mesh::{Frame, TriMesh, weld};
 use chladni_task::Task;
 
-use crate::vector::{Vec3, distance};
-use crate::{Error, GivenEllipsoid, Layer, Painted, Project, Region, Sphere, Template};
+use crate::{Error, GivenEllipsoid, Layer, Painted, Project, Region, Sphere, SurfacePoint, Template};
+use chladni_mesh::surface::vec3::{Vec3, distance};
 
 /// A project on another shape.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ fn moved(sphere: &Sphere, from: &Frame, to: &Frame) -> Sphere {
 
 /// Where each vertex of the new mesh lies on the old one.
 struct Way {
-    on_old: OnTemplate,
+    on_old: Vec<SurfacePoint>,
     /// The points of `on_old`, in the old file's coordinates.
     points: Vec<Vec3>,
     old_triangles: Vec<[u32; 3]>,
@@ -121,12 +121,11 @@ impl Way {
             vertex.and_then(|vertex| values.get(vertex as usize)).copied().unwrap_or(0.0)
         };
         let mut carried = vec![0.0_f32; self.new_operator_vertices];
-        let places = self.on_old.triangle.iter().zip(&self.on_old.barycentric);
-        for ((triangle, weights), vertex) in places.zip(&self.new_operator_vertex) {
-            let (Some(corners), Some(vertex)) = (self.old_triangles.get(*triangle as usize), vertex) else {
+        for (on, vertex) in self.on_old.iter().zip(&self.new_operator_vertex) {
+            let (Some(corners), Some(vertex)) = (self.old_triangles.get(on.triangle as usize), vertex) else {
                 continue;
             };
-            let mixed: f64 = corners.iter().zip(weights).map(|(v, w)| f64::from(old(*v)) * w).sum();
+            let mixed: f64 = corners.iter().zip(on.weights).map(|(v, w)| f64::from(old(*v)) * w).sum();
             if let Some(place) = carried.get_mut(*vertex as usize) {
                 *place = mixed.clamp(0.0, 1.0) as f32;
             }

@@ -4,12 +4,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::sync::atomic::Ordering::Relaxed;
 
+use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, sub};
+use chladni_mesh::surface::{Bounds, BoxTree, corners, doubled_area_normal};
 use chladni_task::{Cancelled, Task};
 use rayon::prelude::*;
 
 use crate::Surface;
-use crate::surface::area_normal;
-use crate::vector::{Vec3, dot, scale, sub};
 
 /// Finds triangles of a surface that pass through others, wherever its vertices are moved to.
 ///
@@ -18,147 +18,68 @@ use crate::vector::{Vec3, dot, scale, sub};
 #[derive(Clone, Debug)]
 pub struct Crossings {
     surface: Arc<Surface>,
-    nodes: Vec<Node>,
-    /// Triangles in the order of the leaves.
-    order: Vec<u32>,
+    tree: BoxTree,
 }
 
-/// An inner node's left child follows it; a leaf covers `order[start..start + count]`.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    /// Right child of an inner node, first slot of a leaf.
-    start: u32,
-    /// Triangles of a leaf, 0 for an inner node.
-    count: u32,
-}
-
-/// Lower and upper corner of a box.
-type Bounds = (Vec3, Vec3);
-
-const LEAF: usize = 4;
 /// Triangles between two looks at whether to stop.
 const PIECE: usize = 1024;
 
 impl Crossings {
     /// Prepares the search on `surface`.
     pub fn of(surface: Arc<Surface>) -> Self {
-        let third = |t: &[u32; 3]| {
-            let sum = t.iter().fold([0.0; 3], |sum: Vec3, v| {
-                let p = surface.positions[*v as usize];
-                std::array::from_fn(|i| sum[i] + p[i])
-            });
-            scale(sum, 1.0 / 3.0)
+        let center = |t: &[u32; 3]| {
+            let [a, b, c] = corners(&surface.positions, t);
+            scaled(add(add(a, b), c), 1.0 / 3.0)
         };
-        let centers: Vec<Vec3> = surface.triangles.iter().map(third).collect();
-        let mut order: Vec<u32> = (0..surface.triangles.len() as u32).collect();
-        let mut nodes = Vec::with_capacity(order.len());
-        if !order.is_empty() {
-            split(&mut order, 0, &centers, &mut nodes);
-        }
-        Self { surface, nodes, order }
+        let centers: Vec<Vec3> = surface.triangles.iter().map(center).collect();
+        let tree = BoxTree::new(&centers, |t| bounds(&surface, t, &surface.positions));
+        Self { surface, tree }
     }
 
     /// The triangles that pass through another when the vertices lie at `positions` (N, finite),
     /// ascending. Triangles that only touch, that lie in one plane, or that share an edge do not
     /// pass through each other; neither do those without area.
     pub fn triangles(&self, positions: &[Vec3], task: &Task) -> Result<Vec<u32>, Cancelled> {
-        let boxes = self.fitted(positions);
+        let mut tree = self.tree.clone();
+        tree.fit(|t| bounds(&self.surface, t, positions));
         // A mark per triangle: of a crumpled surface the pairs would fill any memory.
-        let crossed: Vec<AtomicBool> = self.order.iter().map(|_| AtomicBool::new(false)).collect();
-        let slots: Vec<usize> = (0..self.order.len()).collect();
+        let crossed: Vec<AtomicBool> = tree.order().iter().map(|_| AtomicBool::new(false)).collect();
+        let slots: Vec<usize> = (0..crossed.len()).collect();
         slots.par_chunks(PIECE).try_for_each(|slots| {
             task.check()?;
-            slots.iter().for_each(|slot| self.mark_crossed_by(*slot, positions, &boxes, &crossed));
+            slots.iter().for_each(|slot| self.mark_crossed_by(*slot, positions, &tree, &crossed));
             Ok(())
         })?;
         let marks = crossed.into_iter().map(AtomicBool::into_inner).zip(0..);
         Ok(marks.filter_map(|(is_crossed, triangle)| is_crossed.then_some(triangle)).collect())
     }
 
-    /// The boxes of all nodes at `positions`.
-    fn fitted(&self, positions: &[Vec3]) -> Vec<Bounds> {
-        let mut boxes = vec![EMPTY; self.nodes.len()];
-        // Children come after their parent.
-        for (i, node) in self.nodes.iter().enumerate().rev() {
-            boxes[i] = if node.count == 0 {
-                around(boxes[i + 1], boxes[node.start as usize])
-            } else {
-                let leaf = &self.order[node.start as usize..][..node.count as usize];
-                leaf.iter().map(|t| self.bounds(*t, positions)).fold(EMPTY, around)
-            };
-        }
-        boxes
-    }
-
-    fn bounds(&self, triangle: u32, positions: &[Vec3]) -> Bounds {
-        let corners = self.surface.triangles[triangle as usize].map(|v| positions[v as usize]);
-        corners.into_iter().fold(EMPTY, |bounds, p| around(bounds, (p, p)))
-    }
-
     /// Marks the triangle in `slot` and those in later slots that it passes through.
-    fn mark_crossed_by(&self, slot: usize, positions: &[Vec3], boxes: &[Bounds], crossed: &[AtomicBool]) {
-        let here = self.order[slot];
-        let bounds = self.bounds(here, positions);
-        // Depth is at most ⌈log₂ m⌉ < 32, and each level leaves one node behind.
-        let mut waiting = [0_u32; 64];
-        let mut depth = 1;
-        while depth > 0 {
-            depth -= 1;
-            let index = waiting[depth] as usize;
-            if !overlap(bounds, boxes[index]) {
-                continue;
+    fn mark_crossed_by(&self, slot: usize, positions: &[Vec3], tree: &BoxTree, crossed: &[AtomicBool]) {
+        let here = tree.order()[slot];
+        let around = bounds(&self.surface, here, positions);
+        let nearness = |inner: &Bounds| if inner.meets(&around) { 0.0 } else { f64::INFINITY };
+        tree.search(f64::INFINITY, nearness, |later, limit| {
+            if later <= slot {
+                return limit;
             }
-            let Node { start, count } = self.nodes[index];
-            if count == 0 {
-                (waiting[depth], waiting[depth + 1]) = (start, index as u32 + 1);
-                depth += 2;
-                continue;
+            let there = tree.order()[later];
+            let marks = [here, there].map(|t| &crossed[t as usize]);
+            // Read too early, a mark only costs another test.
+            if marks.iter().all(|mark| mark.load(Relaxed)) {
+                return limit;
             }
-            for later in (start as usize..(start + count) as usize).filter(|later| *later > slot) {
-                let there = self.order[later];
-                let marks = [here, there].map(|t| &crossed[t as usize]);
-                // Read too early, a mark only costs another test.
-                if marks.iter().all(|mark| mark.load(Relaxed)) {
-                    continue;
-                }
-                let pair = [here, there].map(|t| self.surface.triangles[t as usize]);
-                if overlap(bounds, self.bounds(there, positions)) && cross_each_other(pair, positions) {
-                    marks.iter().for_each(|mark| mark.store(true, Relaxed));
-                }
+            let pair = [here, there].map(|t| self.surface.triangles[t as usize]);
+            if around.meets(&bounds(&self.surface, there, positions)) && cross_each_other(pair, positions) {
+                marks.iter().for_each(|mark| mark.store(true, Relaxed));
             }
-        }
+            limit
+        });
     }
 }
 
-/// Halves `order` at its median along the widest axis, so that depth is log₂ of the count.
-fn split(order: &mut [u32], first: u32, centers: &[Vec3], nodes: &mut Vec<Node>) {
-    let node = nodes.len();
-    if order.len() <= LEAF {
-        nodes.push(Node { start: first, count: order.len() as u32 });
-        return;
-    }
-    nodes.push(Node { start: 0, count: 0 });
-    let bounds = order.iter().map(|t| centers[*t as usize]).fold(EMPTY, |b, p| around(b, (p, p)));
-    let extent = sub(bounds.1, bounds.0);
-    let axis = (0..3).max_by(|i, j| extent[*i].total_cmp(&extent[*j])).unwrap_or(0);
-    let half = order.len() / 2;
-    order.select_nth_unstable_by(half, |s, t| {
-        centers[*s as usize][axis].total_cmp(&centers[*t as usize][axis]).then(s.cmp(t))
-    });
-    let (left, right) = order.split_at_mut(half);
-    split(left, first, centers, nodes);
-    nodes[node].start = nodes.len() as u32;
-    split(right, first + half as u32, centers, nodes);
-}
-
-const EMPTY: Bounds = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-
-fn around(a: Bounds, b: Bounds) -> Bounds {
-    (std::array::from_fn(|i| a.0[i].min(b.0[i])), std::array::from_fn(|i| a.1[i].max(b.1[i])))
-}
-
-fn overlap(a: Bounds, b: Bounds) -> bool {
-    (0..3).all(|i| a.0[i] <= b.1[i] && b.0[i] <= a.1[i])
+fn bounds(surface: &Surface, triangle: u32, positions: &[Vec3]) -> Bounds {
+    Bounds::of(corners(positions, &surface.triangles[triangle as usize]))
 }
 
 /// Whether an edge of either triangle goes through the inside of the other. Edges at a shared
@@ -181,11 +102,11 @@ fn goes_through(p: u32, q: u32, face: [u32; 3], positions: &[Vec3]) -> bool {
     let at = |v: u32| positions[v as usize];
     let [a, b, c] = face.map(at);
     let (p, q) = (at(p), at(q));
-    let normal = area_normal(positions, face);
+    let normal = doubled_area_normal([a, b, c]);
     let (above, below) = (dot(normal, sub(p, a)), dot(normal, sub(q, a)));
     let both_sides = above * below < 0.0;
     // The sides on which the line pq passes the three edges: the volumes of pq with each.
-    let side = |a: Vec3, b: Vec3| dot(sub(q, p), crate::vector::cross(sub(a, p), sub(b, p)));
+    let side = |a: Vec3, b: Vec3| dot(sub(q, p), cross(sub(a, p), sub(b, p)));
     let sides = [side(a, b), side(b, c), side(c, a)];
     both_sides && (sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0))
 }
@@ -194,7 +115,6 @@ fn goes_through(p: u32, q: u32, face: [u32; 3], positions: &[Vec3]) -> bool {
 mod tests {
     use super::*;
     use crate::fixture::icosphere;
-    use crate::vector::add;
     use proptest::prelude::*;
 
     fn crossings(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Vec<u32> {
@@ -281,11 +201,11 @@ mod tests {
             // Against sampling: an edge that goes through leaves samples on both sides, and the
             // point where it meets the plane has positive weights.
             let through = goes_through(0, 1, [2, 3, 4], &p);
-            let normal = area_normal(&p, [2, 3, 4]);
+            let normal = doubled_area_normal([p[2], p[3], p[4]]);
             let (above, below) = (dot(normal, sub(p[0], p[2])), dot(normal, sub(p[1], p[2])));
             let t = above / (above - below);
-            let meets = add(p[0], scale(sub(p[1], p[0]), t));
-            let weight = |a: Vec3, b: Vec3| dot(normal, crate::vector::cross(sub(b, a), sub(meets, a)));
+            let meets = add(p[0], scaled(sub(p[1], p[0]), t));
+            let weight = |a: Vec3, b: Vec3| dot(normal, cross(sub(b, a), sub(meets, a)));
             let inside = [weight(p[2], p[3]), weight(p[3], p[4]), weight(p[4], p[2])];
             let clear = inside.iter().all(|w| w.abs() > 1e-9) && above.abs() > 1e-9 && below.abs() > 1e-9;
             prop_assume!(clear);

@@ -6,9 +6,8 @@ use chladni_harmonics::Basis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::transform::{analyse, synthesise};
-use crate::vector::{Vec3, add, dot, scale, sub};
 use crate::{Error, Surface};
+use chladni_mesh::surface::vec3::{Vec3, add, dot, scaled, sub};
 
 /// The three harmonic representations of a difference (section 4 of the paper).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -92,7 +91,7 @@ impl Base {
 
     /// x̃_k, K×3.
     pub fn spectrum(&self) -> &[Vec3] {
-        self.spectrum.get_or_init(|| analyse(&self.basis, self.basis.harmonics(), |v| self.positions[v]))
+        self.spectrum.get_or_init(|| self.basis.analyze(self.basis.harmonics(), |v| self.positions[v]))
     }
 
     /// The harmonics all this is expressed in.
@@ -130,7 +129,7 @@ impl Target {
 
     /// The base itself, scaled by `factor` about the origin of the working frame.
     pub fn scaled(base: Arc<Base>, factor: f64) -> Self {
-        let points = base.positions.iter().map(|p| scale(*p, factor)).collect();
+        let points = base.positions.iter().map(|p| scaled(*p, factor)).collect();
         Self { points, spectrum: OnceLock::new(), source: Source::Scaled(base, factor) }
     }
 
@@ -140,15 +139,15 @@ impl Target {
         let cutoff = base.basis.harmonics_below(cutoff);
         let mut points = vec![[0.0; 3]; base.positions.len()];
         let spectrum = base.spectrum();
-        synthesise(&base.basis, &spectrum[..cutoff], &mut points, |_, low, p| *p = low);
+        base.basis.synthesize_each(&spectrum[..cutoff], &mut points, |_, low, p| *p = low);
         Self { points, spectrum: OnceLock::new(), source: Source::LowPass(base, cutoff) }
     }
 
     /// x̃^r_k, K×3.
     pub fn spectrum(&self) -> &[Vec3] {
         self.spectrum.get_or_init(|| match &self.source {
-            Source::Points(basis) => analyse(basis, basis.harmonics(), |v| self.points[v]),
-            Source::Scaled(base, factor) => base.spectrum().iter().map(|c| scale(*c, *factor)).collect(),
+            Source::Points(basis) => basis.analyze(basis.harmonics(), |v| self.points[v]),
+            Source::Scaled(base, factor) => base.spectrum().iter().map(|c| scaled(*c, *factor)).collect(),
             Source::LowPass(base, cutoff) => {
                 let low = base.spectrum().iter().enumerate();
                 low.map(|(k, c)| if k < *cutoff { *c } else { [0.0; 3] }).collect()
@@ -236,10 +235,10 @@ impl Difference {
         let (k, xi) = (basis.harmonics(), self.xi());
         self.xi_spectrum.get_or_init(|| {
             if self.base.spectrum.get().is_some() {
-                return analyse(basis, k, |v| [xi[v]]).iter().map(|c| c[0]).collect();
+                return basis.analyze(k, |v| [xi[v]]).iter().map(|c| c[0]).collect();
             }
             let x = &self.base.positions;
-            let both = analyse(basis, k, |v| [x[v][0], x[v][1], x[v][2], xi[v]]);
+            let both = basis.analyze(k, |v| [x[v][0], x[v][1], x[v][2], xi[v]]);
             // Another thread may have been first; its values are the same.
             let _ = self.base.spectrum.set(both.iter().map(|c| [c[0], c[1], c[2]]).collect());
             both.iter().map(|c| c[3]).collect()
@@ -295,7 +294,7 @@ impl Difference {
     pub fn xi_residual(&self) -> Vec<f64> {
         let mut out = self.xi().to_vec();
         let coefficients: Vec<[f64; 1]> = self.xi_spectrum().iter().map(|c| [*c]).collect();
-        synthesise(&self.base.basis, &coefficients, &mut out, |_, [low], xi| *xi -= low);
+        self.base.basis.synthesize_each(&coefficients, &mut out, |_, [low], xi| *xi -= low);
         out
     }
 
@@ -337,7 +336,7 @@ impl Difference {
 
 fn residual(basis: &Basis, signal: &[Vec3], spectrum: &[Vec3]) -> Vec<Vec3> {
     let mut out = signal.to_vec();
-    synthesise(basis, spectrum, &mut out, |_, low, f| *f = sub(*f, low));
+    basis.synthesize_each(spectrum, &mut out, |_, low, f| *f = sub(*f, low));
     out
 }
 

@@ -41,6 +41,9 @@ pub enum Error {
     /// Painting was asked for before the shape was loaded.
     #[error("a region can only be painted on a loaded shape")]
     NoSurface,
+    /// A shape is not named, or cannot be read.
+    #[error(transparent)]
+    Shape(#[from] chladni_mesh::MeshError),
     /// A template could not be loaded or matched.
     #[error("template {template}: {why}")]
     Template {

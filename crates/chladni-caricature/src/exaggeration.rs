@@ -5,9 +5,8 @@ use std::sync::Arc;
 use chladni_synth::{Coefficients, Residual, Term};
 use rayon::prelude::*;
 
-use crate::transform::synthesise;
-use crate::vector::{Vec3, scale};
 use crate::{Difference, Model, ScaleCurve};
+use chladni_mesh::surface::vec3::{Vec3, scaled};
 
 /// Σ_k H_k(v) Φ_k X̃_k + Φ_d dX(v): the filtered difference, before χ and μ.
 #[derive(Clone, Debug)]
@@ -36,14 +35,14 @@ fn split_vector(difference: &Difference, model: Model, curve: &ScaleCurve) -> Sp
         let filter = difference.psi();
         let whole = d * filter.residual;
         let x = difference.base.spectrum().iter().zip(&filter.psi).zip(&gains);
-        let coefficients = x.map(|((x, psi), phi)| scale(*x, phi * psi - whole)).collect();
+        let coefficients = x.map(|((x, psi), phi)| scaled(*x, phi * psi - whole)).collect();
         return Split { whole, coefficients };
     }
     if curve.is_flat() {
         return Split { whole: d, coefficients: Vec::new() };
     }
     let spectrum = difference.delta_spectrum().iter().zip(&gains);
-    Split { whole: d, coefficients: spectrum.map(|(c, phi)| scale(*c, phi - d)).collect() }
+    Split { whole: d, coefficients: spectrum.map(|(c, phi)| scaled(*c, phi - d)).collect() }
 }
 
 fn split_normal(difference: &Difference, curve: &ScaleCurve) -> Split<1> {
@@ -70,14 +69,14 @@ impl Difference {
             let split = split_normal(self, curve);
             let mut out: Vec<f64> = self.xi().iter().map(|xi| split.whole * xi).collect();
             if !split.coefficients.is_empty() {
-                synthesise(basis, &split.coefficients, &mut out, |_, [sum], f| *f += sum);
+                basis.synthesize_each(&split.coefficients, &mut out, |_, [sum], f| *f += sum);
             }
             return Field::Normal(out);
         }
         let split = split_vector(self, model, curve);
-        let mut out: Vec<Vec3> = self.signal(model).iter().map(|x| scale(*x, split.whole)).collect();
+        let mut out: Vec<Vec3> = self.signal(model).iter().map(|x| scaled(*x, split.whole)).collect();
         if !split.coefficients.is_empty() {
-            synthesise(basis, &split.coefficients, &mut out, |_, sum, f| {
+            basis.synthesize_each(&split.coefficients, &mut out, |_, sum, f| {
                 (0..3).for_each(|c| f[c] += sum[c]);
             });
         }
@@ -98,11 +97,11 @@ impl Difference {
             together.map(|(([a, b, c], [n]), [d, e, f])| [*a, *b, *c, *n, *d, *e, *f]).collect();
         let signals = self.delta.par_iter().zip(self.xi()).zip(&self.base.positions);
         let whole = |((delta, xi), x): ((&Vec3, &f64), &Vec3)| {
-            let ([a, b, c], [d, e, f]) = (scale(*delta, along.whole), scale(*x, by.whole));
+            let ([a, b, c], [d, e, f]) = (scaled(*delta, along.whole), scaled(*x, by.whole));
             [a, b, c, normal.whole * xi, d, e, f]
         };
         let mut out: Vec<[f64; 7]> = signals.map(whole).collect();
-        synthesise(self.base.basis(), &together, &mut out, |_, sum, f| {
+        self.base.basis().synthesize_each(&together, &mut out, |_, sum, f| {
             (0..7).for_each(|c| f[c] += sum[c]);
         });
         [
@@ -169,10 +168,10 @@ impl Field {
     pub fn displacement(&self, normals: &[Vec3], mu: f64, mask: Option<&[f32]>) -> Vec<Vec3> {
         let gain = |v: usize| mu * mask.map_or(1.0, |m| f64::from(m[v]));
         match self {
-            Self::Vector(field) => field.par_iter().enumerate().map(|(v, f)| scale(*f, gain(v))).collect(),
+            Self::Vector(field) => field.par_iter().enumerate().map(|(v, f)| scaled(*f, gain(v))).collect(),
             Self::Normal(field) => {
                 let pairs = field.par_iter().zip(normals).enumerate();
-                pairs.map(|(v, (f, n))| scale(*n, f * gain(v))).collect()
+                pairs.map(|(v, (f, n))| scaled(*n, f * gain(v))).collect()
             }
         }
     }
@@ -182,24 +181,24 @@ impl Field {
 mod tests {
     use super::*;
     use crate::fixture::base_and_target;
-    use crate::vector::{add, distance, norm};
+    use chladni_mesh::surface::vec3::{add, distance, length};
 
     /// The formulas as the paper prints them, with residuals formed one by one.
     fn by_the_paper(d: &Difference, model: Model, curve: &ScaleCurve) -> Vec<Vec3> {
         let basis = d.base.basis();
         let phi = curve.gains(basis);
         let vector = |c: Vec<Vec3>, r: Vec<Vec3>, gain: f64| -> Vec<Vec3> {
-            basis.synthesize3(&c).iter().zip(r).map(|(f, r)| add(*f, scale(r, gain))).collect()
+            basis.synthesize3(&c).iter().zip(r).map(|(f, r)| add(*f, scaled(r, gain))).collect()
         };
         match model {
             Model::Coordinate => {
-                let c = d.delta_spectrum().iter().zip(&phi).map(|(c, p)| scale(*c, *p)).collect();
+                let c = d.delta_spectrum().iter().zip(&phi).map(|(c, p)| scaled(*c, *p)).collect();
                 vector(c, d.delta_residual(), curve.residual)
             }
             Model::Distance => {
                 let psi = d.psi();
                 let c = d.base.spectrum().iter().zip(&phi).zip(&psi.psi);
-                let c = c.map(|((x, p), s)| scale(*x, p * s)).collect();
+                let c = c.map(|((x, p), s)| scaled(*x, p * s)).collect();
                 vector(c, d.shape_residual(), curve.residual * psi.residual)
             }
             Model::Normal => {
@@ -207,7 +206,7 @@ mod tests {
                 let low = basis.synthesize(&c);
                 let dxi = d.xi_residual();
                 let along = low.iter().zip(dxi).zip(d.base.normals());
-                along.map(|((f, r), n)| scale(*n, f + curve.residual * r)).collect()
+                along.map(|((f, r), n)| scaled(*n, f + curve.residual * r)).collect()
             }
         }
     }
@@ -225,7 +224,7 @@ mod tests {
             for curve in curves() {
                 let ours = d.field(model, &curve).displacement(base.normals(), -1.3, None);
                 for (a, b) in ours.iter().zip(by_the_paper(&d, model, &curve)) {
-                    assert!(distance(*a, scale(b, -1.3)) < 1e-12, "{model}");
+                    assert!(distance(*a, scaled(b, -1.3)) < 1e-12, "{model}");
                 }
             }
         }
@@ -269,11 +268,11 @@ mod tests {
                                 .iter()
                                 .enumerate()
                                 .map(|(k, c)| d.base.basis().harmonic(k)[v] * f64::from(*c));
-                            scale(base.normals()[v], low.sum::<f64>() + gain * f64::from(r[v]))
+                            scaled(base.normals()[v], low.sum::<f64>() + gain * f64::from(r[v]))
                         }
                         _ => panic!("a term mixes forms"),
                     };
-                    assert!(distance(scale(f, f64::from(mask[v])), ours[v]) < 2e-6, "{model}");
+                    assert!(distance(scaled(f, f64::from(mask[v])), ours[v]) < 2e-6, "{model}");
                 }
             }
         }
@@ -302,11 +301,11 @@ mod tests {
         let (body, _, base, target) = base_and_target();
         let d = Difference::new(base, target).unwrap();
         let energy =
-            |f: &[Vec3]| f.iter().zip(&body.basis.mass).map(|(f, a)| a * norm(*f).powi(2)).sum::<f64>();
+            |f: &[Vec3]| f.iter().zip(&body.basis.mass).map(|(f, a)| a * length(*f).powi(2)).sum::<f64>();
         let along = |n: &[f64]| -> Vec<Vec3> { n.iter().map(|n| [*n, 0.0, 0.0]).collect() };
-        let by = |psi: f64| -> Vec<Vec3> { d.shape_residual().iter().map(|x| scale(*x, psi)).collect() };
+        let by = |psi: f64| -> Vec<Vec3> { d.shape_residual().iter().map(|x| scaled(*x, psi)).collect() };
         let filtered: Vec<Vec3> =
-            d.base.spectrum().iter().zip(&d.psi().psi).map(|(x, p)| scale(*x, *p)).collect();
+            d.base.spectrum().iter().zip(&d.psi().psi).map(|(x, p)| scaled(*x, *p)).collect();
         let filtered = energy(&body.basis.synthesize3(&filtered)) + energy(&by(d.psi().residual));
         let models = [
             (Model::Coordinate, energy(&d.delta), d.delta_residual()),
@@ -330,10 +329,10 @@ mod tests {
         let best = d.psi().clone();
         // ½ Σ a ‖φx − x^δ‖², from its definition.
         let functional = |psi: &[f64], psi_d: f64| -> f64 {
-            let c: Vec<Vec3> = d.base.spectrum().iter().zip(psi).map(|(x, p)| scale(*x, *p)).collect();
+            let c: Vec<Vec3> = d.base.spectrum().iter().zip(psi).map(|(x, p)| scaled(*x, *p)).collect();
             let filtered = body.basis.synthesize3(&c);
             let terms = (0..dx.len()).map(|v| {
-                let f = add(filtered[v], scale(dx[v], psi_d));
+                let f = add(filtered[v], scaled(dx[v], psi_d));
                 body.basis.mass[v] * distance(f, d.delta[v]).powi(2)
             });
             0.5 * terms.sum::<f64>()
@@ -360,7 +359,7 @@ mod tests {
         assert_eq!(basis.harmonics(), body.basis.harmonics());
         let basis = Arc::new(basis);
         let base = Arc::new(crate::Base::new(basis.clone(), Arc::new(surface), points.clone()).unwrap());
-        let lump = points.iter().map(|p| scale(*p, 1.0 + 0.3 * p[0] * p[1] * p[2])).collect();
+        let lump = points.iter().map(|p| scaled(*p, 1.0 + 0.3 * p[0] * p[1] * p[2])).collect();
         let target = Arc::new(crate::Target::new(basis, lump).unwrap());
         let psi = Difference::new(base, target).unwrap().psi().clone();
         for (k, p) in psi.psi.iter().enumerate() {

@@ -1,15 +1,14 @@
 //! A shape with harmonics of its own, small and exact: a bumpy sphere whose basis are the
 //! polynomials of the sphere, made M-orthonormal.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use chladni_harmonics::{Basis, Body, Certificate};
 use chladni_mesh::Frame;
 
-use crate::surface::area_normal;
-use crate::vector::{Vec3, add, norm, scale};
 use crate::{Base, Surface, Target};
+use chladni_mesh::surface::vec3::{Vec3, add, length, scaled};
+use chladni_mesh::surface::{corners, doubled_area_normal};
 
 /// Degree of the harmonics: K = (DEGREE + 1)².
 pub(crate) const DEGREE: usize = 6;
@@ -18,15 +17,15 @@ pub(crate) const DEGREE: usize = 6;
 pub(crate) fn bumpy_sphere() -> (Arc<Body>, Surface) {
     let (points, triangles) = icosphere(3);
     let bump = |p: &Vec3| 0.7 + 0.15 * (3.0 * p[0]).sin() + 0.1 * p[1] * p[2] + 0.03 * (9.0 * p[2]).cos();
-    let positions: Vec<Vec3> = points.iter().map(|p| scale(*p, bump(p))).collect();
+    let positions: Vec<Vec3> = points.iter().map(|p| scaled(*p, bump(p))).collect();
     let mut mass = vec![0.0; points.len()];
     for t in &triangles {
-        let area = norm(area_normal(&positions, *t)) / 2.0;
+        let area = length(doubled_area_normal(corners(&positions, t))) / 2.0;
         t.iter().for_each(|v| mass[*v as usize] += area / 3.0);
     }
     let total: f64 = mass.iter().sum();
-    let moment = positions.iter().zip(&mass).fold([0.0; 3], |m, (p, a)| add(m, scale(*p, *a)));
-    let positions: Vec<Vec3> = positions.iter().map(|p| add(*p, scale(moment, -1.0 / total))).collect();
+    let moment = positions.iter().zip(&mass).fold([0.0; 3], |m, (p, a)| add(m, scaled(*p, *a)));
+    let positions: Vec<Vec3> = positions.iter().map(|p| add(*p, scaled(moment, -1.0 / total))).collect();
     let operator_vertex = (0..positions.len() as u32).map(Some).collect();
     let basis = Arc::new(polynomials(&points, mass));
     let frame = Frame { center: [10.0, -3.0, 0.25], scale: 0.37 };
@@ -39,7 +38,7 @@ pub(crate) fn base_and_target() -> (Arc<Body>, Surface, Arc<Base>, Arc<Target>) 
     let (body, surface) = bumpy_sphere();
     let base = Base::new(body.basis.clone(), Arc::new(surface.clone()), body.positions.clone()).unwrap();
     let target = body.positions.iter().map(|p| {
-        let r = norm(*p);
+        let r = length(*p);
         [p[0] * 0.9 + 0.05 * (5.0 * p[1]).sin(), p[1] * (0.8 + 0.3 * r), p[2] + 0.1 * p[0] * p[1] - 0.02]
     });
     let target = Target::new(body.basis.clone(), target.collect()).unwrap();
@@ -92,42 +91,7 @@ pub(crate) fn single(positions: &[Vec3]) -> Vec<[f32; 3]> {
 }
 
 /// The icosahedron subdivided `levels` times, on the unit sphere.
-pub(crate) fn icosphere(levels: usize) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
-    let mut points: Vec<Vec3> = Vec::new();
-    for s in [-1.0, 1.0] {
-        for t in [-g, g] {
-            points.extend([[0.0, s, t], [s, t, 0.0], [t, 0.0, s]]);
-        }
-    }
-    points.iter_mut().for_each(|p| *p = scale(*p, 1.0 / norm(*p)));
-    let near = |a: u32, b: u32| crate::vector::distance(points[a as usize], points[b as usize]) < 1.1;
-    let mut triangles = Vec::new();
-    for a in 0..12 {
-        for b in a + 1..12 {
-            for c in b + 1..12 {
-                if near(a, b) && near(b, c) && near(a, c) {
-                    let outward =
-                        crate::vector::dot(area_normal(&points, [a, b, c]), points[a as usize]) > 0.0;
-                    triangles.push(if outward { [a, b, c] } else { [a, c, b] });
-                }
-            }
-        }
-    }
-    for _ in 0..levels {
-        let mut middle = HashMap::new();
-        let mut split = |a: u32, b: u32, points: &mut Vec<Vec3>| {
-            *middle.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                let m = add(points[a as usize], points[b as usize]);
-                points.push(scale(m, 1.0 / norm(m)));
-                points.len() as u32 - 1
-            })
-        };
-        let old = std::mem::take(&mut triangles);
-        for [a, b, c] in old {
-            let (ab, bc, ca) = (split(a, b, &mut points), split(b, c, &mut points), split(c, a, &mut points));
-            triangles.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
-    }
-    (points, triangles)
+pub(crate) fn icosphere(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let ball = chladni_mesh::samples::icosphere(levels);
+    (ball.positions, ball.triangles)
 }

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use crate::Surface;
-use crate::surface::area_normal;
-use crate::vector::{Vec3, cross, dot, sub};
+use chladni_mesh::surface::vec3::{Vec3, cross, dot, sub};
+use chladni_mesh::surface::{corners, doubled_area_normal};
 
 /// Triangles below this share of the largest area have no side that could be told.
 const NEGLIGIBLE_AREA: f64 = 1e-12;
@@ -25,10 +25,10 @@ pub fn flipped_triangles(surface: &Surface, base: &[Vec3], moved: &[Vec3]) -> Ve
         .map(|(piece, triangles)| {
             let (mut largest, mut turned) = (0.0_f64, Vec::new());
             for (i, t) in triangles.iter().enumerate() {
-                let before = area_normal(base, *t);
+                let before = doubled_area_normal(corners(base, t));
                 let square = dot(before, before);
                 largest = largest.max(square);
-                if dot(before, area_normal(moved, *t)) < 0.0 {
+                if dot(before, doubled_area_normal(corners(moved, t))) < 0.0 {
                     turned.push(((piece * PIECE + i) as u32, square));
                 }
             }
@@ -92,7 +92,7 @@ fn first_fold(base: &[Vec3], d: &[Vec3], t: [u32; 3], sign: f64, smallest: f64) 
 /// (2A)² below which a triangle of `base` is not looked at.
 fn smallest_square(surface: &Surface, base: &[Vec3]) -> f64 {
     let squares = surface.triangles.par_iter().map(|t| {
-        let n = area_normal(base, *t);
+        let n = doubled_area_normal(corners(base, t));
         dot(n, n)
     });
     negligible(squares.reduce(|| 0.0, f64::max))
@@ -107,14 +107,14 @@ fn negligible(largest_square: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::fixture::base_and_target;
-    use crate::vector::{add, scale};
+    use chladni_mesh::surface::vec3::{add, scaled};
 
     #[test]
     fn the_furthest_mu_is_where_the_first_triangle_turns() {
         let (_, surface, base, target) = base_and_target();
         let x = &base.positions;
         let d: Vec<Vec3> = target.points.iter().zip(x).map(|(r, x)| sub(*r, *x)).collect();
-        let at = |s: f64| -> Vec<Vec3> { x.iter().zip(&d).map(|(x, d)| add(*x, scale(*d, s))).collect() };
+        let at = |s: f64| -> Vec<Vec3> { x.iter().zip(&d).map(|(x, d)| add(*x, scaled(*d, s))).collect() };
         for direction in [-1.0, 1.0] {
             for allowed in [0, 3] {
                 let s = furthest(&surface, x, &d, direction, allowed).unwrap();
@@ -132,7 +132,7 @@ mod tests {
         let mut d: Vec<Vec3> = target.points.iter().zip(x).map(|(r, x)| sub(*r, *x)).collect();
         let smooth = furthest(&surface, x, &d, -1.0, 0).unwrap();
         // One vertex that is out of place by far.
-        d[17] = scale(x[17], -30.0);
+        d[17] = scaled(x[17], -30.0);
         let allowed = (0.01 * surface.triangles.len() as f64) as usize;
         let (first, most) =
             (furthest(&surface, x, &d, 1.0, 0).unwrap(), furthest(&surface, x, &d, 1.0, allowed).unwrap());

@@ -3,19 +3,8 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use serde::{Deserialize, Serialize};
-
-use crate::Surface;
-use crate::vector::{Vec3, add, distance, scale};
-
-/// A point on the surface: a triangle and the weights of its corners.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SurfacePoint {
-    /// The triangle, < m.
-    pub triangle: u32,
-    /// Barycentric weights; they sum to 1.
-    pub weights: Vec3,
-}
+use crate::{Surface, SurfacePoint};
+use chladni_mesh::surface::vec3::{Vec3, distance};
 
 /// A vertex that waits at a distance; the heap's top is the nearest.
 struct Front {
@@ -43,14 +32,7 @@ impl Eq for Front {}
 impl Surface {
     /// Where `point` lies at rest, working frame; `None` where there is no such triangle.
     pub fn position(&self, point: &SurfacePoint) -> Option<Vec3> {
-        self.position_where(point, |v| self.positions[v as usize])
-    }
-
-    /// Where `point` lies with every vertex where `at` puts it.
-    fn position_where(&self, point: &SurfacePoint, at: impl Fn(u32) -> Vec3) -> Option<Vec3> {
-        let t = self.triangles.get(point.triangle as usize)?;
-        let corner = |i: usize| scale(at(t[i]), point.weights[i]);
-        Some(add(add(corner(0), corner(1)), corner(2)))
+        point.position(&self.triangles, |v| self.positions[v as usize])
     }
 
     /// The vertex nearest to `point` in space, as a point on the surface.
@@ -62,9 +44,7 @@ impl Surface {
         let v = (0..self.vertices()).min_by(|a, b| squared(*a).total_cmp(&squared(*b)))? as u32;
         let triangle = *self.triangles_around(v).first()?;
         let corners = self.triangles.get(triangle as usize)?;
-        let weights = corners.map(|c| if c == v { 1.0 } else { 0.0 });
-        let total: f64 = weights.iter().sum();
-        Some(SurfacePoint { triangle, weights: scale(weights, 1.0 / total) })
+        corners.iter().position(|c| *c == v).map(|corner| SurfacePoint::at_corner(triangle, corner))
     }
 
     /// How far the vertices around `start` are from it along the surface, with every vertex where
@@ -82,7 +62,7 @@ impl Surface {
         passes: impl Fn(u32) -> bool,
     ) -> Marched {
         let mut marched = Marched::default();
-        let Some(origin) = self.position_where(start, &at) else { return marched };
+        let Some(origin) = start.position(&self.triangles, &at) else { return marched };
         let mut best = vec![f64::INFINITY; self.vertices()];
         let mut done = vec![false; self.vertices()];
         let mut front = BinaryHeap::new();
@@ -170,8 +150,8 @@ fn unfolded(a: Vec3, b: Vec3, c: Vec3, da: f64, db: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::fixture::icosphere;
-    use crate::vector::dot;
     use chladni_mesh::Frame;
+    use chladni_mesh::surface::vec3::{dot, scaled};
 
     const FILE: Frame = Frame { center: [0.0; 3], scale: 1.0 };
 
@@ -186,7 +166,7 @@ mod tests {
         let surface = Surface::of(points, triangles, FILE);
         let start = SurfacePoint { triangle: 100, weights: [0.2, 0.5, 0.3] };
         let origin = surface.position(&start).unwrap();
-        let origin = scale(origin, 1.0 / dot(origin, origin).sqrt());
+        let origin = scaled(origin, 1.0 / dot(origin, origin).sqrt());
         let reached = within(&surface, &start, 2.0);
         assert!(reached.len() > 1000);
         assert!(reached.windows(2).all(|w| w[0].1 <= w[1].1));

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use chladni_match::{Ellipsoid, MatchError, Settings as MatchSettings};
+use chladni_mesh::ShapeSource;
 use serde::{Deserialize, Serialize};
 
-use crate::vector::Vec3;
 use crate::{Error, Model, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
+use chladni_mesh::surface::vec3::Vec3;
 
 /// Names a layer for as long as its project is open, across moves and undo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -136,6 +137,24 @@ impl Template {
     pub fn is_mesh(&self) -> bool {
         matches!(self, Self::File(_) | Self::Sample(_))
     }
+
+    /// Where its mesh comes from; `None` where it is none.
+    pub fn mesh(&self) -> Option<ShapeSource> {
+        match self {
+            Self::File(path) => Some(ShapeSource::File(path.clone())),
+            Self::Sample(name) => Some(ShapeSource::Sample(name.clone())),
+            _ => None,
+        }
+    }
+}
+
+impl From<ShapeSource> for Template {
+    fn from(source: ShapeSource) -> Self {
+        match source {
+            ShapeSource::File(path) => Self::File(path),
+            ShapeSource::Sample(name) => Self::Sample(name),
+        }
+    }
 }
 
 /// `ellipsoid`, `sphere`, a given one of either ([`GivenEllipsoid`]), `self:scale=0.9`, `self:lowpass=20`, `self:original`, `sample:NAME`, or a
@@ -145,9 +164,6 @@ impl std::str::FromStr for Template {
 
     fn from_str(text: &str) -> Result<Self, Error> {
         let bad = |why: &str| Error::syntax("template", text, why);
-        if let Some(name) = text.strip_prefix("sample:") {
-            return Ok(Self::Sample(name.to_owned()));
-        }
         if text.starts_with("sphere:") || text.starts_with("ellipsoid:") {
             return text.parse().map(Self::Given);
         }
@@ -156,7 +172,7 @@ impl std::str::FromStr for Template {
                 "" => Err(bad("is empty")),
                 "ellipsoid" => Ok(Self::Ellipsoid),
                 "sphere" => Ok(Self::Sphere),
-                _ => Ok(Self::File(PathBuf::from(text))),
+                _ => Ok(ShapeSource::named(text).into()),
             };
         };
         match own.split_once('=') {
@@ -177,8 +193,7 @@ impl std::str::FromStr for Template {
 impl std::fmt::Display for Template {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::File(path) => write!(f, "{}", path.display()),
-            Self::Sample(name) => write!(f, "sample:{name}"),
+            Self::File(_) | Self::Sample(_) => self.mesh().map_or(Ok(()), |source| source.fmt(f)),
             Self::Ellipsoid => f.write_str("ellipsoid"),
             Self::Sphere => f.write_str("sphere"),
             Self::Given(given) => given.fmt(f),

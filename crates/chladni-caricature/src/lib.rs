@@ -50,6 +50,7 @@ mod fold;
 mod geodesic;
 mod history;
 mod layer;
+mod low_pass;
 mod matching;
 mod memo;
 mod migration;
@@ -61,12 +62,9 @@ mod recovery;
 mod region;
 mod runs;
 mod scale_curve;
-mod shape_source;
 mod softening;
 mod stack;
 mod surface;
-mod transform;
-mod vector;
 mod wavelength;
 
 pub use brush::{Brush, Reach, Seen};
@@ -76,9 +74,9 @@ pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};
 pub use error::Error;
 pub use exaggeration::{Field, Signals};
 pub use fold::{flipped_triangles, furthest};
-pub use geodesic::SurfacePoint;
 pub use history::History;
 pub use layer::{GivenEllipsoid, Layer, LayerId, MAX_MU, Template};
+pub use low_pass::self_low_passed;
 pub use matching::{MatchRequest, Matched};
 pub use migration::FORMAT_VERSION;
 pub use paint::{Dab, PaintEdit};
@@ -87,10 +85,12 @@ pub use project_file::DEFAULT_HARMONICS;
 pub use recovery::{Recovered, Recovery};
 pub use region::{Painted, Region, RollOff, Smoothing, Sphere};
 pub use scale_curve::ScaleCurve;
-pub use shape_source::ShapeSource;
 pub use stack::{EvaluatedLayer, Evaluation, LayerState, Stack};
 pub use surface::Surface;
 pub use wavelength::{parse_wavelength, size, usual_wavelength, wavelengths};
+
+pub use chladni_mesh::ShapeSource;
+pub use chladni_mesh::surface::SurfacePoint;
 
 #[cfg(test)]
 mod fixture;

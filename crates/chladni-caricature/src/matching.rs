@@ -7,8 +7,8 @@ use chladni_match::{Ellipsoid, Match, MatchError, Report, Settings, infilled, ma
 use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_task::Task;
 
-use crate::vector::{Vec3, add, scale};
 use crate::{Base, Error, Layer, Target, Template};
+use chladni_mesh::surface::vec3::{Vec3, add, scaled};
 
 /// A template that has to be matched with the shape, once, however many layers use it.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,8 @@ impl Matched {
         let points = match &self.infill {
             Some((filled, _)) if infill > 0.0 => {
                 let both = self.points.iter().zip(filled);
-                both.map(|(found, filled)| add(scale(*found, 1.0 - infill), scale(*filled, infill))).collect()
+                both.map(|(found, filled)| add(scaled(*found, 1.0 - infill), scaled(*filled, infill)))
+                    .collect()
             }
             _ => self.points.clone(),
         };
@@ -64,7 +65,7 @@ fn on_operator_vertices(body: &Body, points: &[Vec3]) -> Result<Vec<Vec3>, Error
             counts[v] += 1.0;
         }
     }
-    let mean: Vec<Vec3> = sums.iter().zip(&counts).map(|(s, n)| scale(*s, 1.0 / n)).collect();
+    let mean: Vec<Vec3> = sums.iter().zip(&counts).map(|(s, n)| scaled(*s, 1.0 / n)).collect();
     match mean.iter().flatten().find(|c| !c.is_finite()) {
         Some(bad) => Err(Error::Range { what: "a point of the template", value: *bad, range: "finite" }),
         None => Ok(mean),

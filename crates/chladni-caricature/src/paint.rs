@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use chladni_mesh::surface::components;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -108,19 +109,10 @@ fn check_intensity(intensity: f32) -> Result<(), Error> {
 
 /// All vertices connected with the triangle of `at`.
 fn component(surface: &Surface, at: &SurfacePoint) -> Vec<u32> {
-    let mut seen = vec![false; surface.vertices()];
-    let mut found: Vec<u32> = Vec::new();
-    let mut next: Vec<u32> =
-        surface.triangles.get(at.triangle as usize).into_iter().flatten().copied().collect();
-    while let Some(v) = next.pop() {
-        if std::mem::replace(&mut seen[v as usize], true) {
-            continue;
-        }
-        found.push(v);
-        let around = surface.triangles_around(v).iter();
-        next.extend(around.flat_map(|t| surface.triangles[*t as usize]).filter(|w| !seen[*w as usize]));
-    }
-    found
+    let Some([first, ..]) = surface.triangles.get(at.triangle as usize) else { return Vec::new() };
+    let component = components(surface.vertices(), &surface.triangles);
+    let own = component.get(*first as usize);
+    component.iter().zip(0..).filter(|(c, _)| Some(*c) == own).map(|(_, v)| v).collect()
 }
 
 /// Each vertex with the values of its one-ring folded in.
@@ -139,8 +131,8 @@ fn ring(surface: &Surface, values: &[f32], fold: fn(f32, f32) -> f32) -> Vec<f32
 mod tests {
     use super::*;
     use crate::fixture::{bumpy_sphere, icosphere};
-    use crate::vector::{Vec3, add};
     use crate::{Brush, Seen};
+    use chladni_mesh::surface::vec3::{Vec3, add};
 
     fn count(painted: &Painted, surface: &Surface) -> (usize, f32) {
         let values = painted.values(&surface.file_positions());

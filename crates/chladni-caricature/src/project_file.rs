@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 
 use chladni_harmonics::Laplacian;
 use chladni_match::Settings as MatchSettings;
-use chladni_mesh::Orientation;
+use chladni_mesh::{MeshError, Orientation};
 use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
 
@@ -171,7 +171,7 @@ impl Project {
             }
         };
         let folder = folder_of(path);
-        let shape = document.shape.source.parse().map_err(|e: Error| invalid(e.to_string()))?;
+        let shape = document.shape.source.parse().map_err(|e: MeshError| invalid(e.to_string()))?;
         let shape = match shape {
             ShapeSource::File(file) => ShapeSource::File(resolved(&file, &folder)),
             sample @ ShapeSource::Sample(_) => sample,

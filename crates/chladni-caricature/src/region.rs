@@ -9,9 +9,8 @@ use crate::Error;
 use crate::difference::check_count;
 use crate::painted_spectrum::PaintedSpectrum;
 use crate::softening::Softening;
-use crate::transform::synthesise;
-use crate::vector::{Vec3, distance};
 use crate::wavelength::{eigenvalue_of, wavelengths};
+use chladni_mesh::surface::vec3::{Vec3, distance};
 
 /// The part of the shape that a layer deforms.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -157,7 +156,7 @@ impl Smoothing {
                 let low = spectrum.follow(basis, painted, passing).iter().take(passing);
                 let low: Vec<[f64; 1]> = low.map(|c| [*c]).collect();
                 let mut smooth = vec![0.0_f32; basis.vertices()];
-                synthesise(basis, &low, &mut smooth, |_, [sum], out| {
+                basis.synthesize_each(&low, &mut smooth, |_, [sum], out| {
                     *out = if self.clamp { sum.clamp(0.0, 1.0) as f32 } else { sum as f32 };
                 });
                 Ok(smooth.into())
@@ -228,7 +227,7 @@ mod tests {
         let mut mesh = chladni_mesh::samples::icosphere(3);
         for p in &mut mesh.positions {
             let bump = 1.0 + 0.3 * (3.0 * p[0]).sin() * p[1] + 0.1 * (7.0 * p[2]).cos();
-            *p = crate::vector::scale(*p, bump);
+            *p = chladni_mesh::surface::vec3::scaled(*p, bump);
         }
         let settings = chladni_harmonics::BasisSettings::new(64);
         Arc::new(Body::build(&mesh, &settings, &chladni_task::Task::new()).unwrap())

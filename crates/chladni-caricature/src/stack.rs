@@ -14,11 +14,11 @@ use crate::matching::own_target;
 use crate::memo::{Memo, Same};
 use crate::painted_spectrum::PaintedSpectrum;
 use crate::softening::Softening;
-use crate::vector::{Vec3, add};
 use crate::{
     Base, Difference, Error, Field, Layer, LayerId, MatchRequest, Matched, Model, Painted, Project,
     ScaleCurve, Signals, Smoothing, Surface, Target, Template,
 };
+use chladni_mesh::surface::vec3::{Vec3, add};
 
 /// Evaluates projects on one body, and remembers what it computed.
 ///

@@ -1,10 +1,10 @@
 //! The operator vertices of a body as a surface to walk and paint on.
 
 use chladni_harmonics::Body;
-use chladni_mesh::{Frame, Rows, vertex_triangles};
-use rayon::prelude::*;
+use chladni_mesh::Frame;
+use chladni_mesh::surface::{Rows, vertex_normals_around, vertex_triangles};
 
-use crate::vector::{Vec3, add, cross, norm, scale, sub};
+use chladni_mesh::surface::vec3::Vec3;
 
 /// The triangles of a body and, for every vertex, the triangles around it.
 #[derive(Clone, Debug)]
@@ -48,21 +48,6 @@ impl Surface {
     /// Unit vertex normals, area-weighted, of this surface with its vertices at `positions` (N).
     /// Zero where the triangles around a vertex have no area or cancel.
     pub fn normals(&self, positions: &[Vec3]) -> Vec<Vec3> {
-        let faces: Vec<Vec3> = self.triangles.par_iter().map(|t| area_normal(positions, *t)).collect();
-        (0..self.vertices())
-            .into_par_iter()
-            .map(|v| {
-                let around = self.triangles_around(v as u32);
-                let sum = around.iter().fold([0.0; 3], |sum, t| add(sum, faces[*t as usize]));
-                let length = norm(sum);
-                if length > 0.0 { scale(sum, 1.0 / length) } else { [0.0; 3] }
-            })
-            .collect()
+        vertex_normals_around(positions, &self.triangles, &self.around)
     }
-}
-
-/// (b − a) × (c − a): the normal of a triangle, as long as twice its area.
-pub(crate) fn area_normal(positions: &[Vec3], triangle: [u32; 3]) -> Vec3 {
-    let [a, b, c] = triangle.map(|v| positions[v as usize]);
-    cross(sub(b, a), sub(c, a))
 }

@@ -328,7 +328,7 @@ fn of_many_pieces_each_stays_in_its_place_however_few_harmonics_a_template_keeps
     project.push(Layer { mu: -1.0, ..Layer::new("detail", Template::LowPass(1 + 6 * 3)) }).unwrap();
     let result = stack.evaluate(&project).file_positions(&body, &mesh.positions);
     assert!(largest(&result, &mesh.positions) < 0.05, "{}", largest(&result, &mesh.positions));
-    let alone = chladni_match::self_low_passed(&body, &mesh.positions, 1 + 6 * 3).unwrap();
+    let alone = self_low_passed(&body, &mesh.positions, 1 + 6 * 3).unwrap();
     assert!(largest(&alone.target, &mesh.positions) < 0.05);
 }
 

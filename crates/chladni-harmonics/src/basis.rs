@@ -1,7 +1,5 @@
 //! The harmonic basis and the transform to and from it.
 
-use rayon::prelude::*;
-
 use crate::Laplacian;
 
 /// What was checked about a [`Basis`] after it was solved.
@@ -114,66 +112,6 @@ impl Basis {
     pub fn harmonic(&self, k: usize) -> &[f64] {
         let n = self.vertices();
         &self.vectors[k * n..(k + 1) * n]
-    }
-
-    /// The harmonic transform f̃_k = Σ_v a(v) H_k(v) f(v) of one scalar signal (N values).
-    pub fn transform(&self, signal: &[f64]) -> Vec<f64> {
-        assert_eq!(signal.len(), self.vertices(), "one value per operator vertex");
-        let weighted: Vec<f64> = signal.iter().zip(&self.mass).map(|(f, a)| f * a).collect();
-        (0..self.harmonics())
-            .into_par_iter()
-            .map(|k| self.harmonic(k).iter().zip(&weighted).map(|(h, f)| h * f).sum())
-            .collect()
-    }
-
-    /// The harmonic transform of a signal of three channels, such as positions.
-    pub fn transform3(&self, signal: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        assert_eq!(signal.len(), self.vertices(), "one value per operator vertex");
-        let weighted: Vec<[f64; 3]> = signal.iter().zip(&self.mass).map(|(f, a)| f.map(|c| c * a)).collect();
-        (0..self.harmonics())
-            .into_par_iter()
-            .map(|k| {
-                let mut sum = [0.0; 3];
-                for (h, f) in self.harmonic(k).iter().zip(&weighted) {
-                    for c in 0..3 {
-                        sum[c] += h * f[c];
-                    }
-                }
-                sum
-            })
-            .collect()
-    }
-
-    /// Σ_k H_k(v) c_k over the first `coefficients.len()` ≤ K harmonics, N values.
-    pub fn synthesize(&self, coefficients: &[f64]) -> Vec<f64> {
-        assert!(coefficients.len() <= self.harmonics(), "at most K coefficients");
-        let mut signal = vec![0.0; self.vertices()];
-        signal.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
-            let first = chunk * 1024;
-            for (k, &c) in coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
-                let h = &self.harmonic(k)[first..first + out.len()];
-                out.iter_mut().zip(h).for_each(|(f, h)| *f += h * c);
-            }
-        });
-        signal
-    }
-
-    /// Σ_k H_k(v) C_k of three channels.
-    pub fn synthesize3(&self, coefficients: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        assert!(coefficients.len() <= self.harmonics(), "at most K coefficients");
-        let mut signal = vec![[0.0; 3]; self.vertices()];
-        signal.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
-            let first = chunk * 1024;
-            for (k, c) in coefficients.iter().enumerate().filter(|(_, c)| **c != [0.0; 3]) {
-                let h = &self.harmonic(k)[first..first + out.len()];
-                for (f, h) in out.iter_mut().zip(h) {
-                    for i in 0..3 {
-                        f[i] += h * c[i];
-                    }
-                }
-            }
-        });
-        signal
     }
 }
 

@@ -27,6 +27,32 @@ pub struct Body {
 }
 
 impl Body {
+    /// λ of the basis in the file's units: eigenvalues grow with the square of the frame's scale s, λ s².
+    pub fn eigenvalue_in_file(&self, eigenvalue: f64) -> f64 {
+        eigenvalue * self.frame.scale * self.frame.scale
+    }
+
+    /// An area in the file's units, a / s².
+    pub fn area_in_file(&self, area: f64) -> f64 {
+        area / (self.frame.scale * self.frame.scale)
+    }
+
+    /// A value of a harmonic in the file's units, H s: harmonics are orthonormal under the areas.
+    pub fn harmonic_in_file(&self, value: f64) -> f64 {
+        value * self.frame.scale
+    }
+
+    /// The basis in the file's units instead of those of the working frame; a copy.
+    pub fn basis_in_file(&self) -> Basis {
+        let basis = &*self.basis;
+        Basis {
+            eigenvalues: basis.eigenvalues.iter().map(|l| self.eigenvalue_in_file(*l)).collect(),
+            vectors: basis.vectors.iter().map(|h| self.harmonic_in_file(*h)).collect(),
+            mass: basis.mass.iter().map(|a| self.area_in_file(*a)).collect(),
+            certificate: basis.certificate,
+        }
+    }
+
     /// Rest positions of the file plus `displacements` of the operator vertices (N, working
     /// frame), as n positions in file units. Where a displacement is zero the file's own
     /// coordinates come back bit for bit.
@@ -46,5 +72,31 @@ impl Body {
                 None => *p,
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::{samples, total_area};
+    use chladni_task::Task;
+
+    use super::*;
+    use crate::BasisSettings;
+
+    #[test]
+    fn a_ball_of_radius_25_has_its_spectrum_in_the_units_of_its_file() {
+        let mut ball = samples::icosphere(4);
+        ball.positions.iter_mut().for_each(|p| *p = [25.0 * p[0] + 3.0, 25.0 * p[1], 25.0 * p[2] - 7.0]);
+        let body = Body::build(&ball, &BasisSettings::new(9), &Task::new()).unwrap();
+        let basis = body.basis_in_file();
+        // l (l + 1) / R², but for the mesh's coarseness.
+        for (k, l) in [(1, 1.0), (3, 1.0), (4, 2.0), (8, 2.0_f64)] {
+            let exact = l * (l + 1.0) / 625.0;
+            assert!((basis.eigenvalues[k] / exact - 1.0).abs() < 0.01, "{k}: {}", basis.eigenvalues[k]);
+        }
+        let area = total_area(&ball.positions, &ball.triangles);
+        assert!((basis.mass.iter().sum::<f64>() / area - 1.0).abs() < 1e-12);
+        let length: f64 = basis.harmonic(5).iter().zip(&basis.mass).map(|(h, a)| h * h * a).sum();
+        assert!((length - 1.0).abs() < 1e-10);
     }
 }

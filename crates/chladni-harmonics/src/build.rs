@@ -1,5 +1,6 @@
 //! From a mesh to a [`Body`], through the cache where there is one.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -7,15 +8,15 @@ use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
 use crate::eigen::{self, Solved};
-use crate::operator::Surface;
+use crate::operator::Domain;
 use crate::{Basis, BasisCache, BasisSettings, Body, BuildReport, HarmonicsError, Operator};
 
 impl Body {
     /// Welds `mesh`, builds its Laplacian and solves for its harmonics.
     ///
     /// # Errors
-    /// A mesh without usable triangles, a component without area, K out of range, a solve
-    /// that cannot be certified, or [`HarmonicsError::Cancelled`].
+    /// A mesh without usable triangles, a component without area, K = 0, a solve that cannot be
+    /// certified, or [`HarmonicsError::Cancelled`].
     pub fn build(mesh: &TriMesh, settings: &BasisSettings, task: &Task) -> Result<Self, HarmonicsError> {
         Self::load_or_build(mesh, settings, None, task).map(|(body, _)| body)
     }
@@ -24,65 +25,110 @@ impl Body {
     /// this very surface and K is there, and writes it there otherwise.
     ///
     /// A damaged entry is solved again and replaced; a cache that cannot be written is told in
-    /// [`BuildReport::cache_warning`].
+    /// [`BuildReport::cache_warning`], K > N in [`BuildReport::warnings`].
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
     pub fn load_or_build(
         mesh: &TriMesh,
         settings: &BasisSettings,
         cache: Option<&BasisCache>,
         task: &Task,
     ) -> Result<(Self, BuildReport), HarmonicsError> {
-        let start = Instant::now();
-        task.check()?;
-        let surface = Surface::of(mesh)?;
-        let n = surface.positions.len();
-        if settings.harmonics == 0 || settings.harmonics > n {
-            return Err(HarmonicsError::BadHarmonicCount { harmonics: settings.harmonics, vertices: n });
+        built(mesh, None, settings, cache, task)
+    }
+
+    /// Like [`load_or_build`](Self::load_or_build), of an `operator` of `mesh` that is there already:
+    /// whoever wants both S and H has S built once. Its Laplacian counts, not that of `settings`.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    pub fn of_operator(
+        mesh: &TriMesh,
+        operator: &Operator,
+        settings: &BasisSettings,
+        cache: Option<&BasisCache>,
+        task: &Task,
+    ) -> Result<(Self, BuildReport), HarmonicsError> {
+        let settings = BasisSettings { laplacian: operator.laplacian, ..*settings };
+        built(mesh, Some(operator), &settings, cache, task)
+    }
+}
+
+fn built(
+    mesh: &TriMesh,
+    operator: Option<&Operator>,
+    settings: &BasisSettings,
+    cache: Option<&BasisCache>,
+    task: &Task,
+) -> Result<(Body, BuildReport), HarmonicsError> {
+    let start = Instant::now();
+    task.check()?;
+    let domain = operator.map_or_else(|| Domain::of(mesh), |operator| Ok(operator.domain()))?;
+    let vertices = domain.positions.len();
+    let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
+    let settings = &BasisSettings { harmonics: settings.clamped(vertices)?, ..*settings };
+    let entry = cache.map(|c| c.entry(&domain, settings));
+    let found = entry.as_ref().map_or(Ok(None), |entry| entry.read(vertices)).unwrap_or_else(|warning| {
+        report.cache_warning = Some(warning);
+        None
+    });
+    let basis = match found {
+        Some((basis, cuts_cluster)) => {
+            (report.cached, report.cuts_cluster) = (true, cuts_cluster);
+            basis
         }
-        let mut report = BuildReport::default();
-        let triangles = file_triangles(mesh, &surface.operator_vertex);
-        let entry = cache.map(|c| c.entry(&surface, settings));
-        if let Some(entry) = &entry {
-            match entry.read(n) {
-                Ok(Some((basis, cuts_cluster))) => {
-                    report.cached = true;
-                    report.cuts_cluster = cuts_cluster;
-                    report.seconds.total = start.elapsed().as_secs_f64();
-                    return Ok((Self::from_surface(surface, triangles, basis), report));
-                }
-                Ok(None) => {}
-                Err(warning) => report.cache_warning = Some(warning),
+        None => {
+            let basis = solved(&domain, operator, settings, &mut report, task)?;
+            if let Some(Err(warning)) = entry.map(|entry| entry.write(&basis, report.cuts_cluster)) {
+                report.cache_warning = Some(warning);
             }
+            basis
         }
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(settings.threads.unwrap_or(0))
-            .build()
-            .map_err(|e| HarmonicsError::Threads(e.to_string()))?;
+    };
+    report.seconds.total = start.elapsed().as_secs_f64();
+    let triangles = file_triangles(mesh, &domain.operator_vertex);
+    let Domain { frame, positions, operator_vertex, .. } = domain;
+    Ok((Body { frame, positions, triangles, operator_vertex, basis: Arc::new(basis) }, report))
+}
+
+fn solved(
+    domain: &Domain,
+    operator: Option<&Operator>,
+    settings: &BasisSettings,
+    report: &mut BuildReport,
+    task: &Task,
+) -> Result<Basis, HarmonicsError> {
+    on_threads(settings.threads, || {
+        let start = Instant::now();
         let stage = task.stage("Laplacian", 1);
-        let operator = pool.install(|| Operator::of_surface(surface, settings.laplacian))?;
+        let operator = match operator {
+            Some(operator) => Cow::Borrowed(operator),
+            None => Cow::Owned(Operator::on(domain, settings.laplacian)?),
+        };
         stage.advance(1);
         report.seconds.operator = start.elapsed().as_secs_f64();
         let solving = Instant::now();
         let Solved { basis, cuts_cluster, fell_back_to_dense, profile } =
-            pool.install(|| eigen::solve(&operator, settings.harmonics, settings.whole_clusters, task))?;
-        report.cuts_cluster = cuts_cluster;
-        report.fell_back_to_dense = fell_back_to_dense;
+            eigen::solve(&operator, settings.harmonics, settings.whole_clusters, task)?;
+        (report.cuts_cluster, report.fell_back_to_dense) = (cuts_cluster, fell_back_to_dense);
         report.profile = profile;
         report.seconds.solve = solving.elapsed().as_secs_f64();
-        if let Some(entry) = &entry
-            && let Err(warning) = entry.write(&basis, cuts_cluster)
-        {
-            report.cache_warning = Some(warning);
-        }
-        report.seconds.total = start.elapsed().as_secs_f64();
-        let Operator { frame, positions, operator_vertex, .. } = operator;
-        let body = Self { frame, positions, triangles, operator_vertex, basis: Arc::new(basis) };
-        Ok((body, report))
-    }
+        Ok(basis)
+    })?
+}
 
-    fn from_surface(surface: Surface, triangles: Vec<[u32; 3]>, basis: Basis) -> Self {
-        let Surface { frame, positions, operator_vertex, .. } = surface;
-        Self { frame, positions, triangles, operator_vertex, basis: Arc::new(basis) }
+/// Runs `work` on so many threads; on those of the pool it is called in, or all of the machine's.
+pub(crate) fn on_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, HarmonicsError> {
+    if threads.is_none() && rayon::current_thread_index().is_some() {
+        return Ok(work());
     }
+    // Not the pool that all share: whoever draws frames on it must not wait for a solve.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    Ok(pool.map_err(|e| HarmonicsError::Threads(e.to_string()))?.install(work))
 }
 
 /// The file's triangles over operator vertices. Where a collapsed triangle is the only one that

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_task::write_atomic_with;
 
-use crate::operator::Surface;
+use crate::operator::Domain;
 use crate::{Basis, BasisSettings, Certificate, Laplacian};
 
 /// Raised whenever the same mesh and settings would give another basis.
@@ -40,15 +40,15 @@ impl BasisCache {
         &self.folder
     }
 
-    pub(crate) fn entry(&self, surface: &Surface, settings: &BasisSettings) -> Entry {
+    pub(crate) fn entry(&self, domain: &Domain, settings: &BasisSettings) -> Entry {
         let mut hash = blake3::Hasher::new();
         hash.update(&VERSION.to_le_bytes());
         hash.update(&(settings.harmonics as u64).to_le_bytes());
         hash.update(&[u8::from(settings.whole_clusters)]);
         hash.update(settings.laplacian.to_string().as_bytes());
-        hash.update(&(surface.positions.len() as u64).to_le_bytes());
-        hash.update(bytemuck::cast_slice(&surface.positions));
-        hash.update(bytemuck::cast_slice(&surface.triangles));
+        hash.update(&(domain.positions.len() as u64).to_le_bytes());
+        hash.update(bytemuck::cast_slice(&domain.positions));
+        hash.update(bytemuck::cast_slice(&domain.triangles));
         let laplacian = settings.laplacian;
         Entry { laplacian, path: self.folder.join(format!("{}.basis", hash.finalize().to_hex())) }
     }

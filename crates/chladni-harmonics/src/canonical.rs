@@ -8,7 +8,7 @@
 use faer::{Mat, MatRef, Par};
 use rayon::prelude::*;
 
-use crate::eigen::symmetric_eigen;
+use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, SymmetricSparse};
 
 /// Eigenvalues that agree to this share are told apart by rounding alone; rotating their vectors
@@ -44,6 +44,18 @@ pub(crate) fn choose(basis: &mut Basis, positions: &[[f64; 3]], stiffness: &Symm
     let heights: Vec<f64> = positions.iter().map(height).collect();
     basis.vectors.par_chunks_exact_mut(n).for_each(|h| {
         if points_inward(h, &heights) {
+            h.iter_mut().for_each(|x| *x = -*x);
+        }
+    });
+}
+
+/// Makes every sign such that a harmonic is positive where its magnitude is largest: all that can be done where
+/// there is no geometry to go by.
+pub(crate) fn orient(basis: &mut Basis) {
+    let n = basis.vertices().max(1);
+    basis.vectors.par_chunks_exact_mut(n).for_each(|h| {
+        let largest = h.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
+        if largest < 0.0 {
             h.iter_mut().for_each(|x| *x = -*x);
         }
     });

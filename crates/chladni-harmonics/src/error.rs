@@ -52,7 +52,7 @@ pub enum HarmonicsError {
         /// Vertices of the file at its corners, from 0.
         corners: [usize; 3],
     },
-    /// K is not in 1 ..= N.
+    /// K is 0, or more than N where exactly K were to be had.
     #[error(
         "{harmonics} harmonics were asked for, but the mesh has {vertices} usable vertices (welded, referenced): \
          ask for 1 to {vertices}"
@@ -69,6 +69,12 @@ pub enum HarmonicsError {
         /// Which check failed and where.
         reason: String,
     },
+    /// S and M are not what a solver can take.
+    #[error("not a symmetric pencil: {reason}")]
+    BadPencil {
+        /// What is wrong with them.
+        reason: String,
+    },
     /// A heat step of a length that nothing can be computed for.
     #[error("no heat step of length {time} can be taken on this surface")]
     HeatStep {
@@ -81,4 +87,10 @@ pub enum HarmonicsError {
     /// The work was cancelled; nothing is left behind.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl HarmonicsError {
+    pub(crate) fn not_certified(reason: impl Into<String>) -> Self {
+        Self::NotCertified { reason: reason.into() }
+    }
 }

@@ -38,11 +38,17 @@ mod error;
 mod heat;
 mod laplacian;
 mod ldlt;
+#[cfg(feature = "npz")]
+pub mod npz;
 mod operator;
 mod pages;
+mod pencil;
+mod report;
 mod settings;
 mod simd;
 mod sparse;
+mod symmetric_eigen;
+mod transform;
 
 pub use basis::{Basis, Certificate};
 pub use body::Body;
@@ -50,5 +56,7 @@ pub use cache::BasisCache;
 pub use error::HarmonicsError;
 pub use heat::{HeatFlow, HeatStep};
 pub use operator::Operator;
-pub use settings::{BasisSettings, BuildReport, BuildSeconds, Laplacian, SolveProfile};
+pub use pencil::Pencil;
+pub use report::{BasisWarning, BuildReport, BuildSeconds, SolveProfile};
+pub use settings::{BasisSettings, Laplacian};
 pub use sparse::SymmetricSparse;

@@ -1,6 +1,7 @@
 //! From a file's mesh to the stiffness and mass of its welded surface.
 
-use chladni_mesh::{Frame, TriMesh, Weld, total_area, weld};
+use chladni_mesh::surface::{Weld, components, total_area, weld};
+use chladni_mesh::{Frame, TriMesh};
 
 use crate::laplacian::{Refusal, cotangent_laplacian, delaunay_laplacian};
 use crate::{HarmonicsError, Laplacian, SymmetricSparse};
@@ -29,14 +30,15 @@ pub struct Operator {
 }
 
 /// The welded surface of a mesh in the working frame, before its operator is built.
-pub(crate) struct Surface {
+#[derive(Clone)]
+pub(crate) struct Domain {
     pub frame: Frame,
     pub positions: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
     pub operator_vertex: Vec<Option<u32>>,
 }
 
-impl Surface {
+impl Domain {
     pub(crate) fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
         let vertices = mesh.positions.len();
         for (triangle, corners) in mesh.triangles.iter().enumerate() {
@@ -77,11 +79,11 @@ impl Operator {
     /// As [`of`](Self::of); and, of the plain cotangent Laplacian, an edge of more than two
     /// triangles or a triangle without area.
     pub fn with(mesh: &TriMesh, laplacian: Laplacian) -> Result<Self, HarmonicsError> {
-        Self::of_surface(Surface::of(mesh)?, laplacian)
+        Self::on(&Domain::of(mesh)?, laplacian)
     }
 
-    pub(crate) fn of_surface(surface: Surface, laplacian: Laplacian) -> Result<Self, HarmonicsError> {
-        let Surface { frame, positions, triangles, operator_vertex } = surface;
+    pub(crate) fn on(domain: &Domain, laplacian: Laplacian) -> Result<Self, HarmonicsError> {
+        let Domain { frame, positions, triangles, operator_vertex } = domain.clone();
         let component = components(positions.len(), &triangles);
         refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
         let (stiffness, mass) = match laplacian {
@@ -90,6 +92,16 @@ impl Operator {
                 .map_err(|refusal| refused(refusal, &operator_vertex))?,
         };
         Ok(Self { laplacian, frame, positions, triangles, operator_vertex, stiffness, mass, component })
+    }
+
+    /// What it was built on.
+    pub(crate) fn domain(&self) -> Domain {
+        Domain {
+            frame: self.frame,
+            positions: self.positions.clone(),
+            triangles: self.triangles.clone(),
+            operator_vertex: self.operator_vertex.clone(),
+        }
     }
 
     /// N, the number of operator vertices.
@@ -112,37 +124,6 @@ fn refused(refusal: Refusal, operator_vertex: &[Option<u32>]) -> HarmonicsError 
         }
         Refusal::FlatTriangle { corners } => HarmonicsError::FlatTriangle { corners: corners.map(file) },
     }
-}
-
-/// The component of each vertex, numbered in order of appearance.
-fn components(vertices: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..vertices as u32).collect();
-    fn root(parent: &mut [u32], mut v: u32) -> u32 {
-        while parent[v as usize] != v {
-            parent[v as usize] = parent[parent[v as usize] as usize];
-            v = parent[v as usize];
-        }
-        v
-    }
-    for &[a, b, c] in triangles {
-        for (u, v) in [(a, b), (b, c)] {
-            let (u, v) = (root(&mut parent, u), root(&mut parent, v));
-            // The smaller index becomes the root, which keeps the numbering in order.
-            parent[u.max(v) as usize] = u.min(v);
-        }
-    }
-    let mut count = 0;
-    let mut number = vec![0; vertices];
-    for v in 0..vertices as u32 {
-        let r = root(&mut parent, v);
-        if r == v {
-            number[v as usize] = count;
-            count += 1;
-        } else {
-            number[v as usize] = number[r as usize];
-        }
-    }
-    number
 }
 
 /// A component all of whose triangles are degenerate has no Laplacian.

@@ -1,5 +1,7 @@
 //! Sparse symmetric matrices.
 
+use crate::HarmonicsError;
+
 /// A symmetric sparse matrix in compressed columns, both triangles stored, rows ascending in
 /// each column (so that it is its own compressed-row form).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +15,95 @@ pub struct SymmetricSparse {
 }
 
 impl SymmetricSparse {
+    /// The n×n matrix with the sum of `entries` (i, j, value) at (i, j) and (j, i): each pair i ≠ j is given once, in
+    /// either order. All of the diagonal is stored.
+    ///
+    /// # Errors
+    /// [`HarmonicsError::BadPencil`] where an index is n or more, a value is not finite, or n is too large for 32
+    /// bits.
+    pub fn from_entries(
+        n: usize,
+        entries: impl IntoIterator<Item = (usize, usize, f64)>,
+    ) -> Result<Self, HarmonicsError> {
+        let bad = |reason: String| HarmonicsError::BadPencil { reason };
+        if u32::try_from(n).is_err() {
+            return Err(bad(format!("{n} rows are more than 32 bits can number")));
+        }
+        let mut all: Vec<(u32, u32, f64)> = (0..n as u32).map(|i| (i, i, 0.0)).collect();
+        for (i, j, value) in entries {
+            if i >= n || j >= n {
+                return Err(bad(format!("there is an entry at ({i}, {j}) of a matrix of {n} rows")));
+            }
+            if !value.is_finite() {
+                return Err(bad(format!("the entry at ({i}, {j}) is {value}")));
+            }
+            all.push((i as u32, j as u32, value));
+            if i != j {
+                all.push((j as u32, i as u32, value));
+            }
+        }
+        // Stable, so that equal places are summed in the same order above and below the diagonal.
+        all.sort_by_key(|(row, column, _)| (*column, *row));
+        let mut matrix = Self { column_starts: vec![0; n + 1], ..Self::default() };
+        for same in all.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let (row, column, _) = same[0];
+            matrix.push(row, same.iter().map(|entry| entry.2).sum());
+            matrix.column_starts[column as usize + 1] = matrix.rows.len();
+        }
+        Ok(matrix)
+    }
+
+    /// What is wrong with it as a symmetric matrix with all of its diagonal stored.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let (n, entries) = (self.size(), self.rows.len());
+        let starts = &self.column_starts;
+        let ascend = starts.first() == Some(&0) && starts.is_sorted() && starts.last() == Some(&entries);
+        if !ascend || self.values.len() != entries {
+            return Err("the starts of the columns of S do not fit its entries".into());
+        }
+        for j in 0..n {
+            let rows = &self.rows[starts[j]..starts[j + 1]];
+            if !rows.is_sorted_by(|a, b| a < b) || rows.last().is_none_or(|last| *last as usize >= n) {
+                return Err(format!("the rows in column {j} of S do not ascend, or go beyond {n}"));
+            }
+            if rows.binary_search(&(j as u32)).is_err() {
+                return Err(format!("S stores no value at ({j}, {j})"));
+            }
+        }
+        for j in 0..n {
+            for (i, value) in self.column(j) {
+                let mirrored = self.at(j, i).unwrap_or(0.0);
+                let alike = (value - mirrored).abs() <= 1e-12 * value.abs().max(mirrored.abs());
+                if !alike || !value.is_finite() {
+                    return Err(format!(
+                        "S is not symmetric: {value} at ({i}, {j}), {mirrored} at ({j}, {i})"
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The value stored in row i of column j, if there is one.
+    fn at(&self, i: usize, j: usize) -> Option<f64> {
+        let range = self.column_starts[j]..self.column_starts[j + 1];
+        let place = self.rows[range.clone()].binary_search(&(i as u32)).ok()?;
+        Some(self.values[range.start + place])
+    }
+
+    /// The matrix plus `factor` times the diagonal matrix of `diagonal`; all of its own diagonal is stored.
+    pub(crate) fn plus_diagonal(&self, diagonal: &[f64], factor: f64) -> Self {
+        let mut sum = self.clone();
+        for (j, d) in diagonal.iter().enumerate() {
+            for place in sum.column_starts[j]..sum.column_starts[j + 1] {
+                if sum.rows[place] as usize == j {
+                    sum.values[place] += factor * d;
+                }
+            }
+        }
+        sum
+    }
+
     /// Sums `edges` (i, j, w), i ≠ j, as −w at (i, j) and (j, i) and +w at (i, i) and (j, j):
     /// the weighted graph Laplacian of n vertices, whose rows sum to zero. Every diagonal
     /// entry is present.

@@ -5,7 +5,7 @@
 
 mod shapes;
 
-use chladni_harmonics::{BasisSettings, Body, HarmonicsError, Laplacian, Operator};
+use chladni_harmonics::{BasisSettings, BasisWarning, Body, HarmonicsError, Laplacian, Operator};
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 use proptest::prelude::*;
@@ -132,10 +132,13 @@ fn the_smallest_and_the_fullest_problems() {
     let n = square.positions.len();
     against_dense(&square, n - 1);
     against_dense(&square, n);
-    assert_eq!(
-        Body::build(&square, &BasisSettings::new(n + 1), &Task::new()).unwrap_err(),
-        HarmonicsError::BadHarmonicCount { harmonics: n + 1, vertices: n }
-    );
+    let none = Body::build(&square, &BasisSettings::new(0), &Task::new()).unwrap_err();
+    assert_eq!(none, HarmonicsError::BadHarmonicCount { harmonics: 0, vertices: n });
+    let (body, report) =
+        Body::load_or_build(&square, &BasisSettings::new(n + 1), None, &Task::new()).unwrap();
+    assert_eq!(body.basis.harmonics(), n);
+    let fewer = BasisWarning::FewerHarmonics { asked: n + 1, vertices: n };
+    assert!(report.warnings(&body.basis.certificate).contains(&fewer));
 }
 
 #[test]

@@ -1,10 +1,9 @@
 //! Templates that need no second mesh: an ellipsoid, a sphere, the shape itself.
 
-use chladni_harmonics::Body;
 use chladni_mesh::{TriMesh, symmetric_eigen};
 use glam::{DMat3, DVec3, EulerRot};
 
-use crate::eigen::solve_small;
+use crate::small_system::solve_small;
 use crate::surface::Surface;
 use crate::{Correspondence, MatchError, Side};
 
@@ -222,41 +221,6 @@ pub fn self_scaled(shape: &TriMesh, scale: f64) -> Result<Correspondence, MatchE
             None => (*p, 0.0),
         })
         .unzip();
-    Ok(Correspondence::direct(point, confidence))
-}
-
-/// Each vertex ↔ itself with only the harmonics k < `k0` kept, where the constants of all pieces
-/// count as one: exaggerating against one's own smooth self brings out one's detail. `file_positions` are the n positions of the file that
-/// `body` was made from.
-///
-/// # Errors
-/// `k0` outside 1..=K, or positions that are not those of the body.
-pub fn self_low_passed(
-    body: &Body,
-    file_positions: &[[f64; 3]],
-    k0: usize,
-) -> Result<Correspondence, MatchError> {
-    if k0 == 0 || k0 > body.basis.harmonics() {
-        return Err(MatchError::Parameter {
-            name: "k0",
-            range: "between 1 and the number of harmonics",
-            value: k0 as f64,
-        });
-    }
-    if file_positions.len() != body.operator_vertex.len() {
-        return Err(MatchError::LengthsDiffer {
-            what: "file positions and vertices of the body",
-            left: file_positions.len(),
-            right: body.operator_vertex.len(),
-        });
-    }
-    let mut coefficients = body.basis.transform3(&body.positions);
-    coefficients.truncate(body.basis.harmonics_below(k0));
-    let smooth = body.basis.synthesize3(&coefficients);
-    let displacement: Vec<[f64; 3]> =
-        smooth.iter().zip(&body.positions).map(|(s, x)| std::array::from_fn(|i| s[i] - x[i])).collect();
-    let point = body.displaced_file_positions(file_positions, &displacement);
-    let confidence = body.operator_vertex.iter().map(|v| f64::from(u8::from(v.is_some()))).collect();
     Ok(Correspondence::direct(point, confidence))
 }
 

@@ -63,7 +63,7 @@ pub(crate) fn bend(
             task.check()?;
             let along = step as f64 / (level.iterations - 1) as f64;
             let between = |(a, b): (f64, f64)| a * (b / a).powf(along);
-            let normals = vertex_normals(&bent, &shape.triangles);
+            let normals = shape.normals_at(&bent);
             let mut pulls = pulls(shape, &partners, pose, &vertices, &bent, &normals, between(level.reach));
             let weight = 0.02 * vertices.len() as f64;
             pulls.extend(landmarks.iter().map(|l| Pull {
@@ -108,29 +108,19 @@ pub(crate) fn pulls(
             let normal = turn * normals[vertex as usize];
             let at =
                 partners.nearest(shape.component[vertex as usize], back.at(bent[vertex as usize]), normal)?;
-            let facing = template.smooth_normal(&at).dot(normal);
-            if facing < NORMAL_LIMIT || template.on_boundary(&at) {
+            let facing = template.smooth_normal(&at.on).dot(normal);
+            if facing < NORMAL_LIMIT || template.on_boundary(&at.on) {
                 return None;
             }
             let d2 = at.distance_squared * pose.scale * pose.scale;
             let c2 = reach * reach;
-            Some(Pull { vertex, to: pose.at(at.point), weight: facing * (c2 / (c2 + d2)).powi(2) })
+            Some(Pull {
+                vertex,
+                to: pose.at(DVec3::from_array(at.point)),
+                weight: facing * (c2 / (c2 + d2)).powi(2),
+            })
         })
         .collect()
-}
-
-/// Area-weighted unit normals.
-pub(crate) fn vertex_normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
-    let mut normals = vec![DVec3::ZERO; points.len()];
-    for t in triangles {
-        let [a, b, c] = t.map(|v| points[v as usize]);
-        let n = (b - a).cross(c - a);
-        for v in t {
-            normals[*v as usize] += n;
-        }
-    }
-    normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
-    normals
 }
 
 /// The lower triangle of a symmetric matrix under construction, as dense 4×4 blocks.

@@ -1,17 +1,9 @@
 //! What a match is: for each vertex of the shape a point of the template.
 
 use chladni_mesh::TriMesh;
+use chladni_mesh::surface::{SurfacePoint, corners, mixed};
 
 use crate::{MatchError, Scaling, Side, Similarity};
-
-/// Where the points of a [`Correspondence`] lie on a template mesh.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct OnTemplate {
-    /// n indices into the template file's triangles.
-    pub triangle: Vec<u32>,
-    /// n weights of the triangle's corners: ≥ 0 and summing to 1.
-    pub barycentric: Vec<[f64; 3]>,
-}
 
 /// For each of the n file vertices of the shape, the point x^r(v) of the template that it
 /// corresponds to. Every number is finite.
@@ -21,8 +13,8 @@ pub struct OnTemplate {
 /// in space, and templates made from the shape itself its own position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correspondence {
-    /// Triangles and barycentric coordinates; `None` where the template is not a mesh.
-    pub on_template: Option<OnTemplate>,
+    /// Triangles of the template's file and barycentric weights ≥ 0, n; `None` where the template is not a mesh.
+    pub on_template: Option<Vec<SurfacePoint>>,
     /// Points of the template, in the template file's coordinates.
     pub point: Vec<[f64; 3]>,
     /// x^r(v) in the shape file's coordinates: `similarity` applied to `point`.
@@ -39,8 +31,8 @@ impl Correspondence {
         self.point.len()
     }
 
-    /// Points that are given directly in the shape's coordinates.
-    pub(crate) fn direct(point: Vec<[f64; 3]>, confidence: Vec<f64>) -> Self {
+    /// Points given directly in the shape's coordinates, n, and how far to trust each, in [0, 1].
+    pub fn direct(point: Vec<[f64; 3]>, confidence: Vec<f64>) -> Self {
         let target = point.clone();
         Self { on_template: None, point, target, confidence, similarity: Similarity::IDENTITY }
     }
@@ -48,19 +40,14 @@ impl Correspondence {
     /// Points on a template mesh.
     pub(crate) fn on_mesh(
         template: &TriMesh,
-        on_template: OnTemplate,
+        on_template: Vec<SurfacePoint>,
         confidence: Vec<f64>,
         similarity: Similarity,
     ) -> Self {
-        let point: Vec<[f64; 3]> = on_template
-            .triangle
-            .iter()
-            .zip(&on_template.barycentric)
-            .map(|(t, b)| {
-                let [p, q, r] = template.triangles[*t as usize].map(|v| template.positions[v as usize]);
-                std::array::from_fn(|i| b[0] * p[i] + b[1] * q[i] + b[2] * r[i])
-            })
-            .collect();
+        let place = |on: &SurfacePoint| {
+            mixed(corners(&template.positions, &template.triangles[on.triangle as usize]), on.weights)
+        };
+        let point: Vec<[f64; 3]> = on_template.iter().map(place).collect();
         let target = point.iter().map(|p| similarity.apply(*p)).collect();
         Self { on_template: Some(on_template), point, target, confidence, similarity }
     }
@@ -98,25 +85,19 @@ pub fn same_connectivity(
         }
     }
     let n = shape.positions.len();
-    let mut on_template = OnTemplate { triangle: Vec::with_capacity(n), barycentric: Vec::with_capacity(n) };
+    let mut on_template = Vec::with_capacity(n);
     let mut confidence = Vec::with_capacity(n);
     for (v, corner) in corner.iter().enumerate() {
-        let (triangle, barycentric) = match corner {
-            Some((t, i)) => {
-                let mut b = [0.0; 3];
-                b[*i] = 1.0;
-                (*t, b)
-            }
+        on_template.push(match corner {
+            Some((triangle, corner)) => SurfacePoint::at_corner(*triangle, *corner),
             // No triangle of the template has this vertex: the closest point of its surface.
             None => {
                 let at = template_surface
                     .closest(template_surface.in_frame(template.positions[v]), f64::INFINITY)
                     .ok_or(MatchError::NoSurface(Side::Template))?;
-                (template_surface.file_triangle[at.triangle as usize], at.barycentric)
+                template_surface.in_file(&at.on)
             }
-        };
-        on_template.triangle.push(triangle);
-        on_template.barycentric.push(barycentric);
+        });
         let used = shape_surface.point_of_vertex[v].is_some() && corner.is_some();
         confidence.push(f64::from(u8::from(used)));
     }

@@ -1,11 +1,11 @@
 //! Cross-parameterization: both surfaces are laid onto one sphere, where landmarks are carried
 //! onto each other and the map is then relaxed.
 
+use chladni_mesh::surface::{Closest, SurfacePoint};
 use chladni_task::Task;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::bvh::{Bvh, SurfacePoint};
 use crate::closed::Closed;
 use crate::flow::carry;
 use crate::landmarks::Pinned;
@@ -14,7 +14,7 @@ use crate::project::nearest_facing;
 use crate::quality::stretch;
 use crate::similarity::{fit_pairs, fit_pairs_at};
 use crate::sphere::{onto_sphere, orientation};
-use crate::surface::Surface;
+use crate::surface::{Surface, triangle_tree};
 use crate::{MatchError, Scaling, Side, Similarity};
 
 /// Sweeps of the relaxation.
@@ -22,7 +22,7 @@ const SWEEPS: usize = 40;
 
 /// A point for each welded vertex of the shape, how far to trust it, and the pose that fits all.
 pub(crate) struct CrossMap {
-    pub at: Vec<SurfacePoint>,
+    pub at: Vec<Closest>,
     pub confidence: Vec<f64>,
     pub pose: Similarity,
     pub warnings: Vec<String>,
@@ -34,20 +34,13 @@ struct Domain<'a> {
     sphere: &'a [DVec3],
 }
 
-/// A place in the template's closed mesh.
-#[derive(Clone, Copy)]
-struct Place {
-    triangle: u32,
-    weights: [f64; 3],
-}
-
 impl Domain<'_> {
     fn corners(&self, t: u32) -> [DVec3; 3] {
         self.closed.triangles[t as usize].map(|v| self.sphere[v as usize])
     }
 
     /// Walks from `start` to the triangle that the ray through `x` meets.
-    fn walk(&self, start: u32, x: DVec3) -> Place {
+    fn walk(&self, start: u32, x: DVec3) -> SurfacePoint {
         let mut t = start;
         let mut last = u32::MAX;
         for _ in 0..10_000 {
@@ -60,23 +53,23 @@ impl Domain<'_> {
                 let clamped = w.map(|w| w.max(0.0));
                 let total: f64 = clamped.iter().sum();
                 let weights = if total > 0.0 { clamped.map(|w| w / total) } else { [1.0, 0.0, 0.0] };
-                return Place { triangle: t, weights };
+                return SurfacePoint { triangle: t, weights };
             }
             last = t;
             t = next;
         }
-        Place { triangle: t, weights: [1.0 / 3.0; 3] }
+        SurfacePoint { triangle: t, weights: [1.0 / 3.0; 3] }
     }
 
     /// The point of the template in space.
-    fn point(&self, at: &Place) -> DVec3 {
+    fn point(&self, at: &SurfacePoint) -> DVec3 {
         let corners = self.closed.triangles[at.triangle as usize];
         (0..3).map(|i| self.closed.points[corners[i] as usize] * at.weights[i]).sum()
     }
 
     /// The place on the template's own surface: a point in a filled hole slides outwards, away
     /// from the hole's middle, to the rim.
-    fn land(&self, at: &Place) -> Place {
+    fn land(&self, at: &SurfacePoint) -> SurfacePoint {
         if (at.triangle as usize) < self.closed.surface_triangle.len() {
             return *at;
         }
@@ -90,11 +83,11 @@ impl Domain<'_> {
             v if v == b => 1.0 - share,
             _ => 0.0,
         });
-        Place { triangle, weights }
+        SurfacePoint { triangle, weights }
     }
 
     /// The direction on the sphere that moves the template's point by `d` in space.
-    fn pull_back(&self, at: &Place, d: DVec3) -> DVec3 {
+    fn pull_back(&self, at: &SurfacePoint, d: DVec3) -> DVec3 {
         let [p, q, r] = self.closed.triangles[at.triangle as usize].map(|v| self.closed.points[v as usize]);
         let [a, b, c] = self.corners(at.triangle);
         let (u, v) = (q - p, r - p);
@@ -140,11 +133,11 @@ pub(crate) fn crossmap(
     let to: Vec<DVec3> = pins.iter().map(|(_, q)| sphere[*q as usize]).collect();
     carry(&mut x, &from, &to, task)?;
     let domain = Domain { closed: &t, sphere: &sphere };
-    let tree = Bvh::new(&sphere, &t.triangles);
-    let mut places: Vec<Place> = x
+    let tree = triangle_tree(&sphere, &t.triangles);
+    let mut places: Vec<SurfacePoint> = x
         .par_iter()
         .map(|p| {
-            let start = tree.closest(*p, f64::INFINITY).map_or(0, |at| at.triangle);
+            let start = tree.closest(p.to_array(), f64::INFINITY).map_or(0, |at| at.on.triangle);
             domain.walk(start, *p)
         })
         .collect();
@@ -159,7 +152,7 @@ fn relax(
     domain: &Domain,
     pins: &[(u32, u32)],
     x: &mut [DVec3],
-    places: &mut [Place],
+    places: &mut [SurfacePoint],
     task: &Task,
 ) -> Result<(), MatchError> {
     let laplacian = Laplacian::new(&s.points, &s.triangles);
@@ -212,11 +205,11 @@ fn assemble(
     template: &Surface,
     s: &Closed,
     domain: &Domain,
-    places: &[Place],
+    places: &[SurfacePoint],
     scale: Option<f64>,
 ) -> Result<CrossMap, MatchError> {
     let t = domain.closed;
-    let landed: Vec<Place> = places.iter().map(|p| domain.land(p)).collect();
+    let landed: Vec<SurfacePoint> = places.iter().map(|p| domain.land(p)).collect();
     let image: Vec<DVec3> = landed.iter().map(|p| domain.point(p)).collect();
     let on_surface = s.surface_vertex.len();
     // Undistorted is 1; twice as long as wide 0.8, ten times 0.2.
@@ -258,8 +251,8 @@ fn assemble(
         };
         let place = &landed[p as usize];
         let triangle = *t.surface_triangle.get(place.triangle as usize).ok_or(nothing)?;
-        let point = image[p as usize];
-        at.push(SurfacePoint { triangle, barycentric: place.weights, point, distance_squared: 0.0 });
+        let on = SurfacePoint { triangle, weights: place.weights };
+        at.push(Closest { on, point: image[p as usize].to_array(), distance_squared: 0.0 });
         confidence.push(trust[p as usize]);
     }
     let mut warnings = Vec::new();

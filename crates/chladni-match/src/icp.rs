@@ -8,10 +8,10 @@ use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
 use crate::Similarity;
-use crate::eigen::solve_small;
 use crate::field::Field;
 use crate::relief::{Correlation, RADIUS, Relief};
 use crate::samples::Sample;
+use crate::small_system::solve_small;
 use crate::surface::Surface;
 
 /// A surface to align, what is sampled of it, and its coarse look-up.
@@ -50,9 +50,9 @@ impl Sampled<'_> {
                 // The nearest point is no farther than any sample: a bound that spares most boxes.
                 let bound = self.field.near(query).map(|(_, s)| s.point.distance(query) + 1e-9);
                 let at = self.surface.closest(query, bound.map_or(reach, |b| b.min(reach)))?;
-                (!self.surface.on_boundary(&at)).then(|| Near {
-                    point: at.point,
-                    normal: self.surface.smooth_normal(&at),
+                (!self.surface.on_boundary(&at.on)).then(|| Near {
+                    point: DVec3::from_array(at.point),
+                    normal: self.surface.smooth_normal(&at.on),
                     distance_squared: at.distance_squared,
                 })
             }

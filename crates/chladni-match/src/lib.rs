@@ -36,11 +36,9 @@
 
 mod analytic;
 mod bend;
-mod bvh;
 mod closed;
 mod correspondence;
 mod crossmap;
-mod eigen;
 mod error;
 mod field;
 mod flow;
@@ -58,12 +56,13 @@ mod relief;
 mod samples;
 mod settle;
 mod similarity;
+mod small_system;
 mod sphere;
 mod surface;
 mod unfold;
 
-pub use analytic::{Ellipsoid, onto_ellipsoid, self_low_passed, self_scaled};
-pub use correspondence::{Correspondence, OnTemplate, same_connectivity};
+pub use analytic::{Ellipsoid, onto_ellipsoid, self_scaled};
+pub use correspondence::{Correspondence, same_connectivity};
 pub use error::{MatchError, Side};
 pub use infill::{Infill, infilled};
 pub use landmarks::{Landmark, load_landmarks, read_landmarks, write_landmarks};

@@ -1,12 +1,12 @@
 //! The way from two meshes to a correspondence and its report.
 
 use chladni_mesh::TriMesh;
+use chladni_mesh::surface::Closest;
 use chladni_task::Task;
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::bend::bend;
-use crate::bvh::SurfacePoint;
 use crate::crossmap::{CrossMap, crossmap};
 use crate::landmarks::{self, Landmark, Pinned};
 use crate::partners::{Partners, in_template};
@@ -145,8 +145,8 @@ fn closest_points(
         .par_iter()
         .zip(laid.par_iter().zip(&looking))
         .map(|(at, (p, normal))| {
-            let distance_squared = at.point.distance_squared(*p);
-            confidence(template, &SurfacePoint { distance_squared, ..*at }, *normal, pose.similarity.scale)
+            let distance_squared = DVec3::from_array(at.point).distance_squared(*p);
+            confidence(template, &Closest { distance_squared, ..*at }, *normal, pose.similarity.scale)
         })
         .collect();
     project::correspondence(shape_mesh, shape, template_mesh, template, &at, &trust, &pose.similarity)

@@ -3,14 +3,13 @@
 
 use std::collections::HashMap;
 
+use chladni_mesh::surface::{Closest, SurfacePoint, TriangleTree};
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::Similarity;
-use crate::bend::vertex_normals;
-use crate::bvh::{Bvh, SurfacePoint};
 use crate::project::nearest_facing;
-use crate::surface::Surface;
+use crate::surface::{Surface, triangle_tree};
 
 /// Another component must be this much nearer than the partner.
 const NEARER: f64 = 0.3;
@@ -27,7 +26,7 @@ pub(crate) struct Partners<'a> {
 struct Tree {
     /// The template's triangle of each of the tree's.
     triangle: Vec<u32>,
-    bvh: Bvh,
+    tree: TriangleTree,
 }
 
 impl<'a> Partners<'a> {
@@ -47,7 +46,7 @@ impl<'a> Partners<'a> {
         let landed: Vec<Option<u32>> = laid
             .par_iter()
             .zip(&looking)
-            .map(|(p, n)| Some(template.component_of(nearest_facing(template, *p, *n)?.triangle)))
+            .map(|(p, n)| Some(template.component_of(nearest_facing(template, *p, *n)?.on.triangle)))
             .collect();
         let mut votes = HashMap::<(u32, u32), f64>::new();
         let mut total = vec![0.0; shape.components()];
@@ -72,25 +71,24 @@ impl<'a> Partners<'a> {
         }
         let tree = |(component, triangle): (u32, Vec<u32>)| {
             let corners: Vec<_> = triangle.iter().map(|t| template.triangles[*t as usize]).collect();
-            (component, Tree { bvh: Bvh::new(&template.points, &corners), triangle })
+            (component, Tree { tree: triangle_tree(&template.points, &corners), triangle })
         };
         Self { template, partner, trees: triangles.into_iter().map(tree).collect() }
     }
 
     /// The nearest facing point of the template for a vertex of the shape's component `of`: its
     /// partner's, unless something else is much nearer.
-    pub fn nearest(&self, of: u32, position: DVec3, normal: DVec3) -> Option<SurfacePoint> {
+    pub fn nearest(&self, of: u32, position: DVec3, normal: DVec3) -> Option<Closest> {
         let any = nearest_facing(self.template, position, normal)?;
         let Some(Some(partner)) = self.partner.get(of as usize) else { return Some(any) };
         let Some(tree) = self.trees.get(partner) else { return Some(any) };
-        if self.template.component_of(any.triangle) == *partner {
+        if self.template.component_of(any.on.triangle) == *partner {
             return Some(any);
         }
-        let own = tree
-            .bvh
-            .closest(position, any.distance_squared.sqrt() / NEARER)
-            .map(|at| SurfacePoint { triangle: tree.triangle[at.triangle as usize], ..at });
-        Some(own.filter(|at| self.template.smooth_normal(at).dot(normal) > 0.0).unwrap_or(any))
+        let own = tree.tree.closest(position.to_array(), any.distance_squared.sqrt() / NEARER).map(|at| {
+            Closest { on: SurfacePoint { triangle: tree.triangle[at.on.triangle as usize], ..at.on }, ..at }
+        });
+        Some(own.filter(|at| self.template.smooth_normal(&at.on).dot(normal) > 0.0).unwrap_or(any))
     }
 }
 
@@ -98,7 +96,7 @@ impl<'a> Partners<'a> {
 pub(crate) fn in_template(shape: &Surface, pose: &Similarity, laid: &[DVec3]) -> (Vec<DVec3>, Vec<DVec3>) {
     let back = pose.inverse();
     let turn = back.rotation_matrix();
-    let normals = vertex_normals(laid, &shape.triangles);
+    let normals = shape.normals_at(laid);
     (laid.iter().map(|p| back.at(*p)).collect(), normals.into_iter().map(|n| turn * n).collect())
 }
 
@@ -138,7 +136,7 @@ mod tests {
         let dented = |v: &usize| shape.component[*v] == outer && shape.points[*v].x > 0.1;
         let landed = |partners: &Partners, v: usize| {
             let at = partners.nearest(outer, laid[v], shape.normals[v]).unwrap();
-            template.component_of(at.triangle)
+            template.component_of(at.on.triangle)
         };
         let (none, voted) =
             (Partners::none(&template), Partners::by_vote(&shape, &template, &Similarity::IDENTITY, &laid));

@@ -1,12 +1,12 @@
 //! From positions near a template to points on it.
 
 use chladni_mesh::TriMesh;
+use chladni_mesh::surface::{Closest, SurfacePoint};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::bvh::SurfacePoint;
 use crate::surface::Surface;
-use crate::{Correspondence, MatchError, OnTemplate, Side, Similarity};
+use crate::{Correspondence, MatchError, Side, Similarity};
 
 /// Residual at which confidence has fallen to 1/e, as a share of the shape's diagonal.
 pub(crate) const CONFIDENCE_REACH: f64 = 0.05;
@@ -16,27 +16,28 @@ pub(crate) const CONFIDENCE_REACH: f64 = 0.05;
 ///
 /// Opposite sides of a thin sheet (an ear, a lip) are nearer than their normals allow: where
 /// the nearest point faces away, the query is moved outwards along its own normal once.
-pub(crate) fn nearest_facing(template: &Surface, position: DVec3, normal: DVec3) -> Option<SurfacePoint> {
+pub(crate) fn nearest_facing(template: &Surface, position: DVec3, normal: DVec3) -> Option<Closest> {
     let at = template.closest(position, f64::INFINITY)?;
-    if template.smooth_normal(&at).dot(normal) > 0.0 {
+    if template.smooth_normal(&at.on).dot(normal) > 0.0 {
         return Some(at);
     }
     let reach = 2.0 * at.distance_squared.sqrt() + 0.01;
     let better = template.closest(position + normal * reach, 1.5 * reach).filter(|other| {
-        template.smooth_normal(other).dot(normal) > 0.3 && other.point.distance(position) < 2.0 * reach
+        template.smooth_normal(&other.on).dot(normal) > 0.3
+            && DVec3::from_array(other.point).distance(position) < 2.0 * reach
     });
-    Some(better.map_or(at, |other| SurfacePoint {
-        distance_squared: other.point.distance_squared(position),
+    Some(better.map_or(at, |other| Closest {
+        distance_squared: DVec3::from_array(other.point).distance_squared(position),
         ..other
     }))
 }
 
 /// How far a point can be trusted: near, facing the same way, not at an open edge.
-pub(crate) fn confidence(template: &Surface, at: &SurfacePoint, normal: DVec3, scale: f64) -> f64 {
+pub(crate) fn confidence(template: &Surface, at: &Closest, normal: DVec3, scale: f64) -> f64 {
     let distance = at.distance_squared.sqrt() * scale;
     let near = (-(distance / CONFIDENCE_REACH).powi(2)).exp();
-    let facing = template.smooth_normal(at).dot(normal).max(0.0);
-    let edge = if template.on_boundary(at) { 0.25 } else { 1.0 };
+    let facing = template.smooth_normal(&at.on).dot(normal).max(0.0);
+    let edge = if template.on_boundary(&at.on) { 0.25 } else { 1.0 };
     // The product of two unit normals may be a rounding above 1.
     (near * facing * edge).min(1.0)
 }
@@ -49,34 +50,29 @@ pub(crate) fn correspondence(
     shape: &Surface,
     template_mesh: &TriMesh,
     template: &Surface,
-    at: &[SurfacePoint],
+    at: &[Closest],
     confidence: &[f64],
     pose: &Similarity,
 ) -> Result<Correspondence, MatchError> {
     let similarity = to_file(shape, template, pose);
     let back = pose.inverse();
-    let per_vertex: Vec<(u32, [f64; 3], f64)> = shape_mesh
+    let (on_template, confidence) = shape_mesh
         .positions
         .par_iter()
         .zip(&shape.point_of_vertex)
         .map(|(p, used)| {
             let (at, confidence) = match used {
-                Some(v) => (at[*v as usize], confidence[*v as usize]),
+                Some(v) => (at[*v as usize].on, confidence[*v as usize]),
                 None => {
                     let at = template
                         .closest(back.at(shape.in_frame(*p)), f64::INFINITY)
                         .ok_or(MatchError::NoSurface(Side::Template))?;
-                    (at, 0.0)
+                    (at.on, 0.0)
                 }
             };
-            Ok((template.file_triangle[at.triangle as usize], at.barycentric, confidence))
+            Ok((template.in_file(&at), confidence))
         })
-        .collect::<Result<_, MatchError>>()?;
-    let on_template = OnTemplate {
-        triangle: per_vertex.iter().map(|v| v.0).collect(),
-        barycentric: per_vertex.iter().map(|v| v.1).collect(),
-    };
-    let confidence = per_vertex.iter().map(|v| v.2).collect();
+        .collect::<Result<(Vec<SurfacePoint>, Vec<f64>), MatchError>>()?;
     Ok(Correspondence::on_mesh(template_mesh, on_template, confidence, similarity))
 }
 

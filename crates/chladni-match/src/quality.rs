@@ -137,7 +137,7 @@ impl Distortion {
                 surface_triangle.insert(*t, i);
             }
             for (v, point) in shape.point_of_vertex.iter().enumerate() {
-                if let (Some(p), Some(&t)) = (point, surface_triangle.get(&on.triangle[v])) {
+                if let (Some(p), Some(&t)) = (point, surface_triangle.get(&on[v].triangle)) {
                     facing[*p as usize] = Some(turn * template.triangle_normals[t]);
                 }
             }

@@ -1,7 +1,7 @@
 //! The last step onto the template at full resolution: displacements smoothed by the shape's
 //! cotangent Laplacian.
 
-use crate::bend::{pulls, vertex_normals};
+use crate::bend::pulls;
 use crate::laplacian::Laplacian;
 use crate::partners::Partners;
 use crate::surface::Surface;
@@ -24,7 +24,7 @@ pub(crate) fn settle(
     let stage = task.stage("settling", LENGTHS.len() as u64);
     for length in LENGTHS {
         task.check()?;
-        let normals = vertex_normals(&bent, &shape.triangles);
+        let normals = shape.normals_at(&bent);
         let mut w = vec![0.0; bent.len()];
         let mut b = vec![DVec3::ZERO; bent.len()];
         for pull in pulls(shape, partners, pose, &all, &bent, &normals, 0.03) {

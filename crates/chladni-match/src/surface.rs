@@ -1,11 +1,12 @@
 //! A mesh as a surface: welded, without degenerate triangles, at unit size.
 
-use std::collections::HashMap;
-
 use chladni_mesh::TriMesh;
+use chladni_mesh::surface::{
+    Closest, Rows, SurfacePoint, TriangleTree, boundary_vertices, components, places, vertex_neighbors,
+    vertex_normals,
+};
 use glam::DVec3;
 
-use crate::bvh::{Bvh, SurfacePoint};
 use crate::{MatchError, Side};
 
 /// What all methods work on. Coordinates are centred at the area-weighted centroid and divided
@@ -36,9 +37,8 @@ pub(crate) struct Surface {
     pub boundary: Vec<bool>,
     /// Component of each of `points`, numbered from 0 in order of first vertex.
     pub component: Vec<u32>,
-    bvh: Bvh,
-    neighbour_start: Vec<u32>,
-    neighbours: Vec<u32>,
+    tree: TriangleTree,
+    neighbours: Rows,
 }
 
 impl Surface {
@@ -50,7 +50,6 @@ impl Surface {
             welded.file_vertex.iter().map(|&v| (file_point(mesh, v) - center) / diagonal).collect();
         let (mut triangles, mut file_triangle) = (Vec::new(), Vec::new());
         let (mut triangle_normals, mut triangle_areas) = (Vec::new(), Vec::new());
-        let mut normals = vec![DVec3::ZERO; points.len()];
         let mut areas = vec![0.0; points.len()];
         for &t in &welded.kept {
             // `kept` names triangles whose corners all have a welded vertex.
@@ -60,7 +59,6 @@ impl Surface {
             let area = 0.5 * twice.length();
             let Some(normal) = twice.try_normalize() else { continue };
             for v in corners {
-                normals[v as usize] += twice;
                 areas[v as usize] += area / 3.0;
             }
             triangles.push(corners);
@@ -71,26 +69,21 @@ impl Surface {
         if triangles.is_empty() {
             return Err(MatchError::NoSurface(side));
         }
-        normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
-        let (neighbour_start, neighbours, boundary) = adjacency(points.len(), &triangles);
-        let component = components(&neighbour_start, &neighbours);
-        let bvh = Bvh::new(&points, &triangles);
         Ok(Self {
             center,
             diagonal,
+            tree: triangle_tree(&points, &triangles),
+            normals: normals(&points, &triangles),
+            boundary: boundary_vertices(points.len(), &triangles),
+            component: components(points.len(), &triangles),
+            neighbours: vertex_neighbors(points.len(), &triangles),
             points,
             triangles,
             file_triangle,
             point_of_vertex: welded.point_of_vertex,
             triangle_normals,
             triangle_areas,
-            normals,
             areas,
-            boundary,
-            component,
-            bvh,
-            neighbour_start,
-            neighbours,
         })
     }
 
@@ -105,8 +98,13 @@ impl Surface {
     }
 
     /// The closest point nearer than `reach`.
-    pub fn closest(&self, query: DVec3, reach: f64) -> Option<SurfacePoint> {
-        self.bvh.closest(query, reach)
+    pub fn closest(&self, query: DVec3, reach: f64) -> Option<Closest> {
+        self.tree.closest(query.to_array(), reach)
+    }
+
+    /// Area-weighted unit normals with the vertices at `points` (zero where the triangles cancel).
+    pub fn normals_at(&self, points: &[DVec3]) -> Vec<DVec3> {
+        normals(points, &self.triangles)
     }
 
     /// How many components there are.
@@ -121,14 +119,19 @@ impl Surface {
 
     /// The vertices that share an edge with `v`.
     pub fn neighbours(&self, v: usize) -> &[u32] {
-        &self.neighbours[self.neighbour_start[v] as usize..self.neighbour_start[v + 1] as usize]
+        self.neighbours.row(v)
+    }
+
+    /// A point of this surface as one of the file's mesh.
+    pub fn in_file(&self, at: &SurfacePoint) -> SurfacePoint {
+        SurfacePoint { triangle: self.file_triangle[at.triangle as usize], ..*at }
     }
 
     /// Whether a surface point lies on an open edge.
     pub fn on_boundary(&self, at: &SurfacePoint) -> bool {
         let corners = self.triangles[at.triangle as usize];
         (0..3).any(|i| {
-            at.barycentric[i] < 1e-9
+            at.weights[i] < 1e-9
                 && self.boundary[corners[(i + 1) % 3] as usize]
                 && self.boundary[corners[(i + 2) % 3] as usize]
         })
@@ -137,7 +140,7 @@ impl Surface {
     /// Interpolated vertex normal of a surface point.
     pub fn smooth_normal(&self, at: &SurfacePoint) -> DVec3 {
         let corners = self.triangles[at.triangle as usize];
-        let n: DVec3 = (0..3).map(|i| self.normals[corners[i] as usize] * at.barycentric[i]).sum();
+        let n: DVec3 = (0..3).map(|i| self.normals[corners[i] as usize] * at.weights[i]).sum();
         n.try_normalize().unwrap_or(self.triangle_normals[at.triangle as usize])
     }
 
@@ -207,7 +210,8 @@ fn weld(mesh: &TriMesh) -> Welded {
             (b - a).cross(c - a).length() > 1e-16
         })
         .collect();
-    let mut at_position: HashMap<[u64; 3], u32> = HashMap::new();
+    let place = places(&mesh.positions);
+    let mut point_of_place = vec![None; mesh.positions.len()];
     let mut point_of_vertex = vec![None; mesh.positions.len()];
     let mut file_vertex = Vec::new();
     for &t in &kept {
@@ -215,9 +219,7 @@ fn weld(mesh: &TriMesh) -> Welded {
             if point_of_vertex[v as usize].is_some() {
                 continue;
             }
-            // Adding 0.0 makes −0.0 and 0.0 one position.
-            let key = mesh.positions[v as usize].map(|x| (x + 0.0).to_bits());
-            let point = *at_position.entry(key).or_insert_with(|| {
+            let point = *point_of_place[place[v as usize] as usize].get_or_insert_with(|| {
                 file_vertex.push(v);
                 file_vertex.len() as u32 - 1
             });
@@ -247,64 +249,17 @@ fn extent(mesh: &TriMesh, kept: &[u32]) -> Option<(DVec3, f64)> {
     (diagonal > 0.0 && diagonal.is_finite() && center.is_finite()).then_some((center, diagonal))
 }
 
-/// Neighbour lists (start, list) and the vertices on open edges.
-fn adjacency(n: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>, Vec<bool>) {
-    let mut edges: Vec<(u32, u32)> = Vec::with_capacity(triangles.len() * 3);
-    for &[a, b, c] in triangles {
-        edges.extend([(a, b), (b, c), (c, a)].map(|(i, j)| (i.min(j), i.max(j))));
-    }
-    edges.sort_unstable();
-    let mut boundary = vec![false; n];
-    let mut distinct: Vec<(u32, u32)> = Vec::with_capacity(edges.len() / 2 + 1);
-    for run in edges.chunk_by(|a, b| a == b) {
-        let (i, j) = run[0];
-        distinct.push((i, j));
-        if run.len() == 1 {
-            boundary[i as usize] = true;
-            boundary[j as usize] = true;
-        }
-    }
-    let mut start = vec![0_u32; n + 1];
-    for &(i, j) in &distinct {
-        start[i as usize + 1] += 1;
-        start[j as usize + 1] += 1;
-    }
-    for v in 0..n {
-        start[v + 1] += start[v];
-    }
-    let mut fill = start.clone();
-    let mut list = vec![0_u32; 2 * distinct.len()];
-    for (i, j) in distinct {
-        for (from, to) in [(i, j), (j, i)] {
-            list[fill[from as usize] as usize] = to;
-            fill[from as usize] += 1;
-        }
-    }
-    (start, list, boundary)
+fn normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+    vertex_normals(&arrays(points), triangles).into_iter().map(DVec3::from_array).collect()
 }
 
-fn components(start: &[u32], neighbours: &[u32]) -> Vec<u32> {
-    let n = start.len() - 1;
-    let mut component = vec![u32::MAX; n];
-    let mut next = 0;
-    let mut stack = Vec::new();
-    for seed in 0..n {
-        if component[seed] != u32::MAX {
-            continue;
-        }
-        component[seed] = next;
-        stack.push(seed);
-        while let Some(v) = stack.pop() {
-            for &w in &neighbours[start[v] as usize..start[v + 1] as usize] {
-                if component[w as usize] == u32::MAX {
-                    component[w as usize] = next;
-                    stack.push(w as usize);
-                }
-            }
-        }
-        next += 1;
-    }
-    component
+/// The tree of `triangles` over `points`.
+pub(crate) fn triangle_tree(points: &[DVec3], triangles: &[[u32; 3]]) -> TriangleTree {
+    TriangleTree::new(&arrays(points), triangles)
+}
+
+fn arrays(points: &[DVec3]) -> Vec<[f64; 3]> {
+    points.iter().map(|p| p.to_array()).collect()
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! Takes folds out of a projection: where triangles turned over, their vertices are spread
 //! between their neighbours on the template.
 
+use chladni_mesh::surface::Closest;
 use chladni_task::Task;
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::MatchError;
-use crate::bvh::SurfacePoint;
 use crate::partners::Partners;
 use crate::surface::Surface;
 
@@ -28,7 +28,7 @@ pub(crate) fn turned_over([x, y, z]: [DVec3; 3], up: DVec3) -> bool {
 pub(crate) fn unfold(
     shape: &Surface,
     partners: &Partners,
-    at: &mut [SurfacePoint],
+    at: &mut [Closest],
     fixed: &[u32],
     task: &Task,
 ) -> Result<(), MatchError> {
@@ -45,7 +45,7 @@ pub(crate) fn unfold(
         let mut active = around(shape, &folds, 1 + round / ROUNDS_PER_RING);
         active.retain(|v| !fixed.contains(v));
         for _ in 0..SWEEPS {
-            let moved: Vec<(u32, SurfacePoint)> = active
+            let moved: Vec<(u32, Closest)> = active
                 .par_iter()
                 .filter_map(|&v| Some((v, between_neighbours(shape, partners, &trial, v)?)))
                 .collect();
@@ -65,30 +65,25 @@ pub(crate) fn unfold(
 }
 
 /// The template's point closest to the mean of those of a vertex's neighbours.
-fn between_neighbours(
-    shape: &Surface,
-    partners: &Partners,
-    at: &[SurfacePoint],
-    v: u32,
-) -> Option<SurfacePoint> {
+fn between_neighbours(shape: &Surface, partners: &Partners, at: &[Closest], v: u32) -> Option<Closest> {
     let (mut sum, mut looking) = (DVec3::ZERO, DVec3::ZERO);
     let neighbours = shape.neighbours(v as usize);
     for w in neighbours {
         let point = &at[*w as usize];
-        sum += point.point;
-        looking += partners.template.smooth_normal(point);
+        sum += DVec3::from_array(point.point);
+        looking += partners.template.smooth_normal(&point.on);
     }
     let mean = sum / neighbours.len() as f64;
     let found = partners.nearest(shape.component[v as usize], mean, looking.normalize_or_zero())?;
-    found.point.is_finite().then_some(found)
+    found.point.iter().all(|x| x.is_finite()).then_some(found)
 }
 
 /// The triangles that are turned over.
-fn folded(shape: &Surface, template: &Surface, at: &[SurfacePoint]) -> Vec<u32> {
+fn folded(shape: &Surface, template: &Surface, at: &[Closest]) -> Vec<u32> {
     let turned = |t: &u32| {
         let points = shape.triangles[*t as usize].map(|v| at[v as usize]);
-        let up = points.iter().map(|p| template.triangle_normals[p.triangle as usize]).sum();
-        turned_over(points.map(|p| p.point), up)
+        let up = points.iter().map(|p| template.triangle_normals[p.on.triangle as usize]).sum();
+        turned_over(points.map(|p| DVec3::from_array(p.point)), up)
     };
     (0..shape.triangles.len() as u32).into_par_iter().filter(turned).collect()
 }
@@ -138,16 +133,16 @@ mod tests {
     fn a_crumpled_patch_is_smoothed_out_and_the_rest_left_alone() {
         let sphere = Surface::new(&samples::icosphere(4), Side::Shape).unwrap();
         let closest = |p: &DVec3| sphere.closest(*p, f64::INFINITY).unwrap();
-        let straight: Vec<SurfacePoint> = sphere.points.iter().map(closest).collect();
+        let straight: Vec<Closest> = sphere.points.iter().map(closest).collect();
         let crumple = |p: &DVec3| {
             let wave = DVec3::new((97.0 * p.y).sin(), (83.0 * p.z).sin(), (71.0 * p.x).sin());
             closest(&(*p + if p.x > 0.2 { wave * 0.05 } else { DVec3::ZERO }))
         };
-        let mut at: Vec<SurfacePoint> = sphere.points.iter().map(crumple).collect();
+        let mut at: Vec<Closest> = sphere.points.iter().map(crumple).collect();
         assert!(folded(&sphere, &sphere, &at).len() > 200);
         unfold(&sphere, &Partners::none(&sphere), &mut at, &[], &Task::new()).unwrap();
         assert_eq!(folded(&sphere, &sphere, &at).len(), 0);
-        for (now, before) in at.iter().zip(&straight).filter(|(_, p)| p.point.x < 0.0) {
+        for (now, before) in at.iter().zip(&straight).filter(|(_, p)| p.point[0] < 0.0) {
             assert_eq!(now.point, before.point);
         }
     }

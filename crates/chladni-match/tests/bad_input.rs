@@ -22,8 +22,9 @@ fn check(found: &Correspondence, template: Option<&TriMesh>) {
     assert!(found.confidence.iter().all(|c| (0.0..=1.0).contains(c)));
     assert!(found.similarity.to_matrix().iter().flatten().all(|x| x.is_finite()));
     if let (Some(on), Some(template)) = (&found.on_template, template) {
-        for (t, b) in on.triangle.iter().zip(&on.barycentric) {
-            assert!((*t as usize) < template.triangles.len());
+        for on in on {
+            assert!((on.triangle as usize) < template.triangles.len());
+            let b = on.weights;
             assert!(b.iter().all(|b| *b >= -1e-9) && (b.iter().sum::<f64>() - 1.0).abs() < 1e-9);
         }
     }

@@ -44,6 +44,12 @@ pub enum MeshError {
         /// What stands against it.
         reason: String,
     },
+    /// A name that no sample has.
+    #[error("sample:{0}: there is no such sample; there are {list}", list = crate::samples::SAMPLES.join(", "))]
+    NoSample(String),
+    /// An empty text where a file or a sample is to be named.
+    #[error("no shape is named: write a path or sample:NAME")]
+    NoName,
     /// A text that names no direction.
     #[error("`{0}` is no direction: axes are x, y, z, -x, -y and -z")]
     Direction(String),

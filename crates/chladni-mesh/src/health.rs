@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use crate::adjacency::{HalfEdge, Rows, sorted_half_edges, vertex_faces};
-use crate::geometry::{corners, cross, dot, doubled_area_normal, length, sub};
-use crate::weld::places;
+use crate::surface::vec3::{cross, dot, length, sub};
+use crate::surface::{
+    HalfEdge, Pieces, Rows, corners, doubled_area_normal, places, sorted_half_edges, vertex_faces,
+};
 use crate::{TriMesh, weld};
 
 /// Counts and measures of a mesh as its file stores it, and of what welding would change.
@@ -248,30 +249,4 @@ fn split_vertices<'a>(
         members.any(|member| Some(fans.root(member)) != first)
     };
     (0..vertex_count).filter(is_split).count()
-}
-
-/// Disjoint sets (union by index, path halving).
-struct Pieces {
-    parent: Vec<u32>,
-}
-
-impl Pieces {
-    fn new(count: usize) -> Self {
-        Self { parent: (0..count as u32).collect() }
-    }
-
-    fn root(&mut self, mut v: u32) -> u32 {
-        while self.parent[v as usize] != v {
-            let grandparent = self.parent[self.parent[v as usize] as usize];
-            self.parent[v as usize] = grandparent;
-            v = grandparent;
-        }
-        v
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        // The lesser index stays root, so that every piece has a root among its members.
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
 }

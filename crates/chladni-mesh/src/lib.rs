@@ -31,33 +31,31 @@
 //! animations and morph targets are not kept. Functions that take bare positions and triangles
 //! panic where a triangle names a vertex that is not there; what the readers return never does.
 
-mod adjacency;
 mod appearance;
 mod eigen;
 mod error;
 mod format;
 mod frame;
-mod geometry;
 mod health;
 mod mesh;
 mod mirror;
 mod orientation;
 mod read;
 pub mod samples;
-mod weld;
+mod shape_source;
+pub mod surface;
 mod write;
 
-pub use adjacency::{Rows, vertex_neighbors, vertex_triangles};
 pub use appearance::{Appearance, CornerUvs, Material, Texture};
 pub use eigen::symmetric_eigen;
 pub use error::{MeshError, Place};
 pub use format::Format;
 pub use frame::Frame;
-pub use geometry::total_area;
 pub use health::{HealthReport, Topology, Welded};
 pub use mesh::TriMesh;
 pub use mirror::{MirrorPlane, MirrorSearch, OnSurface};
 pub use orientation::{Axis, Estimate, Evidence, Known, Orientation};
 pub use read::{Loaded, Mended, load_mesh, read_mesh};
-pub use weld::{Weld, weld};
+pub use shape_source::ShapeSource;
+pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_triangles, weld};
 pub use write::{MorphTarget, save_mesh, write_glb, write_mesh};

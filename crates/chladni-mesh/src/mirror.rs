@@ -5,7 +5,8 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
 use crate::eigen::symmetric_eigen;
-use crate::geometry::{Vec3, add, corners, dot, doubled_area_normal, length, scaled, sub, unit};
+use crate::surface::vec3::{Vec3, add, dot, length, scaled, sub, unit};
+use crate::surface::{closest_on_triangle, corners, doubled_area_normal, mixed};
 use crate::{Rows, vertex_triangles};
 
 /// The plane {p : normal · p = offset}, and how far it is from a mirror of the shape.
@@ -153,7 +154,7 @@ impl<'a> MirrorSearch<'a> {
         for &t in self.around.row(v) {
             let triangle = self.triangles[t as usize];
             let at = corners(self.positions, &triangle);
-            let weights = closest_on_triangle(p, at);
+            let (_, weights) = closest_on_triangle(p, &at);
             let offset = sub(p, mixed(at, weights));
             let distance = dot(offset, offset);
             if distance < best.0 {
@@ -232,46 +233,6 @@ fn half_sphere() -> impl Iterator<Item = Vec3> {
         let radius = (1.0 - x * x).sqrt();
         [x, radius * cos, radius * sin]
     })
-}
-
-fn mixed(at: [Vec3; 3], weights: Vec3) -> Vec3 {
-    add(add(scaled(at[0], weights[0]), scaled(at[1], weights[1])), scaled(at[2], weights[2]))
-}
-
-/// Barycentric weights of the point of triangle abc closest to p (Ericson 2005, section 5.1.5).
-fn closest_on_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
-    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
-    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return [1.0, 0.0, 0.0];
-    }
-    let bp = sub(p, b);
-    let (d3, d4) = (dot(ab, bp), dot(ac, bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return [0.0, 1.0, 0.0];
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
-        let t = d1 / (d1 - d3);
-        return [1.0 - t, t, 0.0];
-    }
-    let cp = sub(p, c);
-    let (d5, d6) = (dot(ab, cp), dot(ac, cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return [0.0, 0.0, 1.0];
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
-        let t = d2 / (d2 - d6);
-        return [1.0 - t, 0.0, t];
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 && d4 - d3 + d5 - d6 > 0.0 {
-        let t = (d4 - d3) / (d4 - d3 + d5 - d6);
-        return [0.0, 1.0 - t, t];
-    }
-    let sum = va + vb + vc;
-    if sum > 0.0 { [va / sum, vb / sum, vc / sum] } else { [1.0, 0.0, 0.0] }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::sides::Sides;
 use crate::steepness::{Patch, steepness};
 use crate::swing::Swing;
 use crate::unison::unisons;
-use crate::{Class, Error, Form, SymmetrySettings, symmetry};
+use crate::{Class, Error, Form, SymmetrySettings, Timbre, symmetry};
 
 /// What the mappings of all items share of one body. Working frame.
 #[derive(Clone, Debug)]
@@ -37,6 +37,8 @@ pub struct Dancer {
     /// What one unit of each harmonic does in the modal form: H_k n.
     modal_reach: Vec<Reach>,
     octaves: Vec<u8>,
+    /// λ of the slowest wave.
+    slowest: f64,
 }
 
 /// How far and how steeply one unit of a harmonic moves the shape.
@@ -108,6 +110,7 @@ impl Dancer {
         let steep = [steepest(&of_runs), steepest(&of_harmonics)].concat();
         let probes = Probes::new(body, &displacement, &normals, &steep);
         let sides = Sides::of(body, classes);
+        let slowest = basis.eigenvalues.get(symmetry::first_waving(basis)).copied().unwrap_or(1.0);
         Ok(Self {
             eigenvalues: basis.eigenvalues.clone(),
             swing: Swing::of(body, classes, &sides),
@@ -120,7 +123,8 @@ impl Dancer {
             unisons,
             filter_reach,
             modal_reach,
-            octaves: octaves(basis),
+            octaves: octaves(&basis.eigenvalues, slowest),
+            slowest,
         })
     }
 
@@ -156,6 +160,11 @@ impl Dancer {
         self.octaves[k as usize].into()
     }
 
+    /// What harmonic k rings with, in tones of the bank.
+    pub(crate) fn tone(&self, timbre: &Timbre, k: u32) -> u8 {
+        timbre.tone(self.eigenvalues[k as usize], self.slowest)
+    }
+
     /// Harmonic k and those of the same eigenvalue and class: which of them is which is a matter of
     /// choice, so that the filter form lets them sound as one.
     pub(crate) fn unison(&self, k: u32) -> Range<u32> {
@@ -189,10 +198,9 @@ fn steepest(of: &[(Reach, Option<Patch>)]) -> Vec<Patch> {
     (0..STEEP_PROBES).filter_map(|i| of.get(number(i))?.1).collect()
 }
 
-fn octaves(basis: &Basis) -> Vec<u8> {
-    let first = basis.eigenvalues.get(symmetry::first_waving(basis)).copied().unwrap_or(1.0);
-    let octave = |l: &f64| (0.5 * (l / first).max(1.0).log2()).min(OCTAVES as f64 - 1.0) as u8;
-    basis.eigenvalues.iter().map(octave).collect()
+fn octaves(eigenvalues: &[f64], slowest: f64) -> Vec<u8> {
+    let octave = |l: &f64| (0.5 * (l / slowest).max(1.0).log2()).min(OCTAVES as f64 - 1.0) as u8;
+    eigenvalues.iter().map(octave).collect()
 }
 
 fn length(v: [f32; 3]) -> f32 {

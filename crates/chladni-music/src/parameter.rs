@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Choir, Error, Form, Playing};
+use crate::{Choir, Error, Form, Playing, Timbre};
 
 /// A number that can be turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -39,11 +39,21 @@ pub enum Parameter {
     LightPulse,
     /// μ of all dances, while [`Switch::OwnMu`] is off.
     StereoMu,
+    /// ζ of the resonators: how soon they come to rest.
+    Damping,
+    /// The frequency of the slowest harmonic.
+    TuningHz,
+    /// How much faster finer harmonics are: √λ to this power.
+    Stretch,
+    /// How hard a rise of the sound strikes.
+    Strike,
+    /// How far a sound that lasts holds.
+    Hold,
 }
 
 impl Parameter {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 19] = [
         Self::Decay,
         Self::SideGain,
         Self::Bands,
@@ -58,10 +68,15 @@ impl Parameter {
         Self::LightSwingRad,
         Self::LightPulse,
         Self::StereoMu,
+        Self::Damping,
+        Self::TuningHz,
+        Self::Stretch,
+        Self::Strike,
+        Self::Hold,
     ];
 
     /// Those that change how one dance looks, wherever it is danced.
-    const OF_A_DANCE: [Self; 9] = [
+    const OF_A_DANCE: [Self; 14] = [
         Self::Decay,
         Self::SideGain,
         Self::Bands,
@@ -71,6 +86,11 @@ impl Parameter {
         Self::Detail,
         Self::NormalBlending,
         Self::StereoMu,
+        Self::Damping,
+        Self::TuningHz,
+        Self::Stretch,
+        Self::Strike,
+        Self::Hold,
     ];
 
     /// Its name in session files, MIDI maps and OSC addresses.
@@ -100,7 +120,7 @@ impl Parameter {
 
     fn row(self) -> (&'static str, f32, f32, f32) {
         match self {
-            Self::Decay => ("decay", 0.0, 0.99, 0.5),
+            Self::Decay => ("decay", 0.0, 0.99, 0.2),
             Self::SideGain => ("side-gain", 0.0, 100.0, 10.0),
             Self::Bands => ("bands", 2.0, 4096.0, 128.0),
             Self::Gain => ("gain", 0.0, 20.0, 1.0),
@@ -114,6 +134,11 @@ impl Parameter {
             Self::LightSwingRad => ("light-swing-rad", 0.0, 3.2, 0.9),
             Self::LightPulse => ("light-pulse", 0.0, 1.0, 0.15),
             Self::StereoMu => ("stereo-mu", 0.0, 1.0, 0.0),
+            Self::Damping => ("damping", 0.01, 2.0, Timbre::NAMED[0].1.damping),
+            Self::TuningHz => ("tuning-hz", 0.2, 6.0, Timbre::NAMED[0].1.tuning_hz),
+            Self::Stretch => ("stretch", 0.0, 1.5, Timbre::NAMED[0].1.stretch),
+            Self::Strike => ("strike", 0.0, 4.0, Timbre::NAMED[0].1.strike),
+            Self::Hold => ("hold", 0.0, 1.0, Timbre::NAMED[0].1.hold),
         }
     }
 }
@@ -136,11 +161,13 @@ pub enum Switch {
     LogBands,
     /// Each dance has a μ of its own; else all have [`Parameter::StereoMu`].
     OwnMu,
+    /// Harmonics ring as damped oscillators that the sound strikes; else they follow its level.
+    Resonate,
 }
 
 impl Switch {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::BeatTurns,
         Self::BeatLights,
         Self::BeatSteps,
@@ -148,10 +175,11 @@ impl Switch {
         Self::FlashLimit,
         Self::LogBands,
         Self::OwnMu,
+        Self::Resonate,
     ];
 
     /// Those that change how one dance looks, wherever it is danced.
-    const OF_A_DANCE: [Self; 3] = [Self::FlipSides, Self::LogBands, Self::OwnMu];
+    const OF_A_DANCE: [Self; 4] = [Self::FlipSides, Self::LogBands, Self::OwnMu, Self::Resonate];
 
     /// Its name in session files and OSC addresses.
     pub fn name(self) -> &'static str {
@@ -163,6 +191,7 @@ impl Switch {
             Self::FlashLimit => "flash-limit",
             Self::LogBands => "log-bands",
             Self::OwnMu => "own-mu",
+            Self::Resonate => "resonate",
         }
     }
 }
@@ -184,7 +213,7 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             values: Parameter::ALL.map(Parameter::initial),
-            on: [true, true, false, false, true, true, true],
+            on: [true, true, false, false, true, true, true, true],
             form: Form::default(),
             choir: Choir::default(),
             harmonics: None,
@@ -231,6 +260,7 @@ impl Parameters {
             detail: self.get(Parameter::Detail),
             harmonics: self.harmonics,
             stereo_mu: (!self.is_on(Switch::OwnMu)).then(|| self.get(Parameter::StereoMu)),
+            timbre: Timbre::of(self),
         }
     }
 
@@ -320,6 +350,12 @@ impl Settings {
             knobs: knobs.into(),
             switches: Switch::ALL.into_iter().map(|switch| (switch, on.contains(&switch))).collect(),
         }
+    }
+
+    /// Before version 3 nothing resonated.
+    pub(crate) fn of_version_2(mut self) -> Self {
+        self.switches.entry(Switch::Resonate).or_insert(false);
+        self
     }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {

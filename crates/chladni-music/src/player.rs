@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::dancer::Reach;
 use crate::probes::Limits;
-use crate::stereo::StereoMix;
-use crate::{Class, Dancer, Error, Mapping};
+use crate::stereo::Ear;
+use crate::{Class, Dancer, Error, Mapping, Ringing, Timbre};
 
 /// How the gains of the harmonics move the shape (docs/music.md, "Forms").
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -101,6 +101,9 @@ pub struct Bands<'a> {
     pub side: &'a [f32],
     /// g, the side gain.
     pub side_gain: f32,
+    /// What the resonators of these bands do. Where there are none, and where the timbre of the dance is
+    /// `None`, harmonics follow the level.
+    pub ringing: Option<&'a Ringing>,
 }
 
 /// How a mapping is turned into movement; the same for all items of a gallery.
@@ -130,6 +133,8 @@ pub struct Playing {
     pub harmonics: Option<u32>,
     /// μ of all dances, in [0, 1]; `None` leaves each its own.
     pub stereo_mu: Option<f32>,
+    /// How harmonics ring; `None` lets them follow the level of the sound, as in the paper.
+    pub timbre: Option<Timbre>,
 }
 
 impl Default for Playing {
@@ -144,6 +149,7 @@ impl Default for Playing {
             detail: 1.0,
             harmonics: None,
             stereo_mu: None,
+            timbre: Some(Timbre::NAMED[0].1),
         }
     }
 }
@@ -182,6 +188,8 @@ struct Driver {
     band: u32,
     /// gain · M · a(t(ω)).
     strength: f32,
+    /// What the harmonic that the band is sent to rings with.
+    tone: u8,
 }
 
 /// One mapping, compiled for a dancer, a number of bands and a way of playing.
@@ -225,7 +233,8 @@ impl Player {
         let mut all = Self::compiled(&even_mapping, dancer, bands, playing, 1.0);
         let even = vec![EVEN; bands];
         let mut item = all.item();
-        let heard = Bands { left: &even, right: &even, mid: &even, side: &even, side_gain: 1.0 };
+        let heard =
+            Bands { left: &even, right: &even, mid: &even, side: &even, side_gain: 1.0, ringing: None };
         let reach = all.play(&heard, &mut item)?;
         Ok(if reach > 0.0 { (0.5 / reach).clamp(1.0, MOST_LIFT) } else { 1.0 })
     }
@@ -241,12 +250,13 @@ impl Player {
             let octave = dancer.octave(dancer.unison(k).start);
             let strength =
                 lift * playing.gain * mapping.gain * calibrated[octave] * amplification[k as usize];
+            let tone = playing.timbre.map_or(0, |timbre| dancer.tone(&timbre, dancer.unison(k).start));
             // Along the normal each harmonic has its own direction, and the other class its share.
             let driven = match playing.form {
                 Form::Filter | Form::HalfMask => [Some(dancer.unison(k).start), None],
                 Form::Modal => [Some(k), dancer.swing.partner(k)],
             };
-            drivers.extend(driven.into_iter().flatten().map(|first| Driver { first, band, strength }));
+            drivers.extend(driven.into_iter().flatten().map(|first| Driver { first, band, strength, tone }));
         }
         drivers.retain(|driver| driver.strength != 0.0);
         drivers.sort_by_key(|driver| (driver.first, driver.band));
@@ -316,7 +326,7 @@ impl Player {
         if item.terms.len() != terms {
             return Err(Error::Size { what: "terms", found: item.terms.len(), expected: terms });
         }
-        let mix = StereoMix::new(self.stereo_mu, bands, self.playing.flip_sides);
+        let ear = Ear::new(bands, &self.playing, self.stereo_mu);
         for (side, term) in item.terms.iter_mut().enumerate() {
             if term.residual.is_some() {
                 term.residual_gain = self.playing.detail - 1.0;
@@ -327,10 +337,10 @@ impl Player {
                     c.fill([0.0; 3]);
                     for v in &self.voiced {
                         let gain = match (self.playing.form, side) {
-                            (Form::HalfMask, 0) => self.sum(v, |b| bands.left[b]),
-                            (Form::HalfMask, _) => self.sum(v, |b| bands.right[b]),
-                            _ if v.antisymmetric => self.sum(v, |b| mix.antisymmetric(bands, b)),
-                            _ => self.sum(v, |b| mix.symmetric(bands, b)),
+                            (Form::HalfMask, 0) => self.sum(v, |b, tone| ear.left(b, tone)),
+                            (Form::HalfMask, _) => self.sum(v, |b, tone| ear.right(b, tone)),
+                            _ if v.antisymmetric => self.sum(v, |b, tone| ear.antisymmetric(b, tone)),
+                            _ => self.sum(v, |b, tone| ear.symmetric(b, tone)),
                         };
                         for k in v.harmonics() {
                             c[k] = self.dancer.spectrum[k].map(|x| gain * x);
@@ -342,8 +352,8 @@ impl Player {
                     c.fill(0.0);
                     for v in &self.voiced {
                         let gain = match v.antisymmetric {
-                            true => self.sum(v, |b| mix.swing(bands, b)),
-                            false => self.sum(v, |b| mix.symmetric(bands, b)),
+                            true => self.sum(v, |b, tone| ear.swing(b, tone)),
+                            false => self.sum(v, |b, tone| ear.symmetric(b, tone)),
                         };
                         c[v.first as usize] = self.dancer.swing.sign(v.first) * gain;
                     }
@@ -353,9 +363,10 @@ impl Player {
         Ok(self.soften(item))
     }
 
-    fn sum(&self, v: &Voiced, f: impl Fn(usize) -> f32) -> f32 {
+    /// Of what the drivers hear, by band and tone.
+    fn sum(&self, v: &Voiced, f: impl Fn(usize, u8) -> f32) -> f32 {
         let drivers = &self.drivers[v.first_driver as usize..v.end_driver as usize];
-        drivers.iter().map(|d| d.strength * f(d.band as usize)).sum()
+        drivers.iter().map(|d| d.strength * f(d.band as usize, d.tone)).sum()
     }
 
     /// Scales the item so that no probe goes beyond the limit, neither in its way nor in its steepness.
@@ -398,6 +409,11 @@ impl Playing {
         check("limit", self.limit, share(self.limit), "(0, 1]")?;
         let mu = self.stereo_mu.unwrap_or(0.0);
         check("stereo-mu", mu, (0.0..=1.0).contains(&mu), "[0, 1]")?;
+        if let Some(timbre) = self.timbre {
+            check("damping", timbre.damping, timbre.damping > 0.0 && timbre.damping <= 2.0, "(0, 2]")?;
+            check("tuning-hz", timbre.tuning_hz, timbre.tuning_hz > 0.0, "above 0")?;
+            check("stretch", timbre.stretch, timbre.stretch.is_finite(), "any number")?;
+        }
         check("detail", self.detail, (-10.0..=10.0).contains(&self.detail), "[-10, 10]")
     }
 }

@@ -137,8 +137,11 @@ impl Preset {
 
     /// Reads the text of a preset file. Errors name the line, or a newer format version.
     pub fn from_text(text: &str) -> Result<Self, Error> {
-        text_file::version("preset", text)?;
-        let preset: Self = text_file::parse("preset", text)?;
+        let version = text_file::version("preset", text)?;
+        let mut preset: Self = text_file::parse("preset", text)?;
+        if version == 2 {
+            preset.settings = preset.settings.of_version_2();
+        }
         preset.validate()?;
         Ok(preset)
     }

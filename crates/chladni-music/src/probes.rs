@@ -237,23 +237,8 @@ fn spread(positions: &[[f64; 3]], chosen: &mut Vec<u32>, count: usize) {
     }
 }
 
-/// Area-weighted rest normals of all vertices.
+/// Area-weighted rest normals of all vertices, zero where there is none.
 pub(crate) fn rest_normals(body: &Body) -> Vec<[f32; 3]> {
-    let mut normals = vec![[0.0f64; 3]; body.positions.len()];
-    for t in &body.triangles {
-        let [a, b, c] = t.map(|v| body.positions[v as usize]);
-        let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
-        let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        for v in t.map(|v| v as usize) {
-            normals[v] = std::array::from_fn(|c| normals[v][c] + n[c]);
-        }
-    }
-    normals
-        .into_iter()
-        .map(|n| {
-            let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
-            if length > 0.0 { n.map(|c| (c / length) as f32) } else { [0.0; 3] }
-        })
-        .collect()
+    let normals = chladni_mesh::surface::vertex_normals(&body.positions, &body.triangles);
+    normals.into_iter().map(|n| n.map(|c| c as f32)).collect()
 }

@@ -228,7 +228,7 @@ impl Show {
 
     /// What a person should know who opens it: nothing, but for old files.
     pub fn caution(&self) -> Option<&'static str> {
-        (self.read_from_version < FORMAT_VERSION).then_some(
+        (self.read_from_version < 2).then_some(
             "A session of an older version, which names no shape, no look and no number of harmonics: it \
              goes on with those of now. Save it again to bring it up to date.",
         )
@@ -259,6 +259,9 @@ impl Show {
         } else {
             text_file::parse("show", text)?
         };
+        if version == 2 {
+            show.beginning = show.beginning.of_version_2();
+        }
         show.read_from_version = version;
         show.validate()?;
         Ok(show)

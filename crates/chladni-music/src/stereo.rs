@@ -1,6 +1,7 @@
 //! What symmetric and antisymmetric harmonics hear of stereo sound (section 5c).
 
-use crate::Bands;
+use crate::resonance::Signal;
+use crate::{Bands, Playing, Ringing};
 
 /// How middle S = (L + R) / 2 and side U = (L − R) / 2 are mixed for one item at one moment.
 ///
@@ -46,6 +47,16 @@ impl StereoMix {
         towards + self.mu * (self.antisymmetric(bands, b) - towards)
     }
 
+    /// From what is heard at μ = 0 to what is heard at μ = 1.
+    fn between(&self, at_zero: f32, at_one: f32) -> f32 {
+        at_zero + self.mu * (at_one - at_zero)
+    }
+
+    /// What antisymmetric and symmetric harmonics hear at μ = 1.
+    fn channels(&self) -> (Signal, Signal) {
+        if self.turn > 0.0 { (Signal::Left, Signal::Right) } else { (Signal::Right, Signal::Left) }
+    }
+
     /// |α S + β U|.
     fn magnitude(&self, bands: &Bands<'_>, b: usize, alpha: f32, beta: f32) -> f32 {
         let (l, r, s) = (bands.left[b], bands.right[b], bands.mid[b]);
@@ -62,6 +73,55 @@ impl StereoMix {
     fn in_step(&self, bands: &Bands<'_>, b: usize) -> f32 {
         let (l, r) = (bands.left[b], bands.right[b]);
         self.turn * 0.25 * (l - r) * (l + r)
+    }
+}
+
+/// What harmonics hear at one moment: the level of each band, or how it rings.
+#[derive(Clone, Copy)]
+pub(crate) struct Ear<'a> {
+    mix: StereoMix,
+    bands: &'a Bands<'a>,
+    ringing: Option<&'a Ringing>,
+}
+
+impl<'a> Ear<'a> {
+    pub fn new(bands: &'a Bands<'a>, playing: &Playing, mu: f32) -> Self {
+        let ringing = bands.ringing.filter(|r| playing.timbre.is_some() && r.bands() == bands.mid.len());
+        Self { mix: StereoMix::new(mu, bands, playing.flip_sides), bands, ringing }
+    }
+
+    pub fn left(&self, b: usize, tone: u8) -> f32 {
+        self.ringing.map_or_else(|| self.bands.left[b], |r| r.at(Signal::Left, tone, b))
+    }
+
+    pub fn right(&self, b: usize, tone: u8) -> f32 {
+        self.ringing.map_or_else(|| self.bands.right[b], |r| r.at(Signal::Right, tone, b))
+    }
+
+    /// What rings has a sign, and magnitudes of mixtures have none: between μ = 0 and 1, where one signal is heard,
+    /// the two are mixed evenly.
+    pub fn symmetric(&self, b: usize, tone: u8) -> f32 {
+        self.ringing.map_or_else(
+            || self.mix.symmetric(self.bands, b),
+            |r| self.mix.between(r.at(Signal::Mid, tone, b), r.at(self.mix.channels().1, tone, b)),
+        )
+    }
+
+    pub fn antisymmetric(&self, b: usize, tone: u8) -> f32 {
+        self.ringing.map_or_else(
+            || self.mix.antisymmetric(self.bands, b),
+            |r| self.mix.between(r.at(Signal::Side, tone, b), r.at(self.mix.channels().0, tone, b)),
+        )
+    }
+
+    pub fn swing(&self, b: usize, tone: u8) -> f32 {
+        self.ringing.map_or_else(
+            || self.mix.swing(self.bands, b),
+            |r| {
+                let towards_left = self.mix.turn * r.at(Signal::Swing, tone, b);
+                self.mix.between(towards_left, r.at(self.mix.channels().0, tone, b))
+            },
+        )
     }
 }
 
@@ -103,7 +163,7 @@ mod tests {
 
         fn bands(&self) -> Bands<'_> {
             let Self { left, right, mid, side, side_gain } = self;
-            Bands { left, right, mid, side, side_gain: *side_gain }
+            Bands { left, right, mid, side, side_gain: *side_gain, ringing: None }
         }
     }
 

@@ -67,7 +67,7 @@ fn played(body: &Body, form: Form, stereo_mu: f32) -> Vec<[f64; 3]> {
     let mean = |sign: f32| left.iter().zip(&right).map(move |(l, r)| 0.5 * (l + sign * r));
     let mid: Vec<f32> = mean(1.0).collect();
     let side: Vec<f32> = mean(-1.0).map(|u| 4.0 * u.abs()).collect();
-    let bands = Bands { left: &left, right: &right, mid: &mid, side: &side, side_gain: 4.0 };
+    let bands = Bands { left: &left, right: &right, mid: &mid, side: &side, side_gain: 4.0, ringing: None };
     let transfer = (0..BANDS).map(|b| b as f32 / (BANDS - 1) as f32).collect();
     let mapping = Mapping { transfer, amplification: vec![1.0, 0.6, 0.8], stereo_mu, gain: 1.0 };
     // Well below the limit, which is taken at probes.

@@ -8,7 +8,7 @@ use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::samples;
 use chladni_music::{
     Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Player, Playing,
-    Preset, Show, Symmetry,
+    Preset, Resonators, Show, Switch, Symmetry, Timbre,
 };
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
 use chladni_synth::{Item, displacements_f64};
@@ -58,7 +58,7 @@ fn farthest(d: &[[f64; 3]]) -> f64 {
 #[test]
 fn no_amplification_leaves_every_form_at_rest_exactly() {
     let full = vec![1.0; BANDS];
-    let bands = Bands { left: &full, right: &full, mid: &full, side: &full, side_gain: 1.0 };
+    let bands = Bands { left: &full, right: &full, mid: &full, side: &full, side_gain: 1.0, ringing: None };
     for form in [Form::Filter, Form::Modal, Form::HalfMask] {
         let d = displacements(
             octopus(),
@@ -81,7 +81,14 @@ fn energies(ready: &Ready, form: Form, tone_hz: f32, left: f32, right: f32) -> [
     };
     let (left, right) = (tone(left), tone(right));
     let s = analyser.analyse(&left, &right, 1.0);
-    let bands = Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side, side_gain: s.side_gain };
+    let bands = Bands {
+        left: &s.left,
+        right: &s.right,
+        mid: &s.mid,
+        side: &s.side,
+        side_gain: s.side_gain,
+        ringing: None,
+    };
     let d = displacements(ready, &mapping, &bands, Playing { form, ..Playing::default() });
     let mut energy = [0.0; 2];
     for ((d, x), a) in d.iter().zip(&ready.body.positions).zip(&ready.body.basis.mass) {
@@ -124,7 +131,8 @@ fn the_filter_form_keeps_a_mirror_symmetric_shape_symmetric() {
     };
     let tone: Vec<f32> = (0..BANDS).map(|b| 1.0 / (1.0 + b as f32)).collect();
     let silence = vec![0.0; BANDS];
-    let bands = Bands { left: &tone, right: &silence, mid: &tone, side: &tone, side_gain: 1.0 };
+    let bands =
+        Bands { left: &tone, right: &silence, mid: &tone, side: &tone, side_gain: 1.0, ringing: None };
     let mapping = Mapping { stereo_mu: 0.3, ..Mapping::direct(&ready.dancer.eigenvalues, BANDS) };
     let playing = Playing { form: Form::Filter, ..Playing::default() };
     let d = displacements(ready, &mapping, &bands, playing);
@@ -149,7 +157,7 @@ fn calibrated_share(ready: &Ready, mapping: &Mapping) -> f64 {
     let playing = Playing::default();
     let of_band = |band: usize| {
         let f = only(band);
-        let bands = Bands { left: &f, right: &f, mid: &f, side: &f, side_gain: 1.0 };
+        let bands = Bands { left: &f, right: &f, mid: &f, side: &f, side_gain: 1.0, ringing: None };
         let d = displacements(ready, mapping, &bands, playing);
         let way = farthest(&d) / f64::from(ready.dancer.box_diagonal);
         way.max(steepness(&ready.body, &d) / 5.5) / f64::from(playing.calibration * mapping.gain)
@@ -225,7 +233,8 @@ fn no_item_of_a_gallery_turns_the_surface_over_at_full_scale() {
         for (item, mapping) in gallery(bred).iter().enumerate() {
             for ready in [octopus(), head()] {
                 for right in [&full, &silence] {
-                    let bands = Bands { left: &full, right, mid: &full, side: &full, side_gain: 1.0 };
+                    let bands =
+                        Bands { left: &full, right, mid: &full, side: &full, side_gain: 1.0, ringing: None };
                     let d = displacements(ready, mapping, &bands, Playing { form, ..Playing::default() });
                     let share = folded(&ready.body, &d);
                     assert!(share <= 0.005, "{form:?}, bred {bred}, item {item}: {share}");
@@ -242,7 +251,7 @@ fn a_loud_side_does_not_still_the_middle() {
     let mid = vec![0.3; BANDS];
     let middle = |side: f32| {
         let side = vec![side; BANDS];
-        let bands = Bands { left: &mid, right: &mid, mid: &mid, side: &side, side_gain: 1.0 };
+        let bands = Bands { left: &mid, right: &mid, mid: &mid, side: &side, side_gain: 1.0, ringing: None };
         let playing = Playing { form: Form::Filter, ..Playing::default() };
         let mut player = Player::new(&mapping, &ready.dancer, BANDS, playing).unwrap();
         let mut item = player.item();
@@ -294,7 +303,7 @@ fn a_preset_moves_a_shape_alike_with_half_and_twice_as_many_harmonics() {
     };
     // So soft that nothing is limited: that is judged at probes, which depend on the harmonics there are.
     let loud = vec![0.03; BANDS];
-    let bands = Bands { left: &loud, right: &loud, mid: &loud, side: &loud, side_gain: 1.0 };
+    let bands = Bands { left: &loud, right: &loud, mid: &loud, side: &loud, side_gain: 1.0, ringing: None };
     for made_on in [&fewer, more] {
         let mut instrument = Instrument::new(3, 6, shape(made_on)).unwrap();
         // Waves that both have.
@@ -346,6 +355,56 @@ fn a_preset_brings_its_form_and_knobs_and_an_old_one_says_that_it_has_none() {
     let old = Preset::from_text(old).unwrap();
     assert!(old.caution().unwrap().contains("version 1") && old.settings.is_empty());
     assert_eq!(old.mapping_on(other.shape()), old.mapping);
+}
+
+#[test]
+fn what_was_kept_before_anything_resonated_does_not_resonate() {
+    let show = Show::from_text("format_version = 2\nseed = 5\nsize = 6\n").unwrap();
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    assert!(!show.begin(shape.clone()).unwrap().parameters().is_on(Switch::Resonate));
+    let made = Instrument::new(3, 6, shape).unwrap();
+    assert!(made.parameters().is_on(Switch::Resonate));
+    let text = Preset::of(&made, &made.gallery().items()[0], vec![]).to_text().unwrap();
+    assert_eq!(Preset::from_text(&text).unwrap().settings.switches[&Switch::Resonate], true);
+    let old = text.replace("resonate = true\n", "").replace("format_version = 3", "format_version = 2");
+    assert_eq!(Preset::from_text(&old).unwrap().settings.switches[&Switch::Resonate], false);
+}
+
+#[test]
+fn a_stroke_in_one_channel_rings_in_its_half_and_one_in_both_rings_alike() {
+    let ready = octopus();
+    let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
+    let (loud, silence) = (vec![0.5; BANDS], vec![0.0; BANDS]);
+    let timbre = Timbre::NAMED[0].1;
+    let energies = |form, left: &[f32], right: &[f32]| {
+        let of = |alpha: f32, beta: f32| -> Vec<f32> {
+            left.iter().zip(right).map(|(l, r)| (alpha * l + beta * r).abs()).collect()
+        };
+        let (mid, side) = (of(0.5, 0.5), of(5.0, -5.0));
+        let struck = Bands { left, right, mid: &mid, side: &side, side_gain: 10.0, ringing: None };
+        let mut bank = Resonators::new(&timbre, BANDS);
+        bank.hear(&struck, 0.0);
+        let playing = Playing { form, ..Playing::default() };
+        let bands = Bands { ringing: Some(bank.ring(0.05)), ..struck };
+        let d = displacements(ready, &mapping, &bands, playing);
+        let mut energies = [0.0; 2];
+        for (d, x) in d.iter().zip(&ready.body.positions) {
+            // The seam belongs to neither half.
+            let weight = f64::from(u8::from(x[0].abs() > 1e-6));
+            energies[usize::from(x[0] > 0.0)] += weight * d.iter().map(|c| c * c).sum::<f64>();
+        }
+        energies
+    };
+    for form in [Form::HalfMask, Form::Modal] {
+        let [left, right] = energies(form, &loud, &silence);
+        assert!(left > 2.0 * right, "{form:?}: {left} {right}");
+        let [left, right] = energies(form, &silence, &loud);
+        assert!(right > 2.0 * left, "{form:?}: {left} {right}");
+    }
+    for form in [Form::HalfMask, Form::Modal, Form::Filter] {
+        let [left, right] = energies(form, &loud, &loud);
+        assert!(left > 0.0 && (left / right - 1.0).abs() < 0.01, "{form:?}: {left} {right}");
+    }
 }
 
 #[test]
@@ -421,8 +480,14 @@ fn a_session_replays_bit_for_bit_through_its_file() {
             let from = 40_000 + frame * 2000;
             let s =
                 analyser.analyse(&song.left[from..from + window], &song.right[from..from + window], 0.045);
-            let bands =
-                Bands { left: &s.left, right: &s.right, mid: &s.mid, side: &s.side, side_gain: s.side_gain };
+            let bands = Bands {
+                left: &s.left,
+                right: &s.right,
+                mid: &s.mid,
+                side: &s.side,
+                side_gain: s.side_gain,
+                ringing: None,
+            };
             let beat = Beat { count: 6.0 + frame as f64 * 0.1, confidence: 1.0 };
             bits.extend(coefficients_of(ensemble.play(instrument, &bands, beat).unwrap()));
         }
@@ -445,7 +510,7 @@ fn files_of_newer_versions_and_of_nonsense_are_refused() {
 fn the_limit_holds_where_it_is_not_probed() {
     let ready = octopus();
     let full = vec![1.0; BANDS];
-    let bands = Bands { left: &full, right: &full, mid: &full, side: &full, side_gain: 1.0 };
+    let bands = Bands { left: &full, right: &full, mid: &full, side: &full, side_gain: 1.0, ringing: None };
     let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
     for form in [Form::Filter, Form::Modal, Form::HalfMask] {
         let playing = Playing { form, gain: 20.0, ..Playing::default() };

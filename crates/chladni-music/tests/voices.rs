@@ -43,14 +43,14 @@ fn moved(item: &Item) -> [f64; 3] {
 }
 
 fn mono(mid: &[f32]) -> Bands<'_> {
-    Bands { left: mid, right: mid, mid, side: &SILENCE, side_gain: 1.0 }
+    Bands { left: mid, right: mid, mid, side: &SILENCE, side_gain: 1.0, ringing: None }
 }
 
 #[test]
 fn each_driver_hears_what_it_is_meant_to() {
     let mid = [0.1, 0.2, 0.0, 0.0, 0.9, 0.0, 0.3, 0.4];
     let side = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let bands = Bands { left: &mid, right: &mid, mid: &mid, side: &side, side_gain: 1.0 };
+    let bands = Bands { left: &mid, right: &mid, mid: &mid, side: &side, side_gain: 1.0, ringing: None };
     let at = |driver: Driver, count, confidence| driver.strength(&bands, Beat { count, confidence });
     assert_eq!(at(Driver::Mid, 0.0, 0.0), 0.9);
     assert_eq!(at(Driver::Side, 0.0, 0.0), 1.0);
@@ -62,7 +62,7 @@ fn each_driver_hears_what_it_is_meant_to() {
     assert_eq!(at(Driver::Beat, 4.0, 1.0), 1.0);
     assert_eq!(at(Driver::Beat, 4.5, 1.0), 0.25);
     assert_eq!(at(Driver::Beat, 4.0, 0.0), 0.0);
-    let none = Bands { left: &[], right: &[], mid: &[], side: &[], side_gain: 1.0 };
+    let none = Bands { left: &[], right: &[], mid: &[], side: &[], side_gain: 1.0, ringing: None };
     assert_eq!(Driver::Band { from: 0.0, to: 1.0 }.strength(&none, Beat::default()), 0.0);
 }
 

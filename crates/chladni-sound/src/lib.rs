@@ -42,7 +42,7 @@ pub use error::SoundError;
 pub use player::{
     OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, output_devices,
 };
-pub use spectrum::{FrontEnd, Level, SongSpectrum, Spectrum, SpectrumAnalyser, SpectrumSettings};
+pub use spectrum::{FrontEnd, Hop, Level, SongSpectrum, Spectrum, SpectrumAnalyser, SpectrumSettings};
 pub use tune::{TUNE_BPM, TUNE_RATE_HZ, sample_tune, sample_tune_beats_secs};
 
 /// The lowest sampling rate taken for real.

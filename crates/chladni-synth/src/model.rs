@@ -84,5 +84,5 @@ fn rest(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Rest, SynthErr
 ///
 /// Exactly zero wherever the item does nothing. Fails like [`crate::Synthesizer::synthesize`].
 pub fn displacements_f64(body: &Body, item: &Item) -> Result<Vec<[f64; 3]>, SynthError> {
-    exact::displacements(&body.positions, &body.triangles, &body.basis.vectors, item)
+    exact::displacements(body, item)
 }

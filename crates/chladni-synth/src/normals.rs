@@ -1,10 +1,8 @@
 //! Area-weighted normals of rest shapes, and the rings from which every frame gathers its own.
 
-use crate::SynthError;
+use chladni_mesh::surface::{STAND_IN_NORMAL, vertex_normals};
 
-/// What a vertex gets when its triangles have no area: a direction, so that every normal has
-/// unit length.
-const NO_AREA: [f32; 3] = [0.0, 0.0, 1.0];
+use crate::SynthError;
 
 /// The triangles around each vertex: for triangle (v, a, b), turned so that v comes first, the pair (a, b).
 #[derive(Debug)]
@@ -47,27 +45,17 @@ impl Rings {
 /// Area-weighted unit normals n(v) of N positions: the direction of Σ (a − v) × (b − v) over
 /// the triangles (v, a, b) around v.
 ///
-/// A vertex whose triangles have no area gets (0, 0, 1), so that every normal has unit
-/// length. Fails if a triangle names a vertex that is not there.
+/// A vertex whose triangles have no area gets [`STAND_IN_NORMAL`], so that every normal has unit length.
+///
+/// # Errors
+/// A triangle that names a vertex that is not there.
 pub fn area_weighted_normals(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
 ) -> Result<Vec<[f64; 3]>, SynthError> {
     check_corners(positions.len(), triangles)?;
-    let mut normals = vec![[0.0; 3]; positions.len()];
-    for t in triangles {
-        let [a, b, c] = t.map(|v| positions[v as usize]);
-        let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
-        let w: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
-        let cross = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
-        for &v in t {
-            (0..3).for_each(|i| normals[v as usize][i] += cross[i]);
-        }
-    }
-    for n in &mut normals {
-        let length = n[0].hypot(n[1]).hypot(n[2]);
-        *n = if length > 1e-150 { n.map(|c| c / length) } else { NO_AREA.map(f64::from) };
-    }
+    let mut normals = vertex_normals(positions, triangles);
+    normals.iter_mut().filter(|n| **n == [0.0; 3]).for_each(|n| *n = STAND_IN_NORMAL);
     Ok(normals)
 }
 

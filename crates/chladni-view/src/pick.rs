@@ -1,5 +1,6 @@
 //! Which triangle lies under a pixel: a bounding-volume hierarchy that follows a moving mesh.
 
+use chladni_mesh::surface::{Bounds, BoxTree};
 use glam::Vec3;
 
 /// A half-line; the direction is of length 1.
@@ -45,131 +46,61 @@ impl Hit {
 /// [`refit`](Self::refit) follows the vertices in linear time.
 #[derive(Clone, Debug)]
 pub struct PickTree {
-    nodes: Vec<Node>,
-    /// Triangle indices in the order of the leaves.
-    order: Vec<u32>,
+    tree: BoxTree,
 }
 
-/// An inner node's left child follows it; a leaf covers `order[start..start + count]`.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    low: Vec3,
-    high: Vec3,
-    /// Right child of an inner node, first triangle of a leaf.
-    start: u32,
-    /// Triangles of a leaf, 0 for an inner node.
-    count: u32,
-}
-
-const LEAF: usize = 4;
+/// How much nearer a box is taken to be than it is, as a share: distances of hits are f32.
+const SLACK: f64 = 1e-6;
 
 impl PickTree {
     /// The tree of `triangles` at `positions`. A triangle with an index out of range, or a
     /// coordinate that is not finite, can never be hit.
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
-        let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
-        let centers: Vec<Vec3> = triangles
-            .iter()
-            .map(|t| corners(positions, *t).map_or(Vec3::ZERO, |[a, b, c]| (a + b + c) / 3.0))
-            .map(|c| if c.is_finite() { c } else { Vec3::ZERO })
-            .collect();
-        let mut tree = Self { nodes: Vec::with_capacity(triangles.len().max(1)), order: Vec::new() };
-        if !order.is_empty() {
-            tree.split(&mut order, 0, &centers);
-        }
-        tree.order = order;
-        tree.refit(positions, triangles);
-        tree
-    }
-
-    /// Halves `order` at its median along the widest axis, so that depth is log₂ of the count.
-    fn split(&mut self, order: &mut [u32], first: u32, centers: &[Vec3]) {
-        let node = self.nodes.len();
-        let leaf = order.len() <= LEAF;
-        self.nodes.push(Node {
-            low: Vec3::INFINITY,
-            high: Vec3::NEG_INFINITY,
-            start: first,
-            count: if leaf { order.len() as u32 } else { 0 },
-        });
-        if leaf {
-            return;
-        }
-        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for &t in order.iter() {
-            (low, high) = (low.min(centers[t as usize]), high.max(centers[t as usize]));
-        }
-        let axis = (high - low).max_position();
-        let half = order.len() / 2;
-        order.select_nth_unstable_by(half, |a, b| {
-            centers[*a as usize][axis].total_cmp(&centers[*b as usize][axis])
-        });
-        let (left, right) = order.split_at_mut(half);
-        self.split(left, first, centers);
-        self.nodes[node].start = self.nodes.len() as u32;
-        self.split(right, first + half as u32, centers);
+        let center = |t: &[u32; 3]| {
+            let center = corners(positions, *t).map_or(Vec3::ZERO, |[a, b, c]| (a + b + c) / 3.0);
+            (if center.is_finite() { center } else { Vec3::ZERO }).as_dvec3().to_array()
+        };
+        let centers: Vec<[f64; 3]> = triangles.iter().map(center).collect();
+        Self { tree: BoxTree::new(&centers, |t| bounds(t, positions, triangles)) }
     }
 
     /// Follows the vertices to `positions`; `triangles` are those the tree was built with.
     pub fn refit(&mut self, positions: &[[f32; 3]], triangles: &[[u32; 3]]) {
-        // Children come after their parent.
-        for i in (0..self.nodes.len()).rev() {
-            let node = self.nodes[i];
-            let (low, high) = if node.count == 0 {
-                let (left, right) = (self.nodes[i + 1], self.nodes[node.start as usize]);
-                (left.low.min(right.low), left.high.max(right.high))
-            } else {
-                let leaf = &self.order[node.start as usize..(node.start + node.count) as usize];
-                let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-                for t in leaf.iter().filter_map(|t| triangles.get(*t as usize)) {
-                    for p in corners(positions, *t).into_iter().flatten().filter(|p| p.is_finite()) {
-                        bounds = (bounds.0.min(p), bounds.1.max(p));
-                    }
-                }
-                bounds
-            };
-            (self.nodes[i].low, self.nodes[i].high) = (low, high);
-        }
+        self.tree.fit(|t| bounds(t, positions, triangles));
     }
 
     /// The first triangle on `ray`, from either side. `positions` are those of the last
     /// [`refit`](Self::refit).
     pub fn pick(&self, ray: &Ray, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<Hit> {
         let (origin, direction) = (Vec3::from(ray.origin), Vec3::from(ray.direction));
-        // Finite, so that a ray in the plane of a box's side gives 0 and not 0 · ∞.
-        let inverse = direction.recip().clamp(Vec3::splat(-1e30), Vec3::splat(1e30));
         let sheared = Shear::new(origin, direction);
+        let origin = origin.as_dvec3().to_array();
+        // Finite, so that a ray in the plane of a box's side gives 0 and not 0 · ∞.
+        let inverse = direction.as_dvec3().to_array().map(|d| d.recip().clamp(-1e30, 1e30));
         let mut nearest: Option<Hit> = None;
-        // The median split keeps the depth below 33 for any u32 count.
-        let mut stack = [0_u32; 64];
-        let mut waiting = usize::from(!self.nodes.is_empty());
-        while waiting > 0 {
-            waiting -= 1;
-            let index = stack[waiting] as usize;
-            let node = &self.nodes[index];
-            let limit = nearest.map_or(f32::INFINITY, |hit| hit.distance);
-            if !meets(node, origin, inverse, limit) {
-                continue;
-            }
-            if node.count == 0 {
-                stack[waiting] = node.start;
-                stack[waiting + 1] = index as u32 + 1;
-                waiting += 2;
-                continue;
-            }
-            for &t in &self.order[node.start as usize..(node.start + node.count) as usize] {
-                let Some(at) = triangles.get(t as usize).and_then(|c| corners(positions, *c)) else {
-                    continue;
-                };
-                if let Some((distance, barycentric)) = sheared.meet(at)
+        self.tree.search(
+            f64::INFINITY,
+            |bounds| entry(bounds, origin, inverse),
+            |slot, limit| {
+                let triangle = self.tree.order()[slot];
+                let at = triangles.get(triangle as usize).and_then(|t| corners(positions, *t));
+                if let Some((distance, barycentric)) = at.and_then(|at| sheared.meet(at))
                     && nearest.is_none_or(|hit| distance < hit.distance)
                 {
-                    nearest = Some(Hit { triangle: t, barycentric, distance });
+                    nearest = Some(Hit { triangle, barycentric, distance });
+                    return f64::from(distance);
                 }
-            }
-        }
+                limit
+            },
+        );
         nearest
     }
+}
+
+fn bounds(triangle: u32, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Bounds {
+    let at = triangles.get(triangle as usize).and_then(|t| corners(positions, *t));
+    let finite = at.into_iter().flatten().filter(|p| p.is_finite());
+    Bounds::of(finite.map(|p| p.as_dvec3().to_array()))
 }
 
 fn corners(positions: &[[f32; 3]], triangle: [u32; 3]) -> Option<[Vec3; 3]> {
@@ -177,14 +108,15 @@ fn corners(positions: &[[f32; 3]], triangle: [u32; 3]) -> Option<[Vec3; 3]> {
     Some([at(triangle[0])?, at(triangle[1])?, at(triangle[2])?])
 }
 
-/// Slab test against a box, up to `limit` along the ray.
-fn meets(node: &Node, origin: Vec3, inverse: Vec3, limit: f32) -> bool {
-    let (a, b) = ((node.low - origin) * inverse, (node.high - origin) * inverse);
-    let (enter, leave) = (a.min(b), a.max(b));
-    let enter = enter.x.max(enter.y).max(enter.z).max(0.0);
-    let leave = leave.x.min(leave.y).min(leave.z).min(limit);
-    // Ize, "Robust BVH Ray Traversal", JCGT 2013: the far side is moved by the rounding error.
-    enter <= leave * 1.000_001 + f32::MIN_POSITIVE
+/// How far along the ray a box begins, by its slabs; infinite where the ray misses it.
+fn entry(bounds: &Bounds, origin: [f64; 3], inverse: [f64; 3]) -> f64 {
+    let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
+    for i in 0..3 {
+        let a = (bounds.low[i] - origin[i]) * inverse[i];
+        let b = (bounds.high[i] - origin[i]) * inverse[i];
+        (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
+    }
+    if enter * (1.0 - SLACK) <= leave { enter * (1.0 - SLACK) } else { f64::INFINITY }
 }
 
 /// A ray turned so that it runs along +z, for tests that let nothing through between two

@@ -86,7 +86,7 @@ pub fn folds(ready: &Ready) -> Result<Vec<Folds>, Error> {
                 let mut player = Player::new(&shown.mapping, &ready.dancer, bands, playing)?;
                 let mut item = player.item();
                 let mut worst = |left: &[f32], right: &[f32], mid: &[f32], side: &[f32]| {
-                    let heard = Bands { left, right, mid, side, side_gain: 1.0 };
+                    let heard = Bands { left, right, mid, side, side_gain: 1.0, ringing: None };
                     player.play(&heard, &mut item)?;
                     folded(&item)
                 };

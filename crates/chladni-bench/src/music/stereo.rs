@@ -28,7 +28,7 @@ pub struct Stereo {
 pub fn stereo(ready: &Ready) -> Result<Vec<Stereo>, Error> {
     let mapping = Mapping::direct(&ready.dancer.eigenvalues, SpectrumSettings::new(RATE_HZ).bands);
     let mirror = mirror(&ready.body.positions);
-    let normals = normals(ready);
+    let normals = chladni_mesh::surface::vertex_normals(&ready.body.positions, &ready.body.triangles);
     let mut rows = Vec::new();
     for form in [Form::HalfMask, Form::Modal, Form::Filter] {
         for tone_hz in [110.0, 440.0, 1760.0] {
@@ -83,26 +83,6 @@ fn tone(
     };
     let heard = analyser.analyse(left, right, 1.0);
     ready.displacements(mapping, &bands_of(heard), Playing { form, ..Playing::default() })
-}
-
-/// Area-weighted unit normals of all vertices.
-fn normals(ready: &Ready) -> Vec<[f64; 3]> {
-    let positions = &ready.body.positions;
-    let mut normals = vec![[0.0f64; 3]; positions.len()];
-    for triangle in &ready.body.triangles {
-        let [a, b, c] = triangle.map(|v| positions[v as usize]);
-        let [u, v] = [b, c].map(|p| -> [f64; 3] { std::array::from_fn(|i| p[i] - a[i]) });
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        for v in triangle {
-            let sum = &mut normals[*v as usize];
-            *sum = std::array::from_fn(|i| sum[i] + n[i]);
-        }
-    }
-    for n in &mut normals {
-        let length = n.iter().map(|c| c * c).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
-        *n = n.map(|c| c / length);
-    }
-    normals
 }
 
 /// The vertex at the mirror image of each vertex in x = 0, where there is one.

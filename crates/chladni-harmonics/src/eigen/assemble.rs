@@ -3,12 +3,12 @@
 use chladni_task::Task;
 use rayon::prelude::*;
 
-use super::join::{Entry, Known};
-use super::problem::{Pencil, Problem, ZEROS};
-use super::slicing::{Found, not_certified};
+use super::found::{Entry, Found};
+use super::join::Known;
+use super::problem::Problem;
 use super::tall::{BLOCK, Small, overlaps, residuals, subtract_products, upper_overlaps, write_columns};
 use crate::ldlt::Row;
-use crate::{Basis, Certificate, HarmonicsError, Laplacian, pages};
+use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, pages};
 
 /// Limits that a basis must keep to be handed out.
 const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
@@ -37,7 +37,7 @@ pub(super) fn assemble(
     keep: usize,
     task: &Task,
 ) -> Result<Basis, HarmonicsError> {
-    let zeros = ZEROS.min(keep);
+    let zeros = problem.zeros.min(keep);
     let entries = &known.entries[..keep - zeros];
     let ranges: Vec<&[Entry]> = {
         let mut rest = entries;
@@ -61,7 +61,7 @@ pub(super) fn assemble(
     if certificate.max_relative_residual > MAX_RELATIVE_RESIDUAL
         || certificate.max_orthogonality_error > MAX_ORTHOGONALITY_ERROR
     {
-        return Err(not_certified(format!(
+        return Err(HarmonicsError::not_certified(format!(
             "the relative residual is {:.1e} and the orthogonality error {:.1e}",
             certificate.max_relative_residual, certificate.max_orthogonality_error
         )));

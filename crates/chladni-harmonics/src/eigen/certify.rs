@@ -1,9 +1,7 @@
 //! A second look at a basis, from its numbers alone.
 
 use super::components::Components;
-use super::dense::symmetric_eigen;
-use super::problem::Pencil;
-use super::slicing::not_certified;
+use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, Certificate, HarmonicsError, Operator};
 
 /// Pairs between two counts.
@@ -23,10 +21,10 @@ impl Operator {
     /// A basis of another number of vertices, or no factorization near a count.
     pub fn certify(&self, basis: &Basis) -> Result<Certificate, HarmonicsError> {
         if basis.vertices() != self.vertices() || basis.vectors.len() != self.vertices() * basis.harmonics() {
-            return Err(not_certified("the basis is of another mesh"));
+            return Err(HarmonicsError::not_certified("the basis is of another mesh"));
         }
         let mut certificate =
-            super::certify(Pencil::of(self), self.components(), &basis.eigenvalues, &basis.vectors, true);
+            super::certify(self.pencil(), self.components(), &basis.eigenvalues, &basis.vectors, true);
         certificate.laplacian = self.laplacian;
         certificate.inertia_counts_match = self.counts_match(&basis.eigenvalues)?;
         Ok(certificate)
@@ -58,9 +56,9 @@ impl Operator {
     /// # Errors
     /// The dense solver failed, or the matrix is too large for the memory.
     pub fn dense_eigenvalues(&self) -> Result<Vec<f64>, HarmonicsError> {
-        let matrix = super::dense::symmetrized(Pencil::of(self));
+        let matrix = super::dense::symmetrized(self.pencil());
         let (values, _) = symmetric_eigen(&matrix, faer::Par::Seq)
-            .ok_or_else(|| not_certified("the dense solver failed"))?;
+            .ok_or_else(|| HarmonicsError::not_certified("the dense solver failed"))?;
         Ok(values)
     }
 }

@@ -5,10 +5,9 @@ use rayon::prelude::*;
 use chladni_task::Task;
 
 use super::plan::inertia;
-use super::problem::{Pencil, Problem, Profile, ZEROS};
-use super::slicing::{not_certified, told};
+use super::problem::{Problem, Profile, ZEROS};
 use super::{Solved, cluster_end, or_dense, solve_connected};
-use crate::{Basis, Certificate, HarmonicsError, Operator, SymmetricSparse, pages};
+use crate::{Basis, Certificate, HarmonicsError, Operator, Pencil, SymmetricSparse, pages};
 
 /// Share of the common shift beneath it in which no component has an eigenvalue.
 const GAP: f64 = 1e-6;
@@ -64,10 +63,10 @@ pub(super) fn solve(
             let Component { vertices, stiffness, mass, problem } = component;
             let pencil = Pencil { stiffness: &stiffness, mass: &mass };
             let count = shift.counts[c];
-            let solved = solve_connected(pencil, Some(problem), count, false, &stage, task);
+            let solved = solve_connected(pencil, ZEROS, Some(problem), count, false, &stage, task);
             let solved = or_dense(solved, pencil, ZEROS, count, false)?;
             if solved.basis.eigenvalues.last().is_some_and(|last| *last > shift.sigma) {
-                return Err(not_certified(
+                return Err(HarmonicsError::not_certified(
                     "a component has fewer eigenvalues below a shift than were counted",
                 ));
             }
@@ -164,16 +163,7 @@ impl Components {
                 bracket.guess(target)
             };
         }
-        Err(not_certified("no shift was found that just the lowest eigenvalues lie below"))
-    }
-}
-
-impl Component {
-    /// Gershgorin on M⁻¹ S: no eigenvalue is above the largest sum of sizes in a row. Where nothing off
-    /// the diagonal is above zero that is twice the largest S_vv / a_v; plain cotangents may have more.
-    fn bound(&self) -> f64 {
-        let row = |v: usize| self.stiffness.column(v).map(|(_, s)| s.abs()).sum::<f64>() / self.mass[v];
-        (0..self.mass.len()).map(row).fold(0.0, f64::max)
+        Err(HarmonicsError::not_certified("no shift was found that just the lowest eigenvalues lie below"))
     }
 }
 
@@ -231,13 +221,17 @@ impl Bracket {
 }
 
 impl Component {
+    fn bound(&self) -> f64 {
+        Pencil { stiffness: &self.stiffness, mass: &self.mass }.bound()
+    }
+
     fn count(&self, lambda: f64, profile: &mut Profile) -> Result<usize, HarmonicsError> {
         // That a speck of a component has nothing but its λ = 0 below is seen higher up as well.
         let resolved = RESOLVED * self.problem.largest;
-        if lambda < resolved && inertia(&self.problem, resolved, profile).map_err(told)?.1 == 1 {
+        if lambda < resolved && inertia(&self.problem, resolved, profile)?.1 == 1 {
             return Ok(1);
         }
-        Ok(inertia(&self.problem, lambda, profile).map_err(told)?.1)
+        Ok(inertia(&self.problem, lambda, profile)?.1)
     }
 }
 

@@ -1,17 +1,7 @@
 //! One ascending list of pairs out of many slices, each place in it proven by inertia.
 
 use super::CLUSTER;
-use super::problem::ZEROS;
-use super::slicing::Found;
-
-/// A pair of one slice.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
-    pub value: f64,
-    pub slice: usize,
-    pub run: usize,
-    pub column: usize,
-}
+use super::found::{Entry, Found};
 
 /// The pairs number 1 … `cluster_end` − 1 of the whole problem.
 #[derive(Debug)]
@@ -34,13 +24,13 @@ pub(super) enum Join {
 }
 
 impl Join {
-    /// Joins `slices`; `top` is a λ above all that is wanted and the number of eigenvalues
+    /// Joins `slices` of a problem of whose eigenvalues `zeros` are known beforehand; `top` is a λ above all that is wanted and the number of eigenvalues
     /// below it, once it is known.
-    pub(super) fn of(slices: &[Found], harmonics: usize, top: Option<(f64, usize)>) -> Self {
+    pub(super) fn of(slices: &[Found], zeros: usize, harmonics: usize, top: Option<(f64, usize)>) -> Self {
         let sides: Vec<(Vec<Entry>, Vec<Entry>)> =
             slices.iter().enumerate().map(|(s, found)| found.sides(s)).collect();
         let (Some(first), Some(last)) = (sides.first(), sides.last()) else { return Self::NeedsMore };
-        if ZEROS + first.0.len() != slices[0].below_shift {
+        if zeros + first.0.len() != slices[0].below_shift {
             return Self::Missing(0, 0);
         }
         let mut entries = first.0.clone();
@@ -57,8 +47,8 @@ impl Join {
             }
         }
         entries.extend(&last.1);
-        let value = |index: usize| index.checked_sub(ZEROS).map_or(0.0, |i| entries[i].value);
-        let known = ZEROS + entries.len();
+        let value = |index: usize| index.checked_sub(zeros).map_or(0.0, |i| entries[i].value);
+        let known = zeros + entries.len();
         let Some(cluster_end) = (harmonics..known).find(|&e| value(e) - value(e - 1) > CLUSTER * value(e))
         else {
             return Self::NeedsMore;
@@ -69,44 +59,11 @@ impl Join {
                 if count != cluster_end {
                     return Self::Missing(slices.len() - 1, slices.len() - 1);
                 }
-                entries.truncate(cluster_end - ZEROS);
+                entries.truncate(cluster_end - zeros);
                 Self::Whole(Known { entries, cluster_end })
             }
             _ => Self::NeedsCount(0.5 * (below + above)),
         }
-    }
-}
-
-impl Found {
-    /// Of the top slice: the middle of the first gap at or above K, where [`Join::of`] will
-    /// ask for a count.
-    pub fn gap_above(&self, harmonics: usize) -> Option<f64> {
-        if !self.slice.top {
-            return None;
-        }
-        let (_, above) = self.sides(0);
-        let from = harmonics.checked_sub(self.below_shift)?.max(1);
-        (from..above.len())
-            .map(|i| (above[i - 1].value, above[i].value))
-            .find(|(below, above)| above - below > CLUSTER * above)
-            .map(|(below, above)| 0.5 * (below + above))
-    }
-
-    /// The pairs below and above the shift, each ascending.
-    fn sides(&self, slice: usize) -> (Vec<Entry>, Vec<Entry>) {
-        let mut all: Vec<Entry> = Vec::new();
-        for (run, pairs) in self.runs.iter().enumerate() {
-            all.extend(pairs.values.iter().enumerate().map(|(column, &value)| Entry {
-                value,
-                slice,
-                run,
-                column,
-            }));
-        }
-        all.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let split = all.partition_point(|e| e.value < self.slice.shift);
-        let above = all.split_off(split);
-        (all, above)
     }
 }
 

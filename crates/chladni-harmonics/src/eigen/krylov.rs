@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use faer::{Mat, Par};
 
-use super::dense::symmetric_eigen;
-use super::lanczos::{Pairs, Reach, Window};
 use super::problem::{Problem, Profile};
 use super::tall::{BLOCK, Blocks, Small, overlaps, subtract_products};
+use super::window::{Pairs, Reach, Window};
 use crate::ldlt::Row;
+use crate::symmetric_eigen::symmetric_eigen;
 
 /// Numbers of blocks at which Ritz vectors are selected, when about so many have converged,
 /// and how many blocks of them.

@@ -2,60 +2,13 @@
 
 use std::time::Instant;
 
-use chladni_task::{Cancelled, Task};
+use chladni_task::Task;
 
 use super::krylov::{Krylov, subtract_projections};
 use super::problem::{Problem, Profile};
-use super::tall::{BLOCK, Blocks, Dependence, Small, orthonormalize};
+use super::tall::{BLOCK, Dependence, Small, orthonormalize};
+use super::window::{Pairs, Stopped, Window};
 use crate::ldlt::{Factor, Row, Workspace};
-
-/// How far a run must go on one side of its shift.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Reach {
-    /// Everything up to this eigenvalue, and the first pair beyond it, must converge.
-    Beyond(f64),
-    /// This many pairs must converge.
-    Count(usize),
-}
-
-/// What one run has to find around its shift.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Window {
-    pub below: Reach,
-    pub above: Reach,
-    /// Zero lies in the window: its eigenvectors, which are known, are kept out of the space.
-    pub from_zero: bool,
-    /// How wide the window is in λ.
-    pub width: f64,
-    /// How many pairs are expected, which only decides when to look first.
-    pub expected: usize,
-}
-
-/// Converged pairs nearest to a shift, none left out on either side as far as Lanczos can tell.
-#[derive(Debug, Default)]
-pub(super) struct Pairs {
-    /// Eigenvalues, ascending.
-    pub values: Vec<f64>,
-    /// Their orthonormal vectors, BLOCK to a block in the order of `values`; the last block
-    /// is filled up with zeros.
-    pub blocks: Blocks,
-}
-
-/// Why a run stopped without its pairs.
-#[derive(Debug)]
-pub(super) enum Stopped {
-    Cancelled,
-    /// The shift is too close to an eigenvalue, or the factorization lost its precision.
-    BadShift,
-    /// The space was used up before the window had converged.
-    Exhausted,
-}
-
-impl From<Cancelled> for Stopped {
-    fn from(_: Cancelled) -> Self {
-        Self::Cancelled
-    }
-}
 
 /// What one more block divides the residuals by, at the end of a window (between 3.6 and 4.2
 /// wherever it was measured).

@@ -4,6 +4,8 @@ mod assemble;
 mod certify;
 mod components;
 mod dense;
+mod found;
+mod given;
 mod join;
 mod krylov;
 mod lanczos;
@@ -12,15 +14,16 @@ mod polish;
 mod problem;
 mod slicing;
 mod tall;
+mod window;
 
 use std::time::Instant;
 
 use chladni_task::{Stage, Task};
 
-pub(crate) use dense::symmetric_eigen;
-use problem::{Pencil, Problem, ZEROS};
+pub(crate) use given::solve as solve_given;
+use problem::{Problem, ZEROS};
 
-use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, SolveProfile, canonical};
+use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, Pencil, SolveProfile, canonical};
 
 /// Up to this many vertices a dense solve is quicker than slices.
 const DENSE: usize = 300;
@@ -51,12 +54,12 @@ pub(crate) fn solve(
         return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices: n });
     }
     task.check()?;
-    let pencil = Pencil::of(operator);
+    let pencil = operator.pencil();
     let solved = if operator.components() > 1 {
         components::solve(operator, harmonics, true, task)
     } else {
         let stage = task.stage("harmonics", harmonics as u64);
-        solve_connected(pencil, None, harmonics, true, &stage, task)
+        solve_connected(pencil, ZEROS, None, harmonics, true, &stage, task)
     };
     let mut solved = or_dense(solved, pencil, operator.components(), harmonics, true)?;
     canonical::choose(&mut solved.basis, &operator.positions, &operator.stiffness);
@@ -85,10 +88,11 @@ fn or_dense(
     }
 }
 
-/// Solves for the first `harmonics` pairs of a connected surface; `problem` is made if need be.
-/// The stage counts pairs.
+/// Solves for the first `harmonics` pairs of a connected surface, or of a given pencil without `zeros`;
+/// `problem` is made if need be. The stage counts pairs.
 fn solve_connected(
     pencil: Pencil,
+    zeros: usize,
     problem: Option<Problem>,
     harmonics: usize,
     whole_clusters: bool,
@@ -97,12 +101,12 @@ fn solve_connected(
 ) -> Result<Solved, HarmonicsError> {
     let n = pencil.mass.len();
     task.check()?;
-    if harmonics == 1 {
+    if harmonics == 1 && zeros == ZEROS {
         stage.advance(1);
         return Ok(constant(pencil));
     }
     if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
-        let solved = dense::solve(pencil, ZEROS, harmonics, whole_clusters)?;
+        let solved = dense::solve(pencil, zeros, harmonics, whole_clusters)?;
         // Where slivers make the largest eigenvalues huge, slices know the lowest better.
         if n > DENSE || harmonics * 2 > n || solved.basis.certificate.is_precise() {
             stage.advance(harmonics as u64);

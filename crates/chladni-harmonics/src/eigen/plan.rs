@@ -3,8 +3,8 @@
 use chladni_task::Task;
 use rayon::prelude::*;
 
-use super::lanczos::Stopped;
-use super::problem::{Problem, Profile, ZEROS};
+use super::problem::{Problem, Profile};
+use super::window::Stopped;
 use crate::ldlt::{Factor, Workspace};
 
 /// Eigenpairs per slice that are aimed at.
@@ -43,12 +43,13 @@ pub(super) fn plan(
     profile: &mut Profile,
     task: &Task,
 ) -> Result<Vec<(Slice, Option<Factor>)>, Stopped> {
+    let zeros = problem.zeros;
     // Two more than asked for, so that the top slice has pairs on both sides of λ_K.
-    let wanted = (harmonics.max(ZEROS) + 2) as f64;
-    let slices = (harmonics.saturating_sub(ZEROS).div_ceil(PER_SLICE)).max(1);
+    let wanted = (harmonics.max(zeros) + 2) as f64;
+    let slices = (harmonics.saturating_sub(zeros).div_ceil(PER_SLICE)).max(1);
     let slices = if slices > 2 { slices.next_multiple_of(4) } else { slices };
-    let step = (wanted - ZEROS as f64) / slices as f64;
-    let mut counting = Counting(vec![(0.0, ZEROS as f64)]);
+    let step = (wanted - zeros as f64) / slices as f64;
+    let mut counting = Counting(vec![(0.0, zeros as f64)]);
     if slices <= KEPT {
         // Weyl's law is often so close that slices can start where it says.
         let shifts: Vec<f64> = (0..slices).map(|i| weyl(problem, step * (i as f64 + 0.5))).collect();
@@ -59,20 +60,20 @@ pub(super) fn plan(
     }
     count(problem, &mut counting, wanted, profile, task)?;
     let at = |count: f64| counting.inverse(count);
-    let mut bounds: Vec<f64> = (0..=slices).map(|i| at(ZEROS as f64 + step * i as f64)).collect();
+    let mut bounds: Vec<f64> = (0..=slices).map(|i| at(zeros as f64 + step * i as f64)).collect();
     bounds[0] = 0.0;
     let mut below = vec![None; slices + 1];
     if counting.roughness() > CLUMPED * step {
         // A run that has to go on until it has a pair beyond each end would have to resolve whole
         // clumps beyond them, at twice the cost: it is told how many there are instead.
-        let mut counted = Counting(vec![(0.0, ZEROS as f64)]);
+        let mut counted = Counting(vec![(0.0, zeros as f64)]);
         sample(problem, &bounds[1..slices], &mut counted, profile)?;
         counted.0.push((bounds[slices], wanted));
         below = counted.0.iter().map(|&(_, count)| Some(count as usize)).collect();
     }
     Ok((0..slices)
         .map(|i| {
-            let shift = at(ZEROS as f64 + step * (i as f64 + 0.5));
+            let shift = at(zeros as f64 + step * (i as f64 + 0.5));
             let (low, high, ends) = (bounds[i], bounds[i + 1], below[i].zip(below[i + 1]));
             let expected = ends.map_or(step.ceil() as usize, |(low, high)| high.saturating_sub(low));
             (Slice { shift, low, high, expected, ends, top: i + 1 == slices }, None)

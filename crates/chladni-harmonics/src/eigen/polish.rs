@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::lanczos::Pairs;
 use super::problem::{Problem, Profile};
 use super::tall::{BLOCK, Blocks, Small, overlaps, subtract_products};
+use super::window::Pairs;
 use crate::ldlt::{Factor, Row, Workspace};
 
 /// Rows of the new pairs that one thread makes at a time.
@@ -57,7 +57,7 @@ fn project(problem: &Problem, pairs: &Pairs, images: &Blocks, sigma: f64) -> Opt
     let root =
         faer::Mat::from_fn(count, count, |i, j| 1.5 * f64::from(u8::from(i == j)) - 0.5 * gram[(i, j)]);
     let projected = &root * symmetric(&side_by_side(&ys)) * &root;
-    let (thetas, z) = super::dense::symmetric_eigen(&projected, faer::Par::Seq)?;
+    let (thetas, z) = crate::symmetric_eigen::symmetric_eigen(&projected, faer::Par::Seq)?;
     let z = root * z;
     if thetas.iter().any(|theta| theta.is_nan() || *theta <= 0.0) {
         return None;

@@ -2,27 +2,14 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::lanczos::Window;
 use super::tall::Blocks;
+use super::window::Window;
 use crate::ldlt::{Row, Symbolic, nested_dissection};
-use crate::{Operator, SolveProfile, SymmetricSparse, pages};
+use crate::{Pencil, SolveProfile, SymmetricSparse, pages};
 
 /// Spare blocks that are given out at once where they make up large pages; smaller ones are given
 /// out one by one, which was 6 to 12 % quicker with 3,000 to 5,000 vertices and four threads.
 const AT_ONCE: usize = 8;
-
-/// S and the diagonal of M of a connected surface: S h = λ M h is to be solved.
-#[derive(Clone, Copy)]
-pub(super) struct Pencil<'a> {
-    pub stiffness: &'a SymmetricSparse,
-    pub mass: &'a [f64],
-}
-
-impl<'a> Pencil<'a> {
-    pub(super) fn of(operator: &'a Operator) -> Self {
-        Self { stiffness: &operator.stiffness, mass: &operator.mass }
-    }
-}
 
 /// How many eigenvalues of a connected surface are exactly 0: its vector is √a.
 pub(super) const ZEROS: usize = 1;
@@ -36,7 +23,10 @@ pub(super) struct Problem {
     pub root_mass: Vec<f64>,
     /// a of each vertex, permuted.
     pub mass: Vec<f64>,
-    /// Σ a.
+    /// How many eigenvalues are exactly 0 and known beforehand: [`ZEROS`] of a surface, none of a pencil that was
+    /// given.
+    pub zeros: usize,
+    /// Σ a of a surface; else that of a surface whose eigenvalues are as dense.
     pub area: f64,
     /// The largest A_vv.
     pub largest: f64,
@@ -57,12 +47,26 @@ impl Problem {
         Self {
             symbolic,
             root_mass: mass.iter().map(|a| a.sqrt()).collect(),
+            zeros: ZEROS,
             area: mass.iter().sum(),
             mass,
             largest: matrix.largest_diagonal(),
             matrix,
             spare: Mutex::default(),
         }
+    }
+
+    /// The problem of a pencil of which nothing is known.
+    pub(super) fn given(pencil: Pencil) -> Self {
+        Self { zeros: 0, ..Self::of(pencil) }
+    }
+
+    /// Adds `lift` to all eigenvalues, whose mean distance it is about.
+    pub(super) fn lift(&mut self, lift: f64) {
+        self.matrix = self.matrix.plus_diagonal(&vec![1.0; self.mass.len()], lift);
+        self.largest += lift;
+        // Weyl's law, the other way round.
+        self.area = 4.0 * std::f64::consts::PI / lift;
     }
 
     /// A few blocks of n rows with anything in them.
@@ -94,7 +98,7 @@ impl Problem {
     /// Where the window reaches down to zero: makes each column orthogonal to the vector of
     /// λ = 0.
     pub(super) fn remove_constants(&self, from_zero: bool, x: &mut [Row]) {
-        if !from_zero {
+        if !from_zero || self.zeros == 0 {
             return;
         }
         let mut sums = [0.0; 8];

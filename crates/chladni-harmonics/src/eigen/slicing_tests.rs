@@ -1,7 +1,11 @@
 //! Faults planted into solved slices are found by their counts and mended.
 
+use super::super::found::{largest_residual, quiet_place};
+use super::super::polish::polish;
+use super::super::window::Pairs;
 use super::*;
 use crate::Operator;
+use crate::ldlt::Factor;
 use chladni_mesh::TriMesh;
 
 #[path = "../../tests/shapes/mod.rs"]
@@ -32,7 +36,7 @@ fn torus(around: u32, across: u32) -> TriMesh {
 
 fn solved(operator: &Operator, harmonics: usize) -> (Problem, Vec<Found>) {
     let (task, mut profile) = (Task::new(), Profile::default());
-    let problem = Problem::of(Pencil::of(operator));
+    let problem = Problem::of(operator.pencil());
     let slices = plan(&problem, harmonics, &mut profile, &task).unwrap();
     let found = slices
         .into_iter()
@@ -57,7 +61,7 @@ fn a_pair_that_is_missing_or_doubled_in_a_slice_is_noticed_and_mended() {
         let (problem, mut found) = solved(&operator, harmonics);
         let (task, mut profile) = (Task::new(), Profile::default());
         plant(&mut found);
-        assert_eq!(mends, matches!(Join::of(&found, harmonics, None), Join::Missing(..)));
+        assert_eq!(mends, matches!(Join::of(&found, 1, harmonics, None), Join::Missing(..)));
         let known = mend(&problem, &mut found, harmonics, &mut profile, &task).unwrap();
         for (value, exact) in values(&known).iter().zip(&exact[1..]) {
             assert!((value - exact).abs() < 1e-9 * exact, "{value} for {exact}");
@@ -96,7 +100,7 @@ fn a_doubled_pair_is_never_certified() {
     let pairs = &mut found[0].runs[0];
     let twice = pairs.values[3];
     pairs.values.insert(3, twice);
-    assert!(matches!(Join::of(&found, 100, None), Join::Missing(..)));
+    assert!(matches!(Join::of(&found, 1, 100, None), Join::Missing(..)));
     let mended = mend(&problem, &mut found, 100, &mut Profile::default(), &Task::new());
     assert!(mended.is_err());
 }
@@ -127,7 +131,7 @@ fn polishing_takes_rough_errors_out_of_the_lowest_pairs() {
 fn where_eigenvalues_come_in_clumps_slices_know_how_many_are_theirs() {
     let ends = |mesh: &TriMesh| {
         let operator = Operator::of(mesh).unwrap();
-        let problem = Problem::of(Pencil::of(&operator));
+        let problem = Problem::of(operator.pencil());
         let exact = operator.dense_eigenvalues().unwrap();
         let slices = plan(&problem, 200, &mut Profile::default(), &Task::new()).unwrap();
         for (slice, _) in &slices {

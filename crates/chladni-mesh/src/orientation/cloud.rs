@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-use crate::geometry::{Vec3, add, corners, dot, doubled_area_normal, length, scaled, sub};
+use crate::surface::vec3::{Vec3, add, dot, length, scaled, sub};
+use crate::surface::{corners, doubled_area_normal};
 
 /// A surface as points of equal area, centred at its centroid and scaled to a diagonal of 1.
 pub(super) struct Cloud {
@@ -54,7 +55,7 @@ impl Cloud {
                 t += 1;
             }
             let at = corners(positions, &triangles[t]);
-            let normal = crate::geometry::unit(doubled_area_normal(at));
+            let normal = crate::surface::vec3::unit(doubled_area_normal(at));
             let point = placed(within(at, i));
             outward += dot(normal, point);
             points.push(point);

@@ -9,7 +9,7 @@ use super::cloud::Cloud;
 use super::evidence::{base, detail, is_shallow, opening, overhang, rotated};
 use super::likeness::{Likeness, likenesses};
 use super::{Axis, Orientation};
-use crate::geometry::{Vec3, cross, dot, length, scaled, sub, unit};
+use crate::surface::vec3::{Vec3, cross, dot, length, scaled, sub, unit};
 use crate::{MirrorPlane, MirrorSearch, TriMesh, weld};
 
 /// What speaks most for an orientation.

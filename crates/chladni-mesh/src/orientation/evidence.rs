@@ -1,7 +1,7 @@
 //! What a surface tells about how it stands, each on a scale of its own.
 
 use super::cloud::Cloud;
-use crate::geometry::{Vec3, cross, dot, length, scaled, unit};
+use crate::surface::vec3::{Vec3, cross, dot, length, scaled, unit};
 
 /// What the shape rests on in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::cloud::Cloud;
-use crate::geometry::{Vec3, add, dot, scaled, sub};
 use crate::samples::coarse_template;
+use crate::surface::vec3::{Vec3, add, dot, scaled, sub};
 
 /// Where the sample head came to lie.
 #[derive(Clone, Copy, Debug, PartialEq)]

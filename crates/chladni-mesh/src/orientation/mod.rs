@@ -11,7 +11,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::MeshError;
-use crate::geometry::{Vec3, cross, dot, length, scaled, sub, unit};
+use crate::surface::vec3::{Vec3, cross, dot, length, scaled, sub, unit};
 pub use estimate::{Estimate, Evidence, Known};
 
 /// A direction along an axis of the file's coordinates.

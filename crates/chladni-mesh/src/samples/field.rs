@@ -1,6 +1,6 @@
 //! Solids as signed distance functions: negative inside, about the distance near the surface.
 
-use crate::geometry::{Vec3, add, dot, length, scaled, sub};
+use crate::surface::vec3::{Vec3, add, dot, length, scaled, sub};
 
 /// Distance to a sphere.
 pub(crate) fn sphere(p: Vec3, center: Vec3, r: f64) -> f64 {

@@ -3,7 +3,7 @@
 use super::field::{carve, common, ellipsoid, join, rod, sphere, turned};
 use super::surface_nets::{Grid, surface};
 use crate::TriMesh;
-use crate::geometry::Vec3;
+use crate::surface::vec3::Vec3;
 
 /// What tells one face from another. Lengths in units of half a head's height.
 struct Features {

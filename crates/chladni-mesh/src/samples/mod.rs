@@ -51,7 +51,8 @@ mod tests {
     }
 
     fn narrowest_angle(mesh: &TriMesh, triangle: &[u32; 3]) -> f64 {
-        use crate::geometry::{corners, dot, sub, unit};
+        use crate::surface::corners;
+        use crate::surface::vec3::{dot, sub, unit};
         let p = corners(&mesh.positions, triangle);
         let angle = |i: usize| {
             let (u, v) = (unit(sub(p[(i + 1) % 3], p[i])), unit(sub(p[(i + 2) % 3], p[i])));
@@ -73,7 +74,8 @@ mod tests {
             let around = (-1..=1)
                 .flat_map(|a| (-1..=1).flat_map(move |b| (-1..=1).map(move |c| [i + a, j + b, k + c])));
             let near = around.filter_map(|cell| cells.get(&cell));
-            near.map(|q| crate::geometry::length(crate::geometry::sub(*q, image))).fold(1.0, f64::min)
+            near.map(|q| crate::surface::vec3::length(crate::surface::vec3::sub(*q, image)))
+                .fold(1.0, f64::min)
         };
         mesh.positions.iter().map(distance).fold(0.0, f64::max)
     }

@@ -3,7 +3,7 @@
 use super::field::{carve, ellipsoid, join, rod, sphere, turned};
 use super::surface_nets::{Grid, surface};
 use crate::TriMesh;
-use crate::geometry::{Vec3, length, sub};
+use crate::surface::vec3::{Vec3, length, sub};
 
 /// Rods that an arm is made of.
 const JOINTS: usize = 18;

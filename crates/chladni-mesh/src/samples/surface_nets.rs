@@ -8,7 +8,8 @@ use rayon::prelude::*;
 
 use super::field::gradient;
 use crate::TriMesh;
-use crate::geometry::{Vec3, add, dot, doubled_area_normal, length, scaled, sub, unit};
+use crate::surface::doubled_area_normal;
+use crate::surface::vec3::{Vec3, add, dot, length, scaled, sub, unit};
 
 /// A box of space, mirrored in x = 0, in cells that grow away from its center.
 pub(crate) struct Grid {

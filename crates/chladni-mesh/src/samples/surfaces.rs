@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use crate::TriMesh;
-use crate::geometry::{add, unit};
+use crate::surface::vec3::{add, unit};
 
 fn mesh(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> TriMesh {
     TriMesh { positions, triangles, ..TriMesh::default() }
@@ -35,8 +35,8 @@ pub fn icosphere(subdivisions: u32) -> TriMesh {
             for c in b + 1..12 {
                 if near(a, b) && near(b, c) && near(c, a) {
                     let [p, q, r] = [a, b, c].map(|v| positions[v]);
-                    let n = crate::geometry::doubled_area_normal([p, q, r]);
-                    let outward = crate::geometry::dot(n, p) > 0.0;
+                    let n = crate::surface::doubled_area_normal([p, q, r]);
+                    let outward = crate::surface::vec3::dot(n, p) > 0.0;
                     triangles.push(if outward { [a, b, c] } else { [a, c, b] }.map(|v| v as u32));
                 }
             }

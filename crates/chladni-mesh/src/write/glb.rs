@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use serde_json::{Value, json};
 
 use super::{check, narrowed};
-use crate::geometry::{add, corners, doubled_area_normal, unit};
-use crate::weld::places;
+use crate::surface::vec3::add;
+use crate::surface::{STAND_IN_NORMAL, places, vertex_normals};
 use crate::{CornerUvs, Format, MeshError, TriMesh};
 
 /// A named deformation that viewers offer as a slider from 0 (rest) to 1.
@@ -171,20 +171,11 @@ fn vertex_data(
     Ok((attributes, morphs))
 }
 
-/// Unit normals that are one where vertices coincide at rest; upward where there is none.
+/// Unit normals that are one where vertices coincide at rest.
 fn smooth_normals(place: &[u32], positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
-    let mut sums = vec![[0.0; 3]; positions.len()];
-    for triangle in triangles {
-        let n = doubled_area_normal(corners(positions, triangle));
-        for &v in triangle {
-            let v = place[v as usize] as usize;
-            sums[v] = add(sums[v], n);
-        }
-    }
-    let normal = |&v: &u32| {
-        let n = unit(sums[v as usize]);
-        if n == [0.0; 3] { [0.0, 1.0, 0.0] } else { n }
-    };
+    let seamless: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| place[v as usize])).collect();
+    let normals = vertex_normals(positions, &seamless);
+    let normal = |&v: &u32| Some(normals[v as usize]).filter(|n| *n != [0.0; 3]).unwrap_or(STAND_IN_NORMAL);
     place.iter().map(normal).collect()
 }
 

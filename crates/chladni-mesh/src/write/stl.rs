@@ -1,7 +1,8 @@
 //! Binary STL.
 
 use super::narrowed;
-use crate::geometry::{corners, doubled_area_normal, unit};
+use crate::surface::vec3::unit;
+use crate::surface::{corners, doubled_area_normal};
 use crate::{Format, MeshError, TriMesh};
 
 /// The bytes of `mesh`: its triangles and their normals, nothing else.

@@ -1,16 +1,16 @@
 //! `chladni basis`: the harmonics of a mesh as numbers.
 
-use std::io;
 use std::path::PathBuf;
 
+use chladni_harmonics::npz::{write_basis, write_operator};
 use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError, Laplacian, Operator};
+use chladni_mesh::{ShapeSource, weld};
 use serde::Serialize;
 
 use super::Terminal;
 use crate::work::body::{basis_cache, laplacian};
-use crate::work::npz::{Npz, write_npz};
 use crate::work::outputs::check_file;
-use crate::work::{Error, Warning, Watcher, source};
+use crate::work::{Error, Warning, Watcher};
 
 /// Solve for the harmonics of a mesh and write them for NumPy.
 #[derive(clap::Args)]
@@ -63,7 +63,7 @@ impl Args {
     /// Solves, writes what was asked for, and reports.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         [&self.output, &self.operator].into_iter().flatten().try_for_each(|path| check_file(path))?;
-        let loaded = source::loaded(&source::shape_source(&self.mesh))?;
+        let loaded = ShapeSource::named(&self.mesh).load(None)?;
         let named = |error: HarmonicsError| Error::from(error).of(self.mesh.display());
         let settings = BasisSettings {
             laplacian: laplacian(self.paper),
@@ -72,11 +72,20 @@ impl Args {
             ..BasisSettings::new(self.harmonics)
         };
         let cache = if self.no_cache { None } else { basis_cache() };
+        let (harmonics, vertices) = (self.harmonics, weld(&loaded.mesh).positions.len());
+        if harmonics > vertices && vertices > 0 {
+            return Err(named(HarmonicsError::BadHarmonicCount { harmonics, vertices }));
+        }
+        let wanted = self.operator.is_some().then(|| Operator::with(&loaded.mesh, settings.laplacian));
+        let operator = wanted.transpose().map_err(named)?;
         let (body, report) = terminal
-            .watch("harmonics", |task| Body::load_or_build(&loaded.mesh, &settings, cache.as_ref(), task))
+            .watch("harmonics", |task| match &operator {
+                Some(operator) => Body::of_operator(&loaded.mesh, operator, &settings, cache.as_ref(), task),
+                None => Body::load_or_build(&loaded.mesh, &settings, cache.as_ref(), task),
+            })
             .map_err(named)?;
         for warning in report.warnings(&body.basis.certificate) {
-            terminal.warn(Warning::Told(warning));
+            terminal.warn(Warning::Told(warning.to_string()));
         }
         if report.fell_back_to_dense {
             terminal.warn(Warning::Told(
@@ -89,12 +98,11 @@ impl Args {
                 self.harmonics - 1
             )));
         }
-        if let Some(path) = &self.operator {
-            let operator = Operator::with(&loaded.mesh, settings.laplacian).map_err(named)?;
-            write_npz(path, |npz| write_operator(npz, &operator)).map_err(|e| Error::unwritten(path, e))?;
+        if let (Some(path), Some(operator)) = (&self.operator, &operator) {
+            write_operator(path, operator).map_err(|e| Error::unwritten(path, e))?;
         }
         if let Some(path) = &self.output {
-            write_npz(path, |npz| write_basis(npz, &body)).map_err(|e| Error::unwritten(path, e))?;
+            write_basis(path, &body).map_err(|e| Error::unwritten(path, e))?;
         }
         self.report(terminal, &body, &report)
     }
@@ -128,27 +136,4 @@ impl Args {
         ))?;
         [&self.output, &self.operator].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
     }
-}
-
-/// Working units back to the file's: lengths by 1/s, so areas by 1/s², eigenvalues by s² and
-/// harmonics, which are orthonormal under the areas, by s.
-fn write_basis(npz: &mut Npz<'_, '_>, body: &Body) -> io::Result<()> {
-    let basis = &body.basis;
-    let (n, k) = (basis.vertices() as u64, basis.harmonics() as u64);
-    let s = body.frame.scale;
-    npz.array("eigenvalues", &[k], basis.eigenvalues.iter().map(|l| l * s * s))?;
-    npz.array("mass", &[n], basis.mass.iter().map(|a| a / (s * s)))?;
-    let rows = body.operator_vertex.iter().map(|v| v.map_or(-1, i64::from));
-    npz.array("operator_vertex", &[body.operator_vertex.len() as u64], rows)?;
-    npz.columns("eigenvectors", [n, k], basis.vectors.iter().map(|h| h * s))
-}
-
-fn write_operator(npz: &mut Npz<'_, '_>, operator: &Operator) -> io::Result<()> {
-    let stiffness = &operator.stiffness;
-    let (n, entries) = (stiffness.size() as u64, stiffness.values.len() as u64);
-    npz.array("indices", &[entries], stiffness.rows.iter().map(|&r| i64::from(r)))?;
-    npz.array("indptr", &[n + 1], stiffness.column_starts.iter().map(|&c| c as i64))?;
-    npz.word("format", "csc")?;
-    npz.array("shape", &[2], [n as i64, n as i64])?;
-    npz.array("data", &[entries], stiffness.values.iter().copied())
 }

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use chladni_mesh::{Estimate, HealthReport, Known, Topology};
+use chladni_mesh::{Estimate, HealthReport, Known, ShapeSource, Topology};
 use serde::Serialize;
 
 use super::Terminal;
-use crate::work::{Error, Warning, Watcher, source};
+use crate::work::{Error, Warning, Watcher};
 
 /// Report what a mesh file holds and how sound it is.
 #[derive(clap::Args)]
@@ -40,7 +40,7 @@ impl Info {
     /// Prints the report.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let (report, mended, found) = terminal.watch("reading the mesh", |task| {
-            let loaded = source::loaded(&source::shape_source(&self.mesh))?;
+            let loaded = ShapeSource::named(&self.mesh).load(None)?;
             let mended: Vec<String> = loaded.mended.iter().map(ToString::to_string).collect();
             let found = Estimate::of(&loaded.mesh, Known::default(), task)?;
             Ok::<_, Error>((loaded.health(), mended, found))

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Instant;
 
-use chladni_caricature::GivenEllipsoid;
-use chladni_harmonics::{BasisSettings, Body};
+use chladni_caricature::{GivenEllipsoid, self_low_passed};
+use chladni_harmonics::npz::write_npz;
+use chladni_harmonics::{BasisSettings, Body, HarmonicsError};
 use chladni_match::{
     Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, load_landmarks, match_shapes,
-    onto_ellipsoid, self_low_passed, self_scaled,
+    onto_ellipsoid, self_scaled,
 };
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
@@ -17,7 +18,6 @@ use serde::Serialize;
 
 use super::Terminal;
 use super::layer_options::scaling;
-use crate::work::npz::write_npz;
 use crate::work::outputs::{check_file, check_picture};
 use crate::work::{Error, Stance, Warning, Watcher, source};
 
@@ -163,10 +163,14 @@ impl MatchShapes {
             How::SelfScaled(scale) => alone(self_scaled(shape, scale)),
             How::SelfLowPassed(k0) => {
                 // The constants of all pieces count as one harmonic.
-                let pieces = HealthReport::of(shape).welded.topology.components;
+                let welded = HealthReport::of(shape).welded;
+                let (pieces, vertices) = (welded.topology.components, welded.vertices);
                 let harmonics = k0.max(1).saturating_add(pieces.saturating_sub(1));
+                if harmonics > vertices {
+                    return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices }.into());
+                }
                 let body = Body::build(shape, &BasisSettings::new(harmonics), task)?;
-                alone(self_low_passed(&body, &shape.positions, k0))
+                alone(Ok(self_low_passed(&body, &shape.positions, k0)?))
             }
         }
     }
@@ -183,8 +187,8 @@ fn save(path: &Path, found: &Correspondence) -> std::io::Result<()> {
     let n = found.vertices() as u64;
     write_npz(path, |npz| {
         if let Some(on) = &found.on_template {
-            npz.array("triangle", &[n], on.triangle.iter().copied())?;
-            npz.array("barycentric", &[n, 3], on.barycentric.iter().flatten().copied())?;
+            npz.array("triangle", &[n], on.iter().map(|on| on.triangle))?;
+            npz.array("barycentric", &[n, 3], on.iter().flat_map(|on| on.weights))?;
         }
         npz.array("point", &[n, 3], found.point.iter().flatten().copied())?;
         npz.array("confidence", &[n], found.confidence.iter().copied())?;

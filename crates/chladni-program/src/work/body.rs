@@ -1,6 +1,6 @@
 //! Shapes with their harmonics.
 
-use chladni_harmonics::{BasisCache, BasisSettings, Body, BuildReport, HarmonicsError, Laplacian};
+use chladni_harmonics::{BasisCache, BasisSettings, BasisWarning, Body, BuildReport, Laplacian};
 use chladni_mesh::TriMesh;
 
 use super::{Error, Warning, Watcher};
@@ -32,22 +32,17 @@ pub fn build(
     watcher: &impl Watcher,
 ) -> Result<(Body, BuildReport), Error> {
     let cache = basis_cache();
-    let solve = |harmonics| {
-        let settings = BasisSettings { laplacian, ..BasisSettings::new(harmonics) };
-        watcher
-            .watch("solving for harmonics", |task| Body::load_or_build(mesh, &settings, cache.as_ref(), task))
-    };
-    let built = match solve(harmonics) {
-        // There is one for each vertex that is left when seams are welded.
-        Err(HarmonicsError::BadHarmonicCount { vertices, .. }) if (1..harmonics).contains(&vertices) => {
-            watcher.warn(Warning::FewerHarmonics { name: name.to_owned(), vertices, asked: harmonics });
-            solve(vertices)
-        }
-        built => built,
-    };
-    let (body, report) = built.map_err(|error| Error::from(error).of(name))?;
-    for told in report.warnings(&body.basis.certificate) {
-        watcher.warn(Warning::of(name, told));
+    let settings = BasisSettings { laplacian, ..BasisSettings::new(harmonics) };
+    let (body, report) = watcher
+        .watch("solving for harmonics", |task| Body::load_or_build(mesh, &settings, cache.as_ref(), task))
+        .map_err(|error| Error::from(error).of(name))?;
+    for warning in report.warnings(&body.basis.certificate) {
+        watcher.warn(match warning {
+            BasisWarning::FewerHarmonics { asked, vertices } => {
+                Warning::FewerHarmonics { name: name.to_owned(), vertices, asked }
+            }
+            warning => Warning::of(name, warning),
+        });
     }
     Ok((body, report))
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use chladni_caricature::Project;
 use chladni_harmonics::{Body, Laplacian};
-use chladni_mesh::{Orientation, TriMesh};
+use chladni_mesh::{Orientation, ShapeSource, TriMesh};
 use chladni_synth::Term;
 
 use super::{Error, Stance, Watcher, body, formats, make, source};
@@ -28,7 +28,7 @@ impl Cast {
             false => None,
         };
         let shape =
-            project.as_ref().map_or_else(|| source::shape_source(path), |project| project.shape.clone());
+            project.as_ref().map_or_else(|| ShapeSource::named(path), |project| project.shape.clone());
         let mesh = Arc::new(source::shape(&shape, watcher)?);
         Ok(Self { name: shape.to_string(), mesh, project })
     }

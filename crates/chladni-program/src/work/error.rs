@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::Error as CaricatureError;
 use chladni_harmonics::HarmonicsError;
 use chladni_match::MatchError;
-use chladni_mesh::{MeshError, samples};
+use chladni_mesh::MeshError;
 use chladni_music::Error as MusicError;
 use chladni_sound::SoundError;
 use chladni_synth::SynthError;
@@ -25,12 +25,6 @@ pub enum Error {
     /// What was asked for cannot be, for the reason given.
     #[error("{0}")]
     Input(String),
-    /// There is no such sample shape.
-    #[error("sample:{name}: there is no such sample; there are {}", samples::SAMPLES.join(", "))]
-    NoSample {
-        /// As it was asked for.
-        name: String,
-    },
     /// An error of what is called `name`, which the error itself does not say.
     #[error("{name}: {error}")]
     Of {
@@ -120,7 +114,7 @@ impl Error {
     pub fn is_of_input(&self) -> bool {
         match self {
             Self::Of { error, .. } => error.is_of_input(),
-            Self::Input(_) | Self::NoSample { .. } => true,
+            Self::Input(_) => true,
             Self::Mesh(_) | Self::Match(_) | Self::Caricature(_) | Self::Music(_) => true,
             Self::Harmonics(error) => {
                 !matches!(error, HarmonicsError::NotCertified { .. } | HarmonicsError::Threads(_))

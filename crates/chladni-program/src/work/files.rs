@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use chladni_music::FileRef;
 
-use super::source::sample_name;
 use super::{Error, Warning};
+use chladni_mesh::ShapeSource;
 
 /// How a show that lies in `folder` names `path`: as it is seen from there where it lies below, else whole.
 /// A sample by its name.
 pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
-    if sample_name(path).is_some() {
+    if ShapeSource::sample_name(path).is_some() {
         return FileRef { path: path.to_string_lossy().into_owned(), blake3: None };
     }
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
@@ -26,7 +26,7 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
 /// [`Error::Input`] where there is no such file.
 pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option<Warning>), Error> {
     let named = Path::new(&file.path);
-    if sample_name(named).is_some() {
+    if ShapeSource::sample_name(named).is_some() {
         return Ok((named.to_owned(), None));
     }
     let beside = folder.zip(named.file_name()).map(|(folder, name)| folder.join(name));

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use chladni_music::{Bands, Beat, BeatReading, Parameter, Parameters, Stretch, Switch};
-use chladni_sound::{Beats, FrontEnd, Song, SongSpectrum, SoundError, Spectrum, SpectrumSettings};
+use chladni_music::{
+    Bands, Beat, BeatReading, Parameter, Parameters, Resonators, Ringing, Stretch, Switch, Timbre,
+};
+use chladni_sound::{Beats, FrontEnd, Hop, Song, SongSpectrum, SoundError, Spectrum, SpectrumSettings};
 
 /// A leap within a song, or to another one, takes so long to arrive at the shape.
 const FADE_SECS: f64 = 0.3;
@@ -43,17 +45,21 @@ pub struct Hearing {
     /// Each with the whole beats to be added to those of its song.
     stretches: Vec<(Stretch, f64)>,
     tuning: Option<Tuning>,
+    resonators: Option<Resonators>,
     /// Where in its song the ear began to listen.
     from_song_secs: f64,
     ear: Option<SongSpectrum>,
     fade: Option<Fade>,
     now: Spectrum,
+    /// What the resonators do now, where there are any.
+    ringing: Ringing,
     /// Nothing before it will be asked for.
     begins_secs: f64,
 }
 
 struct Fade {
     from: Spectrum,
+    ringing: Ringing,
     beat: Beat,
     since_secs: f64,
 }
@@ -65,6 +71,8 @@ struct Tuning {
     decay: f32,
     side_gain: f32,
     front_end: FrontEnd,
+    /// Of the resonators: none where they are off.
+    timbre: Option<Timbre>,
 }
 
 impl Tuning {
@@ -74,11 +82,13 @@ impl Tuning {
             decay: parameters.get(Parameter::Decay),
             side_gain: parameters.get(Parameter::SideGain),
             front_end: if parameters.is_on(Switch::LogBands) { FrontEnd::LogBands } else { FrontEnd::Linear },
+            // Tuning and stretch choose among the oscillators; they do not change them.
+            timbre: Timbre::of(parameters).map(|timbre| Timbre { tuning_hz: 1.0, stretch: 0.0, ..timbre }),
         }
     }
 
     fn settings(self, rate_hz: u32) -> SpectrumSettings {
-        let Self { bands, decay, side_gain, front_end } = self;
+        let Self { bands, decay, side_gain, front_end, .. } = self;
         SpectrumSettings { bands, decay, side_gain, front_end, ..SpectrumSettings::new(rate_hz) }
     }
 }
@@ -99,9 +109,10 @@ pub fn read_beats(beats: &Beats, reading: BeatReading) -> Beats {
     }
 }
 
-/// A spectrum as the instrument takes it.
+/// A spectrum as the instrument takes it, without what rings.
 pub fn bands_of(spectrum: &Spectrum) -> Bands<'_> {
     Bands {
+        ringing: None,
         left: &spectrum.left,
         right: &spectrum.right,
         mid: &spectrum.mid,
@@ -171,7 +182,8 @@ impl Hearing {
         if leaps && stretch.at_secs + FORGOTTEN_SECS > self.begins_secs {
             let beat = self.beat_at(stretch.at_secs);
             if self.listen(stretch.at_secs)? {
-                self.fade = Some(Fade { from: self.now.clone(), beat, since_secs: stretch.at_secs });
+                let (from, ringing) = (self.now.clone(), self.ringing.clone());
+                self.fade = Some(Fade { from, ringing, beat, since_secs: stretch.at_secs });
             }
         }
         if leaps || self.stretches.is_empty() {
@@ -186,6 +198,7 @@ impl Hearing {
     /// From `at_secs` on the ear is tuned as `parameters` say.
     pub fn tune(&mut self, at_secs: f64, parameters: &Parameters) {
         let tuning = Tuning::of(parameters);
+        Resonators::follow(&mut self.resonators, tuning.timbre.as_ref(), tuning.bands);
         if self.tuning.replace(tuning).is_some_and(|before| before != tuning) {
             self.ear = None;
             self.from_song_secs = self.stretch().map_or(0.0, |stretch| stretch.song_secs_at(at_secs));
@@ -193,8 +206,8 @@ impl Hearing {
     }
 
     /// What is shown instead of silence fades out from `at_secs` on: sound that was heard in another way.
-    pub fn fade_from(&mut self, at_secs: f64, from: Spectrum, beat: Beat) {
-        self.fade = Some(Fade { from, beat, since_secs: at_secs });
+    pub fn fade_from(&mut self, at_secs: f64, from: Spectrum, ringing: Ringing, beat: Beat) {
+        self.fade = Some(Fade { from, ringing, beat, since_secs: at_secs });
     }
 
     /// What is heard at `at_secs`, which lies in the stretch begun last; `None` where its song is not known.
@@ -205,12 +218,19 @@ impl Hearing {
         let beat = self.beat_at(at_secs);
         let fading = self.fade.as_ref().map(|fade| (fade.beat, fade.done(at_secs)));
         let fading = fading.filter(|(_, done)| *done < 1.0);
-        Ok(Some(Heard { at_secs, is_known: true, bands: bands_of(&self.now), beat, fading }))
+        let ringing = self.resonators.as_ref().map(|_| &self.ringing);
+        let bands = Bands { ringing, ..bands_of(&self.now) };
+        Ok(Some(Heard { at_secs, is_known: true, bands, beat, fading }))
     }
 
     /// The spectrum that [`hear`](Self::hear) gave last, and where its bands lie.
     pub fn spectrum(&self) -> Option<(&Spectrum, &[f32])> {
         Some((&self.now, self.ear.as_ref()?.bands_hz()))
+    }
+
+    /// How it rings there.
+    pub fn ringing(&self) -> &Ringing {
+        &self.ringing
     }
 
     /// Beats gone by at any time of the show so far.
@@ -251,6 +271,7 @@ impl Hearing {
             let silence = vec![0.0; tuning.bands];
             let [mid, side, left, right] = std::array::from_fn(|_| silence.clone());
             self.now = Spectrum { mid, side, left, right, side_gain: tuning.side_gain };
+            self.ringing.still(tuning.bands);
             return Ok(true);
         };
         let known = self.songs.get(&number).filter(|known| known.song.frames() > 0);
@@ -263,11 +284,21 @@ impl Hearing {
                 self.ear.insert(SongSpectrum::new(song, settings, self.from_song_secs)?)
             }
         };
-        self.now.clone_from(ear.at(stretch.song_secs_at(at_secs)));
+        let bank = &mut self.resonators;
+        let after_secs = ear.at_after(stretch.song_secs_at(at_secs), |hop| match (hop, bank.as_mut()) {
+            (Hop::Beginning, Some(bank)) => bank.still(),
+            (Hop::Heard(spectrum), Some(bank)) => bank.hear(&bands_of(spectrum), SongSpectrum::HOP_SECS),
+            (_, None) => {}
+        });
+        self.now.clone_from(ear.spectrum());
+        if let Some(bank) = bank {
+            self.ringing.clone_from(bank.ring(after_secs));
+        }
         if let Some(fade) = &self.fade {
             let done = fade.done(at_secs);
             if done < 1.0 {
                 self.now.mix(&fade.from, 1.0 - done);
+                self.ringing.mix(&fade.ringing, 1.0 - done);
             }
         }
         Ok(true)

@@ -11,7 +11,6 @@ mod files;
 pub mod film;
 pub mod formats;
 mod hearing;
-pub mod npz;
 pub mod outputs;
 mod own_look;
 mod sculpture;

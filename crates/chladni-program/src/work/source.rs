@@ -2,61 +2,33 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_caricature::{Project, ShapeSource};
-use chladni_mesh::{Loaded, TriMesh, load_mesh, samples};
+use chladni_caricature::Project;
+use chladni_mesh::{ShapeSource, TriMesh};
 use chladni_sound::{Song, SongOptions, SongReader, sample_tune};
 
 use super::{Error, Warning, Watcher};
 
-/// What the names of samples begin with.
-const SAMPLE: &str = "sample:";
 /// The name of the sample tune.
 pub const TUNE: &str = "sample:tune";
 
-/// The name of a sample, where `path` is one.
-pub fn sample_name(path: &Path) -> Option<&str> {
-    path.to_str()?.strip_prefix(SAMPLE)
-}
-
 /// What users call the sample shape `name`.
 pub fn sample_path(name: &str) -> PathBuf {
-    format!("{SAMPLE}{name}").into()
-}
-
-/// The shape that users call `path`.
-pub fn shape_source(path: &Path) -> ShapeSource {
-    match sample_name(path) {
-        Some(name) => ShapeSource::Sample(name.to_owned()),
-        None => ShapeSource::File(path.to_owned()),
-    }
+    ShapeSource::Sample(name.to_owned()).to_string().into()
 }
 
 /// A file by a name that holds whatever folder a project comes to lie in; samples keep theirs.
 pub fn from_anywhere(path: &Path) -> PathBuf {
-    let absolute = if sample_name(path).is_some() { None } else { std::path::absolute(path).ok() };
+    let absolute =
+        if ShapeSource::sample_name(path).is_some() { None } else { std::path::absolute(path).ok() };
     absolute.unwrap_or_else(|| path.to_owned())
 }
 
-/// Reads a mesh file, or makes a sample, with what was mended.
+/// Reads a mesh file, or makes a sample; warns of what was mended.
 ///
 /// # Errors
-/// [`Error::NoSample`], or [`Error::Mesh`] with the file's name.
-pub fn loaded(source: &ShapeSource) -> Result<Loaded, Error> {
-    match source {
-        ShapeSource::File(path) => Ok(load_mesh(path)?),
-        ShapeSource::Sample(name) => {
-            let mesh = samples::sample(name).ok_or_else(|| Error::NoSample { name: name.clone() })?;
-            Ok(Loaded { mesh, mended: Vec::new(), stored_positions: None })
-        }
-    }
-}
-
-/// The same mesh; warns of what was mended.
-///
-/// # Errors
-/// As [`loaded`] does.
+/// [`Error::Mesh`], which names it.
 pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Error> {
-    let loaded = watcher.watch("reading the mesh", |_| loaded(source))?;
+    let loaded = watcher.watch("reading the mesh", |_| source.load(None))?;
     for mended in &loaded.mended {
         watcher.warn(Warning::of(source, mended));
     }
@@ -66,9 +38,9 @@ pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Er
 /// The mesh that users call `name`; warns of what was mended.
 ///
 /// # Errors
-/// As [`loaded`] does.
+/// As [`shape`] does.
 pub fn mesh(name: impl AsRef<Path>, watcher: &impl Watcher) -> Result<TriMesh, Error> {
-    shape(&shape_source(name.as_ref()), watcher)
+    shape(&ShapeSource::named(name.as_ref()), watcher)
 }
 
 /// The project at `path`; warns where it was made by an older program.
@@ -98,7 +70,7 @@ pub fn song(
     {
         return Err(Error::input("start must not be negative and the duration must be positive"));
     }
-    if let Some(sample) = sample_name(Path::new(name)) {
+    if let Some(sample) = ShapeSource::sample_name(Path::new(name)) {
         if name != TUNE {
             return Err(Error::Input(format!("there is no sample {sample}: tune is a song")));
         }

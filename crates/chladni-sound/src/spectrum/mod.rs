@@ -8,4 +8,4 @@ mod song;
 pub use analyser::{Spectrum, SpectrumAnalyser, SpectrumSettings};
 pub use bands::FrontEnd;
 pub use level::Level;
-pub use song::SongSpectrum;
+pub use song::{Hop, SongSpectrum};

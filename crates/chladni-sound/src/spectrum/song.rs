@@ -12,6 +12,15 @@ const HOPS_PER_SEC: f64 = 128.0;
 /// a band takes to follow. More would be heard as a pause in the frames at each leap.
 const WARM_HOPS: i64 = 512;
 
+/// What a listener of [`SongSpectrum::at_after`] is given.
+#[derive(Clone, Copy, Debug)]
+pub enum Hop<'a> {
+    /// All that was heard is forgotten.
+    Beginning,
+    /// The next spectrum, [`SongSpectrum::HOP_SECS`] after the one before.
+    Heard(&'a Spectrum),
+}
+
 /// What a song sounds like at any time of a stretch of it, level and decay included.
 ///
 /// It is a function of the song, the settings, the time at which the stretch begins and the time asked for,
@@ -31,6 +40,9 @@ pub struct SongSpectrum {
 }
 
 impl SongSpectrum {
+    /// Seconds between two hops.
+    pub const HOP_SECS: f32 = 1.0 / HOPS_PER_SEC as f32;
+
     /// Of the stretch of `song` that begins at `from_secs`. Errors where a setting is out of range.
     pub fn new(song: Arc<Song>, settings: SpectrumSettings, from_secs: f64) -> Result<Self, SoundError> {
         let analyser = SpectrumAnalyser::new(settings)?;
@@ -63,6 +75,14 @@ impl SongSpectrum {
 
     /// The spectrum at `secs` of the song. Going on costs little; going back begins anew.
     pub fn at(&mut self, secs: f64) -> &Spectrum {
+        self.at_after(secs, |_| ());
+        &self.now
+    }
+
+    /// The same for whoever listens to all that comes before it: `hops` is given every hop up to the one that
+    /// follows `secs`, in order, and a beginning where the song is heard anew. Returns how long before `secs` the
+    /// hop before it lies, in seconds.
+    pub fn at_after(&mut self, secs: f64, mut hops: impl FnMut(Hop<'_>)) -> f32 {
         let secs = if secs.is_finite() { secs } else { 0.0 };
         let hop = hop_at(secs).max(self.first_hop);
         if hop + 1 < self.hop {
@@ -70,13 +90,17 @@ impl SongSpectrum {
             self.hop = self.first_hop - 1;
             self.after.clone_from(self.analyser.spectrum());
         }
+        if self.hop < self.first_hop {
+            hops(Hop::Beginning);
+        }
         while self.hop < hop + 1 {
             self.step();
+            hops(Hop::Heard(&self.after));
         }
         let weight = (secs * HOPS_PER_SEC - hop as f64).clamp(0.0, 1.0) as f32;
         self.now.clone_from(&self.before);
         self.now.mix(&self.after, weight);
-        &self.now
+        weight / HOPS_PER_SEC as f32
     }
 
     /// The last spectrum.

@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::DeviceLoss;
+use super::checked::checked;
 use super::pipelines::Pipelines;
 use crate::SynthError;
 
@@ -64,17 +65,5 @@ impl GpuContext {
 
     pub(super) fn check_present(&self) -> Result<(), SynthError> {
         self.lost().map_or(Ok(()), |why| Err(SynthError::Device(format!("it was lost ({why})"))))
-    }
-}
-
-/// Runs `make` and returns the errors that the device would otherwise panic with.
-pub(super) fn checked<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, SynthError> {
-    let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let made = make();
-    let errors = [pollster::block_on(validation.pop()), pollster::block_on(memory.pop())];
-    match errors.into_iter().flatten().next() {
-        Some(error) => Err(SynthError::Device(error.to_string())),
-        None => Ok(made),
     }
 }

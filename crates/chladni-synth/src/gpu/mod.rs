@@ -1,6 +1,7 @@
 //! Synthesis on the graphics device, and where its frames lie.
 
 mod buffer;
+mod checked;
 mod context;
 mod frame;
 mod loss;

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::context::checked;
+use super::checked::checked;
 use super::product::TILES;
 use crate::SynthError;
 

@@ -4,7 +4,8 @@ use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use wgpu::BufferUsages as Usage;
 
 use super::buffer::GrowingBuffer;
-use super::context::{GpuContext, WORKGROUP, checked};
+use super::checked::checked;
+use super::context::{GpuContext, WORKGROUP};
 use super::frame::{DeviceFrame, DeviceFrameBuffers};
 use super::pipelines::bind;
 use super::product::{BATCH, TILES, Tiles};

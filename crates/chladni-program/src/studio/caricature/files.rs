@@ -23,7 +23,6 @@ use crate::studio::room::{Room, Shared};
 use crate::studio::theme;
 use crate::work::Error;
 use crate::work::formats::{MESHES, PROJECT, is_project};
-use crate::work::source::sample_name;
 
 /// `path` named like a project, else it could not be opened again: `igea 1.2` has an extension,
 /// but not ours.
@@ -68,7 +67,7 @@ impl CaricatureRoom {
                 Ok(project) => Candidate { path: Some(path.to_owned()), ..Candidate::new(project) },
                 Err(error) => return self.refuse(error.into(), shared),
             }
-        } else if let Some(name) = sample_name(path) {
+        } else if let Some(name) = ShapeSource::sample_name(path) {
             return self.start(Candidate { templates, ..sample(name, shared) }, shared);
         } else {
             let shape = ShapeSource::File(path.to_owned());

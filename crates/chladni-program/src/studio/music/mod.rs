@@ -55,7 +55,7 @@ use super::{keys, theme};
 use crate::studio::keys::music::OPEN;
 use crate::work::Error;
 use crate::work::formats::{self, Kind, SONGS, TEXT};
-use crate::work::source::{sample_name, sample_path};
+use crate::work::source::sample_path;
 
 /// So often a room at rest looks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
@@ -243,7 +243,7 @@ impl Room for MusicRoom {
                 Kind::Song => songs.push(path.clone()),
                 Kind::Project | Kind::Mesh => self.load(path.clone(), shared),
             }
-            if sample_name(path).is_none() {
+            if chladni_mesh::ShapeSource::sample_name(path).is_none() {
                 shared.settings.remember(path);
             }
         }

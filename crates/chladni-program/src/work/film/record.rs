@@ -5,7 +5,7 @@ use std::path::Path;
 use chladni_music::Form;
 use chladni_synth::{Coefficients, Item};
 
-use crate::work::npz::write_npz;
+use chladni_harmonics::npz::write_npz;
 
 /// Coefficients of the first item, frame by frame.
 #[derive(Default)]

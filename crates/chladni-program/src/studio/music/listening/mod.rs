@@ -9,7 +9,7 @@ pub use ear::Level;
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Beat, BeatReading, Parameters, Stretch};
+use chladni_music::{Bands, Beat, BeatReading, Parameters, Resonators, Stretch, Timbre};
 use chladni_sound::{
     BeatFollower, Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings, PlayerState,
     PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune, write_wav,
@@ -38,6 +38,9 @@ pub struct Listening {
     last_beat: Beat,
     analyser: SpectrumAnalyser,
     follower: BeatFollower,
+    /// What live input strikes, and how long the last piece of it has rung.
+    resonators: Option<Resonators>,
+    rung_secs: f32,
     left: Vec<f32>,
     right: Vec<f32>,
     last_secs: f64,
@@ -103,6 +106,8 @@ impl Listening {
             last_beat: Beat::default(),
             analyser,
             follower,
+            resonators: None,
+            rung_secs: 0.0,
             left: Vec::new(),
             right: Vec::new(),
             last_secs: 0.0,
@@ -251,7 +256,8 @@ impl Listening {
         let known = self.live.is_none() && self.hearing.hear(at_secs)?.is_some();
         let has_beats = known && self.known_beats().is_some();
         if known && std::mem::replace(&mut self.by_ear, !known) {
-            self.hearing.fade_from(at_secs, self.analyser.spectrum().clone(), self.last_beat);
+            let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
+            self.hearing.fade_from(at_secs, self.analyser.spectrum().clone(), ringing, self.last_beat);
         }
         self.by_ear = !known;
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
@@ -272,7 +278,13 @@ impl Listening {
         if !known {
             let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
             self.last_beat = by_ear;
-            let bands = bands_of(spectrum);
+            let timbre = Timbre::of(parameters);
+            Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
+            let ringing = self.resonators.as_mut().map(|bank| {
+                bank.hear(&bands_of(spectrum), std::mem::replace(&mut self.rung_secs, dt_secs as f32));
+                bank.ring(dt_secs as f32)
+            });
+            let bands = Bands { ringing, ..bands_of(spectrum) };
             return Ok(Heard { at_secs, is_known: false, bands, beat: by_ear, fading: None });
         }
         let heard = self.hearing.hear(at_secs)?;
@@ -308,7 +320,8 @@ impl Listening {
                 }
                 Learned::Beats(beats) => {
                     self.hearing.know_beats(number, read_beats(&beats, song.reading));
-                    self.hearing.fade_from(self.clock.at_secs(), self.spectrum().0.clone(), self.last_beat);
+                    let (spectrum, ringing) = (self.spectrum().0.clone(), self.hearing.ringing().clone());
+                    self.hearing.fade_from(self.clock.at_secs(), spectrum, ringing, self.last_beat);
                     if let Some(song) = self.repertoire.get_mut(number) {
                         song.beats = Some(beats);
                     }

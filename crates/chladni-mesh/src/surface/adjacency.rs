@@ -105,6 +105,67 @@ pub(crate) fn sorted_half_edges<'a>(faces: impl Iterator<Item = &'a [u32]>) -> V
     sides
 }
 
+/// For each of `vertex_count` vertices whether an edge at it has one triangle only.
+pub fn boundary_vertices(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
+    let sides = sorted_half_edges(triangles.iter().map(|t| &t[..]));
+    let mut on_boundary = vec![false; vertex_count];
+    for edge in sides.chunk_by(|a, b| a.ends == b.ends) {
+        if let [only] = edge {
+            only.ends.into_iter().for_each(|v| on_boundary[v as usize] = true);
+        }
+    }
+    on_boundary
+}
+
+/// For each of `vertex_count` vertices its connected component, numbered from 0 in order of appearance. A
+/// vertex that no triangle uses is a component of its own.
+pub fn components(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut pieces = Pieces::new(vertex_count);
+    for &[a, b, c] in triangles {
+        pieces.join(a, b);
+        pieces.join(b, c);
+    }
+    let mut count = 0;
+    let mut number = vec![0; vertex_count];
+    for v in 0..vertex_count as u32 {
+        // The root is the least of its members, so that it has its number before they ask for it.
+        let root = pieces.root(v);
+        if root == v {
+            number[v as usize] = count;
+            count += 1;
+        } else {
+            number[v as usize] = number[root as usize];
+        }
+    }
+    number
+}
+
+/// Disjoint sets (union by index, path halving).
+pub(crate) struct Pieces {
+    parent: Vec<u32>,
+}
+
+impl Pieces {
+    pub fn new(count: usize) -> Self {
+        Self { parent: (0..count as u32).collect() }
+    }
+
+    /// The least member of the set of `v`.
+    pub fn root(&mut self, mut v: u32) -> u32 {
+        while self.parent[v as usize] != v {
+            let grandparent = self.parent[self.parent[v as usize] as usize];
+            self.parent[v as usize] = grandparent;
+            v = grandparent;
+        }
+        v
+    }
+
+    pub fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,5 +179,15 @@ mod tests {
         let around = vertex_triangles(5, &pair);
         assert_eq!(around.row(2), [0, 1]);
         assert_eq!(around.row(4), [0_u32; 0]);
+    }
+
+    #[test]
+    fn pieces_are_numbered_as_they_appear_and_an_open_edge_is_a_boundary() {
+        let tetrahedron = [[0, 2, 1], [0, 1, 4], [0, 4, 2], [1, 2, 4]];
+        let mut both = tetrahedron.to_vec();
+        both.push([3, 5, 6]);
+        assert_eq!(components(8, &both), [0, 0, 0, 1, 0, 1, 1, 2]);
+        let open = [false, false, false, true, false, true, true, false];
+        assert_eq!(boundary_vertices(8, &both), open);
     }
 }

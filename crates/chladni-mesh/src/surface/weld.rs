@@ -50,7 +50,7 @@ pub fn weld(mesh: &TriMesh) -> Weld {
 }
 
 /// For each vertex the first vertex with exactly the same position (0 equals −0).
-pub(crate) fn places(positions: &[[f64; 3]]) -> Vec<u32> {
+pub fn places(positions: &[[f64; 3]]) -> Vec<u32> {
     let mut first = HashMap::with_capacity(positions.len());
     // Adding 0.0 turns −0 into 0.
     let key = |p: &[f64; 3]| p.map(|x| (x + 0.0).to_bits());

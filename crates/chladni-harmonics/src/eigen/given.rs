@@ -1,0 +1,211 @@
+//! Pencils of which nothing is known but that they are symmetric and positive semidefinite.
+
+use chladni_task::Task;
+
+use super::plan::inertia;
+use super::problem::{Problem, Profile};
+use super::{Solved, or_dense, solve_connected};
+use crate::{HarmonicsError, Pencil, canonical};
+
+/// Shares of the largest possible eigenvalue: where the search for the first ones begins, what may lie below zero
+/// by rounding, and the least that all are lifted by.
+const FIRST: f64 = 1e-13;
+const BELOW_ZERO: f64 = 1e-10;
+const LEAST_LIFT: f64 = 1e-10;
+/// Counts taken in that search.
+const ROUNDS: usize = 60;
+
+/// Solves for the first `harmonics` pairs of `pencil`.
+///
+/// What is 0 has no relative error, and its vectors are unknown. So S + tM is solved, whose eigenvalues are those
+/// of S plus t, with t about as large as the first ones are apart: none is then small beside what it is to be told
+/// from.
+pub(crate) fn solve(
+    pencil: Pencil,
+    harmonics: usize,
+    whole_clusters: bool,
+    task: &Task,
+) -> Result<Solved, HarmonicsError> {
+    let stage = task.stage("harmonics", harmonics as u64);
+    let mut profile = Profile::default();
+    let bound = pencil.bound();
+    let mut problem = Problem::given(pencil);
+    let spacing = if bound > 0.0 { spacing(&problem, bound, harmonics, &mut profile, task)? } else { 1.0 };
+    let lift = spacing.max(LEAST_LIFT * bound);
+    problem.lift(lift);
+    let stiffness = pencil.stiffness.plus_diagonal(pencil.mass, lift);
+    let lifted = Pencil { stiffness: &stiffness, mass: pencil.mass };
+    let solved = solve_connected(lifted, 0, Some(problem), harmonics, true, &stage, task);
+    let mut solved = or_dense(solved, lifted, 0, harmonics, true)?;
+    solved.profile.add(&profile);
+    let nothing = 1e-8 * lift + 1e-14 * bound;
+    for value in &mut solved.basis.eigenvalues {
+        *value -= lift;
+        if *value < nothing {
+            *value = 0.0;
+        }
+    }
+    canonical::orient(&mut solved.basis);
+    if !whole_clusters && solved.basis.harmonics() > harmonics {
+        solved.basis.truncate(harmonics);
+        solved.cuts_cluster = true;
+    }
+    Ok(solved)
+}
+
+/// About how far apart the first `harmonics` eigenvalues lie; `bound` is above all.
+fn spacing(
+    problem: &Problem,
+    bound: f64,
+    harmonics: usize,
+    profile: &mut Profile,
+    task: &Task,
+) -> Result<f64, HarmonicsError> {
+    let (_, negative) = inertia(problem, -BELOW_ZERO * bound, profile)?;
+    if negative > 0 {
+        let reason =
+            format!("S has {negative} negative eigenvalues, so that it is not positive semidefinite");
+        return Err(HarmonicsError::BadPencil { reason });
+    }
+    let (mut low, mut high) = (FIRST * bound, 1.01 * bound);
+    for _ in 0..ROUNDS {
+        task.check()?;
+        let middle = (low * high).sqrt();
+        let (_, count) = inertia(problem, middle, profile)?;
+        if count < harmonics {
+            low = middle;
+        } else {
+            high = middle;
+        }
+        if high <= 1.1 * low || (harmonics..=2 * harmonics).contains(&count) {
+            break;
+        }
+    }
+    Ok(high / harmonics as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::samples;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{BasisSettings, Operator, SymmetricSparse};
+
+    fn solved(pencil: &Pencil, harmonics: usize) -> crate::Basis {
+        let (basis, report) = pencil.solve(&BasisSettings::new(harmonics), &Task::new()).unwrap();
+        assert!(report.warnings(&basis.certificate).is_empty(), "{:?}", basis.certificate);
+        basis
+    }
+
+    /// ‖S h − λ M h‖ against the size of the part of the spectrum that was asked for.
+    fn worst_residual(pencil: &Pencil, basis: &crate::Basis) -> f64 {
+        let scale = basis.eigenvalues.last().copied().unwrap_or(1.0).max(1e-300);
+        let residual = |k: usize| {
+            let (h, image) = (basis.harmonic(k), pencil.stiffness.times(basis.harmonic(k)));
+            let lambda = basis.eigenvalues[k];
+            let squares =
+                (0..h.len()).map(|v| (image[v] - lambda * pencil.mass[v] * h[v]).powi(2) / pencil.mass[v]);
+            squares.sum::<f64>().sqrt() / scale
+        };
+        (0..basis.harmonics()).map(residual).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_surface_that_was_given_has_the_eigenvalues_of_its_own_solver() {
+        let operator = Operator::of(&samples::torus(0.4, 60, 30)).unwrap();
+        let own = super::super::solve(&operator, 150, false, &Task::new()).unwrap().basis;
+        let given = solved(&operator.pencil(), 150);
+        assert_eq!(given.eigenvalues[0], 0.0);
+        for (a, b) in given.eigenvalues.iter().zip(&own.eigenvalues).skip(1) {
+            assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
+        }
+        assert!(worst_residual(&operator.pencil(), &given) < 1e-8);
+    }
+
+    #[test]
+    fn several_pieces_and_no_null_space_at_all_are_solved_in_slices() {
+        // Six strings of beads of different weights; then each held at its ends.
+        let (strings, beads) = (6, 300);
+        for held in [0.0, 1.0] {
+            let mut entries = Vec::new();
+            for s in 0..strings {
+                for i in 0..beads {
+                    let v = s * beads + i;
+                    let ends = f64::from(u8::from(i > 0)) + f64::from(u8::from(i + 1 < beads));
+                    entries.push((v, v, ends.max(2.0 * held)));
+                    if i > 0 {
+                        entries.push((v, v - 1, -1.0));
+                    }
+                }
+            }
+            let stiffness = SymmetricSparse::from_entries(strings * beads, entries).unwrap();
+            let mass: Vec<f64> = (0..strings * beads).map(|v| 1.0 + (v / beads) as f64).collect();
+            let pencil = Pencil::new(&stiffness, &mass).unwrap();
+            let basis = solved(&pencil, 60);
+            let mut exact: Vec<f64> = (0..strings)
+                .flat_map(|s| {
+                    (0..beads).map(move |k| {
+                        let turn = if held > 0.0 {
+                            (k + 1) as f64 / (beads + 1) as f64
+                        } else {
+                            k as f64 / beads as f64
+                        };
+                        (2.0 - 2.0 * (std::f64::consts::PI * turn).cos()) / (1.0 + s as f64)
+                    })
+                })
+                .collect();
+            exact.sort_by(f64::total_cmp);
+            for (value, exact) in basis.eigenvalues.iter().zip(&exact) {
+                assert!((value - exact).abs() < 1e-10, "{value} {exact}");
+            }
+            let zeros = basis.eigenvalues.iter().filter(|l| **l == 0.0).count();
+            assert_eq!(zeros, if held > 0.0 { 0 } else { strings });
+            assert!(worst_residual(&pencil, &basis) < 1e-8);
+        }
+    }
+
+    #[test]
+    fn what_is_no_pencil_is_refused() {
+        let refused = |stiffness: &SymmetricSparse, mass: &[f64]| match Pencil::new(stiffness, mass) {
+            Ok(pencil) => pencil.solve(&BasisSettings::new(1), &Task::new()).unwrap_err().to_string(),
+            Err(error) => error.to_string(),
+        };
+        let two = SymmetricSparse::from_entries(2, [(0, 0, 1.0), (1, 1, 1.0)]).unwrap();
+        assert!(refused(&two, &[1.0]).contains("S has 2 rows and M has 1"));
+        assert!(refused(&two, &[1.0, 0.0]).contains("value 1 of M is 0"));
+        let indefinite = SymmetricSparse::from_entries(2, [(0, 0, 1.0), (0, 1, 2.0), (1, 1, 1.0)]).unwrap();
+        assert!(refused(&indefinite, &[1.0; 2]).contains("1 negative eigenvalues"));
+        let mut slanted = indefinite.clone();
+        slanted.values[1] = 0.5;
+        assert!(refused(&slanted, &[1.0; 2]).contains("not symmetric"));
+        assert!(SymmetricSparse::from_entries(2, [(0, 2, 1.0)]).is_err());
+        assert!(SymmetricSparse::from_entries(1, [(0, 0, f64::NAN)]).is_err());
+        let nothing = SymmetricSparse::from_entries(3, []).unwrap();
+        assert_eq!(solved(&Pencil::new(&nothing, &[1.0; 3]).unwrap(), 3).eigenvalues, [0.0; 3]);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(32) })]
+        #[test]
+        fn a_random_gram_matrix_is_solved_as_a_dense_one(
+            rows in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, 12), 5..20),
+            mass in prop::collection::vec(0.1..10.0_f64, 12),
+        ) {
+            // S = BᵀB, of rank at most the number of rows.
+            let entry = |i: usize, j: usize| rows.iter().map(|row| row[i] * row[j]).sum::<f64>();
+            let entries = (0..12).flat_map(|i| (0..=i).map(move |j| (i, j)));
+            let stiffness =
+                SymmetricSparse::from_entries(12, entries.map(|(i, j)| (i, j, entry(i, j)))).unwrap();
+            let pencil = Pencil::new(&stiffness, &mass).unwrap();
+            let (basis, _) = pencil.solve(&BasisSettings::new(12), &Task::new()).unwrap();
+            let dense = super::super::dense::symmetrized(pencil);
+            let (exact, _) = crate::symmetric_eigen::symmetric_eigen(&dense, faer::Par::Seq).unwrap();
+            let largest = exact[11];
+            for (value, exact) in basis.eigenvalues.iter().zip(&exact) {
+                prop_assert!((value - exact).abs() < 1e-9 * largest, "{} {}", value, exact);
+            }
+            prop_assert!(worst_residual(&pencil, &basis) < 1e-8);
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Where a shape comes from.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Loaded, MeshError, load_mesh, samples};
+
+/// A mesh file, or one of the [`samples`]: what a user writes as a path or as `sample:NAME`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum ShapeSource {
+    /// A mesh file. Project files hold its path relative to their own folder.
+    File(PathBuf),
+    /// A sample, by name.
+    Sample(String),
+}
+
+const SAMPLE: &str = "sample:";
+
+impl ShapeSource {
+    /// What `name` says: a sample if it begins with `sample:`, else a file.
+    pub fn named(name: impl Into<PathBuf>) -> Self {
+        let path = name.into();
+        match Self::sample_name(&path) {
+            Some(sample) => Self::Sample(sample.to_owned()),
+            None => Self::File(path),
+        }
+    }
+
+    /// The NAME of `sample:NAME`; `None` where `name` is a path. Samples of sound are written so, too.
+    pub fn sample_name(name: &Path) -> Option<&str> {
+        name.to_str()?.strip_prefix(SAMPLE)
+    }
+
+    /// Reads the file, whose relative path starts from `folder`, or makes the sample.
+    ///
+    /// # Errors
+    /// A file that cannot be read as a mesh, a name that is no sample's.
+    pub fn load(&self, folder: Option<&Path>) -> Result<Loaded, MeshError> {
+        match self {
+            Self::File(path) => match folder {
+                Some(folder) => load_mesh(&folder.join(path)),
+                None => load_mesh(path),
+            },
+            Self::Sample(name) => {
+                let mesh = samples::sample(name).ok_or_else(|| MeshError::NoSample(name.clone()))?;
+                Ok(Loaded { mesh, mended: Vec::new(), stored_positions: None })
+            }
+        }
+    }
+}
+
+/// As [`ShapeSource::named`], but an empty text is refused.
+impl FromStr for ShapeSource {
+    type Err = MeshError;
+
+    fn from_str(text: &str) -> Result<Self, MeshError> {
+        if text.is_empty() { Err(MeshError::NoName) } else { Ok(Self::named(text)) }
+    }
+}
+
+impl std::fmt::Display for ShapeSource {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Sample(name) => write!(f, "{SAMPLE}{name}"),
+        }
+    }
+}
+
+impl TryFrom<String> for ShapeSource {
+    type Error = MeshError;
+
+    fn try_from(text: String) -> Result<Self, MeshError> {
+        text.parse()
+    }
+}
+
+impl From<ShapeSource> for String {
+    fn from(source: ShapeSource) -> Self {
+        source.to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        for (text, source) in [
+            ("sample:head", ShapeSource::Sample("head".into())),
+            ("sample:", ShapeSource::Sample(String::new())),
+            ("a/sample:head.obj", ShapeSource::File("a/sample:head.obj".into())),
+        ] {
+            assert_eq!(text.parse::<ShapeSource>().unwrap(), source);
+            assert_eq!(source.to_string(), text);
+        }
+        assert!(matches!("".parse::<ShapeSource>(), Err(MeshError::NoName)));
+    }
+
+    #[test]
+    fn a_sample_is_made_and_a_file_is_found_from_its_folder() {
+        assert_eq!(
+            ShapeSource::named("sample:head").load(None).unwrap().mesh,
+            samples::sample("head").unwrap()
+        );
+        let error = ShapeSource::named("sample:unicorn").load(None).unwrap_err().to_string();
+        assert!(error.starts_with("sample:unicorn: there is no such sample; there are head, "), "{error}");
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        let loaded = ShapeSource::named("one.obj").load(Some(folder.path())).unwrap();
+        assert_eq!(loaded.mesh.triangles, [[0, 1, 2]]);
+    }
+}

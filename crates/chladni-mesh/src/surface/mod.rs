@@ -1,0 +1,20 @@
+//! The geometry of triangles over shared vertices, for whoever computes on them.
+//!
+//! Positions are `[f64; 3]` in any unit, triangles are corners < the number of positions. Where a triangle names
+//! a vertex that is not there, these functions panic; readers never return such a mesh.
+
+mod adjacency;
+mod normals;
+mod point;
+mod tree;
+pub mod vec3;
+mod weld;
+
+pub(crate) use adjacency::{HalfEdge, Pieces, sorted_half_edges, vertex_faces};
+pub use adjacency::{Rows, boundary_vertices, components, vertex_neighbors, vertex_triangles};
+pub use normals::{
+    STAND_IN_NORMAL, corners, doubled_area_normal, total_area, vertex_normals, vertex_normals_around,
+};
+pub use point::{SurfacePoint, closest_on_triangle, mixed};
+pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
+pub use weld::{Weld, places, weld};

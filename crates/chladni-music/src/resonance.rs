@@ -1,0 +1,420 @@
+//! Resonators: harmonics as damped oscillators that the bands of sound strike.
+//!
+//! Between the sound and a mapping lies a bank of oscillators
+//!
+//! ```text
+//! q̈ + 2 ζ ω q̇ + ω² q = ω² h f(t),      q̇ += ω s max(0, Δf) where f rises by Δf,
+//! ```
+//!
+//! one for each band of sound and each of [`TONES`] frequencies ω; h holds the level, s strikes. A mapping is
+//! linear in its bands, so that a harmonic of frequency ω that hears the sum of some bands moves as the same sum of
+//! their oscillators: one bank serves all dances, and none of them has a state of its own. What a shape
+//! does at a time is then a function of the sound before it alone, however often it was drawn and whatever was
+//! bred or chosen in between.
+
+use serde::{Deserialize, Serialize};
+
+use crate::stereo::StereoMix;
+use crate::{Bands, Parameter, Parameters, Switch};
+
+/// Frequencies of the bank, in even factors from [`LOWEST_HZ`] to [`HIGHEST_HZ`]: neighbors differ by 5.5 %.
+pub const TONES: usize = 64;
+/// The lowest frequency of the bank.
+pub const LOWEST_HZ: f32 = 0.4;
+/// The highest one: two and a half frames of a film at 30 Hz.
+pub const HIGHEST_HZ: f32 = 12.0;
+
+/// What a shape seems to be made of: how its harmonics ring.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Timbre {
+    /// ζ in [0.01, 2]: 1 comes to rest without passing it.
+    pub damping: f32,
+    /// The frequency of the slowest harmonic, in Hz.
+    pub tuning_hz: f32,
+    /// Frequencies go with √λ to this power: 1 is the ratio of a membrane, 0 one frequency for all.
+    pub stretch: f32,
+    /// s: a rise of the sound by 1 makes a harmonic swing about this far.
+    pub strike: f32,
+    /// h: how far a sound of 1 that lasts holds it.
+    pub hold: f32,
+}
+
+impl Timbre {
+    /// Named ones, the default first.
+    pub const NAMED: [(&'static str, Self); 5] = [
+        ("jelly", Self { damping: 0.4, tuning_hz: 3.0, stretch: 0.45, strike: 2.2, hold: 0.15 }),
+        ("bell", Self { damping: 0.04, tuning_hz: 2.5, stretch: 0.6, strike: 1.0, hold: 0.1 }),
+        ("drum", Self { damping: 0.3, tuning_hz: 3.0, stretch: 0.5, strike: 1.8, hold: 0.15 }),
+        ("cloth", Self { damping: 0.55, tuning_hz: 0.7, stretch: 0.6, strike: 1.6, hold: 0.8 }),
+        ("metal", Self { damping: 0.08, tuning_hz: 4.0, stretch: 0.8, strike: 1.1, hold: 0.25 }),
+    ];
+
+    /// The one of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMED.into_iter().find(|(known, _)| *known == name).map(|(_, timbre)| timbre)
+    }
+
+    /// Where the knobs stand; `None` while nothing resonates.
+    pub fn of(parameters: &Parameters) -> Option<Self> {
+        parameters.is_on(Switch::Resonate).then(|| Self {
+            damping: parameters.get(Parameter::Damping),
+            tuning_hz: parameters.get(Parameter::TuningHz),
+            stretch: parameters.get(Parameter::Stretch),
+            strike: parameters.get(Parameter::Strike),
+            hold: parameters.get(Parameter::Hold),
+        })
+    }
+
+    /// The tone of the bank that a harmonic of eigenvalue `lambda` rings with, where that of the slowest wave
+    /// is `slowest`.
+    pub(crate) fn tone(&self, lambda: f64, slowest: f64) -> u8 {
+        let ratio = (lambda / slowest).max(1.0).sqrt() as f32;
+        let hz = self.tuning_hz * ratio.powf(self.stretch);
+        let share = (hz / LOWEST_HZ).ln() / (HIGHEST_HZ / LOWEST_HZ).ln();
+        (share.clamp(0.0, 1.0) * (TONES - 1) as f32).round() as u8
+    }
+}
+
+/// Frequency of a tone of the bank, in Hz.
+fn tone_hz(tone: usize) -> f32 {
+    LOWEST_HZ * (HIGHEST_HZ / LOWEST_HZ).powf(tone as f32 / (TONES - 1) as f32)
+}
+
+/// What the oscillators of all bands do at one moment, for each thing that a form may listen to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ringing {
+    bands: usize,
+    /// Left, right, middle, side, and swing towards the left: TONES rows of bands each.
+    q: [Vec<f32>; SIGNALS],
+}
+
+/// A signal of [`Ringing`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Signal {
+    Left,
+    Right,
+    Mid,
+    Side,
+    Swing,
+}
+
+const SIGNALS: usize = 5;
+
+impl Ringing {
+    /// #ω.
+    pub fn bands(&self) -> usize {
+        self.bands
+    }
+
+    pub(crate) fn at(&self, signal: Signal, tone: u8, band: usize) -> f32 {
+        self.q[signal as usize][usize::from(tone) * self.bands + band]
+    }
+
+    /// Nothing rings, in so many bands.
+    pub fn still(&mut self, bands: usize) {
+        self.bands = bands;
+        for q in &mut self.q {
+            q.clear();
+            q.resize(TONES * bands, 0.0);
+        }
+    }
+
+    /// Mixes in what rang before a leap: all of it at weight 1.
+    pub fn mix(&mut self, other: &Self, weight: f32) {
+        if other.bands == self.bands {
+            for (q, other) in self.q.iter_mut().zip(&other.q) {
+                q.iter_mut().zip(other).for_each(|(q, other)| *q += weight * (other - *q));
+            }
+        }
+    }
+}
+
+/// The bank of oscillators.
+///
+/// Sound comes in as pieces of constant level, each exact: [`hear`](Self::hear) begins one, and
+/// [`ring`](Self::ring) tells where the oscillators are so many seconds into it.
+#[derive(Clone, Debug)]
+pub struct Resonators {
+    damping: f32,
+    strike: f32,
+    hold: f32,
+    bands: usize,
+    signals: [Row; SIGNALS],
+    step: Step,
+    now: Ringing,
+}
+
+/// The oscillators of one signal.
+#[derive(Clone, Debug, Default)]
+struct Row {
+    /// f of the piece that lasts.
+    level: Vec<f32>,
+    /// q and q̇ where it began.
+    q: Vec<f32>,
+    speed: Vec<f32>,
+}
+
+/// The exact solution over one time, for each tone: with y = q − h f,
+/// y(t) = a y + b ẏ and ẏ(t) = c y + d ẏ.
+#[derive(Clone, Debug)]
+struct Step {
+    secs: f32,
+    tones: [[f32; 4]; TONES],
+}
+
+impl Step {
+    fn of(secs: f32, damping: f32) -> Self {
+        Self { secs, tones: std::array::from_fn(|tone| exact(secs, tone_hz(tone), damping)) }
+    }
+}
+
+/// a, b, c and d of one oscillator, whether it swings (ζ < 1) or creeps.
+fn exact(secs: f32, hz: f32, damping: f32) -> [f32; 4] {
+    let (t, omega, zeta) = (f64::from(secs), std::f64::consts::TAU * f64::from(hz), f64::from(damping));
+    let decay = (-zeta * omega * t).exp();
+    // sin(ω_d t)/ω_d and cos(ω_d t), or their hyperbolic twins; the first is t where ω_d is 0.
+    let square = omega * omega * (1.0 - zeta * zeta);
+    let x = square.abs().sqrt();
+    let (sine, cosine) = match () {
+        () if x * t < 1e-6 => (t, 1.0),
+        () if square > 0.0 => ((x * t).sin() / x, (x * t).cos()),
+        () => ((x * t).sinh() / x, (x * t).cosh()),
+    };
+    let of_rate = zeta * omega * sine;
+    [decay * (cosine + of_rate), decay * sine, -decay * omega * omega * sine, decay * (cosine - of_rate)]
+        .map(|x| x as f32)
+}
+
+impl Resonators {
+    /// A bank at rest for `bands` bands.
+    pub fn new(timbre: &Timbre, bands: usize) -> Self {
+        let silence = vec![0.0; TONES * bands];
+        let row = Row { level: vec![0.0; bands], q: silence.clone(), speed: silence.clone() };
+        Self {
+            damping: timbre.damping,
+            strike: timbre.strike,
+            hold: timbre.hold,
+            bands,
+            signals: std::array::from_fn(|_| row.clone()),
+            step: Step::of(0.0, timbre.damping),
+            now: Ringing { bands, q: std::array::from_fn(|_| silence.clone()) },
+        }
+    }
+
+    /// Makes `bank` one that rings as `timbre` says, at rest if it was another; tuning and stretch are the mappings'
+    /// own affair.
+    pub fn follow(bank: &mut Option<Self>, timbre: Option<&Timbre>, bands: usize) {
+        let has = bank.as_ref().map(|bank| (bank.damping, bank.strike, bank.hold, bank.bands));
+        let wants = timbre.map(|timbre| (timbre.damping, timbre.strike, timbre.hold, bands));
+        if has != wants {
+            *bank = timbre.map(|timbre| Self::new(timbre, bands));
+        }
+    }
+
+    /// Brings all to rest.
+    pub fn still(&mut self) {
+        for row in &mut self.signals {
+            [&mut row.level, &mut row.q, &mut row.speed].into_iter().for_each(|values| values.fill(0.0));
+        }
+        self.now.q.iter_mut().for_each(|q| q.fill(0.0));
+    }
+
+    /// After the last piece of sound has lasted for `lasted_secs`, this one begins. Bands of another number are
+    /// not heard.
+    pub fn hear(&mut self, bands: &Bands<'_>, lasted_secs: f32) {
+        if bands.mid.len() != self.bands {
+            return;
+        }
+        self.tune(lasted_secs);
+        let mix = StereoMix::new(0.0, bands, false);
+        for (number, row) in self.signals.iter_mut().enumerate() {
+            row.go_on(&self.step, self.hold);
+            for band in 0..self.bands {
+                let level = match number {
+                    0 => bands.left[band],
+                    1 => bands.right[band],
+                    2 => bands.mid[band],
+                    3 => bands.side[band],
+                    _ => mix.swing(bands, band),
+                };
+                // The side may swing either way: what grows strikes, what dies away does not.
+                let grown = level.abs() - row.level[band].abs();
+                let rise = if grown > 0.0 { level.signum() * grown } else { 0.0 };
+                row.level[band] = level;
+                if rise != 0.0 {
+                    for tone in 0..TONES {
+                        row.speed[tone * self.bands + band] +=
+                            self.strike * std::f32::consts::TAU * tone_hz(tone) * rise;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where the oscillators are `after_secs` into the piece of sound that lasts.
+    pub fn ring(&mut self, after_secs: f32) -> &Ringing {
+        self.tune(after_secs);
+        for (row, out) in self.signals.iter().zip(&mut self.now.q) {
+            for (tone, &[a, b, ..]) in self.step.tones.iter().enumerate() {
+                let of = tone * self.bands..(tone + 1) * self.bands;
+                let (q, speed) = (&row.q[of.clone()], &row.speed[of.clone()]);
+                for (((out, q), speed), level) in out[of].iter_mut().zip(q).zip(speed).zip(&row.level) {
+                    let held = self.hold * level;
+                    *out = held + a * (q - held) + b * speed;
+                }
+            }
+        }
+        &self.now
+    }
+
+    /// What [`ring`](Self::ring) gave last.
+    pub fn ringing(&self) -> &Ringing {
+        &self.now
+    }
+
+    fn tune(&mut self, secs: f32) {
+        if self.step.secs != secs {
+            self.step = Step::of(secs, self.damping);
+        }
+    }
+}
+
+impl Row {
+    fn go_on(&mut self, step: &Step, hold: f32) {
+        let bands = self.level.len();
+        for (tone, &[a, b, c, d]) in step.tones.iter().enumerate() {
+            let of = tone * bands..(tone + 1) * bands;
+            let (q, speed) = (&mut self.q[of.clone()], &mut self.speed[of]);
+            for ((q, speed), level) in q.iter_mut().zip(speed).zip(&self.level) {
+                let held = hold * level;
+                let (y, rate) = (*q - held, *speed);
+                *q = held + a * y + b * rate;
+                *speed = c * y + d * rate;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const TIMBRE: Timbre = Timbre { damping: 0.1, tuning_hz: 1.0, stretch: 0.5, strike: 0.0, hold: 1.0 };
+
+    fn mono(level: &[f32]) -> Bands<'_> {
+        const SILENCE: [f32; 8] = [0.0; 8];
+        let side = &SILENCE[..level.len()];
+        Bands { left: level, right: level, mid: level, side, side_gain: 1.0, ringing: None }
+    }
+
+    #[test]
+    fn a_step_of_sound_is_answered_as_the_closed_form_says() {
+        for damping in [0.05f32, 0.3, 0.999_999, 1.0, 1.7] {
+            let mut bank = Resonators::new(&Timbre { damping, ..TIMBRE }, 1);
+            bank.hear(&mono(&[0.8]), 0.0);
+            // In 300 pieces, and at a time within the last one.
+            for _ in 0..300 {
+                bank.hear(&mono(&[0.8]), 1.0 / 128.0);
+            }
+            let t = 300.0 / 128.0 + 0.003;
+            let ringing = bank.ring(0.003);
+            for tone in [0, 20, TONES - 1] {
+                let omega = std::f64::consts::TAU * f64::from(tone_hz(tone));
+                let zeta = f64::from(damping);
+                let answer = if zeta < 0.9999 {
+                    let free = omega * (1.0 - zeta * zeta).sqrt();
+                    let lag = zeta / (1.0 - zeta * zeta).sqrt();
+                    1.0 - (-zeta * omega * t).exp() * ((free * t).cos() + lag * (free * t).sin())
+                } else if zeta < 1.1 {
+                    1.0 - (-omega * t).exp() * (1.0 + omega * t)
+                } else {
+                    let root = (zeta * zeta - 1.0).sqrt();
+                    let [slow, fast] = [omega * (zeta - root), omega * (zeta + root)];
+                    1.0 - (fast * (-slow * t).exp() - slow * (-fast * t).exp()) / (fast - slow)
+                };
+                let q = f64::from(ringing.at(Signal::Mid, tone as u8, 0));
+                assert!((q - 0.8 * answer).abs() < 2e-4, "ζ {zeta} tone {tone}: {q} not {}", 0.8 * answer);
+            }
+        }
+    }
+
+    #[test]
+    fn a_stroke_swings_as_far_as_it_says_and_dies_away_with_its_energy() {
+        let mut bank = Resonators::new(&Timbre { damping: 0.02, strike: 0.7, hold: 0.0, ..TIMBRE }, 1);
+        bank.hear(&mono(&[1.0]), 0.0);
+        let tone = 30;
+        let quarter = 0.25 / tone_hz(tone);
+        let swing = bank.ring(quarter).at(Signal::Left, tone as u8, 0);
+        assert!((swing / (0.7 * (-0.02 * std::f32::consts::FRAC_PI_2).exp()) - 1.0).abs() < 1e-3, "{swing}");
+        let energy = |bank: &Resonators| {
+            let omega = std::f32::consts::TAU * tone_hz(tone);
+            let row = &bank.signals[0];
+            (omega * row.q[tone]).powi(2) + row.speed[tone].powi(2)
+        };
+        let mut before = energy(&bank);
+        for _ in 0..500 {
+            bank.hear(&mono(&[1.0]), 1.0 / 128.0);
+            let now = energy(&bank);
+            assert!(now < before);
+            before = now;
+        }
+    }
+
+    #[test]
+    fn it_does_not_matter_how_often_one_looks() {
+        let sound = |i: usize| [(0.3 * i as f32).sin().abs(), (i % 7) as f32 / 7.0];
+        let run = |fps: usize| {
+            let timbre = Timbre::NAMED[0].1;
+            let mut bank = Resonators::new(&timbre, 2);
+            let (mut hop, mut shots) = (0, Vec::new());
+            for frame in 0..2 * fps {
+                let secs = frame as f64 / fps as f64;
+                let now = (secs * 128.0) as usize;
+                while hop <= now {
+                    bank.hear(&mono(&sound(hop)), if hop == 0 { 0.0 } else { 1.0 / 128.0 });
+                    hop += 1;
+                }
+                let ringing = bank.ring((secs - now as f64 / 128.0) as f32);
+                if frame % (fps / 2) == 0 {
+                    shots.push(ringing.clone());
+                }
+            }
+            shots
+        };
+        assert_eq!(run(60), run(24));
+        assert_eq!(run(60), run(30));
+        assert!(run(60)[3].q[0].iter().any(|q| q.abs() > 0.1));
+    }
+
+    #[test]
+    fn harmonics_ring_higher_the_finer_they_are() {
+        let timbre = Timbre { tuning_hz: 0.8, stretch: 1.0, ..TIMBRE };
+        let tones = [1.0, 4.0, 100.0, 1e6].map(|lambda| timbre.tone(lambda, 1.0));
+        assert!(tones.is_sorted() && tones[0] > 0 && usize::from(tones[3]) == TONES - 1);
+        assert!((tone_hz(tones[1].into()) / 1.6 - 1.0).abs() < 0.03);
+        assert_eq!(Timbre { stretch: 0.0, ..timbre }.tone(50.0, 1.0), tones[0]);
+        // The constant harmonic has no frequency of its own.
+        assert_eq!(timbre.tone(0.0, 1.0), tones[0]);
+    }
+
+    proptest! {
+        #[test]
+        fn no_sound_and_no_knob_makes_it_run_away(
+            damping in 0.01f32..2.0, strike in 0.0f32..4.0, hold in 0.0f32..2.0,
+            levels in prop::collection::vec(0.0f32..1.0, 1..60), lasted in 0.0f32..3.0)
+        {
+            let mut bank = Resonators::new(&Timbre { damping, strike, hold, ..TIMBRE }, 1);
+            let mut risen = 0.0;
+            let mut last = 0.0;
+            for level in levels {
+                risen += (level - last).max(0.0);
+                last = level;
+                bank.hear(&mono(&[level]), lasted);
+                let most = bank.ring(lasted).q.iter().flatten().fold(0.0f32, |m, q| m.max(q.abs()));
+                prop_assert!(most.is_finite() && most <= 2.0 * hold * (1.0 + risen) + strike * risen + 1e-3, "{}", most);
+            }
+        }
+    }
+}
