@@ -39,12 +39,12 @@ use eframe::egui_wgpu::RenderState;
 use egui::Key;
 
 pub use caricature::Rehearsal;
-pub use choose::{Chooser, Kind, SystemDialogs};
+pub use choose::{Chooser, FileKind, SystemDialogs};
 pub use error::StudioError;
 pub use file_window::{COMMAND as CHOOSE_FILE, FileWindow, Purpose, Request, open as choose_file};
 pub use folders::Folders;
 pub use handover::Handover;
-pub use measure::{FirstPicture, Measure, Report};
+pub use measure::{FirstPicture, FrameReport, Measure};
 pub use opening::{Opening, PlayedFrame, Trace, open};
 pub use settings::Settings;
 

@@ -79,7 +79,7 @@ impl Studio {
             ui.spacing_mut().item_spacing = Vec2::splat(theme::GAP_LARGE);
             for name in SAMPLES {
                 let picture = self.pictures.of_sample(ui.ctx(), name);
-                if card(ui, picture.as_ref(), Icon::Box, &theme::capitalised(name)).clicked() {
+                if card(ui, picture.as_ref(), Icon::Box, &theme::capitalized(name)).clicked() {
                     chosen = Some((0, vec![sample_path(name)]));
                 }
             }

@@ -273,7 +273,7 @@ impl Export {
             ui.selectable_value(&mut self.behind, Behind::Window, "As here");
             for (index, (name, background)) in Background::PRESETS.iter().enumerate() {
                 if background.opacity > 0.0 {
-                    ui.selectable_value(&mut self.behind, Behind::Preset(index), theme::capitalised(name));
+                    ui.selectable_value(&mut self.behind, Behind::Preset(index), theme::capitalized(name));
                 }
             }
         });

@@ -44,7 +44,7 @@ pub struct Loaded {
     pub stands: Estimate,
     /// On the shape with its harmonics.
     pub stack: Stack,
-    /// The colours that the file has.
+    /// The colors that the file has.
     pub look: Option<OwnLook>,
     /// What was mended in the file, and what is wrong with the harmonics.
     pub warnings: Vec<Warning>,

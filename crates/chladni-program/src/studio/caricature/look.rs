@@ -18,7 +18,7 @@ pub enum Show {
 
 /// How it looks; a choice of the user, not of the project.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct Portrayal {
     /// What stands on the stage.
     pub show: Show,
     /// Edges of triangles.
@@ -29,13 +29,13 @@ pub struct Look {
     pub lights: usize,
 }
 
-impl Default for Look {
+impl Default for Portrayal {
     fn default() -> Self {
         Self { show: Show::Result, wire: false, material: 0, lights: 0 }
     }
 }
 
-impl Look {
+impl Portrayal {
     /// The chosen lights.
     pub fn lights(&self) -> Lights {
         Lights::PRESETS.get(self.lights).map_or(Lights::STUDIO, |preset| preset.1)

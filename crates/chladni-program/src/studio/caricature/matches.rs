@@ -154,7 +154,7 @@ fn quality(ui: &mut Ui, report: &chladni_match::Report) {
         row("Turned over", "Triangles whose image is inside out", report.flipped_triangles.to_string());
     });
     for warning in &report.warnings {
-        let text = icon::label(Icon::TriangleAlert, &theme::capitalised(warning));
+        let text = icon::label(Icon::TriangleAlert, &theme::capitalized(warning));
         ui.add(egui::Label::new(RichText::new(text).color(palette.warning).small()).wrap().selectable(true));
     }
 }

@@ -45,7 +45,7 @@ use self::heat::{Heat, Quantity};
 use self::landmarks::Picking;
 use self::layers::LayerList;
 use self::loading::{Candidate, Loaded};
-use self::look::{Look, Show};
+use self::look::{Portrayal, Show};
 use self::preview::Preview;
 use self::recover::Offer;
 use self::session::Session;
@@ -84,7 +84,7 @@ pub struct CaricatureRoom {
     /// Landmarks of the selected layer are picked.
     picking: Option<Picking>,
     heat: Heat,
-    look: Look,
+    look: Portrayal,
     stale: bool,
     /// Opening failed: the sample does not push itself forward.
     refused: bool,

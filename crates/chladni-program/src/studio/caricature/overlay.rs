@@ -42,7 +42,7 @@ pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
     }
 }
 
-/// A bar of the colour map with round numbers beside it.
+/// A bar of the color map with round numbers beside it.
 pub fn show_legend(ui: &Ui, rect: egui::Rect, scale: Scale) {
     let bar = egui::Rect::from_min_size(
         egui::pos2(rect.left() + 16.0, rect.bottom() - 176.0),

@@ -12,7 +12,7 @@ use super::center::update_stage;
 use super::edits::Edit;
 use super::heat::{self, Heat, Painting};
 use super::loading::{self, Candidate};
-use super::look::{Look, Show};
+use super::look::{Portrayal, Show};
 use super::session::Session;
 use super::single;
 use super::stage::Stage;
@@ -23,7 +23,7 @@ pub struct Rehearsal {
     session: Session,
     stage: Stage,
     heat: Heat,
-    look: Look,
+    look: Portrayal,
     gpu: Gpu,
 }
 
@@ -44,7 +44,7 @@ impl Rehearsal {
         let body = session.stack.body();
         let stage = Stage::new(gpu.clone(), &single(&body.positions), &body.triangles, None);
         let stage = stage?;
-        Ok(Self { session, stage, heat: Heat::default(), look: Look::default(), gpu: gpu.clone() })
+        Ok(Self { session, stage, heat: Heat::default(), look: Portrayal::default(), gpu: gpu.clone() })
     }
 
     /// Does what the person does in one frame and brings the figures of the next one up to date.

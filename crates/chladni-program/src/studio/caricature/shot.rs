@@ -8,16 +8,16 @@ use chladni_view::{
     Renderer, Scale, Skin, Topology, VertexPaint, ViewError, film, layout,
 };
 
-use super::look::Look;
+use super::look::Portrayal;
 
-/// What gives figures their colour, whoever owns it.
+/// What gives figures their color, whoever owns it.
 #[derive(Clone, Debug)]
 pub enum Coat {
     /// The material's own.
     Material,
     /// A heat map.
     Values(VertexPaint, Scale),
-    /// One colour a vertex.
+    /// One color a vertex.
     Colors(VertexPaint),
     /// An image.
     Skin(Skin),
@@ -46,12 +46,12 @@ pub struct Shot {
     pub topology: Topology,
     /// The figures, side by side.
     pub poses: Vec<Pose>,
-    /// Their colour; must not be written any more.
+    /// Their color; must not be written any more.
     pub coat: Coat,
     /// Who looks.
     pub camera: Camera,
     /// Material, light, edges.
-    pub look: Look,
+    pub look: Portrayal,
     /// What is behind.
     pub background: Background,
 }
@@ -134,7 +134,7 @@ mod tests {
         let mut camera = Camera::looking(View::Front);
         camera.fit(positions.iter().copied(), 4.0 / 3.0, 0.8);
         let poses = vec![(positions.clone(), positions)];
-        let (coat, look, background) = (Coat::Material, Look::default(), Background::TRANSPARENT);
+        let (coat, look, background) = (Coat::Material, Portrayal::default(), Background::TRANSPARENT);
         Some(Shot { gpu, topology, poses, coat, camera, look, background })
     }
 

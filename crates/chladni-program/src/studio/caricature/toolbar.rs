@@ -106,12 +106,12 @@ impl CaricatureRoom {
         ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
             ui.label(egui::RichText::new("Material").color(theme::palette(ui).weak));
             for (index, (name, _)) in Material::PRESETS.iter().enumerate() {
-                ui.selectable_value(&mut self.look.material, index, theme::capitalised(name));
+                ui.selectable_value(&mut self.look.material, index, theme::capitalized(name));
             }
             ui.separator();
             ui.label(egui::RichText::new("Light").color(theme::palette(ui).weak));
             for (index, (name, _)) in Lights::PRESETS.iter().enumerate() {
-                ui.selectable_value(&mut self.look.lights, index, theme::capitalised(name));
+                ui.selectable_value(&mut self.look.lights, index, theme::capitalized(name));
             }
         });
         if ui.button(icon::text(Icon::Maximize)).on_hover_text(FIT.tooltip(ui.ctx())).clicked()

@@ -29,7 +29,7 @@ impl MusicRoom {
                 Ok(())
             }
             Wish::Mark { right, down } => {
-                concert.mark_neighbour(right, down);
+                concert.mark_neighbor(right, down);
                 Ok(())
             }
             Wish::StepFavourite(forward) => match concert.next_favourite(forward) {

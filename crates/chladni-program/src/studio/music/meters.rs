@@ -4,7 +4,7 @@ use egui::epaint::PathShape;
 use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 use super::curve;
-use super::listening::{Level, Listening};
+use super::listening::{Listening, Loudness};
 use crate::studio::keys::music::{DOUBLE, HALVE, TAP};
 use crate::studio::theme;
 
@@ -92,7 +92,7 @@ fn levels(ui: &mut Ui, listening: &Listening) {
 pub const CHANNELS: [&str; 2] = ["Left", "Right"];
 
 /// A bar of the root mean square with a line at the peak, from −60 dB to full scale.
-pub fn level(ui: &mut Ui, channel: &str, level: Level) {
+pub fn level(ui: &mut Ui, channel: &str, level: Loudness) {
     let palette = theme::palette(ui);
     let share = |amplitude: f32| (1.0 + 20.0 * amplitude.max(1e-6).log10() / 60.0).clamp(0.0, 1.0);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 12.0), Sense::hover());

@@ -3,6 +3,7 @@
 mod close_up;
 mod coarse;
 mod concert;
+mod curtain;
 mod curve;
 mod drawer;
 mod film;
@@ -23,7 +24,6 @@ mod remote;
 mod shelf;
 mod shows;
 mod songs;
-mod stage;
 mod stillness;
 mod study;
 mod transport;
@@ -38,13 +38,13 @@ use chladni_sound::Capture;
 use egui::Ui;
 
 use self::concert::Concert;
+use self::curtain::Curtain;
 use self::drawer::{Drawer, Drawers};
 use self::film::{Filming, Scene};
 use self::listening::Listening;
 use self::loading::Ready;
 pub use self::preferences::Preferences;
 use self::shows::{MOST_HARMONICS, save_show, songs_of, the_show};
-use self::stage::Curtain;
 use self::wish::Wish;
 use super::Trace;
 use super::icon::{self, Icon};
@@ -178,11 +178,11 @@ impl Room for MusicRoom {
         Some((status.position_secs, status.underruns))
     }
 
-    fn stage(&self) -> Option<super::measure::Stage> {
+    fn stage(&self) -> Option<super::measure::OnStage> {
         let concert = self.concert.as_ref()?;
         let (vertices, drawn_vertices) = concert.drawn_vertices();
         let items = concert.instrument().gallery().items().len();
-        Some(super::measure::Stage { items, vertices, drawn_vertices })
+        Some(super::measure::OnStage { items, vertices, drawn_vertices })
     }
 
     fn hides_the_window(&self) -> bool {

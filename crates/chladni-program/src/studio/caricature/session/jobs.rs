@@ -31,7 +31,9 @@ impl Session {
         {
             let request = request.clone();
             let result = outcome.unwrap_or_else(|why| Err(CaricatureError::Unmatched(why.to_string())));
-            message = result.as_ref().err().map(|why| Warning::Told(why.to_string()));
+            // Who stopped it knows.
+            let failed = result.as_ref().err().filter(|why| !matches!(why, CaricatureError::Cancelled(_)));
+            message = failed.map(|why| Warning::Told(why.to_string()));
             if let Ok(Matched { stands: Some(stands), .. }) = &result
                 && self.stands.in_doubt
             {

@@ -15,7 +15,7 @@ use chladni_view::{
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
-use super::look::{Look, Show};
+use super::look::{Portrayal, Show};
 use super::overlay::{backdrop, show_legend, show_names};
 use super::shot::{Coat, Pose, Shot};
 use crate::studio::keys;
@@ -31,12 +31,12 @@ pub const MODELS: usize = 1;
 /// The shape as it was loaded.
 pub const ORIGINAL: usize = 4;
 
-/// What gives the figures their colour.
+/// What gives the figures their color.
 #[derive(Debug)]
 pub enum Coating {
     /// The material alone.
     Material,
-    /// The colours that the shape brought along.
+    /// The colors that the shape brought along.
     Own,
     /// A heat map.
     Values(Vec<f32>, Scale),
@@ -54,7 +54,7 @@ const RING: [u8; 3] = [236, 170, 70];
 const MARKED: [u8; 3] = [214, 40, 30];
 
 /// What came of drawing the stage.
-pub struct Shown {
+pub struct StageResponse {
     /// Clicks and drags on it.
     pub response: egui::Response,
     /// What a brush passed over since the last frame where it is dragged, so close together that its
@@ -89,7 +89,7 @@ pub struct Stage {
     by_hand: bool,
     /// What is shown may reach farther than before.
     grown: bool,
-    last_look: Option<Look>,
+    last_look: Option<Portrayal>,
 }
 
 impl Stage {
@@ -178,18 +178,18 @@ impl Stage {
         Ok(())
     }
 
-    /// Whether the shape has colours of its own.
+    /// Whether the shape has colors of its own.
     pub fn has_own_look(&self) -> bool {
         self.own.is_some()
     }
 
-    /// The colours that the shape brought along, or its material.
+    /// The colors that the shape brought along, or its material.
     pub fn own_coat(&self) -> Coat {
         self.own.clone().unwrap_or(Coat::Material)
     }
 
     /// Paints every figure.
-    pub fn set_coating(&mut self, coating: Coating, look: Look) -> Result<(), ViewError> {
+    pub fn set_coating(&mut self, coating: Coating, look: Portrayal) -> Result<(), ViewError> {
         let tint = if matches!(coating, Coating::Marks(_)) { MARKED } else { PAINTED };
         self.coat = match coating {
             Coating::Material => Coat::Material,
@@ -210,7 +210,7 @@ impl Stage {
     }
 
     /// What is shown now, on its own, before a `background`.
-    pub fn shot(&self, look: Look, background: Background) -> Result<Shot, ViewError> {
+    pub fn shot(&self, look: Portrayal, background: Background) -> Result<Shot, ViewError> {
         let gpu = self.viewport.gpu().clone();
         let coat = match &self.coat {
             Coat::Values(_, scale) => {
@@ -233,7 +233,7 @@ impl Stage {
             poses: vec![pose],
             coat,
             camera: self.camera,
-            look: Look::default(),
+            look: Portrayal::default(),
             background,
         }
     }
@@ -270,10 +270,10 @@ impl Stage {
         ui: &mut Ui,
         state: &RenderState,
         rect: egui::Rect,
-        look: Look,
+        look: Portrayal,
         brush: Option<BrushInHand<'_>>,
         markers: &[Marker],
-    ) -> Result<Shown, ViewError> {
+    ) -> Result<StageResponse, ViewError> {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         let figures = figures(look.show);
         let canvas = Rect::of_size(
@@ -327,7 +327,7 @@ impl Stage {
             show_legend(ui, rect, *scale);
         }
         show_names(ui, rect, look.show, &cells);
-        Ok(Shown { response, presses, figure: pointed.map(|pointed| pointed.figure) })
+        Ok(StageResponse { response, presses, figure: pointed.map(|pointed| pointed.figure) })
     }
 
     fn draw(
@@ -335,7 +335,7 @@ impl Stage {
         ui: &mut Ui,
         state: &RenderState,
         rect: egui::Rect,
-        look: Look,
+        look: Portrayal,
         figures: &[usize],
         cells: &[Rect],
         markers: &[Marker],
@@ -359,7 +359,7 @@ impl Stage {
     }
 }
 
-/// The material's colour where `values` are 0, `tint` where they are 1; linear light.
+/// The material's color where `values` are 0, `tint` where they are 1; linear light.
 fn tints(values: &[f32], tint: [u8; 3], material: chladni_view::Material) -> Vec<[u8; 4]> {
     let linear = |c: u8| (f32::from(c) / 255.0).powf(2.2);
     let (bare, painted) = (material.color.map(linear), tint.map(linear));

@@ -36,7 +36,7 @@ pub struct BrushInHand<'a> {
 
 /// One press of the brush.
 pub struct Press {
-    /// Its centre.
+    /// Its center.
     pub touch: Touch,
     /// What it covers of the figure under the pointer, as it is seen.
     pub reach: Reach,

@@ -4,9 +4,9 @@ use chladni_music::{Reaction, Switch, Veil};
 use chladni_view::{Figure, Gpu, ItemBuffers, Rect, Topology};
 use egui::{Color32, Ui};
 
-use super::super::coarse::{self, Level};
+use super::super::coarse::{self, Detail};
 use super::super::glimpse::Glimpse;
-use super::super::stillness::Shown;
+use super::super::stillness::StillPicture;
 use super::Concert;
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -26,7 +26,7 @@ impl Concert {
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         let staged = self.staging.set(area, cells.len(), &self.viewpoint, &look, reaction, &self.instrument);
         let material = staged.material;
-        let shown = Shown { pose, staged: staged.clone() };
+        let shown = StillPicture { pose, staged: staged.clone() };
         self.moving = self.shown.as_ref() != Some(&shown);
         if self.moving {
             self.viewport.invalidate();
@@ -39,9 +39,9 @@ impl Concert {
                 let pixels = cell.width as usize * cell.height as usize;
                 let seen = self.seen.get(item).copied().unwrap_or(0);
                 let needed = coarse::vertices_needed(seen, pixels);
-                let level = self.levels.iter().rev().find(|(level, _)| level.vertices >= needed);
-                drawn_vertices += level.map_or(self.staging.rest().len(), |(level, _)| level.vertices);
-                let topology = level.map_or(&self.topology, |(_, topology)| topology);
+                let detail = self.details.iter().rev().find(|(detail, _)| detail.vertices >= needed);
+                drawn_vertices += detail.map_or(self.staging.rest().len(), |(detail, _)| detail.vertices);
+                let topology = detail.map_or(&self.topology, |(_, topology)| topology);
                 Figure { material, ..Figure::new(topology, &buffers, item) }
             })
             .collect();
@@ -91,9 +91,9 @@ impl Concert {
 pub fn on_device(
     gpu: &Gpu,
     vertices: usize,
-    levels: impl IntoIterator<Item = Level>,
-) -> Result<Vec<(Level, Topology)>, Error> {
+    details: impl IntoIterator<Item = Detail>,
+) -> Result<Vec<(Detail, Topology)>, Error> {
     let upload =
-        |level: Level| Topology::new(gpu, vertices, &level.triangles).map(|topology| (level, topology));
-    Ok(levels.into_iter().map(upload).collect::<Result<_, _>>()?)
+        |detail: Detail| Topology::new(gpu, vertices, &detail.triangles).map(|topology| (detail, topology));
+    Ok(details.into_iter().map(upload).collect::<Result<_, _>>()?)
 }

@@ -14,7 +14,7 @@ impl Concert {
     }
 
     /// Marks the item so many columns to the right and rows below the one that is marked.
-    pub fn mark_neighbour(&mut self, right: isize, down: isize) {
+    pub fn mark_neighbor(&mut self, right: isize, down: isize) {
         let count = self.instrument.gallery().items().len();
         let step = right + down * self.columns as isize;
         let next = self.marked.map_or(Some(0), |item| item.checked_add_signed(step));

@@ -19,14 +19,14 @@ use drawing::on_device;
 use standing::{camera_at, navigate};
 
 use super::close_up::{self, Draft};
-use super::coarse::{self, Level};
+use super::coarse::{self, Detail};
 use super::gallery;
 use super::glimpse::Glimpse;
 use super::harmonics::Harmonics;
 use super::listening::Listening;
 use super::loading::Ready;
 use super::pace::Pace;
-use super::stillness::{self, Shown};
+use super::stillness::{self, StillPicture};
 use super::view::View;
 use super::wish::Wish;
 use crate::studio::room::Shared;
@@ -49,8 +49,8 @@ pub struct Concert {
     viewport: Viewport,
     topology: Topology,
     /// For small cells where the processor draws, from fine to coarse.
-    levels: Vec<(Level, Topology)>,
-    /// How many harmonics of each item are seen, where there are levels.
+    details: Vec<(Detail, Topology)>,
+    /// How many harmonics of each item are seen, where there are details.
     seen: Vec<usize>,
     /// Vertices that were drawn of a shape, in the mean.
     drawn_vertices: usize,
@@ -59,7 +59,7 @@ pub struct Concert {
     glimpse: Glimpse,
     guard: FlashGuard,
     /// The last picture; `None` where something else was shown.
-    shown: Option<Shown>,
+    shown: Option<StillPicture>,
     moving: bool,
     /// How bright the picture is that was kept is known.
     judged: bool,
@@ -91,7 +91,7 @@ impl Concert {
         let rest = model.rest_positions().to_vec();
         let vertices = rest.len();
         let staging = Staging::new(dancer.clone(), rest, ready.stands);
-        let levels = on_device(gpu, vertices, ready.levels)?;
+        let details = on_device(gpu, vertices, ready.details)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(dancer).with_voices(terms)?;
         Ok(Self {
@@ -100,7 +100,7 @@ impl Concert {
             ensemble,
             synthesizer: AutoSynthesizer::new(&context, model, Backend::Auto),
             topology,
-            levels,
+            details,
             seen: Vec::new(),
             drawn_vertices: vertices,
             staging,
@@ -129,8 +129,8 @@ impl Concert {
         let viewport = Viewport::new(state);
         let (gpu, vertices) = (viewport.gpu(), self.staging.rest().len());
         self.topology = Topology::new(gpu, vertices, self.harmonics.triangles())?;
-        let levels = std::mem::take(&mut self.levels).into_iter().map(|(level, _)| level);
-        self.levels = on_device(gpu, vertices, levels)?;
+        let details = std::mem::take(&mut self.details).into_iter().map(|(detail, _)| detail);
+        self.details = on_device(gpu, vertices, details)?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         self.synthesizer = AutoSynthesizer::new(&context, self.synthesizer.model().clone(), Backend::Auto);
         self.harmonics.forget_device();
@@ -315,7 +315,7 @@ impl Concert {
         if self.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
             self.synthesizer.synthesize(items, &FrameSettings { normal_blending })?;
             self.seen.clear();
-            if !self.levels.is_empty() {
+            if !self.details.is_empty() {
                 self.seen.extend(items.iter().map(coarse::harmonics_seen));
             }
             let took = (shared.now)().saturating_duration_since(began);
@@ -342,7 +342,7 @@ impl Concert {
         match self.view {
             View::CloseUp(item) if close_up => {
                 let (spectrum, bands_hz) = listening.spectrum();
-                let heard = close_up::Heard {
+                let heard = close_up::HeardBands {
                     mid: &spectrum.mid,
                     bands_hz,
                     eigenvalues: &self.ensemble.dancer().eigenvalues,

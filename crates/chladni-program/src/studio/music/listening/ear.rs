@@ -15,14 +15,14 @@ const LONGEST_STEP_SECS: f64 = 2.0;
 
 /// How loud one channel is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Level {
+pub struct Loudness {
     /// Largest amplitude, falling by 20 dB a second.
     pub peak: f32,
     /// Root mean square of what is heard now.
     pub rms: f32,
 }
 
-impl Level {
+impl Loudness {
     pub(super) fn of(samples: &[f32], before: Self, dt_secs: f64) -> Self {
         let (peak, square) =
             samples.iter().fold((0.0f32, 0.0f32), |(peak, square), s| (peak.max(s.abs()), square + s * s));
@@ -50,27 +50,27 @@ impl BeatCount {
 
 impl Listening {
     pub(super) fn follow_rate(&mut self, rate_hz: u32, parameters: &Parameters) -> Result<(), Error> {
-        let rate_hz = if rate_hz > 0 { rate_hz } else { self.analyser.settings().rate_hz };
-        if rate_hz != self.analyser.settings().rate_hz {
+        let rate_hz = if rate_hz > 0 { rate_hz } else { self.analyzer.settings().rate_hz };
+        if rate_hz != self.analyzer.settings().rate_hz {
             self.follower = BeatFollower::new(rate_hz)?;
         }
         let wanted = spectrum_settings(rate_hz, parameters);
-        if *self.analyser.settings() != wanted {
-            self.analyser = SpectrumAnalyser::new(wanted)?;
+        if *self.analyzer.settings() != wanted {
+            self.analyzer = SpectrumAnalyser::new(wanted)?;
         }
         Ok(())
     }
 
-    /// The samples to analyse: around what is heard of a song, later by what the decay holds back;
+    /// The samples to analyze: around what is heard of a song, later by what the decay holds back;
     /// the newest ones of live input.
     pub(super) fn take_window(&mut self, playing: bool) {
-        let window = self.analyser.window_frames();
+        let window = self.analyzer.window_frames();
         self.left.resize(window, 0.0);
         self.right.resize(window, 0.0);
         match &self.live {
             Some(live) => live.capture.window(&mut self.left, &mut self.right),
             None => {
-                let late = self.analyser.lag_secs() * f64::from(self.analyser.settings().rate_hz);
+                let late = self.analyzer.lag_secs() * f64::from(self.analyzer.settings().rate_hz);
                 let ahead = window / 2 + late as usize;
                 self.player.heard_window(ahead, &mut self.left, &mut self.right);
             }

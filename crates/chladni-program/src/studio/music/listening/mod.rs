@@ -5,7 +5,7 @@ mod beats;
 mod ear;
 mod playlist;
 
-pub use ear::Level;
+pub use ear::Loudness;
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ use crate::work::source::TUNE;
 use crate::work::{Error, Heard, Hearing, KnownSong, Playing, ShowClock, bands_of, read_beats};
 
 /// Player or capture, and the ears: a song that is read as a whole is heard as its films hear it; live input,
-/// and a song until it is read, by an analyser and a beat tracker that know only what was heard.
+/// and a song until it is read, by an analyzer and a beat tracker that know only what was heard.
 pub struct Listening {
     player: Player,
     live: Option<Live>,
@@ -33,10 +33,10 @@ pub struct Listening {
     study: Option<Study>,
     /// Beats became known that were not when something was done.
     beats_changed: bool,
-    /// What is heard comes from the analyser and the tracker below.
+    /// What is heard comes from the analyzer and the tracker below.
     by_ear: bool,
     last_beat: Beat,
-    analyser: SpectrumAnalyser,
+    analyzer: SpectrumAnalyser,
     follower: BeatFollower,
     /// What live input strikes, and how long the last piece of it has rung.
     resonators: Option<Resonators>,
@@ -46,7 +46,7 @@ pub struct Listening {
     last_secs: f64,
     last_position_secs: f64,
     beats: BeatCount,
-    levels: [Level; 2],
+    levels: [Loudness; 2],
     songs: Vec<PathBuf>,
     repeat: Repeat,
     volume: f32,
@@ -92,7 +92,7 @@ impl Listening {
         write_wav(&tune, &sample_tune(), WavSample::Int16)?;
         let player = Player::start(PlayerSettings { device: device.clone(), volume, audible: true })?;
         let rate_hz = 44_100;
-        let analyser = SpectrumAnalyser::new(SpectrumSettings::new(rate_hz))?;
+        let analyzer = SpectrumAnalyser::new(SpectrumSettings::new(rate_hz))?;
         let follower = BeatFollower::new(rate_hz)?;
         let mut listening = Self {
             player,
@@ -104,7 +104,7 @@ impl Listening {
             beats_changed: false,
             by_ear: true,
             last_beat: Beat::default(),
-            analyser,
+            analyzer,
             follower,
             resonators: None,
             rung_secs: 0.0,
@@ -113,7 +113,7 @@ impl Listening {
             last_secs: 0.0,
             last_position_secs: 0.0,
             beats: BeatCount::default(),
-            levels: [Level::default(); 2],
+            levels: [Loudness::default(); 2],
             songs: vec![tune.clone()],
             repeat: Repeat::Off,
             volume,
@@ -153,7 +153,7 @@ impl Listening {
     }
 
     /// How loud left and right are.
-    pub fn levels(&self) -> [Level; 2] {
+    pub fn levels(&self) -> [Loudness; 2] {
         self.levels
     }
 
@@ -215,7 +215,7 @@ impl Listening {
 
     /// The last spectrum, and where its bands lie.
     pub fn spectrum(&self) -> (&Spectrum, &[f32]) {
-        let by_ear = (self.analyser.spectrum(), self.analyser.bands_hz());
+        let by_ear = (self.analyzer.spectrum(), self.analyzer.bands_hz());
         self.hearing.spectrum().filter(|_| !self.by_ear).unwrap_or(by_ear)
     }
 
@@ -257,7 +257,7 @@ impl Listening {
         let has_beats = known && self.known_beats().is_some();
         if known && std::mem::replace(&mut self.by_ear, !known) {
             let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
-            self.hearing.fade_from(at_secs, self.analyser.spectrum().clone(), ringing, self.last_beat);
+            self.hearing.fade_from(at_secs, self.analyzer.spectrum().clone(), ringing, self.last_beat);
         }
         self.by_ear = !known;
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
@@ -271,12 +271,12 @@ impl Listening {
         }
         self.take_window(is_playing);
         let heard = [&self.left, &self.right];
-        self.levels = std::array::from_fn(|side| Level::of(heard[side], self.levels[side], dt_secs));
+        self.levels = std::array::from_fn(|side| Loudness::of(heard[side], self.levels[side], dt_secs));
         let moment = self.follower.moment();
         let confidence = if is_playing { moment.confidence as f32 } else { self.last_beat.confidence };
         let by_ear = Beat { count: self.beats.at(moment.phase), confidence };
         if !known {
-            let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
+            let spectrum = self.analyzer.analyse(&self.left, &self.right, dt_secs);
             self.last_beat = by_ear;
             let timbre = Timbre::of(parameters);
             Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
