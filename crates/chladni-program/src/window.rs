@@ -8,7 +8,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 pub use crate::studio::CHOOSE_FILE;
-use crate::studio::{self, FirstPicture, Measure, Report};
+use crate::studio::{self, FirstPicture, FrameReport, Measure};
 use crate::work::Error;
 
 /// What the window closes by itself for.
@@ -32,7 +32,7 @@ pub enum Outcome {
         first_picture_secs: f64,
     },
     /// How the frames came.
-    Measured(Report),
+    Measured(FrameReport),
 }
 
 /// Opens the window on `files` and returns when it is closed.

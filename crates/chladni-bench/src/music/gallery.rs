@@ -6,7 +6,7 @@ use chladni_sound::{Song, SpectrumAnalyser, SpectrumSettings};
 use chladni_synth::{CpuSynthesizer, Item, SynthModel, Synthesizer, displacements_f64};
 use serde::Serialize;
 
-use super::truth::{HARMONICS, Ready};
+use super::ready::{HARMONICS, Ready};
 use chladni_program::cli::Terminal;
 use chladni_program::work::{Error, bands_of, source};
 

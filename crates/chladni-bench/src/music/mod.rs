@@ -1,6 +1,7 @@
 //! `chladni-bench music`: how fast the music instrument is, and how true.
 
 mod gallery;
+mod ready;
 mod stereo;
 mod timing;
 mod truth;
@@ -52,8 +53,8 @@ impl BenchMusic {
     /// Measures all of it.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let timing = timing::measure(&self, terminal)?;
-        let octopus = truth::Ready::sample("octopus", terminal)?;
-        let head = truth::Ready::sample("head", terminal)?;
+        let octopus = ready::Ready::sample("octopus", terminal)?;
+        let head = ready::Ready::sample("head", terminal)?;
         let mut stereo = stereo::stereo(&octopus)?;
         stereo.extend(stereo::stereo(&head)?);
         let transfer = truth::transfer(&octopus, &head)?;

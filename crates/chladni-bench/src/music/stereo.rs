@@ -6,7 +6,7 @@ use chladni_music::{Form, Mapping, Playing};
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings};
 use serde::Serialize;
 
-use super::truth::{RATE_HZ, Ready, farthest};
+use super::ready::{RATE_HZ, Ready, farthest};
 use chladni_program::work::{Error, bands_of};
 
 /// What a tone in one channel, or the same in both, does.
@@ -91,7 +91,7 @@ fn mirror(positions: &[[f64; 3]]) -> Vec<Option<usize>> {
     let at: HashMap<[i64; 3], usize> = positions.iter().enumerate().map(|(v, p)| (key(*p), v)).collect();
     let image = |p: &[f64; 3]| {
         let [x, y, z] = key(*p);
-        // Rounding may put the mirror image into a neighbouring cell.
+        // Rounding may put the mirror image into a neighboring cell.
         (0..27)
             .map(|i: i64| [-x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1])
             .find_map(|k| at.get(&k).copied())

@@ -1,64 +1,12 @@
 //! Samples that are ready to dance, and presets that move from shape to shape.
 
-use std::sync::Arc;
-
-use chladni_harmonics::{Body, Laplacian};
-use chladni_mesh::TriMesh;
-use chladni_music::{
-    Action, Bands, Dancer, GalleryShape, Instrument, Mapping, Moment, Player, Playing, Preset,
-};
+use chladni_music::{Action, GalleryShape, Instrument, Moment, Preset};
 use chladni_sound::{SpectrumSettings, sample_tune};
-use chladni_synth::displacements_f64;
 use serde::Serialize;
 
 use super::gallery::{ITEMS, moved};
-use chladni_program::cli::Terminal;
-use chladni_program::work::dancer::{Dancing, classes};
-use chladni_program::work::{Error, Watcher};
-use chladni_program::work::{body, source};
-
-pub const HARMONICS: usize = 128;
-pub const RATE_HZ: u32 = 44_100;
-
-/// A sample that is ready to dance.
-pub struct Ready {
-    pub name: String,
-    pub body: Body,
-    pub dancer: Arc<Dancer>,
-}
-
-impl Ready {
-    /// The sample called `name`.
-    pub fn sample(name: &str, terminal: &Terminal) -> Result<Self, Error> {
-        Self::new(name, &source::mesh(source::sample_path(name), terminal)?, terminal)
-    }
-
-    /// A mesh.
-    pub fn new(name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<Self, Error> {
-        let (body, _) = body::build(name, mesh, HARMONICS, Laplacian::Delaunay, terminal)?;
-        let symmetry = terminal.watch("finding the mirror", |task| classes(&body, false, task))?;
-        let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry)?;
-        Ok(Self { name: name.to_owned(), body, dancer })
-    }
-
-    /// What `mapping` does to it.
-    pub fn displacements(
-        &self,
-        mapping: &Mapping,
-        bands: &Bands<'_>,
-        playing: Playing,
-    ) -> Result<Vec<[f64; 3]>, Error> {
-        let mut player = Player::new(mapping, &self.dancer, bands.mid.len(), playing)?;
-        let mut item = player.item();
-        player.play(bands, &mut item)?;
-        Ok(displacements_f64(&self.body, &item)?)
-    }
-}
-
-/// The farthest that any vertex goes.
-pub fn farthest(moved: &[[f64; 3]]) -> f64 {
-    moved.iter().map(|d| d.iter().map(|c| c * c).sum::<f64>().sqrt()).fold(0.0, f64::max)
-}
+use super::ready::{RATE_HZ, Ready};
+use chladni_program::work::Error;
 
 /// How far presets that were bred on one shape move another.
 #[derive(Serialize)]

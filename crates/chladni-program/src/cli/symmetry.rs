@@ -38,7 +38,7 @@ pub struct SymmetryCommand {
 
 /// What `--json` prints. Vertices are those of the file, from zero.
 #[derive(Serialize)]
-struct Report {
+struct Printed {
     /// 1 symmetric, −1 antisymmetric, 0 undecided.
     classes: Vec<i8>,
     pairs: Vec<[usize; 2]>,
@@ -96,7 +96,7 @@ impl SymmetryCommand {
     }
 }
 
-fn report(body: &Body, symmetry: &Symmetry) -> Report {
+fn report(body: &Body, symmetry: &Symmetry) -> Printed {
     let mut file_vertex = vec![0; body.positions.len()];
     for (v, operator) in body.operator_vertex.iter().enumerate().rev() {
         if let Some(o) = operator {
@@ -108,7 +108,7 @@ fn report(body: &Body, symmetry: &Symmetry) -> Report {
         SymmetryMethod::Mirror(plane) => Some(plane),
         SymmetryMethod::Vote => None,
     };
-    Report {
+    Printed {
         classes: symmetry.classes.iter().map(|c| c.sign()).collect(),
         pairs: symmetry.pairs.iter().map(|p| p.map(file)).collect(),
         extrema: symmetry.extrema.iter().map(|&v| file(v)).collect(),

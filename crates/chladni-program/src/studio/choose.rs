@@ -6,19 +6,19 @@ use std::time::{Duration, Instant};
 use super::file_window::{self, Purpose, Request};
 
 /// A kind of file: its name in a dialog and its extensions, without dots.
-pub type Kind<'a> = (&'a str, &'a [&'a str]);
+pub type FileKind<'a> = (&'a str, &'a [&'a str]);
 
 /// Who is asked for files: the system's dialogs, or a test.
 pub trait Chooser {
     /// A file to read, of any of `kinds`; `None` where the person thinks better of it.
-    fn open(&mut self, kinds: &[Kind<'_>]) -> Option<PathBuf>;
+    fn open(&mut self, kinds: &[FileKind<'_>]) -> Option<PathBuf>;
 
     /// Several files to read.
-    fn open_several(&mut self, kinds: &[Kind<'_>]) -> Vec<PathBuf>;
+    fn open_several(&mut self, kinds: &[FileKind<'_>]) -> Vec<PathBuf>;
 
     /// A file to write, of any of `kinds`; `suggested` is a name, or a path, to start from. Has
     /// the extension of the first kind where the person gave none.
-    fn save(&mut self, kinds: &[Kind<'_>], suggested: &Path) -> Option<PathBuf>;
+    fn save(&mut self, kinds: &[FileKind<'_>], suggested: &Path) -> Option<PathBuf>;
 
     /// What went wrong since the last call: no dialog may have come up at all.
     fn trouble(&mut self) -> Option<String> {
@@ -40,7 +40,7 @@ pub struct SystemDialogs {
 }
 
 impl SystemDialogs {
-    fn dialog(kinds: &[Kind<'_>]) -> rfd::FileDialog {
+    fn dialog(kinds: &[FileKind<'_>]) -> rfd::FileDialog {
         kinds
             .iter()
             .fold(rfd::FileDialog::new(), |dialog, (name, extensions)| dialog.add_filter(*name, extensions))
@@ -73,7 +73,7 @@ impl SystemDialogs {
         }
     }
 
-    fn request(&self, purpose: Purpose, kinds: &[Kind<'_>]) -> Request {
+    fn request(&self, purpose: Purpose, kinds: &[FileKind<'_>]) -> Request {
         let kinds = kinds.iter().map(|(name, extensions)| {
             ((*name).to_owned(), extensions.iter().map(|extension| (*extension).to_owned()).collect())
         });
@@ -83,17 +83,17 @@ impl SystemDialogs {
 }
 
 impl Chooser for SystemDialogs {
-    fn open(&mut self, kinds: &[Kind<'_>]) -> Option<PathBuf> {
+    fn open(&mut self, kinds: &[FileKind<'_>]) -> Option<PathBuf> {
         let request = self.request(Purpose::Open, kinds);
         self.ask(request, || Self::dialog(kinds).pick_file().map(|file| vec![file]))?.pop()
     }
 
-    fn open_several(&mut self, kinds: &[Kind<'_>]) -> Vec<PathBuf> {
+    fn open_several(&mut self, kinds: &[FileKind<'_>]) -> Vec<PathBuf> {
         let request = self.request(Purpose::OpenSeveral, kinds);
         self.ask(request, || Self::dialog(kinds).pick_files()).unwrap_or_default()
     }
 
-    fn save(&mut self, kinds: &[Kind<'_>], suggested: &Path) -> Option<PathBuf> {
+    fn save(&mut self, kinds: &[FileKind<'_>], suggested: &Path) -> Option<PathBuf> {
         let mut dialog = Self::dialog(kinds);
         let folder = suggested.parent().filter(|folder| !folder.as_os_str().is_empty());
         if let Some(folder) = folder {

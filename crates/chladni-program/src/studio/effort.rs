@@ -14,7 +14,7 @@ const SOFTWARE_EARLY_SECS: f64 = 0.054;
 const FRAMES: usize = 12;
 /// At least so many frames say something after [`LONG_SECS`].
 const FEWEST_FRAMES: usize = 4;
-/// So long no full dozen is waited for.
+/// After so long, fewer than [`FRAMES`] are looked at.
 const LONG_SECS: f64 = 2.0;
 /// After so long without trouble more is tried; twice as long after each time that it failed.
 const PATIENCE_SECS: f64 = 6.0;

@@ -7,7 +7,7 @@ use super::theme;
 
 /// Shows the focus from when a key or a screen reader moves it until the pointer is used.
 #[derive(Debug, Default)]
-pub struct Ring {
+struct Ring {
     by_keys: bool,
     last: Option<Id>,
     hidden: Option<Id>,
@@ -56,6 +56,12 @@ impl egui::Plugin for Ring {
             painter.rect_stroke(around, 6.0, Stroke::new(width, color), StrokeKind::Middle);
         }
     }
+}
+
+/// Sets fonts, themes and the ring once, when a window opens.
+pub fn install(ctx: &egui::Context) {
+    theme::install(ctx);
+    ctx.add_plugin(Ring::default());
 }
 
 fn moves_the_focus(key: Key) -> bool {

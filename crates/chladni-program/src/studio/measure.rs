@@ -46,12 +46,12 @@ pub struct Measure {
     /// When each frame came, and where in the song it was.
     frames: Vec<(f64, Option<f64>)>,
     underruns: u64,
-    stage: Option<Stage>,
+    stage: Option<OnStage>,
 }
 
 /// What dances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Stage {
+pub struct OnStage {
     /// Deformed shapes.
     pub items: usize,
     /// Vertices of each.
@@ -62,7 +62,7 @@ pub struct Stage {
 
 /// What came of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct FrameReport {
     /// From the first counted frame to the last.
     pub secs: f64,
     /// Frames drawn.
@@ -78,7 +78,7 @@ pub struct Report {
     /// How often the sound device was given silence.
     pub underruns: u64,
     /// What danced.
-    pub stage: Option<Stage>,
+    pub stage: Option<OnStage>,
 }
 
 impl Measure {
@@ -104,12 +104,12 @@ impl Measure {
     }
 
     /// Notes what dances.
-    pub fn shows(&mut self, stage: Option<Stage>) {
+    pub fn shows(&mut self, stage: Option<OnStage>) {
         self.stage = stage.or(self.stage);
     }
 
     /// The report; `None` where there were too few frames.
-    pub fn report(&self) -> Option<Report> {
+    pub fn report(&self) -> Option<FrameReport> {
         let [first, .., last] = self.frames[..] else { return None };
         let mut pauses: Vec<f64> = self.frames.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
         pauses.sort_by(f64::total_cmp);
@@ -117,7 +117,7 @@ impl Measure {
             self.frames.iter().filter_map(|(at, position)| Some((*position)? - at)).collect();
         let mean = offsets.iter().sum::<f64>() / offsets.len().max(1) as f64;
         let drift = offsets.iter().map(|offset| (offset - mean).abs()).fold(0.0, f64::max);
-        Some(Report {
+        Some(FrameReport {
             secs: last.0 - first.0,
             frames: self.frames.len(),
             median_frame_secs: pauses[pauses.len() / 2],

@@ -5,16 +5,21 @@
 mod caricature;
 mod choose;
 mod closing;
+mod device;
 mod effort;
+mod error;
 mod file_window;
 mod focus;
 mod folders;
 mod handover;
 mod icon;
 mod job;
+mod key_sheet;
+mod keys;
 mod measure;
 mod music;
 mod notices;
+mod opening;
 mod pictures;
 mod room;
 mod settings;
@@ -34,154 +39,28 @@ use eframe::egui_wgpu::RenderState;
 use egui::Key;
 
 pub use caricature::Rehearsal;
-pub use choose::{Chooser, Kind, SystemDialogs};
+pub use choose::{Chooser, FileKind, SystemDialogs};
+pub use error::StudioError;
 pub use file_window::{COMMAND as CHOOSE_FILE, FileWindow, Purpose, Request, open as choose_file};
 pub use folders::Folders;
 pub use handover::Handover;
-pub use measure::{FirstPicture, Measure, Report};
+pub use measure::{FirstPicture, FrameReport, Measure};
+pub use opening::{Opening, PlayedFrame, Trace, open};
 pub use settings::Settings;
 
 use closing::Closing;
+use error::NoDevice;
 use icon::Icon;
+use keys::window::{FULL_SCREEN, HELP, SWITCH_ROOM, ZOOM_IN, ZOOM_OUT};
 use notices::Notices;
 use pictures::Pictures;
 use room::{Room, Shared};
-use shortcut::Shortcut;
 use window_painter::WindowPainter;
 
 use crate::work::source::from_anywhere;
 
-/// Why the window did not open.
-#[derive(Debug, thiserror::Error)]
-pub enum StudioError {
-    /// Neither X11 nor Wayland is there.
-    #[error("the window cannot open: there is no display; 'chladni --help' lists what works without one")]
-    NoDisplay,
-    /// No usable graphics driver, or the window system refused.
-    #[error("the window cannot open: {0}; 'chladni --help' lists what works without one")]
-    Window(#[from] eframe::Error),
-    /// It was lost again as soon as another window had opened.
-    #[error(
-        "the graphics device fails again and again ({0}); unsaved work is offered when 'chladni open' runs again"
-    )]
-    DeviceLost(String),
-}
-
-const SWITCH_ROOM: Shortcut = Shortcut::command(Key::Tab, "Next workspace");
-const HELP: Shortcut = Shortcut::key(Key::F1, "Show all keys");
-const ZOOM_IN: Shortcut = Shortcut::command(Key::Plus, "Larger text and controls");
-const ZOOM_OUT: Shortcut = Shortcut::command(Key::Minus, "Smaller text and controls");
-const FULL_SCREEN: Shortcut = Shortcut::key(Key::F11, "Full screen");
-const WINDOW_KEYS: [Shortcut; 5] = [HELP, SWITCH_ROOM, ZOOM_IN, ZOOM_OUT, FULL_SCREEN];
-
-/// Points of the window when it opens.
-const WINDOW: [f32; 2] = [1320.0, 820.0];
 /// Points across a screen on which those of usual size are too small to read.
 const MANY_POINTS: f32 = 3000.0;
-
-/// A device that is lost sooner than this after its window has opened will not do.
-const SHORTEST: Duration = Duration::from_secs(10);
-
-/// Opens the window on the start screen, or on `files` where some are given, and returns when
-/// it is closed. With a measure it closes by itself when all is counted.
-/// With a first picture it closes as soon as that is shown. Where the graphics device is lost,
-/// another window goes on with what was open.
-pub fn open(
-    mut files: Vec<PathBuf>,
-    measure: Option<Rc<RefCell<Measure>>>,
-    first_picture: Option<Rc<FirstPicture>>,
-) -> Result<(), StudioError> {
-    let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    if cfg!(target_os = "linux") && !["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
-        return Err(StudioError::NoDisplay);
-    }
-    let handover = Handover::default();
-    loop {
-        let began = Instant::now();
-        open_once(Opening {
-            folders: Folders::of_user(),
-            files: std::mem::take(&mut files),
-            measure: measure.clone(),
-            first_picture: first_picture.clone(),
-            handover: handover.clone(),
-            ..Opening::default()
-        })?;
-        match handover.reason() {
-            None => return Ok(()),
-            Some(why) if began.elapsed() < SHORTEST => return Err(StudioError::DeviceLost(why)),
-            Some(_) => {}
-        }
-    }
-}
-
-fn open_once(opening: Opening) -> Result<(), StudioError> {
-    let viewport = egui::ViewportBuilder::default()
-        .with_title("Chladni")
-        .with_app_id("chladni")
-        .with_inner_size(WINDOW)
-        .with_min_inner_size([900.0, 600.0]);
-    let options = eframe::NativeOptions { viewport, wgpu_options: wgpu_options(), ..Default::default() };
-    let create = |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
-        Ok(Box::new(Studio::new(creation, opening)?))
-    };
-    eframe::run_native("chladni", options, Box::new(create))?;
-    Ok(())
-}
-
-/// What the music room played, frame after frame: for those who compare it with a film.
-pub type Trace = Rc<RefCell<Vec<PlayedFrame>>>;
-
-/// One frame of the music room.
-#[derive(Clone, Debug)]
-pub struct PlayedFrame {
-    /// Since the show began.
-    pub at_secs: f64,
-    /// The song is known as a whole, so that a film hears the same.
-    pub is_known: bool,
-    /// Something is on stage.
-    pub on_stage: bool,
-    /// Of the mapping's first term, of the first item.
-    pub coefficients: Vec<f32>,
-}
-
-/// What a window opens with.
-pub struct Opening {
-    /// Where it keeps what outlives it; nowhere by default.
-    pub folders: Folders,
-    /// Who is asked for files: by default the system's dialogs.
-    pub chooser: Box<dyn Chooser>,
-    /// Files to open at once.
-    pub files: Vec<PathBuf>,
-    /// Counts frames, and closes the window when it has seen enough.
-    pub measure: Option<Rc<RefCell<Measure>>>,
-    /// Is told of the first picture, and closes the window.
-    pub first_picture: Option<Rc<FirstPicture>>,
-    /// What the music room listens to at once, instead of a song.
-    pub input: Option<chladni_sound::Capture>,
-    /// Is told what the music room plays in each frame.
-    pub trace: Option<Trace>,
-    /// What a window before it has left, and where it leaves what is open should its device be lost.
-    pub handover: Handover,
-    /// Tells how long work takes where less is done on a slow machine. Tests hand in a clock of their own, so
-    /// that they see the same on every machine.
-    pub now: fn() -> Instant,
-}
-
-impl Default for Opening {
-    fn default() -> Self {
-        Self {
-            folders: Folders::default(),
-            chooser: Box::new(SystemDialogs::default()),
-            files: Vec::new(),
-            measure: None,
-            first_picture: None,
-            input: None,
-            trace: None,
-            handover: Handover::default(),
-            now: Instant::now,
-        }
-    }
-}
 
 /// The whole window.
 pub struct Studio {
@@ -202,16 +81,11 @@ pub struct Studio {
     rooms: Vec<Box<dyn Room>>,
     /// The room on screen; `None` is the start screen.
     current: Option<usize>,
-    cheat_sheet: bool,
+    key_sheet_open: bool,
     closing: Closing,
     /// Nobody has chosen preferences yet.
     first_run: bool,
 }
-
-/// The device is missing where the window was made without wgpu.
-#[derive(Debug, thiserror::Error)]
-#[error("no graphics device: install a Vulkan driver (lavapipe, package mesa-vulkan-drivers, needs no card)")]
-struct NoDevice;
 
 impl Studio {
     /// Builds the window's state.
@@ -234,7 +108,7 @@ impl Studio {
             }
             None => Settings::default(),
         };
-        theme::install(&creation.egui_ctx);
+        focus::install(&creation.egui_ctx);
         WindowPainter::install(&creation.egui_ctx, &gpu);
         creation.egui_ctx.set_zoom_factor(settings.zoom);
         let device = chladni_view::Gpu::shared(gpu.device.clone(), gpu.queue.clone());
@@ -269,7 +143,7 @@ impl Studio {
             notices,
             rooms,
             current,
-            cheat_sheet: false,
+            key_sheet_open: false,
             closing: Closing::No,
             first_run,
         };
@@ -315,10 +189,11 @@ impl Studio {
 
     fn handle_keys(&mut self, ctx: &egui::Context) {
         if HELP.pressed(ctx) {
-            self.cheat_sheet = !self.cheat_sheet;
+            self.key_sheet_open = !self.key_sheet_open;
         }
-        if self.cheat_sheet && ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape)) {
-            self.cheat_sheet = false;
+        if self.key_sheet_open && ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape))
+        {
+            self.key_sheet_open = false;
         }
         if SWITCH_ROOM.pressed(ctx) && !self.rooms.is_empty() {
             self.current = Some(self.current.map_or(0, |room| (room + 1) % self.rooms.len()));
@@ -366,7 +241,7 @@ impl Studio {
 
     fn window_buttons(&mut self, ui: &mut egui::Ui) {
         if ui.button(icon::text(Icon::Keyboard)).on_hover_text(HELP.tooltip(ui.ctx())).clicked() {
-            self.cheat_sheet = !self.cheat_sheet;
+            self.key_sheet_open = !self.key_sheet_open;
         }
         let (mark, tip) =
             if self.settings.light { (Icon::Moon, "Dark theme") } else { (Icon::Sun, "Light theme") };
@@ -384,7 +259,7 @@ impl Studio {
             if size.x >= MANY_POINTS {
                 self.settings.zoom = 1.5;
                 // As many points as before, of more pixels.
-                let pixels = egui::Vec2::from(WINDOW) * 1.5;
+                let pixels = egui::Vec2::from(opening::WINDOW) * 1.5;
                 ctx.send_viewport_cmd(egui::ViewportCommand::InnerSize(pixels));
             }
         }
@@ -463,10 +338,10 @@ impl eframe::App for Studio {
                 self.current = Some(index);
             }
         }
-        let groups: Vec<(&str, &[Shortcut])> = std::iter::once(("Window", &WINDOW_KEYS[..]))
-            .chain(self.current.and_then(|i| self.rooms.get(i)).map(|room| (room.name(), room.shortcuts())))
-            .collect();
-        shortcut::show_cheat_sheet(&ctx, &mut self.cheat_sheet, &groups);
+        let room = self.current.and_then(|index| self.rooms.get(index));
+        let (name, shortcuts) =
+            room.map_or(("Start", keys::start::ALL), |room| (room.name(), room.shortcuts()));
+        key_sheet::show(&ctx, &mut self.key_sheet_open, name, shortcuts);
         if !hidden {
             if let Some(trouble) = self.chooser.trouble() {
                 self.notices.error(trouble);
@@ -492,18 +367,4 @@ impl eframe::App for Studio {
     fn on_exit(&mut self) {
         self.rooms.iter_mut().for_each(|room| room.leave());
     }
-}
-
-/// eframe asks for default limits only; a basis of a large shape needs what the adapter has.
-fn wgpu_options() -> eframe::egui_wgpu::WgpuConfiguration {
-    use eframe::{egui_wgpu, wgpu};
-    let mut options = egui_wgpu::WgpuConfiguration::default();
-    if let egui_wgpu::WgpuSetup::CreateNew(setup) = &mut options.wgpu_setup {
-        setup.device_descriptor = std::sync::Arc::new(|adapter: &wgpu::Adapter| wgpu::DeviceDescriptor {
-            label: Some("chladni"),
-            required_limits: adapter.limits(),
-            ..Default::default()
-        });
-    }
-    options
 }

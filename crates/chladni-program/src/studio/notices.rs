@@ -13,7 +13,7 @@ use crate::work::Error;
 const LINGER: Duration = Duration::from_secs(6);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum Severity {
     Done,
     Warning,
     Error,
@@ -21,7 +21,7 @@ enum Kind {
 
 #[derive(Debug)]
 struct Notice {
-    kind: Kind,
+    severity: Severity,
     text: String,
     since: Instant,
 }
@@ -35,17 +35,17 @@ pub struct Notices {
 impl Notices {
     /// Something the user asked for is done.
     pub fn done(&mut self, text: impl Display) {
-        self.push(Kind::Done, text.to_string());
+        self.push(Severity::Done, text.to_string());
     }
 
     /// It went on, but not quite as asked.
     pub fn warn(&mut self, text: impl Display) {
-        self.push(Kind::Warning, text.to_string());
+        self.push(Severity::Warning, text.to_string());
     }
 
     /// It failed; the text says what, where and why.
     pub fn error(&mut self, text: impl Display) {
-        self.push(Kind::Error, text.to_string());
+        self.push(Severity::Error, text.to_string());
     }
 
     /// Work was not done. Who stopped it knows; that is no error.
@@ -58,12 +58,12 @@ impl Notices {
 
     /// The oldest error on screen.
     pub fn first_error(&self) -> Option<&str> {
-        self.shown.iter().find(|notice| notice.kind == Kind::Error).map(|notice| notice.text.as_str())
+        self.shown.iter().find(|notice| notice.severity == Severity::Error).map(|notice| notice.text.as_str())
     }
 
-    fn push(&mut self, kind: Kind, text: String) {
+    fn push(&mut self, severity: Severity, text: String) {
         self.shown.retain(|notice| notice.text != text);
-        self.shown.push(Notice { kind, text, since: Instant::now() });
+        self.shown.push(Notice { severity, text, since: Instant::now() });
         if self.shown.len() > 5 {
             self.shown.remove(0);
         }
@@ -71,7 +71,7 @@ impl Notices {
 
     /// Draws the messages over everything else.
     pub fn show(&mut self, ctx: &egui::Context) {
-        self.shown.retain(|notice| notice.kind == Kind::Error || notice.since.elapsed() < LINGER);
+        self.shown.retain(|notice| notice.severity == Severity::Error || notice.since.elapsed() < LINGER);
         if self.shown.is_empty() {
             return;
         }
@@ -96,15 +96,15 @@ impl Notices {
 /// Draws one message; true when its close button was clicked.
 fn show_notice(ui: &mut egui::Ui, notice: &Notice) -> bool {
     let palette = theme::palette(ui);
-    let (mark, color) = match notice.kind {
-        Kind::Done => (Icon::CircleCheck, palette.good),
-        Kind::Warning => (Icon::TriangleAlert, palette.warning),
-        Kind::Error => (Icon::OctagonAlert, palette.error),
+    let (mark, color) = match notice.severity {
+        Severity::Done => (Icon::CircleCheck, palette.good),
+        Severity::Warning => (Icon::TriangleAlert, palette.warning),
+        Severity::Error => (Icon::OctagonAlert, palette.error),
     };
     // Read aloud as soon as it is there: errors at once, others when there is a pause.
-    let (role, live) = match notice.kind {
-        Kind::Error => (egui::Role::Alert, Live::Assertive),
-        Kind::Done | Kind::Warning => (egui::Role::Status, Live::Polite),
+    let (role, live) = match notice.severity {
+        Severity::Error => (egui::Role::Alert, Live::Assertive),
+        Severity::Done | Severity::Warning => (egui::Role::Status, Live::Polite),
     };
     let said = egui::UiBuilder::new().accessibility_role(role).accessibility_label(&notice.text);
     ui.scope_builder(said, |ui| {

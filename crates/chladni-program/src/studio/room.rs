@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::choose::Chooser;
 use super::folders::Folders;
 use super::icon::Icon;
-use super::measure::Stage;
+use super::measure::OnStage;
 use super::notices::Notices;
 use super::pictures::Pictures;
 use super::settings::Settings;
@@ -56,7 +56,7 @@ pub trait Room {
     }
 
     /// What dances; `None` where nothing does.
-    fn stage(&self) -> Option<Stage> {
+    fn stage(&self) -> Option<OnStage> {
         None
     }
 

@@ -6,7 +6,7 @@ use chladni_mesh::samples::SAMPLES;
 use egui::{Align, Align2, Layout, RichText, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2, vec2};
 
 use super::icon::{self, Icon};
-use super::shortcut::Shortcut;
+use super::keys::start::OPEN;
 use super::{Studio, theme};
 use crate::work::source::sample_path;
 
@@ -79,7 +79,7 @@ impl Studio {
             ui.spacing_mut().item_spacing = Vec2::splat(theme::GAP_LARGE);
             for name in SAMPLES {
                 let picture = self.pictures.of_sample(ui.ctx(), name);
-                if card(ui, picture.as_ref(), Icon::Box, &theme::capitalised(name)).clicked() {
+                if card(ui, picture.as_ref(), Icon::Box, &theme::capitalized(name)).clicked() {
                     chosen = Some((0, vec![sample_path(name)]));
                 }
             }
@@ -124,8 +124,6 @@ impl Studio {
         chosen
     }
 }
-
-const OPEN: Shortcut = Shortcut::command(egui::Key::O, "Open meshes, a song or a project");
 
 fn heading(ui: &mut Ui, name: &str) {
     ui.add_space(theme::GAP_LARGE);

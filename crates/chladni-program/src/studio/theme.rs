@@ -1,4 +1,4 @@
-//! One look for the whole window: colours, type scale, spacing. Dark and light.
+//! One look for the whole window: colors, type scale, spacing. Dark and light.
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, Vec2};
 
@@ -11,7 +11,7 @@ pub const GAP_LARGE: f32 = 16.0;
 /// Width of a panel of controls.
 pub const PANEL_WIDTH: f32 = 308.0;
 
-/// The colours that egui has no name for.
+/// The colors that egui has no name for.
 #[derive(Clone, Copy, Debug)]
 pub struct Palette {
     /// The one accent: brass, as of the plates that Chladni bowed.
@@ -160,7 +160,7 @@ pub fn group<R>(ui: &mut egui::Ui, name: &str, content: impl FnOnce(&mut egui::U
 }
 
 /// A name as it begins a label.
-pub fn capitalised(name: &str) -> String {
+pub fn capitalized(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
@@ -178,7 +178,6 @@ pub fn install(ctx: &egui::Context) {
     super::icon::install(&mut fonts);
     ctx.set_fonts(fonts);
     ctx.add_plugin(super::icon::Unspoken);
-    ctx.add_plugin(super::focus::Ring::default());
     ctx.all_styles_mut(|style| {
         style.text_styles = [
             (title(), FontId::new(30.0, FontFamily::Proportional)),
@@ -275,7 +274,7 @@ fn visuals(visuals: &mut egui::Visuals, palette: &Palette, surface: Surface) {
 mod tests {
     use super::*;
 
-    /// Relative luminance of an opaque colour (WCAG 2.2).
+    /// Relative luminance of an opaque color (WCAG 2.2).
     fn luminance(color: Color32) -> f32 {
         let linear = |level: u8| {
             let share = f32::from(level) / 255.0;

@@ -6,16 +6,7 @@ use eframe::wgpu;
 use egui::{EventFilter, Key, Modifiers, Role};
 
 use super::effort::{Effort, Quality};
-use super::shortcut::Shortcut;
-
-/// Keys of every 3D view, as in Blender.
-pub const VIEW_KEYS: [Shortcut; 5] = [
-    Shortcut::key(Key::Num1, "Look from the front"),
-    Shortcut::key(Key::Num3, "Look from the right"),
-    Shortcut::key(Key::Num7, "Look from above"),
-    Shortcut::key(Key::Num5, "Three-quarter view"),
-    Shortcut::key(Key::Home, "Show all of it"),
-];
+use super::keys::view as keys;
 
 /// Under this name egui keeps that a view was drawn.
 const DRAWN: &str = "a 3D view was drawn";
@@ -244,7 +235,7 @@ pub fn to_pixels(ui: &egui::Ui, canvas: egui::Rect, point: egui::Pos2) -> [f32; 
 }
 
 /// Turns, shifts and zooms `camera` by the pointer on `response` and by the keys of
-/// [`VIEW_KEYS`]: middle drag (or right drag, or Alt and left drag) turns, with Shift it
+/// [`keys::view`]: middle drag (or right drag, or Alt and left drag) turns, with Shift it
 /// shifts, the wheel zooms; where it has the focus, arrows turn, plus and minus zoom. True when the camera
 /// moved.
 pub fn navigate(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera) -> bool {
@@ -291,8 +282,12 @@ pub fn navigate_by(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera
         camera.zoom(scroll / 40.0 + zoom.ln() * 9.5);
     }
     if response.hovered() || response.has_focus() {
-        let views = [View::Front, View::Right, View::Top, View::ThreeQuarter];
-        for (shortcut, view) in VIEW_KEYS.iter().zip(views) {
+        for (shortcut, view) in [
+            (keys::FRONT, View::Front),
+            (keys::RIGHT, View::Right),
+            (keys::ABOVE, View::Top),
+            (keys::THREE_QUARTER, View::ThreeQuarter),
+        ] {
             if shortcut.pressed(ui.ctx()) {
                 camera.look(view);
             }

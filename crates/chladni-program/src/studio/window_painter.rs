@@ -20,7 +20,7 @@ pub struct WindowPainter {
 }
 
 impl WindowPainter {
-    /// Has `ctx` painted this way where the processor draws; else, and where a target encodes colours by
+    /// Has `ctx` painted this way where the processor draws; else, and where a target encodes colors by
     /// itself (no software device asks for one), egui goes on.
     pub fn install(ctx: &Context, state: &RenderState) {
         let software = state.device.adapter_info().device_type == wgpu::DeviceType::Cpu;

@@ -1,4 +1,4 @@
-//! The colours that a shape brings along: per vertex, or an image.
+//! The colors that a shape brings along: per vertex, or an image.
 
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
@@ -9,7 +9,7 @@ use super::{Warning, Watcher};
 /// How the file says that the shape looks.
 #[derive(Debug)]
 pub enum OwnLook {
-    /// A linear-light colour for each of the N operator vertices.
+    /// A linear-light color for each of the N operator vertices.
     Colors(Vec<[u8; 4]>),
     /// An image, and where its corners lie on each triangle's.
     Image {

@@ -4,7 +4,7 @@ use chladni_harmonics::Body;
 use chladni_music::Symmetry;
 use chladni_view::Marker;
 
-/// Colours of the pairs' markers, in turn.
+/// Colors of the pairs' markers, in turn.
 const PAIR_COLORS: [[u8; 3]; 8] = [
     [230, 60, 60],
     [50, 120, 230],
@@ -16,7 +16,7 @@ const PAIR_COLORS: [[u8; 3]; 8] = [
     [120, 110, 90],
 ];
 
-/// The paper's figure: all extrema as small dots, both ends of a pair in one colour.
+/// The paper's figure: all extrema as small dots, both ends of a pair in one color.
 pub fn figure_markers(body: &Body, symmetry: &Symmetry) -> Vec<Marker> {
     let marker = |v: u32, [r, g, b]: [u8; 3], radius_px| {
         let position = body.positions.get(v as usize)?.map(|c| c as f32);

@@ -2,6 +2,8 @@
 //! lavapipe will do.
 
 mod names;
+#[allow(dead_code, reason = "each test program uses a part")]
+pub mod person;
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -9,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use chladni_program::studio::{Chooser, Kind, Opening, Studio};
+use chladni_program::studio::{Chooser, FileKind, Opening, Studio};
 use eframe::wgpu;
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, HarnessBuilder};
@@ -35,17 +37,17 @@ impl Answers {
 }
 
 impl Chooser for Answers {
-    fn open(&mut self, _: &[Kind<'_>]) -> Option<PathBuf> {
+    fn open(&mut self, _: &[FileKind<'_>]) -> Option<PathBuf> {
         self.0.borrow_mut().pop_front()
     }
 
-    fn open_several(&mut self, kinds: &[Kind<'_>]) -> Vec<PathBuf> {
+    fn open_several(&mut self, kinds: &[FileKind<'_>]) -> Vec<PathBuf> {
         let extensions = kinds.iter().flat_map(|(_, extensions)| extensions.iter());
         *self.1.borrow_mut() = extensions.map(|extension| (*extension).to_owned()).collect();
         self.0.borrow_mut().drain(..).collect()
     }
 
-    fn save(&mut self, _: &[Kind<'_>], _: &Path) -> Option<PathBuf> {
+    fn save(&mut self, _: &[FileKind<'_>], _: &Path) -> Option<PathBuf> {
         self.0.borrow_mut().pop_front()
     }
 }

@@ -7,7 +7,7 @@ use chladni_task::Task;
 use egui::{Key, Modifiers, pos2, vec2};
 
 use crate::CTRL;
-use crate::person::{self, Desk, HARMONICS};
+use crate::driving::person::{self, Desk, HARMONICS};
 
 #[test]
 fn from_two_meshes_to_sliders_in_another_program() {

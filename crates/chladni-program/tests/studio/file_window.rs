@@ -10,8 +10,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
+use crate::driving::person::Desk;
 use crate::driving::screenshot;
-use crate::person::Desk;
 
 /// The file window on a folder with two meshes and another in a folder of its own, and its answer.
 fn file_window(desk: &Desk, purpose: Purpose) -> (Harness<'static, FileWindow>, Rc<RefCell<Vec<PathBuf>>>) {

@@ -8,7 +8,7 @@ use chladni_program::studio::{FirstPicture, Opening};
 use egui::Key;
 
 use crate::CTRL;
-use crate::person::{self, Desk, HARMONICS, Person};
+use crate::driving::person::{self, Desk, HARMONICS, Person};
 
 #[test]
 fn work_survives_a_crash_and_is_asked_about_on_closing() {

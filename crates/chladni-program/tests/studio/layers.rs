@@ -7,7 +7,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
 use crate::driving;
-use crate::person::{Desk, Person, finer_lump};
+use crate::driving::person::{Desk, Person, finer_lump};
 
 #[test]
 fn landmarks_are_picked_moved_removed_saved_and_read() {

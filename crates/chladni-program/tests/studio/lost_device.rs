@@ -5,7 +5,7 @@ use egui::Key;
 
 use crate::CTRL;
 use crate::driving;
-use crate::person::{Desk, Person};
+use crate::driving::person::{Desk, Person};
 
 /// Pixels of the middle of the window.
 fn middle(person: &mut Person) -> Vec<[u8; 4]> {

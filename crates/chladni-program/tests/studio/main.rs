@@ -10,8 +10,6 @@ mod files;
 mod layers;
 mod lost_device;
 mod menus;
-#[path = "../person/mod.rs"]
-mod person;
 mod screens;
 mod templates;
 mod tour;

@@ -6,7 +6,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
-use crate::person::Desk;
+use crate::driving::person::Desk;
 
 /// Taking a picture fails where something on it has no name of its own.
 #[test]
@@ -99,7 +99,7 @@ fn a_layer_is_moved_by_keys() {
         person.click("Add");
         person.click(layer);
     }
-    let sphere_is_above = |person: &crate::person::Person| {
+    let sphere_is_above = |person: &crate::driving::person::Person| {
         person.place_of("Layer Sphere 2").top() < person.place_of("Layer Ellipsoid 1").top()
     };
     assert!(sphere_is_above(&person));

@@ -6,7 +6,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
 use crate::driving;
-use crate::person::{Desk, HARMONICS, Person};
+use crate::driving::person::{Desk, HARMONICS, Person};
 
 /// From a laptop to a 4k screen, with small points and large ones, nothing is cut off at the edges.
 #[test]

@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
 use crate::driving;
-use crate::person::{Desk, Person};
+use crate::driving::person::{Desk, Person};
 
 /// The layers as they are saved now.
 fn saved(desk: &Desk, person: &mut Person) -> Vec<chladni_caricature::Layer> {

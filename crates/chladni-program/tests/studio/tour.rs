@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
 use crate::driving;
-use crate::person::{Desk, Person};
+use crate::driving::person::{Desk, Person};
 
 /// A first-time user's way: the start screen, the sample head, a nose painted, another layer,
 /// landmarks. Its pictures are those of the README.

@@ -7,6 +7,7 @@ use egui::{RichText, Slider, Ui};
 use super::edits::Edits;
 use super::stage::Press;
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::caricature::{BRUSH, ERASE};
 use crate::studio::theme;
 
 /// How the brush paints.
@@ -53,10 +54,10 @@ impl BrushTool {
         ui.horizontal(|ui| {
             let name = if self.active { "Painting" } else { "Paint" };
             ui.toggle_value(&mut self.active, icon::label(Icon::Brush, name))
-                .on_hover_text(super::BRUSH.tooltip(ui.ctx()));
+                .on_hover_text(BRUSH.tooltip(ui.ctx()));
             if self.active {
                 ui.toggle_value(&mut self.erase, icon::label(Icon::Eraser, "Erase"))
-                    .on_hover_text(super::ERASE.tooltip(ui.ctx()));
+                    .on_hover_text(ERASE.tooltip(ui.ctx()));
                 ui.toggle_value(&mut self.smoothed, "Smoothed")
                     .on_hover_text("Show the region as it acts, after smoothing, instead of as painted");
             } else {

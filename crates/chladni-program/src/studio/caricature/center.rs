@@ -2,16 +2,18 @@
 
 use chladni_caricature::{Brush, Model, Property};
 use eframe::egui_wgpu::RenderState;
-use egui::{Key, RichText, Ui};
+use egui::{RichText, Ui};
 
 use super::brush::BrushTool;
 use super::edits::Edits;
 use super::heat::{Heat, Painting, Quantity};
+use super::look::{Portrayal, Show};
 use super::session::Session;
-use super::stage::{self, BrushInHand, Look, Show, Shown, Stage};
+use super::stage::{self, BrushInHand, Stage, StageResponse};
 use super::{CaricatureRoom, single};
+use crate::studio::keys::caricature::COMPARE;
 use crate::studio::room::Shared;
-use crate::studio::{job, shortcut, theme};
+use crate::studio::{job, theme};
 use crate::work::Error;
 
 impl CaricatureRoom {
@@ -79,7 +81,7 @@ pub(super) fn update_stage(
     session: &mut Session,
     stage: &mut Stage,
     heat: &mut Heat,
-    look: Look,
+    look: Portrayal,
     stale: &mut bool,
 ) -> Result<(), Error> {
     if !std::mem::take(stale) && !heat.take_stale() {
@@ -108,11 +110,11 @@ fn show_stage(
     session: &mut Session,
     stage: &mut Stage,
     brush: &mut BrushTool,
-    mut look: Look,
+    mut look: Portrayal,
     edits: &mut Edits,
 ) -> Result<(), Error> {
     let rect = ui.available_rect_before_wrap();
-    if ui.ctx().input(|input| input.key_down(Key::C)) && !shortcut::is_taken(ui.ctx(), Key::C) {
+    if COMPARE.held(ui.ctx()) {
         look.show = Show::Original;
     }
     let gpu: &RenderState = shared.gpu;
@@ -124,7 +126,7 @@ fn show_stage(
         brush: Brush { radius: f64::from(brush.radius), mirror },
         surface: session.stack.surface(),
     });
-    let Shown { response, presses, figure } = stage.show(ui, gpu, rect, look, in_hand, &[])?;
+    let StageResponse { response, presses, figure } = stage.show(ui, gpu, rect, look, in_hand, &[])?;
     if let Some(layer) = session.selected.filter(|_| brush.active) {
         brush.paint(ui, &response, &presses, layer, edits);
     } else if response.clicked()

@@ -13,6 +13,7 @@ use super::edits::Edits;
 use super::footer::grouped;
 use super::heat::Quantity;
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::caricature::{FURTHEST, INVERT, NEXT_MODEL, STRONGER, WEAKER};
 use crate::studio::theme;
 
 /// What the panel shows beside the layer's own numbers.
@@ -139,7 +140,7 @@ fn model_buttons(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
             ),
             (Model::Distance, "Distance", "One filter for all directions: subtle, keeps forms even at −8"),
         ] {
-            let tip = super::NEXT_MODEL.with_key(ui.ctx(), tip);
+            let tip = NEXT_MODEL.with_key(ui.ctx(), tip);
             if ui.selectable_label(layer.model == model, name).on_hover_text(tip).clicked() {
                 edits.set(id, Property::Model(model));
             }
@@ -156,7 +157,7 @@ fn amount(
     edits: &mut Edits,
 ) -> Option<Wish> {
     let mut wish = None;
-    let [more, less] = [super::STRONGER, super::WEAKER].map(|key| key.text(ui.ctx()));
+    let [more, less] = [STRONGER, WEAKER].map(|key| key.text(ui.ctx()));
     let tip = format!("Below 0 exaggerates, 0 is the shape, 1 is the template; {more} and {less} change it");
     theme::row(ui, "μ", &tip, |ui| {
         // Room for the button at the end.
@@ -170,7 +171,7 @@ fn amount(
             edits.drag(id, &response, || Property::Mu(mu));
         }
         let far = ui.button(icon::text(Icon::ChevronsLeft));
-        if far.on_hover_text(super::FURTHEST.tooltip(ui.ctx())).clicked() {
+        if far.on_hover_text(FURTHEST.tooltip(ui.ctx())).clicked() {
             wish = Some(Wish::AsFarAsItGoes);
         }
     });
@@ -253,7 +254,7 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
         if ui.button("Clear").on_hover_text("Nothing, to begin painting").clicked() {
             paint(PaintEdit::Clear);
         }
-        if ui.button("Invert").on_hover_text(super::INVERT.tooltip(ui.ctx())).clicked() {
+        if ui.button("Invert").on_hover_text(INVERT.tooltip(ui.ctx())).clicked() {
             paint(PaintEdit::Invert);
         }
         let tool = |ui: &mut Ui, mark, name, tip| {

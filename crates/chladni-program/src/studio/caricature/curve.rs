@@ -143,16 +143,16 @@ fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve)
         && held < curve.points.len()
     {
         let [wavelength, gain] = from_screen(plot, at);
-        curve.points[held] = [between_neighbours(&curve.points, held, wavelength), gain];
+        curve.points[held] = [between_neighbors(&curve.points, held, wavelength), gain];
     }
 }
 
 /// How near two points may come, as a share of the axis.
 const GAP: f64 = 1e-3;
 
-/// `wavelength` for point `held`, kept between its neighbours so that the curve remains a function; where
+/// `wavelength` for point `held`, kept between its neighbors so that the curve remains a function; where
 /// they leave no room it stays.
-fn between_neighbours(points: &[[f64; 2]], held: usize, wavelength: f64) -> f64 {
+fn between_neighbors(points: &[[f64; 2]], held: usize, wavelength: f64) -> f64 {
     let left = if held > 0 { share_of_axis(points[held - 1][0]) + GAP } else { 0.0 };
     let right = points.get(held + 1).map_or(1.0, |next| share_of_axis(next[0]) - GAP);
     if left > right {
@@ -405,15 +405,15 @@ mod tests {
         let mut curve = ScaleCurve { points: vec![[1.0, 1.0], [0.501, 1.0], [0.5, 1.0]], residual: 1.0 };
         for held in 0..3 {
             for wavelength in [ScaleCurve::BROADEST, 0.6, ScaleCurve::FINEST] {
-                curve.points[held][0] = between_neighbours(&curve.points, held, wavelength);
+                curve.points[held][0] = between_neighbors(&curve.points, held, wavelength);
                 curve.validate().unwrap();
             }
         }
         let wide = [[1.0, 1.0], [0.5, 1.0], [0.2, 1.0]];
-        assert!((between_neighbours(&wide, 1, 0.4) - 0.4).abs() < 1e-12);
-        let next = between_neighbours(&wide, 1, 2.0);
+        assert!((between_neighbors(&wide, 1, 0.4) - 0.4).abs() < 1e-12);
+        let next = between_neighbors(&wide, 1, 2.0);
         assert!(next < 1.0 && (share_of_axis(next) - share_of_axis(1.0) - GAP).abs() < 1e-12);
-        assert_eq!(between_neighbours(&wide, 2, 0.0001), ScaleCurve::FINEST);
+        assert_eq!(between_neighbors(&wide, 2, 0.0001), ScaleCurve::FINEST);
     }
 
     #[test]

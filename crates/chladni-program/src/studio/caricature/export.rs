@@ -8,7 +8,7 @@ use chladni_view::{Background, FilmSettings, FrameRate, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 use super::CaricatureRoom;
-use super::stage::backdrop;
+use super::overlay::backdrop;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -273,7 +273,7 @@ impl Export {
             ui.selectable_value(&mut self.behind, Behind::Window, "As here");
             for (index, (name, background)) in Background::PRESETS.iter().enumerate() {
                 if background.opacity > 0.0 {
-                    ui.selectable_value(&mut self.behind, Behind::Preset(index), theme::capitalised(name));
+                    ui.selectable_value(&mut self.behind, Behind::Preset(index), theme::capitalized(name));
                 }
             }
         });

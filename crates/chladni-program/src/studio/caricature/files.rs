@@ -5,16 +5,16 @@ use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use chladni_caricature::{Action, Layer, Project, Recovered, ShapeSource, Template};
-use chladni_mesh::TriMesh;
+use chladni_caricature::{Action, Layer, Project, ShapeSource, Template};
 use chladni_view::{Background, Camera, View};
 use egui::Context;
 
 use super::CaricatureRoom;
 use super::autosave::Autosave;
 use super::edits::Edit;
+use super::loading::{self, Candidate};
 use super::preview::Preview;
-use super::session::{self, Session};
+use super::session::Session;
 use super::shot::Shot;
 use super::single;
 use crate::studio::job::Job;
@@ -23,28 +23,6 @@ use crate::studio::room::{Room, Shared};
 use crate::studio::theme;
 use crate::work::Error;
 use crate::work::formats::{MESHES, PROJECT, is_project};
-
-/// A project that is to take the place of the open one.
-pub struct Candidate {
-    /// The document.
-    pub project: Project,
-    /// Where it lies, if anywhere.
-    pub path: Option<PathBuf>,
-    /// The recovery copy that it comes from.
-    pub recovered: Option<Recovered>,
-    /// The shape that its layers were made on, where `project` names another: regions and landmarks
-    /// are carried over.
-    pub made_on: Option<Arc<TriMesh>>,
-    /// Meshes that become layers of it as soon as it is open.
-    pub templates: Vec<PathBuf>,
-}
-
-impl Candidate {
-    /// A project that lies nowhere yet.
-    pub fn new(project: Project) -> Self {
-        Self { project, path: None, recovered: None, made_on: None, templates: Vec::new() }
-    }
-}
 
 /// `path` named like a project, else it could not be opened again: `igea 1.2` has an extension,
 /// but not ours.
@@ -139,7 +117,7 @@ impl CaricatureRoom {
         let label = format!("Opening {label}");
         let (read, meshes) = channel();
         self.preview = Some(Preview::of(meshes));
-        self.loading = Some(Job::start(label, ctx, move |task| session::load(candidate, &read, task)));
+        self.loading = Some(Job::start(label, ctx, move |task| loading::load(candidate, &read, task)));
     }
 
     /// Asks for meshes to compare with, and makes a layer against each.

@@ -13,7 +13,7 @@ pub enum Quantity {
     /// The material alone.
     #[default]
     None,
-    /// The colours that the shape brought along.
+    /// The colors that the shape brought along.
     Own,
     /// How far the result lies from the original.
     Displacement,
@@ -80,7 +80,7 @@ impl Heat {
         self.quantity
     }
 
-    /// A shape was opened, with or without colours of its own.
+    /// A shape was opened, with or without colors of its own.
     pub fn start(&mut self, own_look: bool) {
         self.quantity = if own_look { Quantity::Own } else { Quantity::None };
         self.stale = true;
@@ -103,7 +103,7 @@ impl Heat {
         self.choose(next, self.harmonic, self.map);
     }
 
-    /// The colour map for magnitudes.
+    /// The color map for magnitudes.
     pub fn map(&self) -> ColorMap {
         self.map
     }

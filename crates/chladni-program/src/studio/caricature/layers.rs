@@ -6,6 +6,7 @@ use egui::{RichText, Ui};
 use super::edits::Edits;
 use super::thumbnails::Thumbnails;
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::caricature::{ADD_MESH, DELETE, DUPLICATE, HIDE, SOLO};
 use crate::studio::theme;
 
 /// Side of a layer's picture, points.
@@ -102,7 +103,7 @@ impl LayerList {
                 } else {
                     (Icon::EyeOff, "Show this layer")
                 };
-                let tip = super::HIDE.with_key(ui.ctx(), tip);
+                let tip = HIDE.with_key(ui.ctx(), tip);
                 if icon_button(ui, eye, &tip).clicked() {
                     edits.set(id, Property::Enabled(!layer.enabled));
                 }
@@ -111,7 +112,7 @@ impl LayerList {
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     let tip = if layer.solo { "Show the other layers again" } else { "Only this layer" };
                     let color = if layer.solo { palette.accent } else { weak };
-                    let tip = super::SOLO.with_key(ui.ctx(), tip);
+                    let tip = SOLO.with_key(ui.ctx(), tip);
                     let under = ui.painter().add(egui::Shape::Noop);
                     let solo = tinted_button(ui, Icon::Headphones, &tip, color);
                     if layer.solo {
@@ -189,15 +190,15 @@ impl LayerList {
         edits: &mut Edits,
     ) {
         if let Some(layer) = selected {
-            if icon_button(ui, Icon::Trash2, &super::DELETE.tooltip(ui.ctx())).clicked() {
+            if icon_button(ui, Icon::Trash2, &DELETE.tooltip(ui.ctx())).clicked() {
                 edits.once(Action::Remove(layer));
             }
-            if icon_button(ui, Icon::Copy, &super::DUPLICATE.tooltip(ui.ctx())).clicked() {
+            if icon_button(ui, Icon::Copy, &DUPLICATE.tooltip(ui.ctx())).clicked() {
                 edits.once(Action::Duplicate(layer));
             }
         }
         ui.menu_button(icon::label(Icon::Plus, "Add"), |ui| {
-            let tip = format!("{}; or drop one on the window", super::ADD_MESH.tooltip(ui.ctx()));
+            let tip = format!("{}; or drop one on the window", ADD_MESH.tooltip(ui.ctx()));
             if ui.button("A mesh…").on_hover_text(tip).clicked() {
                 self.wants_mesh = true;
                 ui.close();

@@ -8,6 +8,7 @@ use super::analytic;
 use super::edits::Edits;
 use super::landmarks;
 use super::session::Session;
+use super::template_name::template_name;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job;
 use crate::studio::room::Shared;
@@ -153,28 +154,11 @@ fn quality(ui: &mut Ui, report: &chladni_match::Report) {
         row("Turned over", "Triangles whose image is inside out", report.flipped_triangles.to_string());
     });
     for warning in &report.warnings {
-        let text = icon::label(Icon::TriangleAlert, &theme::capitalised(warning));
+        let text = icon::label(Icon::TriangleAlert, &theme::capitalized(warning));
         ui.add(egui::Label::new(RichText::new(text).color(palette.warning).small()).wrap().selectable(true));
     }
 }
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
-}
-
-/// What a template is called in the window.
-pub fn template_name(template: &Template) -> String {
-    match template {
-        Template::File(path) => path
-            .file_name()
-            .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned()),
-        Template::Sample(name) => format!("sample {name}"),
-        Template::Ellipsoid => "fitted ellipsoid".into(),
-        Template::Sphere => "fitted sphere".into(),
-        Template::Given(given) if given.semi_axes == [given.semi_axes[0]; 3] => "given sphere".into(),
-        Template::Given(_) => "given ellipsoid".into(),
-        Template::Scaled(factor) => format!("itself × {factor:.2}"),
-        Template::LowPass(k0) => format!("itself below harmonic {k0}"),
-        Template::Original => "the original shape".into(),
-    }
 }

@@ -12,23 +12,27 @@ mod export;
 mod files;
 mod footer;
 mod heat;
-mod keys;
+mod keyboard;
 mod landmarks;
 mod layers;
+mod loading;
+mod look;
 mod matches;
+mod overlay;
 mod preview;
 mod recover;
 mod rehearsal;
 mod session;
 mod shot;
 mod stage;
+mod template_name;
 mod thumbnails;
 mod toolbar;
 
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::{Property, Recovered};
-use egui::{Key, Ui};
+use egui::Ui;
 
 pub use self::rehearsal::Rehearsal;
 
@@ -37,92 +41,23 @@ use self::brush::BrushTool;
 use self::controls::{Controls, Measured, Wish};
 use self::edits::Edits;
 use self::export::Export;
-use self::files::Candidate;
 use self::heat::{Heat, Quantity};
 use self::landmarks::Picking;
 use self::layers::LayerList;
+use self::loading::{Candidate, Loaded};
+use self::look::{Portrayal, Show};
 use self::preview::Preview;
 use self::recover::Offer;
-use self::session::{Loaded, Session};
-use self::stage::{Look, Show, Stage};
+use self::session::Session;
+use self::stage::Stage;
 use self::thumbnails::Thumbnails;
 use super::icon::Icon;
 use super::job::Job;
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
-use super::{theme, viewport};
+use super::{keys, theme, viewport};
 use crate::work::Error;
 use crate::work::formats::{MESHES, PROJECT, is_project};
-
-const OPEN: Shortcut = Shortcut::command(Key::O, "Open a mesh or project");
-const SAVE: Shortcut = Shortcut::command(Key::S, "Save the project");
-const SAVE_AS: Shortcut = Shortcut::command_shift(Key::S, "Save under another name");
-const EXPORT: Shortcut = Shortcut::command(Key::E, "Export");
-const UNDO: Shortcut = Shortcut::command(Key::Z, "Undo");
-const REDO: Shortcut = Shortcut::command_shift(Key::Z, "Redo");
-const ADD_MESH: Shortcut = Shortcut::command(Key::T, "Compare with a mesh: a new layer");
-const ABOVE: Shortcut = Shortcut::key(Key::PageUp, "Select the layer above");
-const BELOW: Shortcut = Shortcut::key(Key::PageDown, "Select the layer below");
-const RAISE: Shortcut = Shortcut::command(Key::PageUp, "Move the layer up");
-const LOWER: Shortcut = Shortcut::command(Key::PageDown, "Move the layer down");
-const HIDE: Shortcut = Shortcut::key(Key::H, "Hide or show the layer");
-const SOLO: Shortcut = Shortcut::key(Key::S, "Only this layer, or all again");
-const NEXT_MODEL: Shortcut = Shortcut::key(Key::M, "Next model");
-const STRONGER: Shortcut = Shortcut::key(Key::Comma, "Exaggerate more: μ a step down");
-const WEAKER: Shortcut = Shortcut::key(Key::Period, "Exaggerate less: μ a step up");
-const FURTHEST: Shortcut = Shortcut::key(Key::E, "As far as it goes with hardly a fold");
-const INVERT: Shortcut = Shortcut::key(Key::I, "Invert the region");
-const DUPLICATE: Shortcut = Shortcut::command(Key::D, "Duplicate the layer");
-const DELETE: Shortcut = Shortcut::key(Key::Delete, "Delete the layer");
-const BRUSH: Shortcut = Shortcut::key(Key::B, "Paint the region");
-const ERASE: Shortcut = Shortcut::key(Key::X, "Paint or erase");
-const SMALLER: Shortcut = Shortcut::key(Key::OpenBracket, "Smaller brush");
-const LARGER: Shortcut = Shortcut::key(Key::CloseBracket, "Larger brush");
-const COMPARE: Shortcut = Shortcut::key(Key::C, "Hold to see the original");
-const NEXT_SHOW: Shortcut = Shortcut::key(Key::V, "Result, three models, before and after");
-const RENAME: Shortcut = Shortcut::key(Key::F2, "Rename the layer");
-const WIRE: Shortcut = Shortcut::key(Key::W, "Edges of triangles");
-const LANDMARKS: Shortcut = Shortcut::key(Key::L, "Pick landmarks on both shapes");
-const FIT: Shortcut = Shortcut::key(Key::F, "Show all of it");
-const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave picking or painting");
-const KEYS: [Shortcut; 36] = [
-    OPEN,
-    SAVE,
-    SAVE_AS,
-    EXPORT,
-    UNDO,
-    REDO,
-    ADD_MESH,
-    DUPLICATE,
-    DELETE,
-    RENAME,
-    ABOVE,
-    BELOW,
-    RAISE,
-    LOWER,
-    HIDE,
-    SOLO,
-    NEXT_MODEL,
-    STRONGER,
-    WEAKER,
-    FURTHEST,
-    BRUSH,
-    ERASE,
-    INVERT,
-    SMALLER,
-    LARGER,
-    LANDMARKS,
-    LEAVE,
-    COMPARE,
-    NEXT_SHOW,
-    WIRE,
-    viewport::VIEW_KEYS[0],
-    viewport::VIEW_KEYS[1],
-    viewport::VIEW_KEYS[2],
-    viewport::VIEW_KEYS[3],
-    viewport::VIEW_KEYS[4],
-    FIT,
-];
 
 /// The room: at most one open project.
 #[derive(Default)]
@@ -149,7 +84,7 @@ pub struct CaricatureRoom {
     /// Landmarks of the selected layer are picked.
     picking: Option<Picking>,
     heat: Heat,
-    look: Look,
+    look: Portrayal,
     stale: bool,
     /// Opening failed: the sample does not push itself forward.
     refused: bool,
@@ -169,7 +104,7 @@ impl Room for CaricatureRoom {
     }
 
     fn shortcuts(&self) -> &'static [Shortcut] {
-        &KEYS
+        keys::caricature::ALL
     }
 
     fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {

@@ -8,7 +8,8 @@ use chladni_view::{Cell, Rect};
 use egui::Ui;
 
 use super::landmarks::Side;
-use super::stage::{Look, backdrop};
+use super::look::Portrayal;
+use super::overlay::backdrop;
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::Error;
@@ -26,7 +27,7 @@ impl Preview {
     }
 
     /// Draws it into all of `ui`; says what comes where there is nothing yet.
-    pub fn show(&mut self, ui: &mut Ui, look: Look, shared: &Shared<'_>) -> Result<(), Error> {
+    pub fn show(&mut self, ui: &mut Ui, look: Portrayal, shared: &Shared<'_>) -> Result<(), Error> {
         if let Ok((mesh, stands)) = self.meshes.try_recv() {
             let viewport = Viewport::new(shared.gpu);
             let side = Side::new(viewport.gpu(), &mesh, stands)?;

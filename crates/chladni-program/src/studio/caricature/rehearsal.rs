@@ -10,11 +10,12 @@ use chladni_view::Gpu;
 
 use super::center::update_stage;
 use super::edits::Edit;
-use super::files::Candidate;
 use super::heat::{self, Heat, Painting};
-use super::session::{self, Session};
+use super::loading::{self, Candidate};
+use super::look::{Portrayal, Show};
+use super::session::Session;
 use super::single;
-use super::stage::{Look, Show, Stage};
+use super::stage::Stage;
 use crate::work::Error;
 
 /// An open project whose pictures nobody draws.
@@ -22,7 +23,7 @@ pub struct Rehearsal {
     session: Session,
     stage: Stage,
     heat: Heat,
-    look: Look,
+    look: Portrayal,
     gpu: Gpu,
 }
 
@@ -30,7 +31,7 @@ impl Rehearsal {
     /// Opens the shape of `project` and matches what its layers wait for.
     pub fn of(project: Project, gpu: &Gpu, task: &Task) -> Result<Self, Error> {
         let candidate = Candidate::new(project);
-        let loaded = session::load(candidate, &channel().0, task)?;
+        let loaded = loading::load(candidate, &channel().0, task)?;
         let mut session = Session::new(loaded);
         let nobody = egui::Context::default();
         while !session.stack.missing(session.project()).is_empty() {
@@ -43,7 +44,7 @@ impl Rehearsal {
         let body = session.stack.body();
         let stage = Stage::new(gpu.clone(), &single(&body.positions), &body.triangles, None);
         let stage = stage?;
-        Ok(Self { session, stage, heat: Heat::default(), look: Look::default(), gpu: gpu.clone() })
+        Ok(Self { session, stage, heat: Heat::default(), look: Portrayal::default(), gpu: gpu.clone() })
     }
 
     /// Does what the person does in one frame and brings the figures of the next one up to date.

@@ -4,20 +4,20 @@ use std::path::Path;
 
 use chladni_task::Task;
 use chladni_view::{
-    Background, Camera, Canvas, Cell, Figure, Film, FilmSettings, Gpu, ItemBuffers, Lights, Material, Paint,
-    Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, ViewError, Wire, film, layout,
+    Background, Camera, Canvas, Cell, Figure, Film, FilmSettings, Gpu, ItemBuffers, Paint, Picture, Rect,
+    Renderer, Scale, Skin, Topology, VertexPaint, ViewError, film, layout,
 };
 
-use super::stage::Look;
+use super::look::Portrayal;
 
-/// What gives figures their colour, whoever owns it.
+/// What gives figures their color, whoever owns it.
 #[derive(Clone, Debug)]
 pub enum Coat {
     /// The material's own.
     Material,
     /// A heat map.
     Values(VertexPaint, Scale),
-    /// One colour a vertex.
+    /// One color a vertex.
     Colors(VertexPaint),
     /// An image.
     Skin(Skin),
@@ -46,12 +46,12 @@ pub struct Shot {
     pub topology: Topology,
     /// The figures, side by side.
     pub poses: Vec<Pose>,
-    /// Their colour; must not be written any more.
+    /// Their color; must not be written any more.
     pub coat: Coat,
     /// Who looks.
     pub camera: Camera,
     /// Material, light, edges.
-    pub look: Look,
+    pub look: Portrayal,
     /// What is behind.
     pub background: Background,
 }
@@ -118,31 +118,6 @@ impl Shot {
     }
 }
 
-impl Look {
-    /// The chosen lights.
-    pub fn lights(&self) -> Lights {
-        Lights::PRESETS.get(self.lights).map_or(Lights::STUDIO, |preset| preset.1)
-    }
-
-    /// The chosen material.
-    pub fn material(&self) -> Material {
-        Material::PRESETS.get(self.material).map_or(Material::CLAY, |preset| preset.1)
-    }
-
-    /// A figure in the chosen material, with edges where they are wanted.
-    pub fn figure<'a>(
-        &self,
-        topology: &'a Topology,
-        buffers: &'a ItemBuffers,
-        item: usize,
-        paint: Paint<'a>,
-    ) -> Figure<'a> {
-        let material = self.material();
-        let wire = self.wire.then_some(Wire { color: [20, 20, 24], opacity: 0.35, width_px: 1.0 });
-        Figure { material, paint, wire, ..Figure::new(topology, buffers, item) }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -159,7 +134,7 @@ mod tests {
         let mut camera = Camera::looking(View::Front);
         camera.fit(positions.iter().copied(), 4.0 / 3.0, 0.8);
         let poses = vec![(positions.clone(), positions)];
-        let (coat, look, background) = (Coat::Material, Look::default(), Background::TRANSPARENT);
+        let (coat, look, background) = (Coat::Material, Portrayal::default(), Background::TRANSPARENT);
         Some(Shot { gpu, topology, poses, coat, camera, look, background })
     }
 

@@ -5,11 +5,13 @@ use chladni_mesh::{Axis, Orientation};
 use chladni_view::{ColorMap, Lights, Material};
 use egui::Ui;
 
+use super::CaricatureRoom;
 use super::edits::Edit;
 use super::heat::Quantity;
-use super::stage::{Show, Stage};
-use super::{CaricatureRoom, EXPORT, FIT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
+use super::look::Show;
+use super::stage::Stage;
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::caricature::{EXPORT, FIT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
@@ -104,12 +106,12 @@ impl CaricatureRoom {
         ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
             ui.label(egui::RichText::new("Material").color(theme::palette(ui).weak));
             for (index, (name, _)) in Material::PRESETS.iter().enumerate() {
-                ui.selectable_value(&mut self.look.material, index, theme::capitalised(name));
+                ui.selectable_value(&mut self.look.material, index, theme::capitalized(name));
             }
             ui.separator();
             ui.label(egui::RichText::new("Light").color(theme::palette(ui).weak));
             for (index, (name, _)) in Lights::PRESETS.iter().enumerate() {
-                ui.selectable_value(&mut self.look.lights, index, theme::capitalised(name));
+                ui.selectable_value(&mut self.look.lights, index, theme::capitalized(name));
             }
         });
         if ui.button(icon::text(Icon::Maximize)).on_hover_text(FIT.tooltip(ui.ctx())).clicked()

@@ -14,9 +14,13 @@ use egui::{Key, RichText, Ui};
 
 pub use browser::{Purpose, Request};
 
+use super::device::wgpu_options;
+use super::error::StudioError;
+use super::focus;
+use super::folders::Folders;
 use super::icon::{self, Icon};
 use super::settings::Settings;
-use super::{Folders, StudioError, theme};
+use super::theme;
 use browser::{Browser, Entry, MAX_ENTRIES, Verdict};
 
 /// The name of the command that opens the window; see `ask`.
@@ -42,8 +46,7 @@ pub fn open(request: Request) -> Result<Vec<PathBuf>, StudioError> {
         .with_app_id("chladni")
         .with_inner_size([640.0, 520.0])
         .with_min_inner_size([460.0, 360.0]);
-    let options =
-        eframe::NativeOptions { viewport, wgpu_options: super::wgpu_options(), ..Default::default() };
+    let options = eframe::NativeOptions { viewport, wgpu_options: wgpu_options(), ..Default::default() };
     eframe::run_native(
         "chladni-files",
         options,
@@ -85,7 +88,7 @@ impl FileWindow {
         settings: &Settings,
         answer: Rc<RefCell<Vec<PathBuf>>>,
     ) -> Self {
-        theme::install(ctx);
+        focus::install(ctx);
         ctx.set_zoom_factor(settings.zoom);
         let mut places: Vec<(Icon, PathBuf)> = Vec::new();
         let mut add = |mark, folder: &Path| {

@@ -3,11 +3,12 @@
 use chladni_music::{Action, FormControl, GalleryItem, Instrument, Mapping, direct_transfer};
 use egui::{Rect, RichText, TextEdit, Ui, UiBuilder, pos2, vec2};
 
-use super::concert::View;
 use super::curve::{self, Plot};
 use super::lineage;
+use super::view::View;
 use super::wish::Wish;
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::music::{FAVORITE, STAGE};
 use crate::studio::theme;
 
 /// Height of the plots with their head.
@@ -38,7 +39,7 @@ enum Stroke {
 }
 
 /// What is heard, for the plots' backgrounds.
-pub struct Heard<'a> {
+pub struct HeardBands<'a> {
     /// f_s of the sound bands.
     pub mid: &'a [f32],
     /// Where the bands lie.
@@ -54,7 +55,7 @@ pub fn show(
     instrument: &Instrument,
     index: usize,
     draft: &mut Option<Draft>,
-    heard: &Heard<'_>,
+    heard: &HeardBands<'_>,
     wishes: &mut Vec<Wish>,
 ) {
     let Some(item) = instrument.gallery().items().get(index) else { return };
@@ -120,7 +121,7 @@ fn header(
     instrument: &Instrument,
     item: &GalleryItem,
     index: usize,
-    heard: &Heard<'_>,
+    heard: &HeardBands<'_>,
     wishes: &mut Vec<Wish>,
 ) {
     let back = ui.button(icon::label(Icon::ChevronLeft, "Gallery"));
@@ -136,7 +137,7 @@ fn header(
     }
     let favourite = instrument.favourites().iter().any(|known| known.id == item.id);
     let star = egui::Button::selectable(favourite, text(ui, Icon::Star, "Favourite"));
-    if button(ui, star, "Favourite", super::FAVOURITE.tooltip(ui.ctx())) {
+    if button(ui, star, "Favourite", FAVORITE.tooltip(ui.ctx())) {
         wishes.push(Wish::Do(Action::Favourite { item: index, on: !favourite }));
     }
     let keep = egui::Button::new(text(ui, Icon::BookmarkPlus, "Keep …"));
@@ -144,7 +145,7 @@ fn header(
         wishes.push(Wish::Keep(item.id));
     }
     let stage = egui::Button::new(text(ui, Icon::Presentation, "Stage"));
-    if button(ui, stage, "Stage", super::STAGE.tooltip(ui.ctx())) {
+    if button(ui, stage, "Stage", STAGE.tooltip(ui.ctx())) {
         wishes.push(Wish::Do(Action::Perform { item: index }));
     }
     let name = text(ui, Icon::GitFork, "Lineage");
@@ -191,7 +192,13 @@ fn button(ui: &mut Ui, button: egui::Button<'_>, name: &str, tip: String) -> boo
 }
 
 /// Ready-made curves, to begin from.
-fn shapes_menu(ui: &mut Ui, item: &GalleryItem, index: usize, heard: &Heard<'_>, wishes: &mut Vec<Wish>) {
+fn shapes_menu(
+    ui: &mut Ui,
+    item: &GalleryItem,
+    index: usize,
+    heard: &HeardBands<'_>,
+    wishes: &mut Vec<Wish>,
+) {
     let mapping = &item.mapping;
     let name = text(ui, Icon::Spline, "Curves");
     let button = ui.menu_button(name, |ui| {
@@ -228,7 +235,7 @@ fn shapes_menu(ui: &mut Ui, item: &GalleryItem, index: usize, heard: &Heard<'_>,
 }
 
 /// What arrives at each harmonic now, coarsely: the background of a.
-fn answered(mapping: &Mapping, heard: &Heard<'_>) -> Vec<f32> {
+fn answered(mapping: &Mapping, heard: &HeardBands<'_>) -> Vec<f32> {
     const COLUMNS: usize = 96;
     let mut columns = vec![0.0f32; COLUMNS];
     let bands = heard.mid.len();
@@ -241,7 +248,7 @@ fn answered(mapping: &Mapping, heard: &Heard<'_>) -> Vec<f32> {
     columns
 }
 
-fn tell_transfer(rect: Rect, x: f32, mapping: &Mapping, heard: &Heard<'_>) -> Option<String> {
+fn tell_transfer(rect: Rect, x: f32, mapping: &Mapping, heard: &HeardBands<'_>) -> Option<String> {
     let u = ((x - rect.left()) / rect.width()).clamp(0.0, 0.999);
     let t = mapping.transfer.get((u * mapping.transfer.len() as f32) as usize)?;
     let hz = heard.bands_hz.get((u * heard.bands_hz.len() as f32) as usize)?;

@@ -16,7 +16,7 @@ const SEEN: f32 = 0.002;
 
 /// A shape over the vertices of a larger one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub struct Detail {
     /// Triangles over the larger shape's vertices.
     pub triangles: Vec<[u32; 3]>,
     /// How many vertices they name.
@@ -26,13 +26,13 @@ pub struct Level {
 /// Shapes of about so many vertices each, `wanted` being in falling order; what is drawn through them
 /// moves exactly as the whole does.
 ///
-/// One vertex after the other goes into a neighbour, the one that moves the surface least first (quadric
+/// One vertex after the other goes into a neighbor, the one that moves the surface least first (quadric
 /// error metric: Garland and Heckbert 1997), with triangles kept even, as shapes bend where they are flat at
-/// rest. A shape that cannot become as small as wanted ends with fewer levels.
-pub fn levels(positions: &[[f32; 3]], triangles: &[[u32; 3]], wanted: &[usize]) -> Vec<Level> {
+/// rest. A shape that cannot become as small as wanted ends with fewer details.
+pub fn details(positions: &[[f32; 3]], triangles: &[[u32; 3]], wanted: &[usize]) -> Vec<Detail> {
     let inside = |t: &&[u32; 3]| t.iter().all(|v| (*v as usize) < positions.len());
     let mut indices: Vec<u32> = triangles.iter().filter(inside).flatten().copied().collect();
-    let mut levels = Vec::new();
+    let mut details = Vec::new();
     for &count in wanted {
         // A closed surface without handles has two triangles a vertex, less four.
         let target = (6 * count).saturating_sub(12);
@@ -42,9 +42,9 @@ pub fn levels(positions: &[[f32; 3]], triangles: &[[u32; 3]], wanted: &[usize]) 
         }
         let triangles: Vec<[u32; 3]> = indices.as_chunks().0.to_vec();
         let named: HashSet<u32> = indices.iter().copied().collect();
-        levels.push(Level { triangles, vertices: named.len() });
+        details.push(Detail { triangles, vertices: named.len() });
     }
-    levels
+    details
 }
 
 /// How many harmonics of `item` are needed for all that is seen of it in a cell.
@@ -97,20 +97,20 @@ mod tests {
             0.5 * triangles.iter().map(twice).sum::<f64>()
         };
         let (whole, volume) = (area(&mesh.triangles), volume(&positions, &mesh.triangles));
-        let found = levels(&positions, &mesh.triangles, &[4000, 1300]);
-        assert_eq!(found.iter().map(|level| level.vertices).collect::<Vec<_>>(), [4000, 1300]);
-        for level in &found {
-            let named: HashSet<u32> = level.triangles.iter().flatten().copied().collect();
-            assert_eq!(named.len(), level.vertices);
+        let found = details(&positions, &mesh.triangles, &[4000, 1300]);
+        assert_eq!(found.iter().map(|detail| detail.vertices).collect::<Vec<_>>(), [4000, 1300]);
+        for detail in &found {
+            let named: HashSet<u32> = detail.triangles.iter().flatten().copied().collect();
+            assert_eq!(named.len(), detail.vertices);
             // Closed, oriented and of one piece without a handle, as the octopus is.
-            assert_eq!(level.triangles.len(), 2 * level.vertices - 4);
-            let edges = directed(&level.triangles);
+            assert_eq!(detail.triangles.len(), 2 * detail.vertices - 4);
+            let edges = directed(&detail.triangles);
             assert!(edges.iter().all(|([a, b], count)| *count == 1 && edges.contains_key(&[*b, *a])));
             let (area, volume) =
-                (area(&level.triangles) / whole, self::volume(&positions, &level.triangles) / volume);
+                (area(&detail.triangles) / whole, self::volume(&positions, &detail.triangles) / volume);
             assert!((0.97..1.01).contains(&area) && (0.97..1.01).contains(&volume), "{area} {volume}");
         }
-        assert_eq!(found, levels(&positions, &mesh.triangles, &[4000, 1300]));
+        assert_eq!(found, details(&positions, &mesh.triangles, &[4000, 1300]));
     }
 
     #[test]
@@ -158,12 +158,12 @@ mod tests {
         let cells = (0..n * n).filter(|i| i % n < n - 1 && i / n < n - 1);
         let triangles: Vec<[u32; 3]> =
             cells.flat_map(|i| [[i, i + 1, i + n], [i + n, i + 1, i + n + 1]]).collect();
-        let level = levels(&positions, &triangles, &[50]).pop().expect("it becomes smaller");
-        let edges = directed(&level.triangles);
+        let detail = details(&positions, &triangles, &[50]).pop().expect("it becomes smaller");
+        let edges = directed(&detail.triangles);
         let border = edges.keys().filter(|[a, b]| !edges.contains_key(&[*b, *a]));
         let on_side = |v: u32| positions[v as usize][..2].iter().any(|c| *c == 0.0 || *c == 20.0);
         assert!(border.flatten().all(|v| on_side(*v)));
-        let area: f64 = level.triangles.iter().map(|t| 0.5 * normal(&positions, t)[2]).sum();
+        let area: f64 = detail.triangles.iter().map(|t| 0.5 * normal(&positions, t)[2]).sum();
         assert!((area - 400.0).abs() < 1e-9, "{area}");
     }
 
@@ -171,8 +171,8 @@ mod tests {
     fn what_cannot_become_smaller_stays() {
         let ring = [[0, 1, 2], [2, 1, 0]];
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, f32::NAN]];
-        assert!(levels(&corners, &ring, &[2]).is_empty());
-        assert!(levels(&[], &[], &[5]).iter().all(|level| level.triangles.is_empty()));
-        assert!(levels(&corners, &[[0, 1, 7]], &[2]).iter().all(|level| level.triangles.is_empty()));
+        assert!(details(&corners, &ring, &[2]).is_empty());
+        assert!(details(&[], &[], &[5]).iter().all(|detail| detail.triangles.is_empty()));
+        assert!(details(&corners, &[[0, 1, 7]], &[2]).iter().all(|detail| detail.triangles.is_empty()));
     }
 }

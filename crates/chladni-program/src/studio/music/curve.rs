@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, TextSty
 
 use crate::studio::theme;
 
-/// Colour of transfers on the dark of a cell.
+/// Color of transfers on the dark of a cell.
 pub const TRANSFER: Color32 = Color32::from_rgb(120, 190, 220);
 
 /// The same on a panel, where the light theme needs it darker.
@@ -76,7 +76,7 @@ fn draw(values: &mut [f32], range: (f32, f32), from: [f32; 2], to: [f32; 2]) -> 
     changed
 }
 
-/// The mean of each value and its neighbours, three times: what "smooth" does.
+/// The mean of each value and its neighbors, three times: what "smooth" does.
 pub fn smooth(values: &mut [f32]) {
     for _ in 0..3 {
         let before = values.to_vec();

@@ -2,12 +2,13 @@
 
 use egui::{RichText, ScrollArea, Ui};
 
-use super::concert::{Concert, View};
+use super::concert::Concert;
 use super::harmonics::CELLS;
 use super::listening::Listening;
 use super::remote::Remote;
 use super::shelf::Shelf;
 use super::songs::{self, Devices};
+use super::view::View;
 use super::wish::Wish;
 use super::{knobs, look, voices};
 use crate::studio::icon::{self, Icon};

@@ -7,7 +7,7 @@ use chladni_music::{Action, BeatReading, LoggedAction, Moment, Show, Switch};
 use chladni_view::{FrameRate, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
-use super::concert::View;
+use super::view::View;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;

@@ -3,12 +3,12 @@
 use chladni_music::{Action, GalleryItem, Instrument, Mapping};
 use egui::{Align2, Color32, FontId, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
 
-use super::concert::View;
 use super::curve;
 use super::lineage;
+use super::view::View;
 use super::wish::Wish;
-use super::{DRAW, FAVOURITE, LOCK, MUTATE, STAGE};
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::music::{DRAW, FAVORITE, LOCK, MUTATE, STAGE};
 use crate::studio::shortcut::Shortcut;
 
 // The cells are dark in both themes, or as bright as the background that was chosen for them.
@@ -118,7 +118,7 @@ fn marks(
             wishes.push(wish);
         }
     };
-    button(Icon::Star, favourite, FAVOURITE, Wish::Do(Action::Favourite { item: index, on: !favourite }));
+    button(Icon::Star, favourite, FAVORITE, Wish::Do(Action::Favourite { item: index, on: !favourite }));
     button(Icon::Lock, item.locked, LOCK, Wish::Do(Action::Lock { item: index, on: !item.locked }));
     button(Icon::Dices, false, MUTATE, Wish::Do(Action::Mutate { item: index, amount: 0.2 }));
     button(Icon::Spline, false, DRAW, Wish::Show(View::CloseUp(index)));

@@ -93,7 +93,7 @@ impl Glimpse {
             let bytes = buffer.get_mapped_range(..).map_err(Error::other)?;
             for row in bytes.chunks_exact(coming.stride as usize) {
                 for &[r, g, b, a] in row[..4 * coming.width as usize].as_chunks().0.iter().step_by(STEP) {
-                    // The canvas holds colours times their opacity.
+                    // The canvas holds colors times their opacity.
                     let over = |own: u8, behind: u8| {
                         own.saturating_add((u32::from(255 - a) * u32::from(behind) / 255) as u8)
                     };

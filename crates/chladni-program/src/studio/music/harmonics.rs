@@ -1,4 +1,4 @@
-//! The body's harmonics in colour, their classes, and the paper's figure of extrema and pairs.
+//! The body's harmonics in color, their classes, and the paper's figure of extrema and pairs.
 
 use chladni_harmonics::Body;
 use chladni_music::{Class, Symmetry, SymmetryMethod};

@@ -7,7 +7,7 @@ use chladni_mesh::{Estimate, Known, Orientation};
 use chladni_synth::Term;
 use chladni_task::Task;
 
-use super::coarse::{self, Level};
+use super::coarse::{self, Detail};
 use crate::work::dancer::{Dancing, classes};
 use crate::work::{Aside, Cast, Error, Warning};
 
@@ -34,7 +34,7 @@ pub struct Ready {
     /// The layers of a caricature, by name, each at its full strength.
     pub voices: Vec<(String, Term)>,
     /// The shape with fewer vertices for small pictures, from fine to coarse, where all would be too many.
-    pub levels: Vec<Level>,
+    pub details: Vec<Detail>,
     /// What was mended in the file, what the harmonics are worth less than usual, and what could not act.
     pub warnings: Vec<Warning>,
 }
@@ -50,24 +50,24 @@ pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     let stands = cast.kept_stance();
     let harmonics = cast.harmonics().map_or(means.harmonics, |own| own.min(means.harmonics));
     let (body, voices) = cast.prepare(harmonics, Laplacian::Delaunay, true, &aside)?;
-    let (symmetry, levels) = rayon::join(
+    let (symmetry, details) = rayon::join(
         || classes(&body, false, task),
-        || if means.coarsely { levels(&body) } else { Vec::new() },
+        || if means.coarsely { details(&body) } else { Vec::new() },
     );
     let stands = match stands {
         Some(told) => told,
         None => Estimate::of_surface(&body.positions, &body.triangles, Known::default(), task)?.orientation,
     };
     let dancing = Dancing::new(&body, symmetry?)?;
-    Ok(Ready { dancing, stands, voices, levels, warnings: aside.warnings() })
+    Ok(Ready { dancing, stands, voices, details, warnings: aside.warnings() })
 }
 
-fn levels(body: &Body) -> Vec<Level> {
+fn details(body: &Body) -> Vec<Detail> {
     let sizes = std::iter::successors(Some(FEWEST_VERTICES as f64), |size| Some(LEVEL_RATIO * size));
-    // A level that saves little is none.
+    // A detail that saves little is none.
     let most = body.positions.len() as f64 / LEVEL_RATIO;
     let mut wanted: Vec<usize> = sizes.take_while(|size| *size <= most).map(|size| size as usize).collect();
     wanted.reverse();
     let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
-    coarse::levels(&rest, &body.triangles, &wanted)
+    coarse::details(&rest, &body.triangles, &wanted)
 }

@@ -32,7 +32,7 @@ fn choose(ui: &mut Ui, heading: &str, chosen: &mut String, names: &[&str]) {
     ui.label(RichText::new(heading).strong());
     let choices = |ui: &mut Ui| {
         for name in names {
-            if ui.selectable_label(chosen == name, theme::capitalised(name)).clicked() {
+            if ui.selectable_label(chosen == name, theme::capitalized(name)).clicked() {
                 *chosen = (*name).to_owned();
             }
         }

@@ -4,7 +4,8 @@ use egui::epaint::PathShape;
 use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 use super::curve;
-use super::listening::{Level, Listening};
+use super::listening::{Listening, Loudness};
+use crate::studio::keys::music::{DOUBLE, HALVE, TAP};
 use crate::studio::theme;
 
 /// Height of the bar with all meters.
@@ -91,7 +92,7 @@ fn levels(ui: &mut Ui, listening: &Listening) {
 pub const CHANNELS: [&str; 2] = ["Left", "Right"];
 
 /// A bar of the root mean square with a line at the peak, from −60 dB to full scale.
-pub fn level(ui: &mut Ui, channel: &str, level: Level) {
+pub fn level(ui: &mut Ui, channel: &str, level: Loudness) {
     let palette = theme::palette(ui);
     let share = |amplitude: f32| (1.0 + 20.0 * amplitude.max(1e-6).log10() / 60.0).clamp(0.0, 1.0);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 12.0), Sense::hover());
@@ -134,13 +135,13 @@ fn beat(ui: &mut Ui, listening: &mut Listening) {
         }
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            if ui.small_button("½").on_hover_text(super::HALVE.tooltip(ui.ctx())).clicked() {
+            if ui.small_button("½").on_hover_text(HALVE.tooltip(ui.ctx())).clicked() {
                 listening.halve();
             }
-            if ui.small_button("×2").on_hover_text(super::DOUBLE.tooltip(ui.ctx())).clicked() {
+            if ui.small_button("×2").on_hover_text(DOUBLE.tooltip(ui.ctx())).clicked() {
                 listening.double();
             }
-            if ui.small_button("Tap").on_hover_text(super::TAP.tooltip(ui.ctx())).clicked() {
+            if ui.small_button("Tap").on_hover_text(TAP.tooltip(ui.ctx())).clicked() {
                 listening.tap();
             }
         });

@@ -3,12 +3,15 @@
 mod close_up;
 mod coarse;
 mod concert;
+mod curtain;
 mod curve;
 mod drawer;
 mod film;
+mod fulfilment;
 mod gallery;
 mod glimpse;
 mod harmonics;
+mod keyboard;
 mod knobs;
 mod lineage;
 mod listening;
@@ -19,96 +22,43 @@ mod pace;
 mod preferences;
 mod remote;
 mod shelf;
+mod shows;
 mod songs;
-mod stage;
 mod stillness;
 mod study;
 mod transport;
+mod view;
 mod voices;
 mod wish;
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Action, BeatReading, Cue, Preset, Show, SongRef};
+use chladni_music::Show;
 use chladni_sound::Capture;
-use egui::{Key, Ui};
+use egui::Ui;
 
-use self::concert::{Concert, View};
+use self::concert::Concert;
+use self::curtain::Curtain;
 use self::drawer::{Drawer, Drawers};
 use self::film::{Filming, Scene};
-use self::listening::{Listening, ShowSong};
+use self::listening::Listening;
 use self::loading::Ready;
 pub use self::preferences::Preferences;
-use self::stage::Curtain;
+use self::shows::{MOST_HARMONICS, save_show, songs_of, the_show};
 use self::wish::Wish;
 use super::Trace;
 use super::icon::{self, Icon};
 use super::job::{self, Job};
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
-use super::theme;
-use crate::work::formats::{self, Kind, MESHES, PROJECT, SONGS, TEXT};
+use super::{keys, theme};
+use crate::studio::keys::music::OPEN;
+use crate::work::Error;
+use crate::work::formats::{self, Kind, SONGS, TEXT};
 use crate::work::source::sample_path;
-use crate::work::{Error, refer, resolve};
 
 /// So often a room at rest looks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
-
-const OPEN: Shortcut = Shortcut::command(Key::O, "Open a shape, songs, a preset or a show");
-const SAVE: Shortcut = Shortcut::command(Key::S, "Save the show");
-const FILM: Shortcut = Shortcut::command(Key::E, "Film what dances");
-const PLAY: Shortcut = Shortcut::key(Key::Space, "Play or pause");
-const NEXT_SONG: Shortcut = Shortcut::key(Key::PageDown, "The next song");
-const PREVIOUS_SONG: Shortcut = Shortcut::key(Key::PageUp, "The song before");
-const TAP: Shortcut = Shortcut::key(Key::T, "Tap the beat");
-const HALVE: Shortcut = Shortcut::key(Key::OpenBracket, "The beat half as fast");
-const DOUBLE: Shortcut = Shortcut::key(Key::CloseBracket, "The beat twice as fast");
-const BREED: Shortcut = Shortcut::key(Key::Enter, "Breed the chosen ones");
-const BACK: Shortcut = Shortcut::command(Key::Z, "Back to the generation before");
-const FORTH: Shortcut = Shortcut::command_shift(Key::Z, "On to the generation after");
-const MARK: [Shortcut; 4] = [
-    Shortcut::key(Key::ArrowLeft, "Mark the dance to the left (on stage: the favourite before)"),
-    Shortcut::key(Key::ArrowRight, "Mark the dance to the right (on stage: the next favourite)"),
-    Shortcut::key(Key::ArrowUp, "Mark the dance above"),
-    Shortcut::key(Key::ArrowDown, "Mark the dance below"),
-];
-const CHOOSE: Shortcut = Shortcut::key(Key::C, "Choose the marked dance as a parent, or no longer");
-const FAVOURITE: Shortcut = Shortcut::key(Key::F, "Favourite");
-const LOCK: Shortcut = Shortcut::key(Key::L, "Lock in its place");
-const MUTATE: Shortcut = Shortcut::key(Key::M, "Change it a little");
-const DRAW: Shortcut = Shortcut::key(Key::E, "Name it and draw its curves");
-const STAGE: Shortcut = Shortcut::key(Key::S, "Put it on stage");
-const SHOW: Shortcut = Shortcut::key(Key::G, "Put the favourites on stage");
-const LEAVE: Shortcut = Shortcut::key(Key::Escape, "Leave the stage, or back to the gallery");
-const KEYS: [Shortcut; 24] = [
-    OPEN,
-    SAVE,
-    FILM,
-    PLAY,
-    NEXT_SONG,
-    PREVIOUS_SONG,
-    TAP,
-    HALVE,
-    DOUBLE,
-    BREED,
-    BACK,
-    FORTH,
-    MARK[0],
-    MARK[1],
-    MARK[2],
-    MARK[3],
-    CHOOSE,
-    FAVOURITE,
-    LOCK,
-    MUTATE,
-    DRAW,
-    STAGE,
-    SHOW,
-    LEAVE,
-];
-
-/// The most harmonics that dance live.
-const MOST_HARMONICS: usize = 512;
 
 /// The room: one body, one gallery, one playlist.
 #[derive(Default)]
@@ -152,7 +102,7 @@ impl Room for MusicRoom {
     }
 
     fn shortcuts(&self) -> &'static [Shortcut] {
-        &KEYS
+        keys::music::ALL
     }
 
     fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
@@ -228,11 +178,11 @@ impl Room for MusicRoom {
         Some((status.position_secs, status.underruns))
     }
 
-    fn stage(&self) -> Option<super::measure::Stage> {
+    fn stage(&self) -> Option<super::measure::OnStage> {
         let concert = self.concert.as_ref()?;
         let (vertices, drawn_vertices) = concert.drawn_vertices();
         let items = concert.instrument().gallery().items().len();
-        Some(super::measure::Stage { items, vertices, drawn_vertices })
+        Some(super::measure::OnStage { items, vertices, drawn_vertices })
     }
 
     fn hides_the_window(&self) -> bool {
@@ -352,83 +302,6 @@ impl MusicRoom {
         }
     }
 
-    /// A preset goes into the gallery, a show replaces it, with its shape and its songs.
-    fn open_text(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
-        let Some(concert) = &mut self.concert else { return };
-        let opened = match Preset::load(&path) {
-            Ok(preset) => take(concert, preset, shared),
-            Err(not_preset) => match Show::load(&path) {
-                Ok(show) => return self.open_show(path, show, shared),
-                Err(not_show) => {
-                    let unread = matches!(not_preset, chladni_music::Error::File { .. });
-                    let why = if !unread && is_like_a_show(&path) { not_show } else { not_preset };
-                    Err(Error::from(why).of(path.display()))
-                }
-            },
-        };
-        if let Err(why) = opened {
-            shared.notices.failed(why);
-        }
-    }
-
-    /// Opens a show's shape first where another one dances.
-    fn open_show(&mut self, path: PathBuf, show: Show, shared: &mut Shared<'_>) {
-        let Some(concert) = &self.concert else { return };
-        if let Some(caution) = show.caution() {
-            shared.notices.warn(format!("{}: {caution}", path.display()));
-        }
-        let Some(body) = show.body.clone() else { return self.go_on_with(&path, &show, shared) };
-        match resolve(&body, path.parent()) {
-            Ok((body, warning)) => {
-                warning.into_iter().for_each(|warning| shared.notices.warn(warning));
-                let dances = concert.instrument().shape().eigenvalues.len();
-                let wanted = show.harmonics.map_or(dances, |harmonics| harmonics.min(MOST_HARMONICS));
-                if self.names.dancing == body && dances == wanted {
-                    return self.go_on_with(&path, &show, shared);
-                }
-                if show.harmonics.is_some_and(|harmonics| harmonics > MOST_HARMONICS) {
-                    let told = format!("{}: more harmonics than dance live; films have all.", path.display());
-                    shared.notices.warn(told);
-                }
-                self.coming = Some((path, show));
-                self.load(body, shared);
-            }
-            Err(why) => {
-                shared.notices.warn(format!("{why}. It goes on with the shape that dances now."));
-                self.go_on_with(&path, &show, shared);
-            }
-        }
-    }
-
-    /// Goes on with a show on the shape that dances.
-    fn go_on_with(&mut self, path: &Path, show: &Show, shared: &mut Shared<'_>) {
-        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
-        if let Err(why) = concert.replay(show) {
-            return shared.notices.error(format!("{}: {why}", path.display()));
-        }
-        if let Some(looks) = &show.looks {
-            shared.settings.music.look_like(looks);
-        }
-        let mut songs: Vec<ShowSong> = Vec::new();
-        for song in &show.songs {
-            let found = resolve(&song.file(), path.parent());
-            let (file, warning) = match found {
-                Ok(found) => found,
-                Err(why) => {
-                    shared.notices.warn(why);
-                    (PathBuf::from(&song.path), None)
-                }
-            };
-            warning.into_iter().for_each(|warning| shared.notices.warn(warning));
-            songs.push(ShowSong::new(file, song.reading));
-        }
-        // What was heard is numbered by these songs; an older file has none, and the song goes on.
-        if show.body.is_some() || !songs.is_empty() {
-            let last = show.actions.iter().map(|line| line.moment.at_secs).fold(0.0, f64::max);
-            listening.go_on(songs, &show.heard, show.duration_secs.unwrap_or(0.0).max(last));
-        }
-    }
-
     fn poll(&mut self, shared: &mut Shared<'_>) {
         match self.loading.as_ref().and_then(Job::ended) {
             Some(Ok(ready)) => {
@@ -468,91 +341,6 @@ impl MusicRoom {
         shared.notices.failed(why);
     }
 
-    /// What the keys ask for.
-    fn keys(&mut self, ctx: &egui::Context) -> Vec<Wish> {
-        let mut wishes = Vec::new();
-        if self.concert.is_none() && OPEN.pressed(ctx) {
-            wishes.push(Wish::Open);
-        }
-        let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return wishes };
-        // An open menu has the keys.
-        if egui::Popup::is_any_open(ctx) || self.filming.asks() {
-            return wishes;
-        }
-        type Hearing = fn(&mut Listening);
-        let hearing: [(Shortcut, Hearing); 6] = [
-            (PLAY, Listening::toggle),
-            (TAP, Listening::tap),
-            (NEXT_SONG, |listening| listening.player().next()),
-            (PREVIOUS_SONG, |listening| listening.player().previous()),
-            (HALVE, Listening::halve),
-            (DOUBLE, Listening::double),
-        ];
-        hearing.iter().filter(|(key, _)| key.pressed(ctx)).for_each(|(_, act)| act(listening));
-        let when = |wishes: &mut Vec<Wish>, shortcut: Shortcut, wish: Wish| {
-            if shortcut.pressed(ctx) {
-                wishes.push(wish);
-            }
-        };
-        if concert.on_stage() {
-            when(&mut wishes, LEAVE, Wish::Do(Action::LeaveStage));
-            when(&mut wishes, MARK[0], Wish::StepFavourite(false));
-            when(&mut wishes, MARK[1], Wish::StepFavourite(true));
-            return wishes;
-        }
-        when(&mut wishes, OPEN, Wish::Open);
-        when(&mut wishes, SAVE, Wish::SaveShow);
-        when(&mut wishes, FILM, Wish::Film);
-        when(&mut wishes, BREED, Wish::Do(Action::Breed));
-        let gallery = concert.instrument().gallery();
-        // With Shift first: the key without it would answer, too.
-        let go = [
-            (FORTH, Some(gallery.current() + 1).filter(|&after| after < gallery.generations().len())),
-            (BACK, gallery.current().checked_sub(1)),
-        ];
-        for (key, generation) in go {
-            if key.pressed(ctx)
-                && let Some(generation) = generation
-            {
-                wishes.push(Wish::Do(Action::GoTo { generation }));
-            }
-        }
-        if !concert.instrument().favourites().is_empty() {
-            when(&mut wishes, SHOW, Wish::Do(Action::PerformFavourites { first: 0 }));
-        }
-        if let Some(item) = concert.marked() {
-            let marks = concert.marks(item);
-            when(&mut wishes, CHOOSE, Wish::Do(Action::Choose { item, on: !marks.chosen }));
-            when(&mut wishes, FAVOURITE, Wish::Do(Action::Favourite { item, on: !marks.favourite }));
-            when(&mut wishes, LOCK, Wish::Do(Action::Lock { item, on: !marks.locked }));
-            when(&mut wishes, MUTATE, Wish::Do(Action::Mutate { item, amount: 0.2 }));
-            when(&mut wishes, DRAW, Wish::Show(View::CloseUp(item)));
-            when(&mut wishes, STAGE, Wish::Do(Action::Perform { item }));
-        }
-        if concert.view() != View::Gallery {
-            when(&mut wishes, LEAVE, Wish::Show(View::Gallery));
-            return wishes;
-        }
-        for (key, (right, down)) in MARK.iter().zip([(-1, 0), (1, 0), (0, -1), (0, 1)]) {
-            when(&mut wishes, *key, Wish::Mark { right, down });
-        }
-        wishes
-    }
-
-    /// What controllers ask for.
-    fn follow_remote(&mut self, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
-        let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
-        let parameters = concert.instrument().parameters();
-        for cue in self.drawers.remote.cues(&mut shared.settings.music, parameters) {
-            match cue {
-                Cue::Do(action) => wishes.push(Wish::Do(action)),
-                Cue::StepFavourite(forward) => wishes.push(Wish::StepFavourite(forward)),
-                Cue::Tap => listening.tap(),
-                Cue::PlayPause => listening.toggle(),
-            }
-        }
-    }
-
     fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
         egui::Panel::top("transport").resizable(false).exact_size(40.0).show(ui, |ui| {
@@ -567,65 +355,6 @@ impl MusicRoom {
             .exact_size(meters::HEIGHT)
             .show(ui, |ui| meters::show(ui, listening));
     }
-
-    fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {
-        if let Wish::Open | Wish::AddSongs = wish {
-            return self.choose_files(matches!(wish, Wish::AddSongs), shared);
-        }
-        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return };
-        let done = match wish {
-            Wish::Do(action) => concert.act(action),
-            Wish::Show(view) => {
-                concert.look_at(view);
-                Ok(())
-            }
-            Wish::TryOut(preset) => {
-                concert.try_out(&preset);
-                Ok(())
-            }
-            Wish::Mark { right, down } => {
-                concert.mark_neighbour(right, down);
-                Ok(())
-            }
-            Wish::StepFavourite(forward) => match concert.next_favourite(forward) {
-                Some(first) => concert.act(Action::PerformFavourites { first }),
-                None => Ok(()),
-            },
-            Wish::Keep(item) => {
-                self.drawers.open = Drawer::Shelf;
-                self.drawers.shelf.ask(concert.instrument(), item);
-                Ok(())
-            }
-            Wish::Take(path) => match self.drawers.shelf.find(&path) {
-                Some(preset) => take(concert, preset.clone(), shared),
-                None => Ok(()),
-            },
-            Wish::Discard(path) => self.drawers.shelf.discard(&path),
-            Wish::SavePreset(item) => match concert.instrument().item(item) {
-                Some(item) => {
-                    let preset = Preset::of(concert.instrument(), item, Vec::new());
-                    let save = |path: &Path| preset.save(path).map_err(Error::unsaved);
-                    save_as("dance.toml", shared, save).map(drop)
-                }
-                None => Ok(()),
-            },
-            Wish::SaveShow => save_show(concert, listening, &self.names, shared).map(drop),
-            Wish::Film => self.filming.ask(),
-            Wish::Open | Wish::AddSongs => Ok(()),
-        };
-        if let Err(why) = done {
-            shared.notices.warn(why);
-        }
-    }
-
-    fn choose_files(&mut self, songs_only: bool, shared: &mut Shared<'_>) {
-        let all: Vec<&str> = MESHES.into_iter().chain(self.extensions()).chain([PROJECT]).collect();
-        let kinds = [("All that dances or sounds", &all[..]), ("Meshes", &MESHES), ("Songs", &SONGS)];
-        let paths = shared.chooser.open_several(if songs_only { &kinds[2..] } else { &kinds });
-        if !paths.is_empty() {
-            self.open(&paths, shared);
-        }
-    }
 }
 
 /// What the room offers where the first shape could not be opened.
@@ -639,85 +368,4 @@ fn nothing_dances(ui: &mut Ui, wishes: &mut Vec<Wish>) {
             wishes.push(Wish::Open);
         }
     });
-}
-
-/// Whether a text that is neither a preset nor a show was rather meant as the latter.
-fn is_like_a_show(path: &Path) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("actions") || table.contains_key("size"))
-}
-
-/// A preset goes where nothing is lost that was chosen or loved: the last such place. The
-/// generation before stays as it was; the knobs are those of the preset.
-fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<(), Error> {
-    let instrument = concert.instrument();
-    let items = instrument.gallery().items();
-    let loved = |id| instrument.favourites().iter().any(|favourite| favourite.id == id);
-    let free = items.iter().rposition(|item| !item.chosen && !item.locked && !loved(item.id));
-    let item = free.unwrap_or(items.len().saturating_sub(1));
-    let (caution, before) = (preset.caution(), instrument.parameters().clone());
-    concert.look_at(View::Gallery);
-    concert.act(Action::Take { item, preset: Box::new(preset) })?;
-    if let Some(caution) = caution {
-        shared.notices.warn(caution);
-    } else if *concert.instrument().parameters() != before {
-        shared.notices.done("Form and knobs are those of the preset now.".to_owned());
-    }
-    Ok(())
-}
-
-/// All that was done so far, to be saved in `folder`.
-fn the_show(
-    concert: &Concert,
-    listening: &Listening,
-    names: &Names,
-    shared: &Shared<'_>,
-    folder: Option<&Path>,
-) -> Show {
-    let (heard, songs) = listening.heard();
-    let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path, folder)) };
-    Show {
-        body: Some(refer(&names.dancing, folder)),
-        looks: Some(shared.settings.music.looks()),
-        viewpoint: concert.viewpoint(),
-        songs: songs.iter().map(song).collect(),
-        heard,
-        duration_secs: Some(listening.at_secs()),
-        ..Show::of(concert.instrument())
-    }
-}
-
-/// The songs of the show as the command line calls them.
-fn songs_of(listening: &Listening) -> Vec<(String, BeatReading)> {
-    let (_, songs) = listening.heard();
-    songs.iter().map(|song| (song.path.to_string_lossy().into_owned(), song.reading)).collect()
-}
-
-/// False where the person thinks better of it.
-fn save_show(
-    concert: &mut Concert,
-    listening: &Listening,
-    names: &Names,
-    shared: &mut Shared<'_>,
-) -> Result<bool, Error> {
-    let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new("show.toml")) else {
-        return Ok(false);
-    };
-    let show = the_show(concert, listening, names, shared, path.parent());
-    show.save(&path).map_err(Error::unsaved)?;
-    shared.notices.done(format!("Saved {}", path.display()));
-    concert.mark_saved();
-    Ok(true)
-}
-
-/// False where the person thinks better of it.
-fn save_as(
-    name: &str,
-    shared: &mut Shared<'_>,
-    save: impl FnOnce(&Path) -> Result<(), Error>,
-) -> Result<bool, Error> {
-    let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new(name)) else { return Ok(false) };
-    save(&path)?;
-    shared.notices.done(format!("Saved {}", path.display()));
-    Ok(true)
 }

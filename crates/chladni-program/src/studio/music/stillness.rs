@@ -12,7 +12,7 @@ const FINEST: f32 = 1e-5;
 
 /// All that a picture of the gallery depends on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
+pub struct StillPicture {
     /// [`pose`] of the items.
     pub pose: u64,
     /// Who looks at what, and where.

@@ -4,12 +4,15 @@ use chladni_music::Action;
 use chladni_sound::PlayerState;
 use egui::{RichText, ScrollArea, Slider, Ui};
 
-use super::concert::{Concert, View};
+use super::concert::Concert;
 use super::film;
 use super::listening::Listening;
+use super::view::View;
 use super::wish::Wish;
-use super::{BACK, BREED, FILM, FORTH, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW};
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::music::{
+    BACK, BREED, FILM, FORTH, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW,
+};
 use crate::studio::theme;
 
 /// Draws the bar.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use chladni_music::{Action, ItemId, Preset};
 
-use super::concert::View;
+use super::view::View;
 
 /// One wish; the room fulfils it after the frame's panels are drawn.
 #[derive(Clone, Debug)]

@@ -9,6 +9,7 @@ use super::super::layers::icon_button;
 use super::super::session::Session;
 use super::color;
 use crate::studio::icon::{self, Icon};
+use crate::studio::keys::caricature::LANDMARKS;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
@@ -37,7 +38,7 @@ pub fn show_list(
             }
             let label =
                 if *picking { icon::label(Icon::Check, "Done") } else { icon::label(Icon::MapPin, "Pick") };
-            ui.toggle_value(picking, label).on_hover_text(super::super::LANDMARKS.tooltip(ui.ctx()));
+            ui.toggle_value(picking, label).on_hover_text(LANDMARKS.tooltip(ui.ctx()));
         });
     });
     let mut removed = None;

@@ -15,8 +15,9 @@ pub use list::show_list;
 pub use side::Side;
 
 use super::edits::Edits;
+use super::look::Portrayal;
+use super::overlay::backdrop;
 use super::session::Session;
-use super::stage::{Look, backdrop};
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -26,7 +27,7 @@ use crate::work::{Aside, Error, template_mesh};
 /// How near a landmark the pointer takes hold of it, in window points.
 const GRIP: f32 = 12.0;
 
-/// Colours that people with any colour vision can tell apart (Okabe & Ito 2008), repeated.
+/// Colors that people with any color vision can tell apart (Okabe & Ito 2008), repeated.
 const COLORS: [[u8; 3]; 7] = [
     [230, 159, 0],
     [86, 180, 233],
@@ -37,7 +38,7 @@ const COLORS: [[u8; 3]; 7] = [
     [204, 121, 167],
 ];
 
-/// The colour of landmark `index`.
+/// The color of landmark `index`.
 pub fn color(index: usize) -> Color32 {
     let [r, g, b] = COLORS[index % COLORS.len()];
     Color32::from_rgb(r, g, b)
@@ -68,7 +69,7 @@ pub struct Picking {
 }
 
 /// What the person did on one of the shapes.
-enum Deed {
+enum Gesture {
     Pick(u32),
     Hold(usize, u32),
     Drop,
@@ -129,7 +130,7 @@ impl Picking {
         ui: &mut Ui,
         session: &Session,
         edits: &mut Edits,
-        (look, confidence): (Look, bool),
+        (look, confidence): (Portrayal, bool),
         shared: &mut Shared<'_>,
     ) -> Result<(), Error> {
         self.poll()?;
@@ -141,12 +142,12 @@ impl Picking {
         let half = egui::vec2(rect.width() / 2.0, rect.height());
         let left = egui::Rect::from_min_size(rect.min, half);
         let right = left.translate(egui::vec2(half.x, 0.0));
-        let deeds = [(Which::Shape, left), (Which::Template, right)]
+        let gestures = [(Which::Shape, left), (Which::Template, right)]
             .map(|(which, area)| (which, self.interact(ui, which, area, rect, &settings)));
         self.draw(ui, shared, rect, [left, right], &settings, look)?;
-        for (which, deed) in deeds {
-            if let Some(deed) = deed {
-                self.act(which, deed, settings.clone(), edits, shared);
+        for (which, gesture) in gestures {
+            if let Some(gesture) = gesture {
+                self.act(which, gesture, settings.clone(), edits, shared);
             }
         }
         if let Some(reading) = &self.reading {
@@ -193,7 +194,7 @@ impl Picking {
         area: egui::Rect,
         whole: egui::Rect,
         settings: &Settings,
-    ) -> Option<Deed> {
+    ) -> Option<Gesture> {
         let cell = cell_of(ui, area, whole);
         let response =
             ui.interact(area, ui.scope_id().with(("landmarks", which as u8)), egui::Sense::click_and_drag());
@@ -237,20 +238,20 @@ impl Picking {
         let free = ui.data(|data| data.get_temp(turning).unwrap_or(false));
         let moved = viewport::navigate_by(ui, &response, &mut side.camera, free) || home;
         let steering = ui.input(|input| input.modifiers.alt);
-        let deed = if steering {
+        let gesture = if steering {
             None
         } else if let Some((_, index, vertex)) = held {
             if response.dragged_by(primary) {
-                Some(Deed::Hold(index, at.and_then(|at| under(side, at)).unwrap_or(vertex)))
+                Some(Gesture::Hold(index, at.and_then(|at| under(side, at)).unwrap_or(vertex)))
             } else {
-                Some(Deed::Drop)
+                Some(Gesture::Drop)
             }
         } else if response.drag_started_by(primary) {
-            near.map(|(index, vertex)| Deed::Hold(index, vertex))
+            near.map(|(index, vertex)| Gesture::Hold(index, vertex))
         } else if response.secondary_clicked() {
-            near.map(|(index, _)| Deed::Remove(index))
+            near.map(|(index, _)| Gesture::Remove(index))
         } else if response.clicked_by(primary) && near.is_none() {
-            at.and_then(|at| under(side, at)).map(Deed::Pick)
+            at.and_then(|at| under(side, at)).map(Gesture::Pick)
         } else {
             None
         };
@@ -259,23 +260,23 @@ impl Picking {
         } else if response.hovered() {
             ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
         }
-        if moved || deed.is_some() {
+        if moved || gesture.is_some() {
             self.viewport.invalidate();
         }
-        deed
+        gesture
     }
 
     fn act(
         &mut self,
         which: Which,
-        deed: Deed,
+        gesture: Gesture,
         mut settings: Settings,
         edits: &mut Edits,
         shared: &mut Shared<'_>,
     ) {
-        match deed {
-            Deed::Hold(index, vertex) => return self.held = Some((which, index, vertex)),
-            Deed::Drop => {
+        match gesture {
+            Gesture::Hold(index, vertex) => return self.held = Some((which, index, vertex)),
+            Gesture::Drop => {
                 let Some((_, index, vertex)) = self.held.take() else { return };
                 let Some(landmark) = settings.landmarks.get_mut(index) else { return };
                 let end = if which == Which::Shape { &mut landmark.shape } else { &mut landmark.template };
@@ -284,10 +285,10 @@ impl Picking {
                 }
                 *end = vertex;
             }
-            Deed::Remove(index) => {
+            Gesture::Remove(index) => {
                 settings.landmarks.remove(index);
             }
-            Deed::Pick(vertex) => {
+            Gesture::Pick(vertex) => {
                 let landmark = match self.pending.take() {
                     Some((Which::Shape, shape)) if which == Which::Template => {
                         Landmark { shape, template: vertex }
@@ -313,7 +314,7 @@ impl Picking {
         rect: egui::Rect,
         areas: [egui::Rect; 2],
         settings: &Settings,
-        look: Look,
+        look: Portrayal,
     ) -> Result<(), Error> {
         let cells = areas.map(|area| cell_of(ui, area, rect));
         let material = look.material();

@@ -1,29 +1,28 @@
 //! The ears of the room: the song that plays or what a microphone hears, its spectrum and its beat,
 //! at the moment that is heard.
 
+mod beats;
+mod ear;
+mod playlist;
+
+pub use ear::Loudness;
+
 use std::path::{Path, PathBuf};
 
 use chladni_music::{Bands, Beat, BeatReading, Parameters, Resonators, Stretch, Timbre};
 use chladni_sound::{
-    BeatFollower, BeatMoment, Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings,
-    PlayerState, PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune,
-    write_wav,
+    BeatFollower, Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings, PlayerState,
+    PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune, write_wav,
 };
+
+use ear::BeatCount;
 
 use super::study::{Learned, Study};
 use crate::work::source::TUNE;
-use crate::work::{
-    Error, Heard, Hearing, KnownSong, Playing, ShowClock, bands_of, read_beats, spectrum_settings,
-};
-
-/// Where the song has moved on by so much more or less than the clock, someone sought: the beat
-/// tracker starts afresh.
-const SEEK_SECS: f64 = 0.3;
-/// A longer pause between two frames is not made up for.
-const LONGEST_STEP_SECS: f64 = 2.0;
+use crate::work::{Error, Heard, Hearing, KnownSong, Playing, ShowClock, bands_of, read_beats};
 
 /// Player or capture, and the ears: a song that is read as a whole is heard as its films hear it; live input,
-/// and a song until it is read, by an analyser and a beat tracker that know only what was heard.
+/// and a song until it is read, by an analyzer and a beat tracker that know only what was heard.
 pub struct Listening {
     player: Player,
     live: Option<Live>,
@@ -34,10 +33,10 @@ pub struct Listening {
     study: Option<Study>,
     /// Beats became known that were not when something was done.
     beats_changed: bool,
-    /// What is heard comes from the analyser and the tracker below.
+    /// What is heard comes from the analyzer and the tracker below.
     by_ear: bool,
     last_beat: Beat,
-    analyser: SpectrumAnalyser,
+    analyzer: SpectrumAnalyser,
     follower: BeatFollower,
     /// What live input strikes, and how long the last piece of it has rung.
     resonators: Option<Resonators>,
@@ -47,7 +46,7 @@ pub struct Listening {
     last_secs: f64,
     last_position_secs: f64,
     beats: BeatCount,
-    levels: [Level; 2],
+    levels: [Loudness; 2],
     songs: Vec<PathBuf>,
     repeat: Repeat,
     volume: f32,
@@ -78,41 +77,6 @@ impl ShowSong {
     }
 }
 
-/// How loud one channel is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Level {
-    /// Largest amplitude, falling by 20 dB a second.
-    pub peak: f32,
-    /// Root mean square of what is heard now.
-    pub rms: f32,
-}
-
-impl Level {
-    fn of(samples: &[f32], before: Self, dt_secs: f64) -> Self {
-        let (peak, square) =
-            samples.iter().fold((0.0f32, 0.0f32), |(peak, square), s| (peak.max(s.abs()), square + s * s));
-        let fallen = before.peak * 0.1f32.powf(dt_secs as f32);
-        let rms = (square / samples.len().max(1) as f32).sqrt();
-        Self { peak: peak.max(if fallen > 1e-3 { fallen } else { 0.0 }), rms }
-    }
-}
-
-/// Beats gone by. A tracker thinks better of a phase now and then; what the beat has moved must not
-/// fly back for that.
-#[derive(Clone, Copy, Debug, Default)]
-struct BeatCount {
-    gone: f64,
-    shown: f64,
-}
-
-impl BeatCount {
-    /// With the place within the present beat; never less than before.
-    fn at(&mut self, phase: f64) -> f64 {
-        self.shown = self.shown.max(self.gone + phase.clamp(0.0, 1.0));
-        self.shown
-    }
-}
-
 /// What is listened to instead of a song.
 struct Live {
     capture: Capture,
@@ -128,7 +92,7 @@ impl Listening {
         write_wav(&tune, &sample_tune(), WavSample::Int16)?;
         let player = Player::start(PlayerSettings { device: device.clone(), volume, audible: true })?;
         let rate_hz = 44_100;
-        let analyser = SpectrumAnalyser::new(SpectrumSettings::new(rate_hz))?;
+        let analyzer = SpectrumAnalyser::new(SpectrumSettings::new(rate_hz))?;
         let follower = BeatFollower::new(rate_hz)?;
         let mut listening = Self {
             player,
@@ -140,7 +104,7 @@ impl Listening {
             beats_changed: false,
             by_ear: true,
             last_beat: Beat::default(),
-            analyser,
+            analyzer,
             follower,
             resonators: None,
             rung_secs: 0.0,
@@ -149,7 +113,7 @@ impl Listening {
             last_secs: 0.0,
             last_position_secs: 0.0,
             beats: BeatCount::default(),
-            levels: [Level::default(); 2],
+            levels: [Loudness::default(); 2],
             songs: vec![tune.clone()],
             repeat: Repeat::Off,
             volume,
@@ -161,52 +125,6 @@ impl Listening {
         listening.player.play_list(listening.songs.clone());
         listening.set_repeat(Repeat::List);
         Ok(listening)
-    }
-
-    /// The playlist.
-    pub fn songs(&self) -> &[PathBuf] {
-        &self.songs
-    }
-
-    /// Adds songs at the end of the list and plays the first of them; the sample tune goes.
-    pub fn add(&mut self, songs: Vec<PathBuf>) {
-        if songs.is_empty() {
-            return;
-        }
-        self.songs.retain(|song| *song != self.tune);
-        let first = self.songs.len();
-        self.songs.extend(songs);
-        self.player.set_songs(self.songs.clone());
-        self.select(first);
-    }
-
-    /// Takes a song out of the list; the last one makes room for the sample tune.
-    pub fn remove(&mut self, song: usize) {
-        if song >= self.songs.len() {
-            return;
-        }
-        self.songs.remove(song);
-        if self.songs.is_empty() {
-            self.songs.push(self.tune.clone());
-        }
-        self.player.set_songs(self.songs.clone());
-    }
-
-    /// Plays a song of the list.
-    pub fn select(&mut self, song: usize) {
-        self.live = None;
-        self.player.select(song);
-    }
-
-    /// What comes after a song.
-    pub fn repeat(&self) -> Repeat {
-        self.repeat
-    }
-
-    /// Changes what comes after a song.
-    pub fn set_repeat(&mut self, repeat: Repeat) {
-        self.repeat = repeat;
-        self.player.repeat(repeat);
     }
 
     /// Listens to a microphone or to what the machine plays; the song pauses.
@@ -235,14 +153,8 @@ impl Listening {
     }
 
     /// How loud left and right are.
-    pub fn levels(&self) -> [Level; 2] {
+    pub fn levels(&self) -> [Loudness; 2] {
         self.levels
-    }
-
-    /// The name of a song of the list.
-    pub fn name_of(&self, song: usize) -> String {
-        let stem = self.songs.get(song).and_then(|path| path.file_stem());
-        stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
     }
 
     /// What is heard: the song's file name or the live input's.
@@ -296,114 +208,14 @@ impl Listening {
         self.hearing.beat_at(at_secs).count
     }
 
-    /// Loudness in [0, 1].
-    pub fn volume(&self) -> f32 {
-        self.volume
-    }
-
-    /// Makes it louder or softer; the shapes dance the same.
-    pub fn set_volume(&mut self, volume: f32) {
-        self.volume = volume;
-        self.player.set_volume(volume);
-    }
-
-    /// The device that was chosen; `None` is the system's own.
-    pub fn device(&self) -> Option<&str> {
-        self.device.as_deref()
-    }
-
-    /// Chooses another one; the song goes on.
-    pub fn set_device(&mut self, device: Option<String>) {
-        self.device.clone_from(&device);
-        self.player.set_device(device);
-    }
-
     /// The player.
     pub fn player(&self) -> &Player {
         &self.player
     }
 
-    /// Plays or pauses; leaves live input.
-    pub fn toggle(&mut self) {
-        if self.live.take().is_some() {
-            return self.player.play();
-        }
-        if self.player.status().state == PlayerState::Playing {
-            self.player.pause();
-        } else {
-            self.player.play();
-        }
-    }
-
-    /// A beat by hand: those of a song that is known move to it.
-    pub fn tap(&mut self) {
-        let at_secs = self.clock.at_secs();
-        let stretch = self.hearing.stretch();
-        let known = self.known_beats().and_then(|(number, beats)| {
-            let song_secs = stretch?.song_secs_at(at_secs);
-            let next = beats.beats_secs.partition_point(|beat| *beat < song_secs);
-            let near = [next.checked_sub(1), Some(next)].into_iter().flatten();
-            let gaps = near.filter_map(|i| Some(song_secs - beats.beats_secs.get(i)?));
-            Some((number, gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))?))
-        });
-        match known {
-            Some((number, gap_secs)) => self.read_otherwise(number, |reading| reading.shift_secs += gap_secs),
-            None => self.follower.tap(self.follower.now_secs()),
-        }
-    }
-
-    /// The beat half as fast.
-    pub fn halve(&mut self) {
-        match self.known_beats().map(|(number, _)| number) {
-            Some(number) => {
-                self.read_otherwise(number, |reading| reading.octave = (reading.octave - 1).max(-3))
-            }
-            None => self.follower.halve(),
-        }
-    }
-
-    /// The beat twice as fast.
-    pub fn double(&mut self) {
-        match self.known_beats().map(|(number, _)| number) {
-            Some(number) => {
-                self.read_otherwise(number, |reading| reading.octave = (reading.octave + 1).min(3))
-            }
-            None => self.follower.double(),
-        }
-    }
-
-    /// The song that is heard, and its beats, where they are known.
-    fn known_beats(&self) -> Option<(usize, &Beats)> {
-        let number = self.hearing.stretch().filter(|_| self.live.is_none())?.song?;
-        Some((number, self.hearing.song(number)?.beats.as_ref()?))
-    }
-
-    fn read_otherwise(&mut self, number: usize, change: impl FnOnce(&mut BeatReading)) {
-        let Some(song) = self.repertoire.get_mut(number) else { return };
-        change(&mut song.reading);
-        if let Some(beats) = &song.beats {
-            self.hearing.know_beats(number, read_beats(beats, song.reading));
-            self.beats_changed = true;
-        }
-    }
-
-    /// What is known about the beat now.
-    pub fn beat_moment(&self) -> BeatMoment {
-        let Some((_, beats)) = self.known_beats() else { return self.follower.moment() };
-        let beat = self.hearing.beat_at(self.clock.at_secs());
-        let phase = beat.count.rem_euclid(1.0);
-        let left_secs = if beats.tempo_bpm > 0.0 { (1.0 - phase) * 60.0 / beats.tempo_bpm } else { 0.0 };
-        BeatMoment {
-            tempo_bpm: beats.tempo_bpm,
-            phase,
-            next_beat_secs: self.clock.at_secs() + left_secs,
-            confidence: f64::from(beat.confidence),
-        }
-    }
-
     /// The last spectrum, and where its bands lie.
     pub fn spectrum(&self) -> (&Spectrum, &[f32]) {
-        let by_ear = (self.analyser.spectrum(), self.analyser.bands_hz());
+        let by_ear = (self.analyzer.spectrum(), self.analyzer.bands_hz());
         self.hearing.spectrum().filter(|_| !self.by_ear).unwrap_or(by_ear)
     }
 
@@ -445,7 +257,7 @@ impl Listening {
         let has_beats = known && self.known_beats().is_some();
         if known && std::mem::replace(&mut self.by_ear, !known) {
             let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
-            self.hearing.fade_from(at_secs, self.analyser.spectrum().clone(), ringing, self.last_beat);
+            self.hearing.fade_from(at_secs, self.analyzer.spectrum().clone(), ringing, self.last_beat);
         }
         self.by_ear = !known;
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
@@ -459,12 +271,12 @@ impl Listening {
         }
         self.take_window(is_playing);
         let heard = [&self.left, &self.right];
-        self.levels = std::array::from_fn(|side| Level::of(heard[side], self.levels[side], dt_secs));
+        self.levels = std::array::from_fn(|side| Loudness::of(heard[side], self.levels[side], dt_secs));
         let moment = self.follower.moment();
         let confidence = if is_playing { moment.confidence as f32 } else { self.last_beat.confidence };
         let by_ear = Beat { count: self.beats.at(moment.phase), confidence };
         if !known {
-            let spectrum = self.analyser.analyse(&self.left, &self.right, dt_secs);
+            let spectrum = self.analyzer.analyse(&self.left, &self.right, dt_secs);
             self.last_beat = by_ear;
             let timbre = Timbre::of(parameters);
             Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
@@ -533,89 +345,5 @@ impl Listening {
             let path = if song.path == Path::new(TUNE) { &self.tune } else { &song.path };
             self.study = Some(Study::begin(number, path, song.beats.is_some()));
         }
-    }
-
-    fn follow_rate(&mut self, rate_hz: u32, parameters: &Parameters) -> Result<(), Error> {
-        let rate_hz = if rate_hz > 0 { rate_hz } else { self.analyser.settings().rate_hz };
-        if rate_hz != self.analyser.settings().rate_hz {
-            self.follower = BeatFollower::new(rate_hz)?;
-        }
-        let wanted = spectrum_settings(rate_hz, parameters);
-        if *self.analyser.settings() != wanted {
-            self.analyser = SpectrumAnalyser::new(wanted)?;
-        }
-        Ok(())
-    }
-
-    /// The samples to analyse: around what is heard of a song, later by what the decay holds back;
-    /// the newest ones of live input.
-    fn take_window(&mut self, playing: bool) {
-        let window = self.analyser.window_frames();
-        self.left.resize(window, 0.0);
-        self.right.resize(window, 0.0);
-        match &self.live {
-            Some(live) => live.capture.window(&mut self.left, &mut self.right),
-            None => {
-                let late = self.analyser.lag_secs() * f64::from(self.analyser.settings().rate_hz);
-                let ahead = window / 2 + late as usize;
-                self.player.heard_window(ahead, &mut self.left, &mut self.right);
-            }
-        }
-        if !playing {
-            self.left.fill(0.0);
-            self.right.fill(0.0);
-        }
-    }
-
-    /// Feeds the tracker with what has come in.
-    fn take_live(&mut self) {
-        let Some(live) = &mut self.live else { return };
-        self.left.clear();
-        self.right.clear();
-        live.capture.take(&mut self.left, &mut self.right);
-        self.follower.push(&self.left, &self.right);
-        self.count_beats();
-    }
-
-    /// Feeds the tracker with what was heard since the last frame.
-    fn follow_song(&mut self, status: &PlayerStatus, since_last_secs: f64) {
-        let step_secs = status.position_secs - self.last_position_secs;
-        self.last_position_secs = status.position_secs;
-        let paused = step_secs == 0.0;
-        let sought = !paused && (step_secs - since_last_secs).abs() > SEEK_SECS;
-        if sought || !(0.0..LONGEST_STEP_SECS).contains(&step_secs) {
-            return self.forget_beat();
-        }
-        let frames = (step_secs * f64::from(status.rate_hz)).round() as usize;
-        self.left.resize(frames, 0.0);
-        self.right.resize(frames, 0.0);
-        self.player.heard_window(0, &mut self.left, &mut self.right);
-        self.follower.push(&self.left, &self.right);
-        self.count_beats();
-    }
-
-    fn count_beats(&mut self) {
-        while self.follower.take_beat().is_some() {
-            self.beats.gone += 1.0;
-        }
-    }
-
-    /// After a seek the old beat means nothing; a tracker that cannot start over goes on as it is.
-    fn forget_beat(&mut self) {
-        let _ = self.follower.reset();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn beats_never_go_back() {
-        let mut beats = BeatCount::default();
-        // The tracker takes a beat back that it had not announced yet.
-        assert_eq!([0.5, 0.99, 0.02, 0.6].map(|phase| beats.at(phase)), [0.5, 0.99, 0.99, 0.99]);
-        beats.gone += 1.0;
-        assert_eq!([0.05, 0.5].map(|phase| beats.at(phase)), [1.05, 1.5]);
     }
 }

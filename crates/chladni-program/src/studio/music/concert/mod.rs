@@ -1,59 +1,43 @@
 //! A body that dances: instrument, synthesizer and the picture of all items.
 
-use chladni_mesh::Orientation;
+mod drawing;
+mod marking;
+mod standing;
+
 use chladni_music::{
-    Action, Ensemble, FlashGuard, GalleryShape, Instrument, Mapping, Moment, Parameter, Preset, Reaction,
-    Settings, Show, Switch, Veil, Viewpoint,
+    Action, Ensemble, FlashGuard, GalleryShape, Instrument, Mapping, Moment, Parameter, Preset, Settings,
+    Show, Switch, Viewpoint,
 };
 use chladni_synth::{
     AutoSynthesizer, Backend, Coefficients, FrameSettings, GpuContext, SynthModel, Synthesizer,
 };
-use chladni_view::{Camera, Figure, Gpu, ItemBuffers, Rect, Topology};
+use chladni_view::{Rect, Topology};
 use eframe::egui_wgpu::RenderState;
-use egui::{Color32, Ui};
+use egui::Ui;
+
+use drawing::on_device;
+use standing::{camera_at, navigate};
 
 use super::close_up::{self, Draft};
-use super::coarse::{self, Level};
+use super::coarse::{self, Detail};
 use super::gallery;
 use super::glimpse::Glimpse;
 use super::harmonics::Harmonics;
 use super::listening::Listening;
 use super::loading::Ready;
 use super::pace::Pace;
-use super::stillness::{self, Shown};
+use super::stillness::{self, StillPicture};
+use super::view::View;
 use super::wish::Wish;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
-use crate::work::{Error, FIRST_VIEW, Look, Staging, reaction};
+use crate::work::{Error, FIRST_VIEW, Staging, reaction};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
-
-/// What the middle of the room shows while nothing is on stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum View {
-    /// All items.
-    #[default]
-    Gallery,
-    /// One item of the gallery, with its curves.
-    CloseUp(usize),
-    /// The harmonics of the body from this one on, and their symmetry.
-    Harmonics(usize),
-}
-
-/// What an item is marked as.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Marks {
-    /// As a parent.
-    pub chosen: bool,
-    /// As a favourite.
-    pub favourite: bool,
-    /// As one that stays in its place.
-    pub locked: bool,
-}
 
 /// Everything that moves on screen.
 pub struct Concert {
@@ -65,8 +49,8 @@ pub struct Concert {
     viewport: Viewport,
     topology: Topology,
     /// For small cells where the processor draws, from fine to coarse.
-    levels: Vec<(Level, Topology)>,
-    /// How many harmonics of each item are seen, where there are levels.
+    details: Vec<(Detail, Topology)>,
+    /// How many harmonics of each item are seen, where there are details.
     seen: Vec<usize>,
     /// Vertices that were drawn of a shape, in the mean.
     drawn_vertices: usize,
@@ -75,7 +59,7 @@ pub struct Concert {
     glimpse: Glimpse,
     guard: FlashGuard,
     /// The last picture; `None` where something else was shown.
-    shown: Option<Shown>,
+    shown: Option<StillPicture>,
     moving: bool,
     /// How bright the picture is that was kept is known.
     judged: bool,
@@ -107,7 +91,7 @@ impl Concert {
         let rest = model.rest_positions().to_vec();
         let vertices = rest.len();
         let staging = Staging::new(dancer.clone(), rest, ready.stands);
-        let levels = on_device(gpu, vertices, ready.levels)?;
+        let details = on_device(gpu, vertices, ready.details)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(dancer).with_voices(terms)?;
         Ok(Self {
@@ -116,7 +100,7 @@ impl Concert {
             ensemble,
             synthesizer: AutoSynthesizer::new(&context, model, Backend::Auto),
             topology,
-            levels,
+            details,
             seen: Vec::new(),
             drawn_vertices: vertices,
             staging,
@@ -145,8 +129,8 @@ impl Concert {
         let viewport = Viewport::new(state);
         let (gpu, vertices) = (viewport.gpu(), self.staging.rest().len());
         self.topology = Topology::new(gpu, vertices, self.harmonics.triangles())?;
-        let levels = std::mem::take(&mut self.levels).into_iter().map(|(level, _)| level);
-        self.levels = on_device(gpu, vertices, levels)?;
+        let details = std::mem::take(&mut self.details).into_iter().map(|(detail, _)| detail);
+        self.details = on_device(gpu, vertices, details)?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         self.synthesizer = AutoSynthesizer::new(&context, self.synthesizer.model().clone(), Backend::Auto);
         self.harmonics.forget_device();
@@ -264,59 +248,14 @@ impl Concert {
         self.instrument.log().iter().skip(self.saved).any(|line| by_hand(&line.action))
     }
 
-    /// The item that keys act on.
-    pub fn marked(&self) -> Option<usize> {
-        match self.view {
-            View::CloseUp(item) => Some(item),
-            View::Gallery => self.marked,
-            View::Harmonics(_) => None,
-        }
-    }
-
-    /// Marks the item so many columns to the right and rows below the one that is marked.
-    pub fn mark_neighbour(&mut self, right: isize, down: isize) {
-        let count = self.instrument.gallery().items().len();
-        let step = right + down * self.columns as isize;
-        let next = self.marked.map_or(Some(0), |item| item.checked_add_signed(step));
-        self.marked = next.filter(|&item| item < count).or(self.marked);
-    }
-
-    /// What the middle shows.
-    pub fn view(&self) -> View {
-        self.view
-    }
-
-    /// Shows something else; what was being drawn is given up.
-    pub fn look_at(&mut self, view: View) {
-        self.view = view;
-        self.draft = None;
-        self.marked = None;
-    }
-
     /// Plays a preset in the gallery's place in the next frame.
     pub fn try_out(&mut self, preset: &Preset) {
         self.tried_out = Some((preset.mapping_on(self.instrument.shape()), preset.settings.clone()));
     }
 
-    /// What an item is marked as.
-    pub fn marks(&self, item: usize) -> Marks {
-        let Some(item) = self.instrument.gallery().items().get(item) else { return Marks::default() };
-        let favourite = self.instrument.favourites().iter().any(|favourite| favourite.id == item.id);
-        Marks { chosen: item.chosen, favourite, locked: item.locked }
-    }
-
     /// Whether something is on stage.
     pub fn on_stage(&self) -> bool {
         self.instrument.scene(self.moment.at_beat).is_some()
-    }
-
-    /// Index of the favourite after or before the one on stage.
-    pub fn next_favourite(&self, forward: bool) -> Option<usize> {
-        let count = self.instrument.favourites().len();
-        let on_stage = self.instrument.scene(self.moment.at_beat).map(|scene| scene.to);
-        let now = self.instrument.favourites().iter().position(|item| Some(item.id) == on_stage);
-        let step = if forward { 1 } else { count.checked_sub(1)? };
-        (count > 0).then(|| now.map_or(0, |now| (now + step) % count))
     }
 
     /// Hears, deforms and draws one frame, and handles clicks on what is shown.
@@ -376,7 +315,7 @@ impl Concert {
         if self.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
             self.synthesizer.synthesize(items, &FrameSettings { normal_blending })?;
             self.seen.clear();
-            if !self.levels.is_empty() {
+            if !self.details.is_empty() {
                 self.seen.extend(items.iter().map(coarse::harmonics_seen));
             }
             let took = (shared.now)().saturating_duration_since(began);
@@ -403,7 +342,7 @@ impl Concert {
         match self.view {
             View::CloseUp(item) if close_up => {
                 let (spectrum, bands_hz) = listening.spectrum();
-                let heard = close_up::Heard {
+                let heard = close_up::HeardBands {
                     mid: &spectrum.mid,
                     bands_hz,
                     eigenvalues: &self.ensemble.dancer().eigenvalues,
@@ -435,119 +374,4 @@ impl Concert {
         let mapping = self.draft.as_ref().map_or(&item.mapping, |draft| &draft.mapping);
         Some((mapping.clone(), Settings::default()))
     }
-
-    fn draw(
-        &mut self,
-        ui: &mut Ui,
-        shared: &Shared<'_>,
-        (rect, area): (egui::Rect, Rect),
-        cells: &[Rect],
-        reaction: Reaction,
-        look: Look,
-        pose: u64,
-    ) -> Result<(), Error> {
-        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
-        let staged = self.staging.set(area, cells.len(), &self.viewpoint, &look, reaction, &self.instrument);
-        let material = staged.material;
-        let shown = Shown { pose, staged: staged.clone() };
-        self.moving = self.shown.as_ref() != Some(&shown);
-        if self.moving {
-            self.viewport.invalidate();
-        }
-        let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
-        let mut drawn_vertices = 0;
-        let figures: Vec<Figure<'_>> = (0..)
-            .zip(cells)
-            .map(|(item, cell)| {
-                let pixels = cell.width as usize * cell.height as usize;
-                let seen = self.seen.get(item).copied().unwrap_or(0);
-                let needed = coarse::vertices_needed(seen, pixels);
-                let level = self.levels.iter().rev().find(|(level, _)| level.vertices >= needed);
-                drawn_vertices += level.map_or(self.staging.rest().len(), |(level, _)| level.vertices);
-                let topology = level.map_or(&self.topology, |(_, topology)| topology);
-                Figure { material, ..Figure::new(topology, &buffers, item) }
-            })
-            .collect();
-        self.drawn_vertices = drawn_vertices / cells.len().max(1);
-        let behind = theme::palette(ui).stage;
-        ui.painter().rect_filled(rect, 0.0, behind);
-        if !limited {
-            if self.glimpse.is_coming() {
-                (self.glimpse, self.judged) = (Glimpse::default(), false);
-            }
-            self.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures))?;
-            self.shown = Some(shown);
-            self.viewport.paint(ui, rect);
-            return Ok(());
-        }
-        // The picture is shown once it is known how bright it is; until then the one before is, and no other
-        // one is begun.
-        if self.glimpse.look(self.viewport.gpu())? {
-            self.viewport.keep();
-            self.judged = true;
-        }
-        if !self.glimpse.is_coming() {
-            let drawn = self.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures));
-            if drawn? && let Some(canvas) = self.viewport.canvas() {
-                self.glimpse.begin(self.viewport.gpu(), canvas, behind);
-            }
-            self.shown = Some(shown);
-        }
-        let veil =
-            if self.judged { self.guard.veil(self.seconds, self.glimpse.histogram()) } else { Veil::Clear };
-        self.moving |= self.glimpse.is_coming() || veil != Veil::Clear;
-        self.viewport.paint_kept(ui, rect);
-        match veil {
-            Veil::Clear => {}
-            Veil::Black(opacity) => {
-                ui.painter().rect_filled(rect, 0.0, Color32::from_black_alpha(opacity));
-            }
-            Veil::White(opacity) => {
-                ui.painter().rect_filled(rect, 0.0, Color32::from_white_alpha(opacity));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// A camera that stands at a viewpoint of a picture whose size nobody knows yet.
-fn camera_at(viewpoint: &Viewpoint, stands: Orientation) -> Camera {
-    let Viewpoint { yaw_rad, pitch_rad, .. } = *viewpoint;
-    let camera = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };
-    let mut camera = Camera { distance: viewpoint.distance * camera.distance, ..camera };
-    camera.pan(viewpoint.shift[0], viewpoint.shift[1], 1.0);
-    camera
-}
-
-/// Moves the viewer by pointer and keys on `response`, which is so many cells high.
-fn navigate(ui: &Ui, response: &egui::Response, viewpoint: &mut Viewpoint, cells_high: f32) {
-    // A viewpoint is relative to how the shape stands: any stance gives the same.
-    let before = camera_at(viewpoint, Orientation::Y_UP);
-    let mut camera = before;
-    if viewport::navigate(ui, response, &mut camera) {
-        let shift = camera.shift_since(before.target);
-        // It comes nearer to the middle of the picture, not to that of the shape.
-        let nearer = before.distance / camera.distance;
-        *viewpoint = Viewpoint {
-            yaw_rad: camera.yaw_rad,
-            pitch_rad: camera.pitch_rad,
-            distance: camera.distance / Camera::default().distance,
-            shift: std::array::from_fn(|i| nearer * viewpoint.shift[i] + cells_high * shift[i]),
-        };
-    }
-    let asks = response.hovered() || response.has_focus();
-    if asks && viewport::VIEW_KEYS[4].pressed(ui.ctx()) {
-        *viewpoint = Viewpoint { distance: 1.0, shift: [0.0; 2], ..*viewpoint };
-    }
-}
-
-/// Levels of a shape of `vertices` vertices, with their triangles on the device.
-fn on_device(
-    gpu: &Gpu,
-    vertices: usize,
-    levels: impl IntoIterator<Item = Level>,
-) -> Result<Vec<(Level, Topology)>, Error> {
-    let upload =
-        |level: Level| Topology::new(gpu, vertices, &level.triangles).map(|topology| (level, topology));
-    Ok(levels.into_iter().map(upload).collect::<Result<_, _>>()?)
 }

@@ -1,8 +1,6 @@
-//! A person at the real window, which is drawn without a display. Needs any Vulkan driver;
-//! lavapipe will do.
+//! A person at the window, and the files on the desk.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
-#![allow(dead_code, reason = "each test program uses a part")]
 
 use std::path::PathBuf;
 
@@ -11,7 +9,7 @@ use chladni_program::studio::{Folders, Opening};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use crate::driving::{self, Answers, Window};
+use super::{self as driving, Answers, Window};
 
 /// A folder with `shape.obj` and `template.obj`, two lumps of 642 vertices, and preferences that
 /// ask for few harmonics.

@@ -1,17 +1,24 @@
 //! The shape in the caricature room: one figure large or three models side by side, heat maps,
 //! wires, and the brush on its surface.
 
-use chladni_caricature::{Brush, Reach, Seen, Surface, SurfacePoint};
+mod pointing;
+
+pub use pointing::{BrushInHand, Press};
+
+use pointing::Pointed;
+
 use chladni_mesh::Orientation;
 use chladni_view::{
-    Background, BrushRing, Camera, Cell, Figure, Gpu, ItemBuffers, Marker, PickTree, Projection, Rect, Scale,
-    Skin, Topology, VertexPaint, View, ViewError, layout,
+    Background, BrushRing, Camera, Cell, Figure, Gpu, ItemBuffers, Marker, PickTree, Rect, Scale, Skin,
+    Topology, VertexPaint, View, ViewError, layout,
 };
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
+use super::look::{Portrayal, Show};
+use super::overlay::{backdrop, show_legend, show_names};
 use super::shot::{Coat, Pose, Shot};
-use crate::studio::theme;
+use crate::studio::keys;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::OwnLook;
 
@@ -24,45 +31,12 @@ pub const MODELS: usize = 1;
 /// The shape as it was loaded.
 pub const ORIGINAL: usize = 4;
 
-/// What stands on the stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Show {
-    /// The result, large.
-    #[default]
-    Result,
-    /// The selected layer in all three models.
-    Models,
-    /// The original beside the result.
-    BeforeAfter,
-    /// The original alone, while a key is held.
-    Original,
-}
-
-/// How it looks; a choice of the user, not of the project.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
-    /// What stands on the stage.
-    pub show: Show,
-    /// Edges of triangles.
-    pub wire: bool,
-    /// Index into [`Material::PRESETS`].
-    pub material: usize,
-    /// Index into [`Lights::PRESETS`].
-    pub lights: usize,
-}
-
-impl Default for Look {
-    fn default() -> Self {
-        Self { show: Show::Result, wire: false, material: 0, lights: 0 }
-    }
-}
-
-/// What gives the figures their colour.
+/// What gives the figures their color.
 #[derive(Debug)]
 pub enum Coating {
     /// The material alone.
     Material,
-    /// The colours that the shape brought along.
+    /// The colors that the shape brought along.
     Own,
     /// A heat map.
     Values(Vec<f32>, Scale),
@@ -79,43 +53,8 @@ const RING: [u8; 3] = [236, 170, 70];
 /// What marked places look like, sRGB.
 const MARKED: [u8; 3] = [214, 40, 30];
 
-/// A point under the pointer.
-#[derive(Clone, Copy, Debug)]
-pub struct Touch {
-    /// The triangle.
-    pub triangle: u32,
-    /// Its weights, summing to 1.
-    pub barycentric: [f32; 3],
-    /// The point, working frame.
-    pub point: [f32; 3],
-}
-
-impl Touch {
-    /// The same place on the surface at rest.
-    pub fn on_surface(&self) -> SurfacePoint {
-        SurfacePoint { triangle: self.triangle, weights: self.barycentric.map(f64::from) }
-    }
-}
-
-/// A brush in hand and the surface that it paints.
-#[derive(Clone, Copy)]
-pub struct BrushInHand<'a> {
-    /// The brush.
-    pub brush: Brush,
-    /// The surface at rest.
-    pub surface: &'a Surface,
-}
-
-/// One press of the brush.
-pub struct Press {
-    /// Its centre.
-    pub touch: Touch,
-    /// What it covers of the figure under the pointer, as it is seen.
-    pub reach: Reach,
-}
-
 /// What came of drawing the stage.
-pub struct Shown {
+pub struct StageResponse {
     /// Clicks and drags on it.
     pub response: egui::Response,
     /// What a brush passed over since the last frame where it is dragged, so close together that its
@@ -150,7 +89,7 @@ pub struct Stage {
     by_hand: bool,
     /// What is shown may reach farther than before.
     grown: bool,
-    last_look: Option<Look>,
+    last_look: Option<Portrayal>,
 }
 
 impl Stage {
@@ -239,18 +178,18 @@ impl Stage {
         Ok(())
     }
 
-    /// Whether the shape has colours of its own.
+    /// Whether the shape has colors of its own.
     pub fn has_own_look(&self) -> bool {
         self.own.is_some()
     }
 
-    /// The colours that the shape brought along, or its material.
+    /// The colors that the shape brought along, or its material.
     pub fn own_coat(&self) -> Coat {
         self.own.clone().unwrap_or(Coat::Material)
     }
 
     /// Paints every figure.
-    pub fn set_coating(&mut self, coating: Coating, look: Look) -> Result<(), ViewError> {
+    pub fn set_coating(&mut self, coating: Coating, look: Portrayal) -> Result<(), ViewError> {
         let tint = if matches!(coating, Coating::Marks(_)) { MARKED } else { PAINTED };
         self.coat = match coating {
             Coating::Material => Coat::Material,
@@ -271,7 +210,7 @@ impl Stage {
     }
 
     /// What is shown now, on its own, before a `background`.
-    pub fn shot(&self, look: Look, background: Background) -> Result<Shot, ViewError> {
+    pub fn shot(&self, look: Portrayal, background: Background) -> Result<Shot, ViewError> {
         let gpu = self.viewport.gpu().clone();
         let coat = match &self.coat {
             Coat::Values(_, scale) => {
@@ -294,7 +233,7 @@ impl Stage {
             poses: vec![pose],
             coat,
             camera: self.camera,
-            look: Look::default(),
+            look: Portrayal::default(),
             background,
         }
     }
@@ -331,10 +270,10 @@ impl Stage {
         ui: &mut Ui,
         state: &RenderState,
         rect: egui::Rect,
-        look: Look,
+        look: Portrayal,
         brush: Option<BrushInHand<'_>>,
         markers: &[Marker],
-    ) -> Result<Shown, ViewError> {
+    ) -> Result<StageResponse, ViewError> {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         let figures = figures(look.show);
         let canvas = Rect::of_size(
@@ -355,9 +294,7 @@ impl Stage {
             self.grown = true;
             self.viewport.invalidate();
         }
-        if ui.ctx().input(|input| input.key_pressed(egui::Key::Home))
-            && (response.hovered() || response.has_focus())
-        {
+        if (response.hovered() || response.has_focus()) && keys::view::FIT.pressed(ui.ctx()) {
             self.fitted = false;
         }
         let pointed = Pointed::of(ui, &response, rect, figures, &cells);
@@ -390,49 +327,7 @@ impl Stage {
             show_legend(ui, rect, *scale);
         }
         show_names(ui, rect, look.show, &cells);
-        Ok(Shown { response, presses, figure: pointed.map(|pointed| pointed.figure) })
-    }
-
-    /// What the brush covers where it touches the figure that is `pointed` at.
-    fn press(&self, hand: BrushInHand<'_>, pointed: &Pointed, touch: Touch) -> Press {
-        let [x, y] = pointed.at;
-        let ray = self.camera.ray(x, y, pointed.cell);
-        let far = match self.camera.projection {
-            Projection::Perspective => 0.0,
-            // Everything is seen along the same direction.
-            Projection::Orthographic => 1e6,
-        };
-        let eye = std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]));
-        let positions = &self.poses[pointed.figure].0;
-        let seen = Seen { surface: hand.surface, positions, eye: Some(eye) };
-        Press { touch, reach: hand.brush.reach(&seen, &touch.on_surface()) }
-    }
-
-    /// Lays the ring where `press` would paint.
-    fn ring_around(&mut self, press: Option<&Press>, surface: &Surface) -> Result<(), ViewError> {
-        let Some(Press { reach, .. }) = press else {
-            self.ring.lift();
-            return Ok(());
-        };
-        let triangles: Vec<[u32; 3]> =
-            reach.triangles.iter().filter_map(|t| surface.triangles.get(*t as usize)).copied().collect();
-        let distances = reach.distances.iter().map(|(v, d)| (*v, *d as f32));
-        self.ring.lay(self.viewport.gpu(), reach.radius as f32, distances, &triangles)
-    }
-
-    /// What lies under the way `from` a pixel to where `pointed` is, about `step` apart, without
-    /// its end, which is at `touch`.
-    fn trail(&mut self, from: [f32; 2], pointed: &Pointed, touch: Option<Touch>, step: f32) -> Vec<Touch> {
-        const MOST: f32 = 32.0;
-        let on_the_way = |along: f32| Pointed {
-            at: std::array::from_fn(|i| from[i] + (pointed.at[i] - from[i]) * along),
-            ..*pointed
-        };
-        let Some((start, end)) = self.touch(&on_the_way(0.0)).zip(touch) else { return Vec::new() };
-        let apart: f32 = (0..3).map(|i| (end.point[i] - start.point[i]).powi(2)).sum::<f32>().sqrt();
-        let steps = (apart / step).ceil().clamp(1.0, MOST) as u16;
-        let places = (0..steps).map(|i| on_the_way(f32::from(i) / f32::from(steps)));
-        places.filter_map(|place| self.touch(&place)).collect()
+        Ok(StageResponse { response, presses, figure: pointed.map(|pointed| pointed.figure) })
     }
 
     fn draw(
@@ -440,7 +335,7 @@ impl Stage {
         ui: &mut Ui,
         state: &RenderState,
         rect: egui::Rect,
-        look: Look,
+        look: Portrayal,
         figures: &[usize],
         cells: &[Rect],
         markers: &[Marker],
@@ -462,50 +357,9 @@ impl Stage {
                 .collect()
         })
     }
-
-    /// Where `pointed` meets its figure.
-    fn touch(&mut self, pointed: &Pointed) -> Option<Touch> {
-        let Pointed { at: [x, y], cell, figure } = *pointed;
-        let positions = &self.poses[figure].0;
-        match &mut self.pick {
-            Some((picked, _)) if *picked == figure => {}
-            Some((picked, tree)) => {
-                tree.refit(positions, &self.triangles);
-                *picked = figure;
-            }
-            None => self.pick = Some((figure, PickTree::new(positions, &self.triangles))),
-        }
-        let (_, tree) = self.pick.as_ref()?;
-        let ray = self.camera.ray(x, y, cell);
-        let hit = tree.pick(&ray, positions, &self.triangles)?;
-        Some(Touch { triangle: hit.triangle, barycentric: hit.barycentric, point: hit.point(&ray) })
-    }
 }
 
-/// What the pointer is on.
-struct Pointed {
-    /// Pixels of the canvas.
-    at: [f32; 2],
-    cell: Rect,
-    figure: usize,
-}
-
-impl Pointed {
-    fn of(
-        ui: &Ui,
-        response: &egui::Response,
-        rect: egui::Rect,
-        figures: &[usize],
-        cells: &[Rect],
-    ) -> Option<Self> {
-        let at = response.interact_pointer_pos().or(response.hover_pos())?;
-        let [x, y] = viewport::to_pixels(ui, rect, at);
-        let (cell, figure) = cells.iter().zip(figures).find(|(cell, _)| cell.contains(x, y))?;
-        Some(Self { at: [x, y], cell: *cell, figure: *figure })
-    }
-}
-
-/// The material's colour where `values` are 0, `tint` where they are 1; linear light.
+/// The material's color where `values` are 0, `tint` where they are 1; linear light.
 fn tints(values: &[f32], tint: [u8; 3], material: chladni_view::Material) -> Vec<[u8; 4]> {
     let linear = |c: u8| (f32::from(c) / 255.0).powf(2.2);
     let (bare, painted) = (material.color.map(linear), tint.map(linear));
@@ -524,75 +378,5 @@ fn figures(show: Show) -> &'static [usize] {
         Show::Models => &[MODELS, MODELS + 1, MODELS + 2, ORIGINAL],
         Show::BeforeAfter => &[ORIGINAL, RESULT],
         Show::Original => &[ORIGINAL],
-    }
-}
-
-/// What stands behind shapes in this window.
-pub fn backdrop(ui: &Ui) -> Background {
-    if !ui.visuals().dark_mode {
-        return Background::PAPER;
-    }
-    let stage = theme::palette(ui).stage;
-    let lift = |c: u8| c.saturating_add(22);
-    Background {
-        center: [lift(stage.r()), lift(stage.g()), lift(stage.b())],
-        corner: [stage.r(), stage.g(), stage.b()],
-        opacity: 1.0,
-    }
-}
-
-fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
-    let names: &[&str] = match show {
-        Show::Result => return,
-        Show::Models => &["Coordinate", "Normal", "Distance", "Original"],
-        Show::BeforeAfter => &["Before", "After"],
-        Show::Original => &["Original"],
-    };
-    let palette = theme::palette(ui);
-    for (cell, name) in cells.iter().zip(names) {
-        let cell = viewport::to_points(ui, rect, *cell);
-        let font = egui::TextStyle::Body.resolve(ui.style());
-        ui.painter().text(
-            cell.left_top() + egui::vec2(12.0, 10.0),
-            egui::Align2::LEFT_TOP,
-            name,
-            font,
-            palette.weak,
-        );
-    }
-}
-
-/// A bar of the colour map with round numbers beside it.
-fn show_legend(ui: &Ui, rect: egui::Rect, scale: Scale) {
-    let bar = egui::Rect::from_min_size(
-        egui::pos2(rect.left() + 16.0, rect.bottom() - 176.0),
-        egui::vec2(12.0, 160.0),
-    );
-    let painter = ui.painter_at(rect);
-    let mut mesh = egui::Mesh::default();
-    const STEPS: u32 = 48;
-    for step in 0..=STEPS {
-        let t = step as f32 / STEPS as f32;
-        let value = scale.low + (scale.high - scale.low) * t;
-        let [r, g, b] = scale.color(value);
-        let y = bar.bottom() - bar.height() * t;
-        for x in [bar.left(), bar.right()] {
-            mesh.colored_vertex(egui::pos2(x, y), egui::Color32::from_rgb(r, g, b));
-        }
-        if step > 0 {
-            let base = 2 * (step - 1);
-            mesh.add_triangle(base, base + 1, base + 2);
-            mesh.add_triangle(base + 1, base + 3, base + 2);
-        }
-    }
-    painter.add(mesh);
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let color = ui.visuals().text_color();
-    for tick in scale.ticks(5) {
-        let t = (tick - scale.low) / (scale.high - scale.low).max(f32::MIN_POSITIVE);
-        let y = bar.bottom() - bar.height() * t;
-        painter.hline(bar.right()..=bar.right() + 4.0, y, egui::Stroke::new(1.0, color));
-        let at = egui::pos2(bar.right() + 8.0, y);
-        painter.text(at, egui::Align2::LEFT_CENTER, format!("{tick}"), font.clone(), color);
     }
 }

@@ -5,12 +5,13 @@ use egui::Context;
 
 use super::edits::Edits;
 use super::landmarks::Picking;
+use super::look::Show;
 use super::session::Session;
-use super::stage::Show;
-use super::{
-    ABOVE, ADD_MESH, BELOW, BRUSH, CaricatureRoom, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, HIDE,
-    INVERT, LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
-    SMALLER, SOLO, STRONGER, UNDO, WEAKER, WIRE, as_far_as_it_goes, toggle_picking,
+use super::{CaricatureRoom, as_far_as_it_goes, toggle_picking};
+use crate::studio::keys::caricature::{
+    ABOVE, ADD_MESH, BELOW, BRUSH, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, HIDE, INVERT, LANDMARKS,
+    LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS, SMALLER, SOLO,
+    STRONGER, UNDO, WEAKER, WIRE,
 };
 use crate::studio::room::Shared;
 

@@ -1,81 +1,26 @@
 //! An open project in the window: document, body, evaluation, and the jobs that feed them.
 
+mod jobs;
+
+pub use jobs::{Found, Solved};
+
 use std::path::PathBuf;
-use std::sync::mpsc::Sender;
 use std::sync::{Arc, OnceLock};
 
 use chladni_caricature::{
-    Action, Error as CaricatureError, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest,
-    Matched, Painted, Project, Recovered, ShapeSource, Stack, Surface, furthest,
+    Action, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project,
+    ShapeSource, Stack, Surface, furthest,
 };
-use chladni_harmonics::{Body, Laplacian};
-use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, Orientation, TriMesh};
+use chladni_harmonics::Laplacian;
+use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation, TriMesh};
 use chladni_task::Task;
 
 use super::crossings::CrossingMeter;
 use super::edits::Edit;
 use super::export::named_after;
-use super::files::Candidate;
+use super::loading::Loaded;
 use crate::studio::job::Job;
-use crate::work::{Aside, Error, OwnLook, Sculpture, Warning, Watcher, body, matched, source};
-
-/// What loading brings back.
-pub struct Loaded {
-    project: Project,
-    path: Option<PathBuf>,
-    /// Whether no file holds the project as it is.
-    new: bool,
-    /// The recovery copy that the project comes from.
-    pub recovered: Option<Recovered>,
-    mesh: Arc<TriMesh>,
-    stands: Estimate,
-    /// On the shape with its harmonics.
-    stack: Stack,
-    /// The colours that the file has.
-    pub look: Option<OwnLook>,
-    /// What was mended in the file, and what is wrong with the harmonics.
-    pub warnings: Vec<Warning>,
-}
-
-/// Loads the shape of a project and its harmonics. The mesh is sent to `read` as soon as it is
-/// there: solving may take much longer.
-pub fn load(
-    candidate: Candidate,
-    read: &Sender<(Arc<TriMesh>, Orientation)>,
-    task: &Task,
-) -> Result<Loaded, Error> {
-    let Candidate { mut project, path, recovered, made_on, .. } = candidate;
-    let aside = Aside::new(task);
-    let name = project.shape.to_string();
-    let mesh = Arc::new(source::shape(&project.shape, &aside)?);
-    if let Some(told) = project.taken_over() {
-        aside.warn(Warning::Told(format!("This is {told}.")));
-    }
-    let stands = Estimate::of(&mesh, Known::default(), task)?;
-    // Whoever does not look any more misses nothing.
-    let _ = read.send((Arc::clone(&mesh), project.stands.unwrap_or(stands.orientation)));
-    let new = recovered.is_some() || made_on.is_some();
-    if let Some(from) = made_on {
-        let carried = project.carried(&from, &mesh, task)?;
-        for told in carried.report.into_iter().flat_map(|report| report.warnings) {
-            aside.warn(Warning::of(&name, told));
-        }
-        project = carried.project;
-    }
-    let (body, _) = body::build(&name, &mesh, project.harmonics, project.laplacian, &aside)?;
-    let look = OwnLook::of(&name, &mesh, &body, &aside);
-    let stack = Stack::new(Arc::new(body))?;
-    if project.layers().iter().any(|(_, layer)| layer.region.painted != Painted::Everywhere) {
-        stack.brush_preparation()();
-    }
-    let warnings = aside.warnings();
-    Ok(Loaded { project, path, new, recovered, mesh, stands, stack, look, warnings })
-}
-
-/// A shape with its harmonics, and what a person should know of them.
-pub type Solved = (Body, Vec<Warning>);
-/// What came of a match; why it failed is shown with its layer.
-pub type Found = Result<Matched, CaricatureError>;
+use crate::work::{Error, Sculpture};
 
 /// A project with everything it needs to be drawn and changed.
 pub struct Session {
@@ -271,104 +216,6 @@ impl Session {
         Sculpture { mesh, body, evaluation: self.evaluation.clone() }
     }
 
-    /// Starts the next match that a layer waits for, and takes in one that is done. Returns
-    /// why a match failed, and whether to look again.
-    pub fn pump_matches(&mut self, ctx: &egui::Context) -> (Option<Warning>, bool) {
-        let mut message = None;
-        let mut changed = false;
-        if let Some((request, job)) = &self.matching
-            && let Some(outcome) = job.ended()
-        {
-            let request = request.clone();
-            let result = outcome.unwrap_or_else(|why| Err(CaricatureError::Unmatched(why.to_string())));
-            message = result.as_ref().err().map(|why| Warning::Told(why.to_string()));
-            if let Ok(Matched { stands: Some(stands), .. }) = &result
-                && self.stands.in_doubt
-            {
-                self.stands = Estimate { orientation: *stands, in_doubt: false, ..self.stands };
-            }
-            self.stack.install(request, result);
-            self.matching = None;
-            self.refresh();
-            changed = true;
-        }
-        let missing = self.stack.missing(self.history.project());
-        if self.matching.as_ref().is_some_and(|(running, _)| !missing.contains(running)) {
-            // Landmarks have moved on, or the layer is gone: nobody waits for it.
-            self.matching = None;
-        }
-        if self.matching.is_none()
-            && let Some(request) = missing.into_iter().next()
-        {
-            self.matching = Some((request.clone(), self.start_match(request, ctx)));
-        }
-        (message, changed)
-    }
-
-    /// Solves for other harmonics where the project asks for them, and takes them in.
-    /// Where they have come, what a person should know of them; an error says why they did not.
-    pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<Option<Vec<Warning>>, Error> {
-        let (harmonics, laplacian) = (self.project().harmonics, self.project().laplacian);
-        if self.asked != (harmonics, laplacian) {
-            self.asked = (harmonics, laplacian);
-            let (mesh, name) = (Arc::clone(&self.mesh), self.project().shape.to_string());
-            let work = move |task: &Task| {
-                let aside = Aside::new(task);
-                let (body, _) = body::build(&name, &mesh, harmonics, laplacian, &aside)?;
-                Ok((body, aside.warnings()))
-            };
-            self.solving = Some(Job::start(format!("Solving for {harmonics} harmonics"), ctx, work));
-        }
-        let Some(outcome) = self.solving.as_ref().and_then(Job::ended) else { return Ok(None) };
-        self.solving = None;
-        if outcome.is_err() {
-            // A project that asks for what its shape cannot have would not open again.
-            let laplacian = self.stack.body().basis.certificate.laplacian;
-            if self.project().laplacian != laplacian {
-                self.apply(vec![Edit::Once(Action::SetLaplacian(laplacian))])?;
-                self.asked.1 = laplacian;
-            }
-        }
-        let (body, warnings) = outcome?;
-        // Matches do not depend on harmonics: those that are there stay, and one that runs goes on.
-        self.stack = self.stack.with_harmonics_of(Arc::new(body))?;
-        self.brush = None;
-        self.crossings = CrossingMeter::default();
-        self.refresh();
-        Ok(Some(warnings))
-    }
-
-    /// Counts where the result passes through itself, while the hand rests. True where the count
-    /// is new; an error says why there is none.
-    pub fn pump_crossings(&mut self, ctx: &egui::Context, resting: bool) -> Result<bool, Error> {
-        self.crossings.pump(ctx, &self.stack, &self.evaluation, resting)
-    }
-
-    /// The harmonics that are being solved for.
-    pub fn solving(&self) -> Option<&Job<Solved>> {
-        self.solving.as_ref()
-    }
-
-    fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Found> {
-        let (shape, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
-        let name = super::matches::template_name(&request.template);
-        // What is wrong with a match is told beside its quality.
-        let work = move |task: &Task| Ok(matched(&request, &shape, &body, &Aside::new(task)));
-        Job::start(format!("Matching {name}"), ctx, work)
-    }
-
-    /// The match that runs now.
-    pub fn running_match(&self) -> Option<&Job<Found>> {
-        self.matching.as_ref().map(|(_, job)| job)
-    }
-
-    /// Tries the failed match of the selected layer again.
-    pub fn retry_match(&mut self) {
-        if let Some(request) = self.selected_request() {
-            self.stack.forget(&request);
-        }
-    }
-
     fn selected_request(&self) -> Option<MatchRequest> {
         MatchRequest::of(self.project().layer(self.selected?)?)
     }
@@ -430,8 +277,10 @@ fn moves_alike(a: &EvaluatedLayer, b: &EvaluatedLayer) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::loading::{Candidate, load};
     use super::*;
-    use chladni_caricature::{Layer, Template};
+    use crate::work::Warning;
+    use chladni_caricature::{Layer, ShapeSource, Template};
     use std::sync::mpsc::channel;
 
     #[test]

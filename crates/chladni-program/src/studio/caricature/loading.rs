@@ -1,0 +1,86 @@
+//! A project that is to be opened, and what reading it brings back.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+
+use chladni_caricature::{Painted, Project, Recovered, Stack};
+use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
+use chladni_task::Task;
+
+use crate::work::{Aside, Error, OwnLook, Warning, Watcher, body, source};
+
+/// A project that is to take the place of the open one.
+pub struct Candidate {
+    /// The document.
+    pub project: Project,
+    /// Where it lies, if anywhere.
+    pub path: Option<PathBuf>,
+    /// The recovery copy that it comes from.
+    pub recovered: Option<Recovered>,
+    /// The shape that its layers were made on, where `project` names another: regions and landmarks
+    /// are carried over.
+    pub made_on: Option<Arc<TriMesh>>,
+    /// Meshes that become layers of it as soon as it is open.
+    pub templates: Vec<PathBuf>,
+}
+
+impl Candidate {
+    /// A project that lies nowhere yet.
+    pub fn new(project: Project) -> Self {
+        Self { project, path: None, recovered: None, made_on: None, templates: Vec::new() }
+    }
+}
+
+/// What loading brings back.
+pub struct Loaded {
+    pub project: Project,
+    pub path: Option<PathBuf>,
+    /// Whether no file holds the project as it is.
+    pub new: bool,
+    /// The recovery copy that the project comes from.
+    pub recovered: Option<Recovered>,
+    pub mesh: Arc<TriMesh>,
+    pub stands: Estimate,
+    /// On the shape with its harmonics.
+    pub stack: Stack,
+    /// The colors that the file has.
+    pub look: Option<OwnLook>,
+    /// What was mended in the file, and what is wrong with the harmonics.
+    pub warnings: Vec<Warning>,
+}
+
+/// Loads the shape of a project and its harmonics. The mesh is sent to `read` as soon as it is
+/// there: solving may take much longer.
+pub fn load(
+    candidate: Candidate,
+    read: &Sender<(Arc<TriMesh>, Orientation)>,
+    task: &Task,
+) -> Result<Loaded, Error> {
+    let Candidate { mut project, path, recovered, made_on, .. } = candidate;
+    let aside = Aside::new(task);
+    let name = project.shape.to_string();
+    let mesh = Arc::new(source::shape(&project.shape, &aside)?);
+    if let Some(told) = project.taken_over() {
+        aside.warn(Warning::Told(format!("This is {told}.")));
+    }
+    let stands = Estimate::of(&mesh, Known::default(), task)?;
+    // Whoever does not look any more misses nothing.
+    let _ = read.send((Arc::clone(&mesh), project.stands.unwrap_or(stands.orientation)));
+    let new = recovered.is_some() || made_on.is_some();
+    if let Some(from) = made_on {
+        let carried = project.carried(&from, &mesh, task)?;
+        for told in carried.report.into_iter().flat_map(|report| report.warnings) {
+            aside.warn(Warning::of(&name, told));
+        }
+        project = carried.project;
+    }
+    let (body, _) = body::build(&name, &mesh, project.harmonics, project.laplacian, &aside)?;
+    let look = OwnLook::of(&name, &mesh, &body, &aside);
+    let stack = Stack::new(Arc::new(body))?;
+    if project.layers().iter().any(|(_, layer)| layer.region.painted != Painted::Everywhere) {
+        stack.brush_preparation()();
+    }
+    let warnings = aside.warnings();
+    Ok(Loaded { project, path, new, recovered, mesh, stands, stack, look, warnings })
+}

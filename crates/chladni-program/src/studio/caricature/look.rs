@@ -1,0 +1,61 @@
+//! What stands on the stage of the caricature room, and how it looks.
+
+use chladni_view::{Figure, ItemBuffers, Lights, Material, Paint, Topology, Wire};
+
+/// What stands on the stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Show {
+    /// The result, large.
+    #[default]
+    Result,
+    /// The selected layer in all three models.
+    Models,
+    /// The original beside the result.
+    BeforeAfter,
+    /// The original alone, while a key is held.
+    Original,
+}
+
+/// How it looks; a choice of the user, not of the project.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Portrayal {
+    /// What stands on the stage.
+    pub show: Show,
+    /// Edges of triangles.
+    pub wire: bool,
+    /// Index into [`Material::PRESETS`].
+    pub material: usize,
+    /// Index into [`Lights::PRESETS`].
+    pub lights: usize,
+}
+
+impl Default for Portrayal {
+    fn default() -> Self {
+        Self { show: Show::Result, wire: false, material: 0, lights: 0 }
+    }
+}
+
+impl Portrayal {
+    /// The chosen lights.
+    pub fn lights(&self) -> Lights {
+        Lights::PRESETS.get(self.lights).map_or(Lights::STUDIO, |preset| preset.1)
+    }
+
+    /// The chosen material.
+    pub fn material(&self) -> Material {
+        Material::PRESETS.get(self.material).map_or(Material::CLAY, |preset| preset.1)
+    }
+
+    /// A figure in the chosen material, with edges where they are wanted.
+    pub fn figure<'a>(
+        &self,
+        topology: &'a Topology,
+        buffers: &'a ItemBuffers,
+        item: usize,
+        paint: Paint<'a>,
+    ) -> Figure<'a> {
+        let material = self.material();
+        let wire = self.wire.then_some(Wire { color: [20, 20, 24], opacity: 0.35, width_px: 1.0 });
+        Figure { material, paint, wire, ..Figure::new(topology, buffers, item) }
+    }
+}

@@ -1,0 +1,78 @@
+//! What lies behind and over the shapes on the stage: the ground, names, the bar of a heat map.
+
+use chladni_view::{Background, Rect, Scale};
+use egui::Ui;
+
+use super::look::Show;
+use crate::studio::theme;
+use crate::studio::viewport;
+
+/// What stands behind shapes in this window.
+pub fn backdrop(ui: &Ui) -> Background {
+    if !ui.visuals().dark_mode {
+        return Background::PAPER;
+    }
+    let stage = theme::palette(ui).stage;
+    let lift = |c: u8| c.saturating_add(22);
+    Background {
+        center: [lift(stage.r()), lift(stage.g()), lift(stage.b())],
+        corner: [stage.r(), stage.g(), stage.b()],
+        opacity: 1.0,
+    }
+}
+
+pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
+    let names: &[&str] = match show {
+        Show::Result => return,
+        Show::Models => &["Coordinate", "Normal", "Distance", "Original"],
+        Show::BeforeAfter => &["Before", "After"],
+        Show::Original => &["Original"],
+    };
+    let palette = theme::palette(ui);
+    for (cell, name) in cells.iter().zip(names) {
+        let cell = viewport::to_points(ui, rect, *cell);
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        ui.painter().text(
+            cell.left_top() + egui::vec2(12.0, 10.0),
+            egui::Align2::LEFT_TOP,
+            name,
+            font,
+            palette.weak,
+        );
+    }
+}
+
+/// A bar of the color map with round numbers beside it.
+pub fn show_legend(ui: &Ui, rect: egui::Rect, scale: Scale) {
+    let bar = egui::Rect::from_min_size(
+        egui::pos2(rect.left() + 16.0, rect.bottom() - 176.0),
+        egui::vec2(12.0, 160.0),
+    );
+    let painter = ui.painter_at(rect);
+    let mut mesh = egui::Mesh::default();
+    const STEPS: u32 = 48;
+    for step in 0..=STEPS {
+        let t = step as f32 / STEPS as f32;
+        let value = scale.low + (scale.high - scale.low) * t;
+        let [r, g, b] = scale.color(value);
+        let y = bar.bottom() - bar.height() * t;
+        for x in [bar.left(), bar.right()] {
+            mesh.colored_vertex(egui::pos2(x, y), egui::Color32::from_rgb(r, g, b));
+        }
+        if step > 0 {
+            let base = 2 * (step - 1);
+            mesh.add_triangle(base, base + 1, base + 2);
+            mesh.add_triangle(base + 1, base + 3, base + 2);
+        }
+    }
+    painter.add(mesh);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let color = ui.visuals().text_color();
+    for tick in scale.ticks(5) {
+        let t = (tick - scale.low) / (scale.high - scale.low).max(f32::MIN_POSITIVE);
+        let y = bar.bottom() - bar.height() * t;
+        painter.hline(bar.right()..=bar.right() + 4.0, y, egui::Stroke::new(1.0, color));
+        let at = egui::pos2(bar.right() + 8.0, y);
+        painter.text(at, egui::Align2::LEFT_CENTER, format!("{tick}"), font.clone(), color);
+    }
+}

@@ -1,0 +1,123 @@
+//! Matching and solving beside the window.
+
+use std::sync::Arc;
+
+use chladni_caricature::{Action, Error as CaricatureError, MatchRequest, Matched};
+use chladni_harmonics::Body;
+use chladni_mesh::Estimate;
+use chladni_task::Task;
+
+use super::super::crossings::CrossingMeter;
+use super::super::edits::Edit;
+use super::super::template_name::template_name;
+use super::Session;
+use crate::studio::job::Job;
+use crate::work::{Aside, Error, Warning, body, matched};
+
+/// A shape with its harmonics, and what a person should know of them.
+pub type Solved = (Body, Vec<Warning>);
+
+/// What came of a match; why it failed is shown with its layer.
+pub type Found = Result<Matched, CaricatureError>;
+
+impl Session {
+    /// Starts the next match that a layer waits for, and takes in one that is done. Returns
+    /// why a match failed, and whether to look again.
+    pub fn pump_matches(&mut self, ctx: &egui::Context) -> (Option<Warning>, bool) {
+        let mut message = None;
+        let mut changed = false;
+        if let Some((request, job)) = &self.matching
+            && let Some(outcome) = job.ended()
+        {
+            let request = request.clone();
+            let result = outcome.unwrap_or_else(|why| Err(CaricatureError::Unmatched(why.to_string())));
+            // Who stopped it knows.
+            let failed = result.as_ref().err().filter(|why| !matches!(why, CaricatureError::Cancelled(_)));
+            message = failed.map(|why| Warning::Told(why.to_string()));
+            if let Ok(Matched { stands: Some(stands), .. }) = &result
+                && self.stands.in_doubt
+            {
+                self.stands = Estimate { orientation: *stands, in_doubt: false, ..self.stands };
+            }
+            self.stack.install(request, result);
+            self.matching = None;
+            self.refresh();
+            changed = true;
+        }
+        let missing = self.stack.missing(self.history.project());
+        if self.matching.as_ref().is_some_and(|(running, _)| !missing.contains(running)) {
+            // Landmarks have moved on, or the layer is gone: nobody waits for it.
+            self.matching = None;
+        }
+        if self.matching.is_none()
+            && let Some(request) = missing.into_iter().next()
+        {
+            self.matching = Some((request.clone(), self.start_match(request, ctx)));
+        }
+        (message, changed)
+    }
+
+    /// Solves for other harmonics where the project asks for them, and takes them in.
+    /// Where they have come, what a person should know of them; an error says why they did not.
+    pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<Option<Vec<Warning>>, Error> {
+        let (harmonics, laplacian) = (self.project().harmonics, self.project().laplacian);
+        if self.asked != (harmonics, laplacian) {
+            self.asked = (harmonics, laplacian);
+            let (mesh, name) = (Arc::clone(&self.mesh), self.project().shape.to_string());
+            let work = move |task: &Task| {
+                let aside = Aside::new(task);
+                let (body, _) = body::build(&name, &mesh, harmonics, laplacian, &aside)?;
+                Ok((body, aside.warnings()))
+            };
+            self.solving = Some(Job::start(format!("Solving for {harmonics} harmonics"), ctx, work));
+        }
+        let Some(outcome) = self.solving.as_ref().and_then(Job::ended) else { return Ok(None) };
+        self.solving = None;
+        if outcome.is_err() {
+            // A project that asks for what its shape cannot have would not open again.
+            let laplacian = self.stack.body().basis.certificate.laplacian;
+            if self.project().laplacian != laplacian {
+                self.apply(vec![Edit::Once(Action::SetLaplacian(laplacian))])?;
+                self.asked.1 = laplacian;
+            }
+        }
+        let (body, warnings) = outcome?;
+        // Matches do not depend on harmonics: those that are there stay, and one that runs goes on.
+        self.stack = self.stack.with_harmonics_of(Arc::new(body))?;
+        self.brush = None;
+        self.crossings = CrossingMeter::default();
+        self.refresh();
+        Ok(Some(warnings))
+    }
+
+    /// Counts where the result passes through itself, while the hand rests. True where the count
+    /// is new; an error says why there is none.
+    pub fn pump_crossings(&mut self, ctx: &egui::Context, resting: bool) -> Result<bool, Error> {
+        self.crossings.pump(ctx, &self.stack, &self.evaluation, resting)
+    }
+
+    /// The harmonics that are being solved for.
+    pub fn solving(&self) -> Option<&Job<Solved>> {
+        self.solving.as_ref()
+    }
+
+    fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Found> {
+        let (shape, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
+        let name = template_name(&request.template);
+        // What is wrong with a match is told beside its quality.
+        let work = move |task: &Task| Ok(matched(&request, &shape, &body, &Aside::new(task)));
+        Job::start(format!("Matching {name}"), ctx, work)
+    }
+
+    /// The match that runs now.
+    pub fn running_match(&self) -> Option<&Job<Found>> {
+        self.matching.as_ref().map(|(_, job)| job)
+    }
+
+    /// Tries the failed match of the selected layer again.
+    pub fn retry_match(&mut self) {
+        if let Some(request) = self.selected_request() {
+            self.stack.forget(&request);
+        }
+    }
+}

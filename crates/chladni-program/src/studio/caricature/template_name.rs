@@ -1,0 +1,20 @@
+//! What a template is called in the window.
+
+use chladni_caricature::Template;
+
+/// What a template is called in the window.
+pub fn template_name(template: &Template) -> String {
+    match template {
+        Template::File(path) => path
+            .file_name()
+            .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned()),
+        Template::Sample(name) => format!("sample {name}"),
+        Template::Ellipsoid => "fitted ellipsoid".into(),
+        Template::Sphere => "fitted sphere".into(),
+        Template::Given(given) if given.semi_axes == [given.semi_axes[0]; 3] => "given sphere".into(),
+        Template::Given(_) => "given ellipsoid".into(),
+        Template::Scaled(factor) => format!("itself × {factor:.2}"),
+        Template::LowPass(k0) => format!("itself below harmonic {k0}"),
+        Template::Original => "the original shape".into(),
+    }
+}

@@ -1,0 +1,67 @@
+//! The sheet of all keys that F1 shows, from the table that their handlers ask.
+
+use super::shortcut::Shortcut;
+use super::{keys, theme};
+
+/// What the mouse does in every 3D view.
+const MOUSE: [(&str, &str); 5] = [
+    ("Left drag", "Turn, or use the tool"),
+    ("Middle or right drag", "Turn"),
+    ("Alt and left drag", "Turn, while a tool is in use"),
+    ("Shift with these", "Shift"),
+    ("Wheel", "Zoom"),
+];
+
+/// Lines of a column.
+const COLUMN: usize = 17;
+
+/// A key, or what is done with the mouse, and what that does.
+type Line = (String, &'static str);
+
+/// Draws the sheet: what holds everywhere, then the `keys` of the room called `room`.
+pub fn show(ctx: &egui::Context, open: &mut bool, room: &'static str, keys: &'static [Shortcut]) {
+    let lines = |keys: &'static [Shortcut]| keys.iter().map(|key| (key.text(ctx), key.action));
+    let gap = || std::iter::once((String::new(), ""));
+    let everywhere = lines(keys::window::ALL).chain(gap()).chain(lines(keys::view::ALL)).chain(gap());
+    let everywhere = everywhere.chain(MOUSE.map(|(how, action)| (how.to_owned(), action)));
+    let mut columns: Vec<(&str, Vec<Line>)> = vec![("Window", everywhere.collect())];
+    // A long group goes on in the next column, without another heading.
+    let room_lines: Vec<Line> = lines(keys).collect();
+    let parts = room_lines.chunks(COLUMN).enumerate();
+    columns.extend(parts.map(|(part, lines)| (if part == 0 { room } else { "" }, lines.to_vec())));
+    let size = ctx.content_rect().size() - egui::vec2(40.0, 60.0);
+    egui::Window::new("Keyboard and mouse")
+        .open(open)
+        .collapsible(false)
+        .resizable(false)
+        .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
+        .show(ctx, |ui| {
+            ui.spacing_mut().interact_size.y = 18.0;
+            let room = egui::ScrollArea::both().max_width(size.x).max_height(size.y - 40.0);
+            // Scrolls only where the window is smaller than the sheet.
+            let room = room.min_scrolled_width(size.x).min_scrolled_height(size.y - 40.0);
+            room.show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    for (index, (name, lines)) in columns.iter().enumerate() {
+                        ui.vertical(|ui| {
+                            ui.add_space(theme::GAP_SMALL);
+                            ui.label(egui::RichText::new(*name).size(14.5).strong());
+                            ui.add_space(theme::GAP_SMALL);
+                            show_column(ui, index, lines);
+                        });
+                        ui.add_space(theme::GAP_LARGE);
+                    }
+                });
+            });
+        });
+}
+
+fn show_column(ui: &mut egui::Ui, index: usize, lines: &[Line]) {
+    egui::Grid::new(("keys", index)).num_columns(2).spacing([theme::GAP_LARGE, 3.0]).show(ui, |ui| {
+        for (keys, action) in lines {
+            ui.monospace(keys);
+            ui.label(*action);
+            ui.end_row();
+        }
+    });
+}

@@ -1,0 +1,143 @@
+//! Every key of the window: the one table that handlers ask, tooltips name and F1 shows.
+
+use egui::Key;
+
+use super::shortcut::Shortcut;
+
+/// A group of keys, in the order in which F1 shows them.
+macro_rules! keys {
+    ($(#[$about:meta])* $group:ident: $($name:ident = $kind:ident $key:ident, $action:literal;)+) => {
+        $(#[$about])*
+        pub mod $group {
+            use super::{Key, Shortcut};
+
+            $(
+                #[doc = $action]
+                pub const $name: Shortcut = Shortcut::$kind(Key::$key, $action);
+            )+
+
+            /// All of them.
+            pub const ALL: &[Shortcut] = &[$($name),+];
+        }
+    };
+}
+
+keys! {
+    /// Everywhere.
+    window:
+    HELP = key F1, "Show all keys";
+    SWITCH_ROOM = command Tab, "Next workspace";
+    ZOOM_IN = command Plus, "Larger text and controls";
+    ZOOM_OUT = command Minus, "Smaller text and controls";
+    FULL_SCREEN = key F11, "Full screen";
+}
+
+keys! {
+    /// On the start screen.
+    start:
+    OPEN = command O, "Open meshes, a song or a project";
+}
+
+keys! {
+    /// In every 3D view, as in Blender.
+    view:
+    FRONT = key Num1, "Look from the front";
+    RIGHT = key Num3, "Look from the right";
+    ABOVE = key Num7, "Look from above";
+    THREE_QUARTER = key Num5, "Three-quarter view";
+    FIT = key Home, "Show all of it";
+}
+
+keys! {
+    /// In the caricature room.
+    caricature:
+    OPEN = command O, "Open a mesh or project";
+    SAVE = command S, "Save the project";
+    SAVE_AS = command_shift S, "Save under another name";
+    EXPORT = command E, "Export";
+    UNDO = command Z, "Undo";
+    REDO = command_shift Z, "Redo";
+    ADD_MESH = command T, "Compare with a mesh: a new layer";
+    DUPLICATE = command D, "Duplicate the layer";
+    DELETE = key Delete, "Delete the layer";
+    RENAME = key F2, "Rename the layer";
+    ABOVE = key PageUp, "Select the layer above";
+    BELOW = key PageDown, "Select the layer below";
+    RAISE = command PageUp, "Move the layer up";
+    LOWER = command PageDown, "Move the layer down";
+    HIDE = key H, "Hide or show the layer";
+    SOLO = key S, "Only this layer, or all again";
+    NEXT_MODEL = key M, "Next model";
+    STRONGER = key Comma, "Exaggerate more: μ a step down";
+    WEAKER = key Period, "Exaggerate less: μ a step up";
+    FURTHEST = key E, "As far as it goes with hardly a fold";
+    BRUSH = key B, "Paint the region";
+    ERASE = key X, "Paint or erase";
+    INVERT = key I, "Invert the region";
+    SMALLER = key OpenBracket, "Smaller brush";
+    LARGER = key CloseBracket, "Larger brush";
+    LANDMARKS = key L, "Pick landmarks on both shapes";
+    LEAVE = key Escape, "Leave picking or painting";
+    COMPARE = key C, "Hold to see the original";
+    NEXT_SHOW = key V, "Result, three models, before and after";
+    WIRE = key W, "Edges of triangles";
+    FIT = key F, "Show all of it";
+}
+
+keys! {
+    /// In the music room.
+    music:
+    OPEN = command O, "Open a shape, songs, a preset or a show";
+    SAVE = command S, "Save the show";
+    FILM = command E, "Film what dances";
+    PLAY = key Space, "Play or pause";
+    NEXT_SONG = key PageDown, "The next song";
+    PREVIOUS_SONG = key PageUp, "The song before";
+    TAP = key T, "Tap the beat";
+    HALVE = key OpenBracket, "The beat half as fast";
+    DOUBLE = key CloseBracket, "The beat twice as fast";
+    BREED = key Enter, "Breed the chosen ones";
+    BACK = command Z, "Back to the generation before";
+    FORTH = command_shift Z, "On to the generation after";
+    MARK_LEFT = key ArrowLeft, "Mark the dance to the left (on stage: the favourite before)";
+    MARK_RIGHT = key ArrowRight, "Mark the dance to the right (on stage: the next favourite)";
+    MARK_ABOVE = key ArrowUp, "Mark the dance above";
+    MARK_BELOW = key ArrowDown, "Mark the dance below";
+    CHOOSE = key C, "Choose the marked dance as a parent, or no longer";
+    FAVORITE = key F, "Favourite";
+    LOCK = key L, "Lock in its place";
+    MUTATE = key M, "Change it a little";
+    DRAW = key E, "Name it and draw its curves";
+    STAGE = key S, "Put it on stage";
+    SHOW = key G, "Put the favourites on stage";
+    LEAVE = key Escape, "Leave the stage, or back to the gallery";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn no_key_does_two_things_in_one_place() {
+        for room in [start::ALL, caricature::ALL, music::ALL] {
+            let all = [window::ALL, view::ALL, room].concat();
+            let mut seen = HashSet::new();
+            for shortcut in all {
+                let keys = (shortcut.keys.modifiers, shortcut.keys.logical_key);
+                assert!(seen.insert(keys), "{keys:?} also does: {}", shortcut.action);
+            }
+        }
+    }
+
+    #[test]
+    fn keys_are_written_in_letters_that_the_font_has() {
+        let ctx = egui::Context::default();
+        crate::studio::theme::install(&ctx);
+        let _ = ctx.run_ui(egui::RawInput::default(), |_| {});
+        for shortcut in [window::ALL, start::ALL, view::ALL, caricature::ALL, music::ALL].concat() {
+            let (text, font) = (shortcut.text(&ctx), egui::FontId::monospace(13.0));
+            assert!(ctx.fonts_mut(|fonts| fonts.has_glyphs(&font, &text)), "{text}");
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! What is looked at, and which dances are marked, chosen and loved.
+
+use super::super::view::{Marks, View};
+use super::Concert;
+
+impl Concert {
+    /// The item that keys act on.
+    pub fn marked(&self) -> Option<usize> {
+        match self.view {
+            View::CloseUp(item) => Some(item),
+            View::Gallery => self.marked,
+            View::Harmonics(_) => None,
+        }
+    }
+
+    /// Marks the item so many columns to the right and rows below the one that is marked.
+    pub fn mark_neighbor(&mut self, right: isize, down: isize) {
+        let count = self.instrument.gallery().items().len();
+        let step = right + down * self.columns as isize;
+        let next = self.marked.map_or(Some(0), |item| item.checked_add_signed(step));
+        self.marked = next.filter(|&item| item < count).or(self.marked);
+    }
+
+    /// What the middle shows.
+    pub fn view(&self) -> View {
+        self.view
+    }
+
+    /// Shows something else; what was being drawn is given up.
+    pub fn look_at(&mut self, view: View) {
+        self.view = view;
+        self.draft = None;
+        self.marked = None;
+    }
+
+    /// What an item is marked as.
+    pub fn marks(&self, item: usize) -> Marks {
+        let Some(item) = self.instrument.gallery().items().get(item) else { return Marks::default() };
+        let favourite = self.instrument.favourites().iter().any(|favourite| favourite.id == item.id);
+        Marks { chosen: item.chosen, favourite, locked: item.locked }
+    }
+
+    /// Index of the favourite after or before the one on stage.
+    pub fn next_favourite(&self, forward: bool) -> Option<usize> {
+        let count = self.instrument.favourites().len();
+        let on_stage = self.instrument.scene(self.moment.at_beat).map(|scene| scene.to);
+        let now = self.instrument.favourites().iter().position(|item| Some(item.id) == on_stage);
+        let step = if forward { 1 } else { count.checked_sub(1)? };
+        (count > 0).then(|| now.map_or(0, |now| (now + step) % count))
+    }
+}

@@ -1,0 +1,104 @@
+//! What the keyboard and controllers do in this room.
+
+use chladni_music::{Action, Cue};
+
+use super::MusicRoom;
+use super::listening::Listening;
+use super::view::View;
+use super::wish::Wish;
+use crate::studio::keys::music::{
+    BACK, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FORTH, HALVE, LEAVE, LOCK, MARK_ABOVE, MARK_BELOW,
+    MARK_LEFT, MARK_RIGHT, MUTATE, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW, STAGE, TAP,
+};
+use crate::studio::room::Shared;
+use crate::studio::shortcut::Shortcut;
+
+/// To the left, to the right, above, below.
+const MARKS: [Shortcut; 4] = [MARK_LEFT, MARK_RIGHT, MARK_ABOVE, MARK_BELOW];
+
+impl MusicRoom {
+    /// What the keys ask for.
+    pub(super) fn keys(&mut self, ctx: &egui::Context) -> Vec<Wish> {
+        let mut wishes = Vec::new();
+        if self.concert.is_none() && OPEN.pressed(ctx) {
+            wishes.push(Wish::Open);
+        }
+        let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return wishes };
+        // An open menu has the keys.
+        if egui::Popup::is_any_open(ctx) || self.filming.asks() {
+            return wishes;
+        }
+        type Hearing = fn(&mut Listening);
+        let hearing: [(Shortcut, Hearing); 6] = [
+            (PLAY, Listening::toggle),
+            (TAP, Listening::tap),
+            (NEXT_SONG, |listening| listening.player().next()),
+            (PREVIOUS_SONG, |listening| listening.player().previous()),
+            (HALVE, Listening::halve),
+            (DOUBLE, Listening::double),
+        ];
+        hearing.iter().filter(|(key, _)| key.pressed(ctx)).for_each(|(_, act)| act(listening));
+        let when = |wishes: &mut Vec<Wish>, shortcut: Shortcut, wish: Wish| {
+            if shortcut.pressed(ctx) {
+                wishes.push(wish);
+            }
+        };
+        if concert.on_stage() {
+            when(&mut wishes, LEAVE, Wish::Do(Action::LeaveStage));
+            when(&mut wishes, MARK_LEFT, Wish::StepFavourite(false));
+            when(&mut wishes, MARK_RIGHT, Wish::StepFavourite(true));
+            return wishes;
+        }
+        when(&mut wishes, OPEN, Wish::Open);
+        when(&mut wishes, SAVE, Wish::SaveShow);
+        when(&mut wishes, FILM, Wish::Film);
+        when(&mut wishes, BREED, Wish::Do(Action::Breed));
+        let gallery = concert.instrument().gallery();
+        // With Shift first: the key without it would answer, too.
+        let go = [
+            (FORTH, Some(gallery.current() + 1).filter(|&after| after < gallery.generations().len())),
+            (BACK, gallery.current().checked_sub(1)),
+        ];
+        for (key, generation) in go {
+            if key.pressed(ctx)
+                && let Some(generation) = generation
+            {
+                wishes.push(Wish::Do(Action::GoTo { generation }));
+            }
+        }
+        if !concert.instrument().favourites().is_empty() {
+            when(&mut wishes, SHOW, Wish::Do(Action::PerformFavourites { first: 0 }));
+        }
+        if let Some(item) = concert.marked() {
+            let marks = concert.marks(item);
+            when(&mut wishes, CHOOSE, Wish::Do(Action::Choose { item, on: !marks.chosen }));
+            when(&mut wishes, FAVORITE, Wish::Do(Action::Favourite { item, on: !marks.favourite }));
+            when(&mut wishes, LOCK, Wish::Do(Action::Lock { item, on: !marks.locked }));
+            when(&mut wishes, MUTATE, Wish::Do(Action::Mutate { item, amount: 0.2 }));
+            when(&mut wishes, DRAW, Wish::Show(View::CloseUp(item)));
+            when(&mut wishes, STAGE, Wish::Do(Action::Perform { item }));
+        }
+        if concert.view() != View::Gallery {
+            when(&mut wishes, LEAVE, Wish::Show(View::Gallery));
+            return wishes;
+        }
+        for (key, (right, down)) in MARKS.iter().zip([(-1, 0), (1, 0), (0, -1), (0, 1)]) {
+            when(&mut wishes, *key, Wish::Mark { right, down });
+        }
+        wishes
+    }
+
+    /// What controllers ask for.
+    pub(super) fn follow_remote(&mut self, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
+        let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
+        let parameters = concert.instrument().parameters();
+        for cue in self.drawers.remote.cues(&mut shared.settings.music, parameters) {
+            match cue {
+                Cue::Do(action) => wishes.push(Wish::Do(action)),
+                Cue::StepFavourite(forward) => wishes.push(Wish::StepFavourite(forward)),
+                Cue::Tap => listening.tap(),
+                Cue::PlayPause => listening.toggle(),
+            }
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! The beat of what is heard, and what a person says of it.
+
+use chladni_music::BeatReading;
+use chladni_sound::{BeatMoment, Beats};
+
+use super::Listening;
+use crate::work::read_beats;
+
+impl Listening {
+    /// A beat by hand: those of a song that is known move to it.
+    pub fn tap(&mut self) {
+        let at_secs = self.clock.at_secs();
+        let stretch = self.hearing.stretch();
+        let known = self.known_beats().and_then(|(number, beats)| {
+            let song_secs = stretch?.song_secs_at(at_secs);
+            let next = beats.beats_secs.partition_point(|beat| *beat < song_secs);
+            let near = [next.checked_sub(1), Some(next)].into_iter().flatten();
+            let gaps = near.filter_map(|i| Some(song_secs - beats.beats_secs.get(i)?));
+            Some((number, gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))?))
+        });
+        match known {
+            Some((number, gap_secs)) => self.read_otherwise(number, |reading| reading.shift_secs += gap_secs),
+            None => self.follower.tap(self.follower.now_secs()),
+        }
+    }
+
+    /// The beat half as fast.
+    pub fn halve(&mut self) {
+        match self.known_beats().map(|(number, _)| number) {
+            Some(number) => {
+                self.read_otherwise(number, |reading| reading.octave = (reading.octave - 1).max(-3))
+            }
+            None => self.follower.halve(),
+        }
+    }
+
+    /// The beat twice as fast.
+    pub fn double(&mut self) {
+        match self.known_beats().map(|(number, _)| number) {
+            Some(number) => {
+                self.read_otherwise(number, |reading| reading.octave = (reading.octave + 1).min(3))
+            }
+            None => self.follower.double(),
+        }
+    }
+
+    /// The song that is heard, and its beats, where they are known.
+    pub(super) fn known_beats(&self) -> Option<(usize, &Beats)> {
+        let number = self.hearing.stretch().filter(|_| self.live.is_none())?.song?;
+        Some((number, self.hearing.song(number)?.beats.as_ref()?))
+    }
+
+    fn read_otherwise(&mut self, number: usize, change: impl FnOnce(&mut BeatReading)) {
+        let Some(song) = self.repertoire.get_mut(number) else { return };
+        change(&mut song.reading);
+        if let Some(beats) = &song.beats {
+            self.hearing.know_beats(number, read_beats(beats, song.reading));
+            self.beats_changed = true;
+        }
+    }
+
+    /// What is known about the beat now.
+    pub fn beat_moment(&self) -> BeatMoment {
+        let Some((_, beats)) = self.known_beats() else { return self.follower.moment() };
+        let beat = self.hearing.beat_at(self.clock.at_secs());
+        let phase = beat.count.rem_euclid(1.0);
+        let left_secs = if beats.tempo_bpm > 0.0 { (1.0 - phase) * 60.0 / beats.tempo_bpm } else { 0.0 };
+        BeatMoment {
+            tempo_bpm: beats.tempo_bpm,
+            phase,
+            next_beat_secs: self.clock.at_secs() + left_secs,
+            confidence: f64::from(beat.confidence),
+        }
+    }
+}

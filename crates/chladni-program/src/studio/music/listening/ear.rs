@@ -1,0 +1,135 @@
+//! Hearing as it comes: an analyzer and a beat tracker that know only what was heard.
+
+use chladni_music::Parameters;
+use chladni_sound::{BeatFollower, PlayerStatus, SpectrumAnalyser};
+
+use super::Listening;
+use crate::work::{Error, spectrum_settings};
+
+/// Where the song has moved on by so much more or less than the clock, someone sought: the beat
+/// tracker starts afresh.
+const SEEK_SECS: f64 = 0.3;
+
+/// A longer pause between two frames is not made up for.
+const LONGEST_STEP_SECS: f64 = 2.0;
+
+/// How loud one channel is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Loudness {
+    /// Largest amplitude, falling by 20 dB a second.
+    pub peak: f32,
+    /// Root mean square of what is heard now.
+    pub rms: f32,
+}
+
+impl Loudness {
+    pub(super) fn of(samples: &[f32], before: Self, dt_secs: f64) -> Self {
+        let (peak, square) =
+            samples.iter().fold((0.0f32, 0.0f32), |(peak, square), s| (peak.max(s.abs()), square + s * s));
+        let fallen = before.peak * 0.1f32.powf(dt_secs as f32);
+        let rms = (square / samples.len().max(1) as f32).sqrt();
+        Self { peak: peak.max(if fallen > 1e-3 { fallen } else { 0.0 }), rms }
+    }
+}
+
+/// Beats gone by. A tracker thinks better of a phase now and then; what the beat has moved must not
+/// fly back for that.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BeatCount {
+    pub gone: f64,
+    shown: f64,
+}
+
+impl BeatCount {
+    /// With the place within the present beat; never less than before.
+    pub fn at(&mut self, phase: f64) -> f64 {
+        self.shown = self.shown.max(self.gone + phase.clamp(0.0, 1.0));
+        self.shown
+    }
+}
+
+impl Listening {
+    pub(super) fn follow_rate(&mut self, rate_hz: u32, parameters: &Parameters) -> Result<(), Error> {
+        let rate_hz = if rate_hz > 0 { rate_hz } else { self.analyzer.settings().rate_hz };
+        if rate_hz != self.analyzer.settings().rate_hz {
+            self.follower = BeatFollower::new(rate_hz)?;
+        }
+        let wanted = spectrum_settings(rate_hz, parameters);
+        if *self.analyzer.settings() != wanted {
+            self.analyzer = SpectrumAnalyser::new(wanted)?;
+        }
+        Ok(())
+    }
+
+    /// The samples to analyze: around what is heard of a song, later by what the decay holds back;
+    /// the newest ones of live input.
+    pub(super) fn take_window(&mut self, playing: bool) {
+        let window = self.analyzer.window_frames();
+        self.left.resize(window, 0.0);
+        self.right.resize(window, 0.0);
+        match &self.live {
+            Some(live) => live.capture.window(&mut self.left, &mut self.right),
+            None => {
+                let late = self.analyzer.lag_secs() * f64::from(self.analyzer.settings().rate_hz);
+                let ahead = window / 2 + late as usize;
+                self.player.heard_window(ahead, &mut self.left, &mut self.right);
+            }
+        }
+        if !playing {
+            self.left.fill(0.0);
+            self.right.fill(0.0);
+        }
+    }
+
+    /// Feeds the tracker with what has come in.
+    pub(super) fn take_live(&mut self) {
+        let Some(live) = &mut self.live else { return };
+        self.left.clear();
+        self.right.clear();
+        live.capture.take(&mut self.left, &mut self.right);
+        self.follower.push(&self.left, &self.right);
+        self.count_beats();
+    }
+
+    /// Feeds the tracker with what was heard since the last frame.
+    pub(super) fn follow_song(&mut self, status: &PlayerStatus, since_last_secs: f64) {
+        let step_secs = status.position_secs - self.last_position_secs;
+        self.last_position_secs = status.position_secs;
+        let paused = step_secs == 0.0;
+        let sought = !paused && (step_secs - since_last_secs).abs() > SEEK_SECS;
+        if sought || !(0.0..LONGEST_STEP_SECS).contains(&step_secs) {
+            return self.forget_beat();
+        }
+        let frames = (step_secs * f64::from(status.rate_hz)).round() as usize;
+        self.left.resize(frames, 0.0);
+        self.right.resize(frames, 0.0);
+        self.player.heard_window(0, &mut self.left, &mut self.right);
+        self.follower.push(&self.left, &self.right);
+        self.count_beats();
+    }
+
+    fn count_beats(&mut self) {
+        while self.follower.take_beat().is_some() {
+            self.beats.gone += 1.0;
+        }
+    }
+
+    /// After a seek the old beat means nothing; a tracker that cannot start over goes on as it is.
+    pub(super) fn forget_beat(&mut self) {
+        let _ = self.follower.reset();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beats_never_go_back() {
+        let mut beats = BeatCount::default();
+        // The tracker takes a beat back that it had not announced yet.
+        assert_eq!([0.5, 0.99, 0.02, 0.6].map(|phase| beats.at(phase)), [0.5, 0.99, 0.99, 0.99]);
+        beats.gone += 1.0;
+        assert_eq!([0.05, 0.5].map(|phase| beats.at(phase)), [1.05, 1.5]);
+    }
+}

@@ -1,0 +1,95 @@
+//! The songs, one after the other, how loud and where.
+
+use std::path::PathBuf;
+
+use chladni_sound::{PlayerState, Repeat};
+
+use super::Listening;
+
+impl Listening {
+    /// The playlist.
+    pub fn songs(&self) -> &[PathBuf] {
+        &self.songs
+    }
+
+    /// Adds songs at the end of the list and plays the first of them; the sample tune goes.
+    pub fn add(&mut self, songs: Vec<PathBuf>) {
+        if songs.is_empty() {
+            return;
+        }
+        self.songs.retain(|song| *song != self.tune);
+        let first = self.songs.len();
+        self.songs.extend(songs);
+        self.player.set_songs(self.songs.clone());
+        self.select(first);
+    }
+
+    /// Takes a song out of the list; the last one makes room for the sample tune.
+    pub fn remove(&mut self, song: usize) {
+        if song >= self.songs.len() {
+            return;
+        }
+        self.songs.remove(song);
+        if self.songs.is_empty() {
+            self.songs.push(self.tune.clone());
+        }
+        self.player.set_songs(self.songs.clone());
+    }
+
+    /// Plays a song of the list.
+    pub fn select(&mut self, song: usize) {
+        self.live = None;
+        self.player.select(song);
+    }
+
+    /// What comes after a song.
+    pub fn repeat(&self) -> Repeat {
+        self.repeat
+    }
+
+    /// Changes what comes after a song.
+    pub fn set_repeat(&mut self, repeat: Repeat) {
+        self.repeat = repeat;
+        self.player.repeat(repeat);
+    }
+
+    /// The name of a song of the list.
+    pub fn name_of(&self, song: usize) -> String {
+        let stem = self.songs.get(song).and_then(|path| path.file_stem());
+        stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// Loudness in [0, 1].
+    pub fn volume(&self) -> f32 {
+        self.volume
+    }
+
+    /// Makes it louder or softer; the shapes dance the same.
+    pub fn set_volume(&mut self, volume: f32) {
+        self.volume = volume;
+        self.player.set_volume(volume);
+    }
+
+    /// The device that was chosen; `None` is the system's own.
+    pub fn device(&self) -> Option<&str> {
+        self.device.as_deref()
+    }
+
+    /// Chooses another one; the song goes on.
+    pub fn set_device(&mut self, device: Option<String>) {
+        self.device.clone_from(&device);
+        self.player.set_device(device);
+    }
+
+    /// Plays or pauses; leaves live input.
+    pub fn toggle(&mut self) {
+        if self.live.take().is_some() {
+            return self.player.play();
+        }
+        if self.player.status().state == PlayerState::Playing {
+            self.player.pause();
+        } else {
+            self.player.play();
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Presets and shows: opened, gone on with and saved.
+
+use std::path::{Path, PathBuf};
+
+use chladni_music::{Action, BeatReading, Preset, Show, SongRef};
+
+use super::concert::Concert;
+use super::listening::{Listening, ShowSong};
+use super::view::View;
+use super::{MusicRoom, Names};
+use crate::studio::room::Shared;
+use crate::work::formats::TEXT;
+use crate::work::{Error, refer, resolve};
+
+/// The most harmonics that dance live.
+pub const MOST_HARMONICS: usize = 512;
+
+impl MusicRoom {
+    /// A preset goes into the gallery, a show replaces it, with its shape and its songs.
+    pub(super) fn open_text(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
+        let Some(concert) = &mut self.concert else { return };
+        let opened = match Preset::load(&path) {
+            Ok(preset) => take(concert, preset, shared),
+            Err(not_preset) => match Show::load(&path) {
+                Ok(show) => return self.open_show(path, show, shared),
+                Err(not_show) => {
+                    let unread = matches!(not_preset, chladni_music::Error::File { .. });
+                    let why = if !unread && is_like_a_show(&path) { not_show } else { not_preset };
+                    Err(Error::from(why).of(path.display()))
+                }
+            },
+        };
+        if let Err(why) = opened {
+            shared.notices.failed(why);
+        }
+    }
+
+    /// Opens a show's shape first where another one dances.
+    fn open_show(&mut self, path: PathBuf, show: Show, shared: &mut Shared<'_>) {
+        let Some(concert) = &self.concert else { return };
+        if let Some(caution) = show.caution() {
+            shared.notices.warn(format!("{}: {caution}", path.display()));
+        }
+        let Some(body) = show.body.clone() else { return self.go_on_with(&path, &show, shared) };
+        match resolve(&body, path.parent()) {
+            Ok((body, warning)) => {
+                warning.into_iter().for_each(|warning| shared.notices.warn(warning));
+                let dances = concert.instrument().shape().eigenvalues.len();
+                let wanted = show.harmonics.map_or(dances, |harmonics| harmonics.min(MOST_HARMONICS));
+                if self.names.dancing == body && dances == wanted {
+                    return self.go_on_with(&path, &show, shared);
+                }
+                if show.harmonics.is_some_and(|harmonics| harmonics > MOST_HARMONICS) {
+                    let told = format!("{}: more harmonics than dance live; films have all.", path.display());
+                    shared.notices.warn(told);
+                }
+                self.coming = Some((path, show));
+                self.load(body, shared);
+            }
+            Err(why) => {
+                shared.notices.warn(format!("{why}. It goes on with the shape that dances now."));
+                self.go_on_with(&path, &show, shared);
+            }
+        }
+    }
+
+    /// Goes on with a show on the shape that dances.
+    pub(super) fn go_on_with(&mut self, path: &Path, show: &Show, shared: &mut Shared<'_>) {
+        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
+        if let Err(why) = concert.replay(show) {
+            return shared.notices.error(format!("{}: {why}", path.display()));
+        }
+        if let Some(looks) = &show.looks {
+            shared.settings.music.look_like(looks);
+        }
+        let mut songs: Vec<ShowSong> = Vec::new();
+        for song in &show.songs {
+            let found = resolve(&song.file(), path.parent());
+            let (file, warning) = match found {
+                Ok(found) => found,
+                Err(why) => {
+                    shared.notices.warn(why);
+                    (PathBuf::from(&song.path), None)
+                }
+            };
+            warning.into_iter().for_each(|warning| shared.notices.warn(warning));
+            songs.push(ShowSong::new(file, song.reading));
+        }
+        // What was heard is numbered by these songs; an older file has none, and the song goes on.
+        if show.body.is_some() || !songs.is_empty() {
+            let last = show.actions.iter().map(|line| line.moment.at_secs).fold(0.0, f64::max);
+            listening.go_on(songs, &show.heard, show.duration_secs.unwrap_or(0.0).max(last));
+        }
+    }
+}
+
+/// Whether a text that is neither a preset nor a show was rather meant as the latter.
+fn is_like_a_show(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("actions") || table.contains_key("size"))
+}
+
+/// A preset goes where nothing is lost that was chosen or loved: the last such place. The
+/// generation before stays as it was; the knobs are those of the preset.
+pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<(), Error> {
+    let instrument = concert.instrument();
+    let items = instrument.gallery().items();
+    let loved = |id| instrument.favourites().iter().any(|favourite| favourite.id == id);
+    let free = items.iter().rposition(|item| !item.chosen && !item.locked && !loved(item.id));
+    let item = free.unwrap_or(items.len().saturating_sub(1));
+    let (caution, before) = (preset.caution(), instrument.parameters().clone());
+    concert.look_at(View::Gallery);
+    concert.act(Action::Take { item, preset: Box::new(preset) })?;
+    if let Some(caution) = caution {
+        shared.notices.warn(caution);
+    } else if *concert.instrument().parameters() != before {
+        shared.notices.done("Form and knobs are those of the preset now.".to_owned());
+    }
+    Ok(())
+}
+
+/// All that was done so far, to be saved in `folder`.
+pub fn the_show(
+    concert: &Concert,
+    listening: &Listening,
+    names: &Names,
+    shared: &Shared<'_>,
+    folder: Option<&Path>,
+) -> Show {
+    let (heard, songs) = listening.heard();
+    let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path, folder)) };
+    Show {
+        body: Some(refer(&names.dancing, folder)),
+        looks: Some(shared.settings.music.looks()),
+        viewpoint: concert.viewpoint(),
+        songs: songs.iter().map(song).collect(),
+        heard,
+        duration_secs: Some(listening.at_secs()),
+        ..Show::of(concert.instrument())
+    }
+}
+
+/// The songs of the show as the command line calls them.
+pub fn songs_of(listening: &Listening) -> Vec<(String, BeatReading)> {
+    let (_, songs) = listening.heard();
+    songs.iter().map(|song| (song.path.to_string_lossy().into_owned(), song.reading)).collect()
+}
+
+/// False where the person thinks better of it.
+pub fn save_show(
+    concert: &mut Concert,
+    listening: &Listening,
+    names: &Names,
+    shared: &mut Shared<'_>,
+) -> Result<bool, Error> {
+    let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new("show.toml")) else {
+        return Ok(false);
+    };
+    let show = the_show(concert, listening, names, shared, path.parent());
+    show.save(&path).map_err(Error::unsaved)?;
+    shared.notices.done(format!("Saved {}", path.display()));
+    concert.mark_saved();
+    Ok(true)
+}
+
+/// False where the person thinks better of it.
+pub fn save_as(
+    name: &str,
+    shared: &mut Shared<'_>,
+    save: impl FnOnce(&Path) -> Result<(), Error>,
+) -> Result<bool, Error> {
+    let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new(name)) else { return Ok(false) };
+    save(&path)?;
+    shared.notices.done(format!("Saved {}", path.display()));
+    Ok(true)
+}

@@ -1,0 +1,121 @@
+//! Opening the window: what with, and what goes on where its graphics device is lost.
+
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use super::Studio;
+use super::choose::{Chooser, SystemDialogs};
+use super::device::wgpu_options;
+use super::error::StudioError;
+use super::folders::Folders;
+use super::handover::Handover;
+use super::measure::{FirstPicture, Measure};
+
+/// Points of the window when it opens.
+pub(super) const WINDOW: [f32; 2] = [1320.0, 820.0];
+
+/// A device that is lost sooner than this after its window has opened will not do.
+const SHORTEST: Duration = Duration::from_secs(10);
+
+/// Opens the window on the start screen, or on `files` where some are given, and returns when
+/// it is closed. With a measure it closes by itself when all is counted.
+/// With a first picture it closes as soon as that is shown. Where the graphics device is lost,
+/// another window goes on with what was open.
+pub fn open(
+    mut files: Vec<PathBuf>,
+    measure: Option<Rc<RefCell<Measure>>>,
+    first_picture: Option<Rc<FirstPicture>>,
+) -> Result<(), StudioError> {
+    let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    if cfg!(target_os = "linux") && !["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
+        return Err(StudioError::NoDisplay);
+    }
+    let handover = Handover::default();
+    loop {
+        let began = Instant::now();
+        open_once(Opening {
+            folders: Folders::of_user(),
+            files: std::mem::take(&mut files),
+            measure: measure.clone(),
+            first_picture: first_picture.clone(),
+            handover: handover.clone(),
+            ..Opening::default()
+        })?;
+        match handover.reason() {
+            None => return Ok(()),
+            Some(why) if began.elapsed() < SHORTEST => return Err(StudioError::DeviceLost(why)),
+            Some(_) => {}
+        }
+    }
+}
+
+fn open_once(opening: Opening) -> Result<(), StudioError> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("Chladni")
+        .with_app_id("chladni")
+        .with_inner_size(WINDOW)
+        .with_min_inner_size([900.0, 600.0]);
+    let options = eframe::NativeOptions { viewport, wgpu_options: wgpu_options(), ..Default::default() };
+    let create = |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
+        Ok(Box::new(Studio::new(creation, opening)?))
+    };
+    eframe::run_native("chladni", options, Box::new(create))?;
+    Ok(())
+}
+
+/// What the music room played, frame after frame: for those who compare it with a film.
+pub type Trace = Rc<RefCell<Vec<PlayedFrame>>>;
+
+/// One frame of the music room.
+#[derive(Clone, Debug)]
+pub struct PlayedFrame {
+    /// Since the show began.
+    pub at_secs: f64,
+    /// The song is known as a whole, so that a film hears the same.
+    pub is_known: bool,
+    /// Something is on stage.
+    pub on_stage: bool,
+    /// Of the mapping's first term, of the first item.
+    pub coefficients: Vec<f32>,
+}
+
+/// What a window opens with.
+pub struct Opening {
+    /// Where it keeps what outlives it; nowhere by default.
+    pub folders: Folders,
+    /// Who is asked for files: by default the system's dialogs.
+    pub chooser: Box<dyn Chooser>,
+    /// Files to open at once.
+    pub files: Vec<PathBuf>,
+    /// Counts frames, and closes the window when it has seen enough.
+    pub measure: Option<Rc<RefCell<Measure>>>,
+    /// Is told of the first picture, and closes the window.
+    pub first_picture: Option<Rc<FirstPicture>>,
+    /// What the music room listens to at once, instead of a song.
+    pub input: Option<chladni_sound::Capture>,
+    /// Is told what the music room plays in each frame.
+    pub trace: Option<Trace>,
+    /// What a window before it has left, and where it leaves what is open should its device be lost.
+    pub handover: Handover,
+    /// Tells how long work takes where less is done on a slow machine. Tests hand in a clock of their own, so
+    /// that they see the same on every machine.
+    pub now: fn() -> Instant,
+}
+
+impl Default for Opening {
+    fn default() -> Self {
+        Self {
+            folders: Folders::default(),
+            chooser: Box::new(SystemDialogs::default()),
+            files: Vec::new(),
+            measure: None,
+            first_picture: None,
+            input: None,
+            trace: None,
+            handover: Handover::default(),
+            now: Instant::now,
+        }
+    }
+}

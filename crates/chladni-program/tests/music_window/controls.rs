@@ -1,0 +1,190 @@
+//! Knobs, keys, menus, controllers, and windows of every size.
+
+use super::*;
+
+/// Pictures of the room on usual screens, and that nothing on them hangs over their edge.
+#[test]
+fn the_room_fits_every_screen() {
+    let folder = tempfile::tempdir().unwrap();
+    let screens: &[(&str, [f32; 2], f32, bool)] = &[
+        ("least", [900.0, 600.0], 1.0, false),
+        ("laptop", [1366.0, 768.0], 1.0, true),
+        ("desk", [1920.0, 1080.0], 1.0, false),
+        ("desk-light", [1920.0, 1080.0], 1.0, true),
+        ("4k", [1920.0, 1080.0], 2.0, false),
+        ("4k-light", [1920.0, 1080.0], 2.0, true),
+    ];
+    let shown = if takes_pictures() { screens } else { &screens[..1] };
+    for (name, size, pixels_per_point, light) in shown {
+        let folders = folders(folder.path());
+        let settings = folders.settings.clone().unwrap();
+        std::fs::write(settings, format!("harmonics = 96\nlight = {light}\n")).unwrap();
+        let builder = Harness::builder().with_size(*size).with_pixels_per_point(*pixels_per_point);
+        let mut window = open_with(Opening { folders, now: no_time, ..Opening::default() }, builder);
+        window.run_steps(3);
+        window.get_by_label("Open Music").click();
+        wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+        if takes_pictures() {
+            // Until there is something to hear.
+            std::thread::sleep(std::time::Duration::from_millis(1500));
+        }
+        for dance in ["Dance 2", "Dance 7"] {
+            click(&mut window, dance);
+        }
+        for key in [Key::F, Key::L] {
+            window.key_press(key);
+            window.run_steps(1);
+        }
+        window.run_steps(8);
+        let screen = egui::Rect::from_min_size(Pos2::ZERO, egui::Vec2::from(*size)).expand(0.5);
+        for label in ["Dance 4", "Dance 12", "Play", "Knobs", "Remote", "Tap", "Gain"] {
+            // Where a song plays, the button is for a pause.
+            let label = if label == "Play" && shows(&window, "Pause") { "Pause" } else { label };
+            let found = window.query_all_by_label(label).last();
+            let rect = found.unwrap_or_else(|| panic!("{name}: there is no {label}")).rect();
+            assert!(screen.contains_rect(rect), "{name}: {label} lies at {rect}");
+        }
+        let overlap = |a: &str, b: &str| {
+            let rect = |label: &str| window.query_all_by_label_contains(label).next().unwrap().rect();
+            rect(a).intersects(rect(b))
+        };
+        assert!(!overlap("Breed 2", "Next song"), "{name}: the bar is too full");
+        screenshot(&mut window, &format!("music-{name}.png"));
+    }
+}
+
+#[test]
+fn a_fader_is_learned_over_osc_and_remembered() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    // Any port that is free now.
+    let port = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
+    let settings = folders.settings.clone().unwrap();
+    std::fs::write(&settings, format!("harmonics = 24\n[music]\nosc_port = {port}\n")).unwrap();
+    let mut window = enter(Opening { folders: folders.clone(), ..Opening::default() });
+    click(&mut window, "Remote");
+    assert!(shows(&window, &format!("Port {port}")));
+    click(&mut window, "Learn Gain");
+    let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    // "/1/f" with one float, by the book: address, type tags, big-endian number.
+    let packet = [&b"/1/f\0\0\0\0,f\0\0"[..], &0.25f32.to_be_bytes()].concat();
+    for tries in 0.. {
+        assert!(tries < 50, "the fader is not learned");
+        socket.send_to(&packet, (Ipv4Addr::LOCALHOST, port)).unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        window.run_steps(1);
+        if shows(&window, "/1/f") {
+            break;
+        }
+    }
+    window.run_steps(1);
+    screenshot(&mut window, "window-music-remote.png");
+    click(&mut window, "Knobs");
+    // A quarter of the way from 0 to 20.
+    assert!(window.query_all_by_value("5.00").next().is_some());
+    let kept = std::fs::read_to_string(settings).unwrap();
+    assert!(kept.contains("/1/f") && kept.contains("gain"), "{kept}");
+}
+
+/// Taking a picture fails where something on it has no name of its own.
+#[test]
+fn everything_in_a_menu_has_a_name_and_keys_act_on_the_dance_that_has_the_focus() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    for menu in ["File", "12 items, seed 2012", "1 / 1"] {
+        click(&mut window, menu);
+        screenshot(&mut window, &format!("menu-{}.png", menu.replace([' ', '/', ','], "")));
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+    }
+    window.get_by_label("Dance 3").click_secondary();
+    window.run_steps(3);
+    screenshot(&mut window, "menu-dance.png");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+
+    window.get_by_label("Dance 5").focus();
+    window.run_steps(3);
+    window.key_press(Key::Space);
+    window.run_steps(3);
+    assert!(is_chosen(&window, "Dance 5"));
+    window.key_press(Key::F);
+    window.run_steps(3);
+    screenshot(&mut window, "music-focus.png");
+    click(&mut window, "Shelf");
+    assert!(shows(&window, "Keep on the shelf: Dance 5"));
+}
+
+#[test]
+fn looking_at_knobs_dances_and_voices_changes_none_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let project = path("wild.chladni");
+    let run = |arguments: &[&str]| chladni_program::cli::run(["chladni", "--quiet"].iter().chain(arguments));
+    let name = project.to_str().unwrap();
+    assert_eq!(run(&["project", "new", "sample:head", "-o", name, "--harmonics", "24"]), 0);
+    assert_eq!(run(&["project", "add-layer", name, "--template", "ellipsoid", "--mu", "-2"]), 0);
+    // Values that no slider of two decimals, or from -4 to 4, would have given.
+    let actions = [
+        "do = \"set\"\nparameter = \"gain\"\nvalue = 1.2345",
+        "do = \"set-item-gain\"\nitem = 0\ngain = 6.54321",
+        "do = \"set-voice\"\nvoice = 0\nsettings = { driver = \"side\", gain = 7.777 }",
+    ]
+    .map(|text| format!("[[actions]]\nat_secs = 0.0\nat_beat = 0.0\n{text}\n"))
+    .concat();
+    std::fs::write(path("before.toml"), format!("format_version = 1\nseed = 5\nsize = 6\n{actions}"))
+        .unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
+    answers.add(project);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the voice", |w| w.query_all_by_label("Beat").count() == 1);
+    answers.add(path("before.toml"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the session", |w| shows(w, "6 items"));
+    click(&mut window, "Knobs");
+    for dance in ["Dance 1", "Dance 2"] {
+        window.get_by_label(dance).hover();
+        window.run_steps(2);
+        window.key_press(Key::E);
+        window.run_steps(3);
+        assert!(!shows(&window, "Dance 3"));
+        window.key_press(Key::Escape);
+        window.run_steps(2);
+    }
+    answers.add(path("after.toml"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    let [before, after] = ["before.toml", "after.toml"].map(|name| Show::load(&path(name)).unwrap());
+    assert_eq!(before.actions, after.actions);
+}
+
+#[test]
+fn a_control_without_effect_in_a_form_says_so_and_is_inactive() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    click(&mut window, "Knobs");
+    let idle = |window: &Window, name: &str| {
+        window.get_by_role_and_label(Role::Slider, name).accesskit_node().is_disabled()
+    };
+    for (form, side_gain, detail) in
+        [("Halves", true, false), ("Filter", false, false), ("Modal", false, true)]
+    {
+        click(&mut window, form);
+        assert_eq!((idle(&window, "Side gain"), idle(&window, "Fine detail")), (side_gain, detail), "{form}");
+        assert_eq!(shows(&window, "Without effect in halves"), side_gain, "{form}");
+        assert_eq!(shows(&window, "Without effect in modal"), detail, "{form}");
+        if form == "Halves" {
+            screenshot(&mut window, "window-music-halves.png");
+        }
+        window.get_by_label("Dance 1").hover();
+        window.run_steps(2);
+        window.key_press(Key::E);
+        window.run_steps(3);
+        assert_eq!(shows(&window, "not in halves"), side_gain, "{form}");
+        assert_eq!(window.query_by_role_and_label(Role::Slider, "μ").is_none(), side_gain, "{form}");
+        window.key_press(Key::Escape);
+        window.run_steps(2);
+    }
+}

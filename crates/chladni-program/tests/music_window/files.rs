@@ -1,0 +1,188 @@
+//! What is opened, refused and remembered.
+
+use super::*;
+
+#[test]
+fn what_cannot_be_opened_is_told_and_the_dance_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &path("ball.obj")).unwrap();
+    std::fs::write(path("six.toml"), "format_version = 1\nseed = 3\nsize = 6\n").unwrap();
+    std::fs::write(path("broken.mp3"), b"no music at all").unwrap();
+    std::fs::write(path("broken.toml"), "format_version = 1\nname = 3\n").unwrap();
+    std::fs::write(path("newer.toml"), "format_version = 99\n").unwrap();
+    let strange = "[[actions]]\nat_secs = 0.0\nat_beat = 0.0\ndo = \"dive\"\n";
+    std::fs::write(path("strange.toml"), format!("format_version = 1\nseed = 3\nsize = 6\n{strange}"))
+        .unwrap();
+    std::fs::write(path("broken.obj"), "v 0 0 nan\nf 1 2 3\n").unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let files = vec![path("ball.obj"), path("six.toml")];
+    let mut window = open(
+        Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() },
+        [1000.0, 640.0],
+    );
+    wait(&mut window, "the ball", |w| shows(w, "6 items"));
+    for (name, told) in [
+        ("missing.wav", "missing.wav"),
+        ("broken.mp3", "broken.mp3"),
+        ("broken.toml", "broken.toml"),
+        ("newer.toml", "99"),
+        ("strange.toml", "dive"),
+        ("broken.obj", "broken.obj"),
+        ("missing.obj", "missing.obj"),
+    ] {
+        answers.add(path(name));
+        window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+        wait(&mut window, &format!("word of {name}"), |w| shows(w, told));
+        assert!(window.query_by_label("Dance 6").is_some(), "{name} took the gallery away");
+    }
+    screenshot(&mut window, "window-music-trouble.png");
+    // A good song after bad ones plays.
+    let second = vec![0.25; 44_100];
+    let song = Song { rate_hz: 44_100, left: second.clone(), right: second };
+    write_wav(&path("good.wav"), &song, WavSample::Int16).unwrap();
+    answers.add(path("good.wav"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the good song", |w| w.query_by_label("good").is_some());
+}
+
+#[test]
+fn songs_looks_harmonics_and_a_caricature_whose_layers_are_voices() {
+    let folder = tempfile::tempdir().unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
+    click(&mut window, "Songs");
+    assert!(shows(&window, "sample tune"));
+    let songs = ["first.wav", "second.wav"].map(|name| folder.path().join(name));
+    for song in &songs {
+        let second = vec![0.0; 44_100];
+        let silence = Song { rate_hz: 44_100, left: second.clone(), right: second };
+        write_wav(song, &silence, WavSample::Int16).unwrap();
+        answers.add(song.clone());
+    }
+    click_containing(&mut window, "Add songs …");
+    assert!(shows(&window, "first") && shows(&window, "second") && !shows(&window, "Remove sample tune"));
+    screenshot(&mut window, "window-music-songs.png");
+    click(&mut window, "Remove first");
+    assert!(!shows(&window, "Remove first") && shows(&window, "Remove second"));
+
+    click(&mut window, "Look");
+    click(&mut window, "Bronze");
+    click(&mut window, "Slate");
+    window.run_steps(2);
+    screenshot(&mut window, "window-music-look.png");
+
+    let project = folder.path().join("wild.chladni");
+    let run = |arguments: &[&str]| chladni_program::cli::run(["chladni", "--quiet"].iter().chain(arguments));
+    let path = project.to_str().unwrap();
+    assert_eq!(run(&["project", "new", "sample:head", "-o", path, "--harmonics", "48"]), 0);
+    for mu in ["-2", "1.5"] {
+        assert_eq!(run(&["project", "add-layer", path, "--template", "ellipsoid", "--mu", mu]), 0);
+    }
+    answers.add(project);
+    click_containing(&mut window, "File");
+    click_containing(&mut window, "Open …");
+    click(&mut window, "Body");
+    wait(&mut window, "the voices", |w| w.query_all_by_label("Beat").count() == 2);
+    screenshot(&mut window, "window-music-voices.png");
+    click_containing(&mut window, "Show harmonics");
+    window.run_steps(2);
+    assert!(shows(&window, "Extrema and their") && shows(&window, "antisymmetric"));
+    screenshot(&mut window, "window-music-harmonics.png");
+    wait(&mut window, "rest", |w| !pause(w).is_zero());
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    assert!(window.query_by_label("Dance 1").is_some());
+}
+
+#[test]
+fn a_show_opens_with_its_shape_its_songs_its_look_and_its_view() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = Trace::default();
+    let (mut window, answers) = recorded(folder.path(), &trace);
+    click(&mut window, "Look");
+    click(&mut window, "Clay");
+    window.get_by_label("Dance 3").hover();
+    window.run_steps(2);
+    window.key_press(Key::F);
+    run_for(&mut window, 0.3);
+    let show_file = folder.path().join("evening.toml");
+    answers.add(show_file.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    drop(window);
+    // In another window, with other preferences and on another shape.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let chooser = Box::new(answers.clone());
+    let folders = folders(elsewhere.path());
+    let again = Trace::default();
+    let opening = Opening { folders, chooser, trace: Some(again.clone()), ..Opening::default() };
+    let mut window = enter(opening);
+    answers.add(show_file.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the song of the show", |w| w.query_by_label("song").is_some());
+    wait(&mut window, "what it sounds like", |_| again.borrow().last().is_some_and(|frame| frame.is_known));
+    click(&mut window, "Shelf");
+    assert!(shows(&window, "Keep on the shelf: Dance 3"));
+    answers.add(folder.path().join("later.toml"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    let [before, after] =
+        [show_file, folder.path().join("later.toml")].map(|path| Show::load(&path).unwrap());
+    assert_eq!(before.body, after.body);
+    assert_eq!((before.harmonics, before.looks, before.songs), (after.harmonics, after.looks, after.songs));
+    assert_eq!((before.actions, before.viewpoint), (after.actions, after.viewpoint));
+    assert_eq!(before.heard[..], after.heard[..before.heard.len()]);
+    assert!(after.duration_secs > before.duration_secs);
+}
+
+#[test]
+fn every_format_that_is_decoded_is_offered_and_volume_and_device_are_chosen_and_remembered() {
+    let folder = tempfile::tempdir().unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let folders = folders(folder.path());
+    let settings = folders.settings.clone().unwrap();
+    let mut window = enter(Opening { folders, chooser, ..Opening::default() });
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    window.run_steps(2);
+    let offered = answers.offered();
+    for format in
+        ["wav", "aiff", "flac", "mp3", "ogg", "opus", "m4a", "mka", "webm", "obj", "toml", "chladni"]
+    {
+        assert!(offered.iter().any(|known| known == format), "{format} is not offered");
+    }
+    click(&mut window, "Songs");
+    window.get_by_role_and_label(Role::SpinButton, "Volume").focus();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::SpinButton, "Volume").type_text("0.25");
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert!(shows(&window, "The system's own"));
+    screenshot(&mut window, "window-music-sound.png");
+    drop(window);
+    let kept = std::fs::read_to_string(settings).unwrap();
+    assert!(kept.contains("volume = 0.25"), "{kept}");
+}
+
+#[test]
+fn a_room_whose_first_shape_cannot_be_opened_asks_for_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &path("ball.obj")).unwrap();
+    let second = vec![0.25; 44_100];
+    let song = Song { rate_hz: 44_100, left: second.clone(), right: second };
+    write_wav(&path("song.wav"), &song, WavSample::Int16).unwrap();
+    let answers = Answers::default();
+    let (chooser, files) = (Box::new(answers.clone()), vec!["sample:nobody".into(), path("song.wav")]);
+    let opening = Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() };
+    let mut window = open(opening, [1000.0, 640.0]);
+    wait(&mut window, "word of it", |w| shows(w, "there is no such sample"));
+    wait(&mut window, "the way out", |w| shows(w, "Nothing dances yet"));
+    screenshot(&mut window, "window-music-nothing.png");
+    answers.add(path("ball.obj"));
+    click_containing(&mut window, "Open …");
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+}

@@ -1,0 +1,172 @@
+//! Films of what dances are what the window showed.
+
+use super::*;
+
+#[test]
+fn what_dances_is_filmed_beside_the_window() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &path("ball.obj")).unwrap();
+    let tone: Vec<f32> = (0..11_025).map(|i| (i as f32 * 0.06).sin() * 0.5).collect();
+    let song = Song { rate_hz: 22_050, left: tone.clone(), right: tone };
+    write_wav(&path("short.wav"), &song, WavSample::Int16).unwrap();
+    let (answers, files) = (Answers::default(), vec![path("ball.obj"), path("short.wav")]);
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() });
+    answers.add(path("film.gif"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.run_steps(3);
+    click(&mut window, "Small");
+    click(&mut window, "12");
+    screenshot(&mut window, "window-music-film.png");
+    click(&mut window, "Film to …");
+    wait(&mut window, "progress", |w| shows(w, "Filming film.gif"));
+    screenshot(&mut window, "window-music-filming.png");
+    wait(&mut window, "the film", |w| shows(w, "Filmed"));
+    let film = std::fs::read(path("film.gif")).unwrap();
+    assert_eq!(&film[..6], b"GIF89a");
+    assert_eq!([film[6], film[7], film[8], film[9]], [128, 2, 104, 1], "640 × 360");
+}
+
+#[test]
+fn a_run_of_the_window_filmed_by_the_command_has_the_same_coefficients_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = Trace::default();
+    let (mut window, answers) = recorded(folder.path(), &trace);
+    // It plays, breeds, turns knobs, pauses, leaps, and puts a dance on stage.
+    click(&mut window, "Dance 2");
+    click(&mut window, "Dance 5");
+    click_containing(&mut window, "Breed 2");
+    run_for(&mut window, 0.4);
+    click(&mut window, "Halves");
+    run_for(&mut window, 0.3);
+    window.key_press(Key::Space);
+    run_for(&mut window, 1.0);
+    window.key_press(Key::Space);
+    run_for(&mut window, 0.3);
+    let slider = window.get_by_label("Where in the song").rect();
+    drag(&mut window, &[slider.lerp_inside([0.12, 0.5])]);
+    run_for(&mut window, 0.5);
+    window.get_by_label("Dance 3").hover();
+    window.run_steps(2);
+    window.key_press(Key::S);
+    run_for(&mut window, 0.6);
+    window.key_press(Key::Escape);
+    run_for(&mut window, 0.4);
+    let show_file = folder.path().join("run.toml");
+    answers.add(show_file.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    drop(window);
+
+    let show = Show::load(&show_file).unwrap();
+    assert!(show.heard.iter().any(|stretch| !stretch.playing), "no pause in {:?}", show.heard);
+    assert!(show.heard.len() >= 4, "no leap in {:?}", show.heard);
+    let frames = trace.borrow();
+    // From when the song was known, but not while what was heard before it faded.
+    let known = frames.iter().find(|frame| frame.is_known).unwrap().at_secs + 0.4;
+    let acts: Vec<f64> = show.actions.iter().map(|line| line.moment.at_secs).collect();
+    // In a frame in which something is done it is not seen yet.
+    let end = show.duration_secs.unwrap() - 0.1;
+    let steady = |at_secs: f64| at_secs > known && at_secs < end && !acts.contains(&at_secs);
+    let steady: Vec<_> = frames.iter().filter(|frame| steady(frame.at_secs)).collect();
+    let mut compared = 0;
+    for frame in steady.iter().step_by((steady.len() / 12).max(1)) {
+        let out = folder.path().join("frame.npz");
+        let start = frame.at_secs.to_string();
+        let [show, npz] = [&show_file, &out].map(|path| path.to_str().unwrap());
+        let dance = ["chladni", "--quiet", "dance", "--show", show, "--start", &start, "--duration", "0.03"];
+        assert_eq!(chladni_program::cli::run(dance.iter().chain(&["--coefficients", npz])), 0);
+        let filmed = archive::array(&out, "coefficients").unwrap().values;
+        let seen: Vec<u32> = frame.coefficients.iter().map(|c| c.to_bits()).collect();
+        let filmed: Vec<u32> = filmed.iter().map(|c| (*c as f32).to_bits()).collect();
+        assert_eq!(seen.len(), filmed.len(), "at {start} s");
+        let other = seen.iter().zip(&filmed).filter(|(a, b)| a != b).count();
+        assert_eq!(
+            other,
+            0,
+            "of {} coefficients at {start} s, known from {known} s: {:?}",
+            seen.len(),
+            show_file
+        );
+        compared += usize::from(filmed.iter().any(|bits| *bits != 0));
+    }
+    assert!(compared >= 6, "{compared} frames moved");
+}
+
+#[test]
+fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = Trace::default();
+    let (mut window, answers) = recorded(folder.path(), &trace);
+    click(&mut window, "Look");
+    click(&mut window, "Bronze");
+    // Turned, shifted and nearer.
+    let middle = window.get_by_label("Dance 6").rect().center();
+    for (modifiers, by) in [(Modifiers::NONE, [60.0, 25.0]), (Modifiers::SHIFT, [18.0, -9.0])] {
+        let button =
+            |pos, pressed| Event::PointerButton { pos, button: PointerButton::Middle, pressed, modifiers };
+        let end = middle + egui::Vec2::from(by);
+        for event in
+            [Event::PointerMoved(middle), button(middle, true), Event::PointerMoved(end), button(end, false)]
+        {
+            window.event_modifiers(event, modifiers);
+            window.run_steps(1);
+        }
+    }
+    window.event(Event::PointerMoved(middle));
+    window.event(Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, 50.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+        source: egui::MouseWheelSource::Wheel,
+    });
+    run_for(&mut window, 0.5);
+    window.event(Event::PointerMoved(window.get_by_label("Dance 3").rect().center()));
+    window.run_steps(2);
+    window.key_press(Key::S);
+    run_for(&mut window, 1.2);
+    window.key_press(Key::Space);
+    // Until it rests, and is drawn as finely as a film.
+    run_for(&mut window, 1.5);
+    let picture = window.render().unwrap();
+    let (width, height) = (picture.width(), picture.height());
+    let at_secs = trace.borrow().last().unwrap().at_secs;
+    assert!(trace.borrow().last().unwrap().on_stage);
+    run_for(&mut window, 0.3);
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    let show_file = folder.path().join("stage.toml");
+    answers.add(show_file.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    drop(window);
+    let viewpoint = Show::load(&show_file).unwrap().viewpoint;
+    assert!(
+        viewpoint.yaw_rad.abs() > 0.1 && viewpoint.distance < 0.97 && viewpoint.shift[0] > 0.01,
+        "{viewpoint:?}"
+    );
+
+    let frames = folder.path().join("frames");
+    let (size, start) = (format!("{width}x{height}"), at_secs.to_string());
+    let [show, out] = [&show_file, &frames].map(|path| path.to_str().unwrap());
+    let dance =
+        ["chladni", "--quiet", "dance", "--show", show, "--frames", out, "--size", &size, "--samples", "4"];
+    assert_eq!(chladni_program::cli::run(dance.iter().chain(&["--start", &start, "--duration", "0.03"])), 0);
+    let png = std::fs::read(frames.join("frame-00000.png")).unwrap();
+    let film = chladni_view::Picture::decode(&png).unwrap();
+    if let Some(folder) = std::env::var_os("CHLADNI_SCREENSHOTS") {
+        picture.save(Path::new(&folder).join("stage-window.png")).unwrap();
+        std::fs::write(Path::new(&folder).join("stage-film.png"), png).unwrap();
+    }
+    assert_eq!((film.width, film.height), (width, height));
+    let seen = picture.into_raw();
+    // Windows are drawn with eight bits twice; edges may round otherwise.
+    let differ = seen.iter().zip(&film.rgba).filter(|(a, b)| a.abs_diff(**b) > 12).count();
+    assert!(differ < seen.len() / 200, "{differ} of {} channels differ", seen.len());
+    let ground = &film.rgba[..3];
+    let shape =
+        film.rgba.chunks(4).filter(|p| p.iter().zip(ground).any(|(a, b)| a.abs_diff(*b) > 40)).count();
+    assert!(shape > film.rgba.len() / 400, "nothing is seen");
+}

@@ -1,0 +1,239 @@
+//! Dances: bred, named, drawn, kept and put on stage.
+
+use super::*;
+
+#[test]
+fn a_paused_song_lets_the_gallery_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    wait(&mut window, "the dance", |w| pause(w).is_zero());
+    window.key_press(Key::Space);
+    wait(&mut window, "rest", |w| pause(w) >= std::time::Duration::from_millis(20));
+    window.run_steps(5);
+    assert!(!pause(&window).is_zero());
+    window.key_press(Key::Space);
+    wait(&mut window, "the dance", |w| pause(w).is_zero());
+}
+
+#[test]
+fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let handover = Handover::default();
+    let opening = || Opening { folders: folders.clone(), handover: handover.clone(), ..Opening::default() };
+    let size = [1000.0, 640.0];
+    let (mut window, device) = open_with_device(opening(), size);
+    window.run_steps(3);
+    window.get_by_label("Open Music").click();
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+    window.run_steps(3);
+    click(&mut window, "Dance 2");
+    click(&mut window, "Dance 5");
+    click_containing(&mut window, "Breed 2");
+    click(&mut window, "Dance 5");
+    assert!(shows(&window, "2 / 2"));
+
+    lose(&device);
+    window.run_steps(2);
+    assert!(handover.reason().is_some());
+    drop(window);
+    let (mut window, _) = open_with_device(opening(), size);
+    window.run_steps(2);
+    assert!(shows(&window, "The graphics device was lost") && shows(&window, "2 / 2"));
+    assert!(is_chosen(&window, "Dance 5"));
+    window.run_steps(10);
+    screenshot(&mut window, "lost-device-music.png");
+    wait(&mut window, "the dance", |w| pause(w).is_zero());
+}
+
+#[test]
+fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders.clone(), chooser, ..Opening::default() });
+    window.run_steps(10);
+    screenshot(&mut window, "window-music.png");
+
+    click(&mut window, "Dance 2");
+    click(&mut window, "Dance 5");
+    assert!(is_chosen(&window, "Dance 5") && !is_chosen(&window, "Dance 1"));
+    click_containing(&mut window, "Breed 2");
+    assert!(shows(&window, "2 / 2"));
+    for dance in ["Dance 1", "Dance 3", "Dance 8"] {
+        click(&mut window, dance);
+    }
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert!(shows(&window, "3 / 3"));
+
+    // Back to any generation, and forth again.
+    click(&mut window, "3 / 3");
+    click(&mut window, "Generation 1, the beginning");
+    assert!(shows(&window, "1 / 3") && is_chosen(&window, "Dance 5"));
+    click(&mut window, "1 / 3");
+    click(&mut window, "Generation 3, from 2");
+    assert!(shows(&window, "3 / 3") && !is_chosen(&window, "Dance 5"));
+
+    // By keys alone: the mark goes right and down, what is marked is chosen, locked and changed.
+    window.hover_at(Pos2::new(500.0, 60.0));
+    window.run_steps(2);
+    for key in [Key::ArrowRight, Key::ArrowRight, Key::ArrowDown, Key::C, Key::L] {
+        window.key_press(key);
+        window.run_steps(1);
+    }
+    assert!(is_chosen(&window, "Dance 6") && !is_chosen(&window, "Dance 5"));
+    for key in [Key::C, Key::M] {
+        window.key_press(key);
+        window.run_steps(1);
+    }
+    assert!(shows(&window, "4 / 4") && !is_chosen(&window, "Dance 6"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(2);
+    assert!(shows(&window, "3 / 4"));
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    window.run_steps(2);
+    assert!(shows(&window, "4 / 4"));
+
+    // Name one and draw its a by hand: full to the left of the middle, still to the right.
+    window.get_by_label("Dance 4").hover();
+    window.run_steps(2);
+    window.key_press(Key::E);
+    window.run_steps(3);
+    assert!(!shows(&window, "Dance 5"));
+    write(&mut window, "Name", "Squid");
+    let plot = window.get_by_label("a: how strongly each harmonic answers").rect();
+    let at = |x: f32, y: f32| plot.lerp_inside([x, y]);
+    drag(&mut window, &[at(0.01, 0.05), at(0.3, 0.05), at(0.5, 0.05), at(0.5, 0.547), at(0.99, 0.547)]);
+    screenshot(&mut window, "window-music-curves.png");
+    click_containing(&mut window, "Favourite");
+    click_containing(&mut window, "Lineage");
+    assert!(shows(&window, "Squid: bred from") && shows(&window, "of generation 2: bred from"));
+    assert!(shows(&window, "of generation 1: from seed 2012"));
+    screenshot(&mut window, "window-music-lineage.png");
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+
+    click_containing(&mut window, "Keep …");
+    write(&mut window, "Tags", "slow, sea");
+    screenshot(&mut window, "window-music-shelf.png");
+    click(&mut window, "Keep");
+    let kept: Vec<_> = std::fs::read_dir(folder.path().join("dances")).unwrap().collect();
+    let preset = Preset::load(&kept[0].as_ref().unwrap().path()).unwrap();
+    assert_eq!((kept.len(), preset.name.as_str()), (1, "Squid"));
+    assert_eq!(preset.tags, ["slow", "sea"]);
+    assert!(preset.lineage.len() > 3 && preset.lineage[0].edited);
+    let a = &preset.mapping.amplification;
+    let (low, high) = a.split_at(a.len() / 2);
+    assert!(low[3..low.len() - 3].iter().all(|a| *a > 0.95), "{low:?}");
+    assert!(high[3..].iter().all(|a| a.abs() < 0.1), "{high:?}");
+
+    // The stage hides everything; Escape comes back.
+    window.get_by_label_contains("Gallery").click();
+    window.run_steps(2);
+    window.get_all_by_label_contains("Stage").last().unwrap().click();
+    window.run_steps(4);
+    assert!(!shows(&window, "12 items") && !shows(&window, "Chladni"));
+    screenshot(&mut window, "window-music-stage.png");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(shows(&window, "12 items"));
+    let session = folder.path().join("evening.toml");
+    answers.add(session.clone());
+    click_containing(&mut window, "File");
+    click_containing(&mut window, "Save show");
+    drop(window);
+
+    // What was done in the window is a film, the same one each time.
+    let film = |name: &str| {
+        let coefficients = folder.path().join(name);
+        let [session, out] = [&session, &coefficients].map(|path| path.to_str().unwrap());
+        let dance =
+            ["chladni", "--quiet", "dance", "sample:octopus", "sample:tune", "-k", "96", "--duration", "1"];
+        let told =
+            chladni_program::cli::run(dance.iter().chain(&["--session", session, "--coefficients", out]));
+        assert_eq!(told, 0);
+        archive::array(&coefficients, "coefficients").unwrap().values
+    };
+    let first = film("first.npz");
+    assert!(first.iter().any(|c| *c != 0.0) && first == film("second.npz"));
+
+    // The next evening: the shelf is as it was, and the session goes on.
+    let mut window = enter(Opening { folders, files: vec![session.clone()], ..Opening::default() });
+    wait(&mut window, "the show", |w| shows(w, "4 / 4"));
+    window.get_by_role_and_label(Role::CheckBox, "Squid");
+    for (size, next) in [(12, 16), (16, 9), (9, 6)] {
+        click_containing(&mut window, &format!("{size} items, seed 2012"));
+        click(&mut window, &format!("{next} items"));
+        assert!(shows(&window, &format!("{next} items, seed 2012")) && shows(&window, "1 / 1"));
+        assert!(window.query_by_label(&format!("Dance {next}")).is_some());
+        assert!(window.query_by_label(&format!("Dance {}", next + 1)).is_none());
+    }
+    click(&mut window, "Shelf");
+    let kept = |window: &Window| window.get_by_role_and_label(Role::Button, "Squid").rect().center();
+    window.hover_at(kept(&window));
+    window.run_steps(2);
+    // It is tried out where the gallery was.
+    assert!(window.query_by_label("Dance 5").is_none());
+    window.get_by_role_and_label(Role::Button, "Squid").click();
+    window.run_steps(2);
+    window.hover_at(Pos2::new(300.0, 300.0));
+    window.run_steps(2);
+    assert!(shows(&window, "2 / 2"));
+    window.get_by_role_and_label(Role::CheckBox, "Squid");
+    screenshot(&mut window, "window-music-reopened.png");
+}
+
+#[test]
+fn what_was_bred_goes_on_on_another_shape_and_favourites_are_asked_about_on_closing() {
+    let folder = tempfile::tempdir().unwrap();
+    let ball = folder.path().join("ball.obj");
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &ball).unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
+    let close = |window: &mut Window| {
+        for close in [true, false] {
+            let viewport = window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+            viewport.events.clear();
+            viewport.events.extend(close.then_some(egui::ViewportEvent::Close));
+            window.run_steps(2);
+        }
+        shows(window, "Save before closing?")
+    };
+    click(&mut window, "Dance 2");
+    click(&mut window, "Dance 5");
+    click_containing(&mut window, "Breed 2");
+    assert!(!close(&mut window), "nothing was marked");
+    window.get_by_label("Dance 3").hover();
+    window.run_steps(2);
+    window.key_press(Key::F);
+    window.run_steps(2);
+    // A place that the next gallery does not have.
+    window.get_by_label("Dance 12").hover();
+    window.run_steps(2);
+    window.key_press(Key::E);
+    window.run_steps(2);
+    assert!(window.query_by_label("Dance 6").is_none());
+    click_containing(&mut window, "12 items, seed 2012");
+    click(&mut window, "6 items");
+    assert!(window.query_by_label("Dance 6").is_some(), "an empty bench");
+    window.get_by_label("Dance 1").hover();
+    window.run_steps(2);
+    window.key_press(Key::M);
+    window.run_steps(2);
+
+    answers.add(ball);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    window.run_steps(2);
+    wait(&mut window, "the ball", |w| !shows(w, "Opening"));
+    window.run_steps(2);
+    assert!(shows(&window, "2 / 2"));
+
+    assert!(close(&mut window) && shows(&window, "with one favourite"));
+    let session = folder.path().join("evening.toml");
+    answers.add(session.clone());
+    click(&mut window, "Save and close");
+    assert!(Show::load(&session).unwrap().actions.len() == 6);
+}

@@ -1,0 +1,147 @@
+//! The music room as a person plays it.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+#[path = "../archive/mod.rs"]
+mod archive;
+mod controls;
+#[path = "../driving/mod.rs"]
+mod driving;
+mod files;
+mod films;
+mod gallery;
+
+use std::net::{Ipv4Addr, UdpSocket};
+use std::path::Path;
+
+use chladni_music::{Preset, Show};
+use chladni_program::studio::{Folders, Handover, Opening, Trace};
+use chladni_sound::{Song, WavSample, write_wav};
+use driving::{
+    Answers, Window, lose, no_time, open, open_with, open_with_device, screenshot, shows, takes_pictures,
+    wait,
+};
+use egui::accesskit::{Role, Toggled};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+
+/// Few harmonics are solved quickly.
+fn folders(folder: &Path) -> Folders {
+    let settings = folder.join("settings.toml");
+    std::fs::write(&settings, "harmonics = 96\n").unwrap();
+    Folders { settings: Some(settings), dances: Some(folder.join("dances")), ..Folders::default() }
+}
+
+fn enter(opening: Opening) -> Window {
+    let opening = Opening { now: no_time, ..opening };
+    let named = !opening.files.is_empty();
+    // Pictures are for people: frames that come late would be drawn smaller. Without them fewer pixels are quicker.
+    let builder = Harness::builder();
+    let builder = if takes_pictures() {
+        builder.with_size([1280.0, 800.0]).with_step_dt(1.0 / 60.0)
+    } else {
+        builder.with_size([1000.0, 640.0])
+    };
+    let mut window = open_with(opening, builder);
+    window.run_steps(3);
+    if !named {
+        window.get_by_label("Open Music").click();
+    }
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+    window.run_steps(3);
+    window
+}
+
+fn click(window: &mut Window, label: &str) {
+    window.get_by_label(label).click();
+    window.run_steps(2);
+}
+
+fn click_containing(window: &mut Window, label: &str) {
+    window.get_by_label_contains(label).click();
+    window.run_steps(2);
+}
+
+fn write(window: &mut Window, field: &str, text: &str) {
+    window.get_by_role_and_label(Role::TextInput, field).click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::TextInput, field).type_text(text);
+    window.run_steps(2);
+}
+
+fn is_chosen(window: &Window, dance: &str) -> bool {
+    window.get_by_label(dance).accesskit_node().toggled() == Some(Toggled::True)
+}
+
+fn drag(window: &mut Window, points: &[Pos2]) {
+    let button = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.event(Event::PointerMoved(points[0]));
+    window.run_steps(1);
+    window.event(button(points[0], true));
+    for &point in points {
+        window.event(Event::PointerMoved(point));
+        window.run_steps(1);
+    }
+    window.event(button(points[points.len() - 1], false));
+    window.run_steps(2);
+}
+
+/// How long the window may wait for its next frame.
+fn pause(window: &Window) -> std::time::Duration {
+    window.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay
+}
+
+/// A ball that is quickly solved and drawn, and four seconds of a song with a beat, of which the channels differ.
+fn ball_and_song(folder: &Path) -> [std::path::PathBuf; 2] {
+    let [ball, wav] = ["ball.obj", "song.wav"].map(|name| folder.join(name));
+    let mut mesh = chladni_mesh::samples::icosphere(2);
+    for p in &mut mesh.positions {
+        p[1] *= 1.3 + 0.2 * p[0];
+        p[2] *= 0.9 + 0.1 * p[1];
+    }
+    chladni_mesh::save_mesh(&mesh, &ball).unwrap();
+    let mut song = chladni_sound::sample_tune();
+    let from = 6 * song.rate_hz as usize;
+    song.left = song.left[from..from + 4 * song.rate_hz as usize].to_vec();
+    song.right = song.right[from..from + 4 * song.rate_hz as usize].to_vec();
+    write_wav(&wav, &song, WavSample::Int16).unwrap();
+    [ball, wav]
+}
+
+/// A window on a ball and a song, which has been read, and where its shows go.
+fn recorded(folder: &Path, trace: &Trace) -> (Window, Answers) {
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let files = ball_and_song(folder).to_vec();
+    let opening = Opening {
+        folders: folders(folder),
+        chooser,
+        files,
+        trace: Some(trace.clone()),
+        // A slow machine would leave harmonics out that films have.
+        now: no_time,
+        ..Opening::default()
+    };
+    // Frames that come late would be drawn smaller than a film's.
+    let builder = Harness::builder().with_size([1000.0, 640.0]).with_step_dt(1.0 / 60.0);
+    let mut window = open_with(opening, builder);
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+    wait(&mut window, "the song", |_| trace.borrow().last().is_some_and(|frame| frame.is_known));
+    window.run_steps(5);
+    (window, answers)
+}
+
+/// Steps for a while, as time goes by.
+fn run_for(window: &mut Window, secs: f64) {
+    let start = std::time::Instant::now();
+    while start.elapsed().as_secs_f64() < secs {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        window.run_steps(1);
+    }
+}
