@@ -71,6 +71,9 @@ pub struct Base {
 impl Base {
     /// The shape whose vertices lie at `positions`, on the connectivity of `surface` and the
     /// harmonics of `basis`.
+    ///
+    /// # Errors
+    /// Another number of positions than vertices.
     pub fn new(basis: Arc<Basis>, surface: Arc<Surface>, positions: Vec<Vec3>) -> Result<Self, Error> {
         check_count("the shape's positions", positions.len(), &basis)?;
         check_count("the surface", surface.vertices(), &basis)?;
@@ -119,6 +122,9 @@ enum Source {
 
 impl Target {
     /// Matched points, one per operator vertex; finite.
+    ///
+    /// # Errors
+    /// Another number of points than vertices, or one that is not finite.
     pub fn new(basis: Arc<Basis>, points: Vec<Vec3>) -> Result<Self, Error> {
         check_count("the template's points", points.len(), &basis)?;
         if let Some(bad) = points.iter().flatten().find(|c| !c.is_finite()) {
@@ -198,6 +204,9 @@ const NEGLIGIBLE_AMPLITUDE: f64 = 1e-8;
 
 impl Difference {
     /// The difference between `base` and `target`, both on the same vertices.
+    ///
+    /// # Errors
+    /// Shapes of different numbers of vertices.
     pub fn new(base: Arc<Base>, target: Arc<Target>) -> Result<Self, Error> {
         check_count("the template's points", target.points.len(), &base.basis)?;
         let pairs = target.points.par_iter().zip(&base.positions);

@@ -43,6 +43,9 @@ impl History {
     }
 
     /// Does `action` as a step of its own.
+    ///
+    /// # Errors
+    /// As [`Project::apply`].
     pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), Error> {
         self.gesture = None;
         self.step(action, surface, true)
@@ -50,6 +53,9 @@ impl History {
 
     /// Does `action` as part of a drag or a brush stroke: actions of one kind on one layer become
     /// one step until [`finish`](Self::finish).
+    ///
+    /// # Errors
+    /// As [`Project::apply`].
     pub fn apply_live(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), Error> {
         let kind = (action.label(), action.layer());
         self.step(action, surface, self.gesture != Some(kind))?;

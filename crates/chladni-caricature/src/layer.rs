@@ -76,7 +76,10 @@ pub struct GivenEllipsoid {
 }
 
 impl GivenEllipsoid {
-    /// What it is to matching; an error where its numbers are none.
+    /// What it is to matching.
+    ///
+    /// # Errors
+    /// Semi-axes that are not positive and finite, other numbers that are not finite.
     pub fn ellipsoid(&self) -> Result<Ellipsoid, MatchError> {
         Ellipsoid::given(self.center, self.semi_axes, self.turn_deg)
     }
@@ -254,6 +257,9 @@ impl Layer {
     }
 
     /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// The first number that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         if self.mu.is_nan() || self.mu.abs() > MAX_MU {
             return Err(Error::Range { what: "μ", value: self.mu, range: "-100 to 100" });

@@ -40,6 +40,8 @@
 //! mesh lies where its painter would have put it ([`Carried::report`] tells how well the meshes
 //! match).
 
+#![warn(clippy::missing_errors_doc)]
+
 mod brush;
 mod carry;
 mod crossing;
@@ -94,3 +96,8 @@ pub use chladni_mesh::surface::SurfacePoint;
 
 #[cfg(test)]
 mod fixture;
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -89,6 +89,9 @@ impl MatchRequest {
 
     /// Matches. `shape` is the mesh that `body` was built from; `mesh` is the template's, needed
     /// where [`Template::is_mesh`]. May take seconds; check the report of a mesh.
+    ///
+    /// # Errors
+    /// A template whose mesh is missing or does not match, or [`Error::Cancelled`].
     pub fn run(
         &self,
         shape: &TriMesh,

@@ -50,6 +50,9 @@ pub struct Dab {
 impl PaintEdit {
     /// The region after this edit. A first dab or fill on a region that is everywhere starts from
     /// an empty one, unless it erases: whoever paints wants to say where.
+    ///
+    /// # Errors
+    /// A region of another shape, an intensity outside [0, 1], a vertex that is not there.
     pub fn apply(&self, painted: &Painted, surface: &Surface) -> Result<Painted, Error> {
         let mut values = match (painted, self) {
             (Painted::Everywhere, Self::Dab(dab)) if !dab.erase => vec![0.0; surface.vertices()],

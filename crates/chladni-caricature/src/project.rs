@@ -166,6 +166,9 @@ impl Project {
     }
 
     /// Adds a layer on top and returns its id.
+    ///
+    /// # Errors
+    /// As [`Layer::validate`].
     pub fn push(&mut self, layer: Layer) -> Result<LayerId, Error> {
         layer.validate()?;
         Ok(self.insert(self.layers.len(), Arc::new(layer)))
@@ -183,6 +186,9 @@ impl Project {
     }
 
     /// Does `action`. Painting needs the `surface` of the shape. On an error nothing has changed.
+    ///
+    /// # Errors
+    /// A layer that is not there, a number out of its range, or painting without a `surface` or on another one.
     pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), Error> {
         match action {
             Action::Add { index, layer } => {

@@ -114,8 +114,11 @@ fn yes() -> bool {
 impl Project {
     /// Reads the project file at `path`. Paths in it are taken from its folder.
     ///
-    /// Files of older formats are brought up to date in memory. Fails, naming line and column
-    /// where it can, on anything that is not a valid project, and on a newer format.
+    /// Files of older formats are brought up to date in memory.
+    ///
+    /// # Errors
+    /// A file that cannot be read, that is not a valid project (with line and column where known), or that a newer
+    /// program wrote.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let bytes = read_file(path, MOST_BYTES).map_err(|source| Error::Io { path: path.into(), source })?;
         let no_text = || Error::ProjectFile {
@@ -128,6 +131,9 @@ impl Project {
 
     /// Writes the project to `path`: readers see the old file or the whole new one, whatever
     /// happens to this process meanwhile.
+    ///
+    /// # Errors
+    /// A path that is not Unicode, or what the system says.
     pub fn save(&self, path: &Path) -> Result<(), Error> {
         let text = self.to_text(path, None)?;
         chladni_task::write_atomic(path, text.as_bytes())

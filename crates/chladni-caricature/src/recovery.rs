@@ -38,6 +38,9 @@ pub struct Recovered {
 impl Recovery {
     /// Starts a session that keeps its copies in `folder`, which is made where it is not there.
     /// `id` must differ between sessions that run at once: the process id will do.
+    ///
+    /// # Errors
+    /// A folder that cannot be made or written.
     pub fn start(folder: &Path, id: u32) -> Result<Self, Error> {
         std::fs::create_dir_all(folder).map_err(|source| Error::Io { path: folder.into(), source })?;
         for attempt in 0..1000 {
@@ -56,6 +59,9 @@ impl Recovery {
     }
 
     /// Keeps `project` as it is now. `original` is where the user saved it, if anywhere.
+    ///
+    /// # Errors
+    /// As [`Project::save`].
     pub fn keep(&self, project: &Project, original: Option<&Path>) -> Result<(), Error> {
         let original = original.map(|p| std::path::absolute(p).unwrap_or_else(|_| p.into()));
         let text = project.to_text(&self.copy, original)?;

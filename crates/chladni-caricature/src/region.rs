@@ -131,6 +131,9 @@ fn spheres_to_vertices(spheres: &[Sphere], file_positions: &[Vec3]) -> Arc<[f32]
 impl Smoothing {
     /// χ of a painted signal with one value per operator vertex of `body`. A [`Stack`](crate::Stack)
     /// keeps what this makes anew each time.
+    ///
+    /// # Errors
+    /// A signal of another number of values; a surface on which no heat flows.
     pub fn apply(&self, body: &Arc<Body>, painted: &[f32]) -> Result<Arc<[f32]>, Error> {
         check_count("the painted region", painted.len(), &body.basis)?;
         let mut softening = Softening::of(body.clone());

@@ -70,6 +70,9 @@ impl ScaleCurve {
     }
 
     /// Checks that wavelengths fall within their range and gains lie in 0..=[`MAX_GAIN`](Self::MAX_GAIN).
+    ///
+    /// # Errors
+    /// The first number that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         let what = "a wavelength of the scale curve";
         for (i, &[wavelength, gain]) in self.points.iter().enumerate() {

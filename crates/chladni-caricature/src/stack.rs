@@ -110,6 +110,9 @@ pub enum LayerState {
 
 impl Stack {
     /// A stack on `body`, with nothing matched.
+    ///
+    /// # Errors
+    /// A basis that does not fit the positions.
     pub fn new(body: Arc<Body>) -> Result<Self, Error> {
         let surface = Arc::new(Surface::new(&body));
         let original = Base::new(body.basis.clone(), surface.clone(), body.positions.clone())?;
@@ -122,6 +125,9 @@ impl Stack {
 
     /// A stack on the same shape with another number of harmonics. Matches know nothing of harmonics and
     /// stay.
+    ///
+    /// # Errors
+    /// A body of another shape.
     pub fn with_harmonics_of(&self, body: Arc<Body>) -> Result<Self, Error> {
         check_count("the shape", self.body.positions.len(), &body.basis)?;
         let softening = self.softening.with_harmonics_of(body.clone());

@@ -29,6 +29,7 @@
 //! are finite, barycentric coordinates lie in their triangles, and the same input, seed and
 //! machine give the same result.
 
+#![warn(clippy::missing_errors_doc)]
 #![allow(
     clippy::neg_cmp_op_on_partial_ord,
     reason = "`!(x > limit)` also refuses NaN, which `x <= limit` lets through"
@@ -69,3 +70,8 @@ pub use landmarks::{Landmark, load_landmarks, read_landmarks, write_landmarks};
 pub use matching::{Match, Method, Settings, match_shapes};
 pub use quality::Report;
 pub use similarity::{Scaling, Similarity};
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -68,3 +68,8 @@ pub use chladni_sound as sound;
 pub use chladni_synth as synth;
 pub use chladni_task as task;
 pub use chladni_view as view;
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
