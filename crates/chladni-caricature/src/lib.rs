@@ -73,7 +73,7 @@ pub use brush::{Brush, Reach, Seen};
 pub use carry::Carried;
 pub use crossing::Crossings;
 pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};
-pub use error::Error;
+pub use error::CaricatureError;
 pub use exaggeration::{Field, Signals};
 pub use fold::{flipped_triangles, furthest};
 pub use history::History;

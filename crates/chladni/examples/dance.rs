@@ -19,8 +19,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let song = Arc::new(sample_tune());
     let mut ears = SongSpectrum::new(song.clone(), SpectrumSettings::new(song.rate_hz), 0.0)?;
     let (side_gain, heard) = (ears.settings().side_gain, ears.at(5.0));
-    let bands =
-        Bands { left: &heard.left, right: &heard.right, mid: &heard.mid, side: &heard.side, side_gain };
+    let bands = Bands {
+        left: &heard.left,
+        right: &heard.right,
+        mid: &heard.mid,
+        side: &heard.side,
+        side_gain,
+        // Harmonics follow the level.
+        ringing: None,
+    };
 
     let shape = GalleryShape { eigenvalues: body.basis.eigenvalues.clone(), bands: heard.mid.len() };
     let instrument = Instrument::new(2012, 12, shape)?;

@@ -2,14 +2,14 @@
 //! partner on the template, here by height. Written as transfer.ply.
 #![allow(clippy::print_stdout, reason = "a program")]
 
-use chladni::matching::{Settings, match_shapes};
+use chladni::matching::{MatchSettings, match_shapes};
 use chladni::mesh::{samples, save_mesh};
 use chladni::task::Task;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut shape = samples::sample("head").ok_or("there is a head")?;
     let template = samples::sample("template").ok_or("there is a template")?;
-    let found = match_shapes(&shape, &template, &Settings::default(), &Task::new())?;
+    let found = match_shapes(&shape, &template, &MatchSettings::default(), &Task::new())?;
     println!("{:.0} % of the head has a partner", 100.0 * found.report.coverage);
 
     let on_template = found.correspondence.on_template.ok_or("the template is a mesh")?;

@@ -5,8 +5,8 @@ use std::sync::mpsc::Sender;
 use std::sync::{Arc, OnceLock};
 
 use chladni_caricature::{
-    Action, Error as CaricatureError, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest,
-    Matched, Painted, Project, Recovered, ShapeSource, Stack, Surface, furthest,
+    Action, CaricatureError, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched,
+    Painted, Project, Recovered, ShapeSource, Stack, Surface, furthest,
 };
 use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, Orientation, TriMesh};
