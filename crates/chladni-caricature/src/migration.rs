@@ -4,7 +4,7 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
-use crate::project_file::DEFAULT_HARMONICS;
+use crate::project::DEFAULT_HARMONICS;
 use crate::scale_curve::monotone;
 use crate::{CaricatureError, ScaleCurve, usual_wavelength};
 

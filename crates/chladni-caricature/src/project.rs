@@ -11,6 +11,9 @@ use crate::{
     CaricatureError, Layer, LayerId, Model, PaintEdit, ScaleCurve, ShapeSource, Smoothing, Surface, Template,
 };
 
+/// K of a project that names none.
+pub const DEFAULT_HARMONICS: usize = 512;
+
 /// What is saved: which shape, how many harmonics of which Laplacian, which layers. Cloning shares the layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {

@@ -11,6 +11,7 @@ use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
 
 use crate::migration::{FORMAT_VERSION, migrate};
+use crate::project::DEFAULT_HARMONICS;
 use crate::{
     CaricatureError, Layer, Model, Painted, Project, Region, ScaleCurve, ShapeSource, Smoothing, Sphere,
     Template, runs,
@@ -95,9 +96,6 @@ impl Default for RegionTable {
         Self { spheres: Vec::new(), painted: None, wavelength, roll_off, clamp }
     }
 }
-
-/// K of a project that names none.
-pub const DEFAULT_HARMONICS: usize = 512;
 
 fn default_harmonics() -> usize {
     DEFAULT_HARMONICS
