@@ -49,7 +49,7 @@ pub mod surface;
 mod write;
 
 pub use appearance::{Appearance, CornerUvs, Material, Texture};
-pub use eigen::symmetric_eigen;
+pub use eigen::{symmetric_eigen, symmetric_eigen_of};
 pub use error::{MeshError, Place};
 pub use format::Format;
 pub use frame::Frame;

@@ -16,6 +16,9 @@
 //! # Ok::<(), chladni::harmonics::HarmonicsError>(())
 //! ```
 //!
+//! A Laplacian, or any other symmetric positive semidefinite matrix, may be your own
+//! ([`harmonics::Pencil`]). `examples/` has a short program for each stop of this walk.
+//!
 //! Coefficients of the harmonics deform it ([`synth`]): here the second harmonic, along the normal.
 //!
 //! ```
