@@ -83,6 +83,9 @@ impl<'a> MirrorSearch<'a> {
     ///
     /// Where several planes fit about as well (a box, an eight-armed octopus), it is the one whose
     /// normal is nearest to x, what a viewer calls left and right.
+    ///
+    /// # Errors
+    /// [`Cancelled`] through `task`.
     pub fn best(&self, hints: &[[f64; 3]], task: &Task) -> Result<Option<MirrorPlane>, Cancelled> {
         let few = self.judges(JUDGES);
         let centroid = self.centroid();

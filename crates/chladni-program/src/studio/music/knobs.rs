@@ -81,7 +81,7 @@ fn timbre(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
         }
         for (name, timbre) in Timbre::NAMED {
             let tip = "Rings as a damped oscillator when the sound strikes it";
-            if ui.selectable_label(now == Some(timbre), theme::capitalised(name)).on_hover_text(tip).clicked()
+            if ui.selectable_label(now == Some(timbre), theme::capitalized(name)).on_hover_text(tip).clicked()
             {
                 wishes.extend(timbre.actions().map(Wish::Do));
             }
