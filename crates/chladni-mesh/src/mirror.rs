@@ -90,7 +90,7 @@ impl<'a> MirrorSearch<'a> {
         let few = self.judges(JUDGES);
         let centroid = self.centroid();
         let plane = |normal: Vec3| {
-            let normal = unit(normal);
+            let normal = scaled(unit(normal), largest_component(normal).signum());
             let plane = MirrorPlane { normal, offset: dot(normal, centroid), misfit: 1.0 };
             MirrorPlane { misfit: self.misfit(&plane, &few), ..plane }
         };
