@@ -248,6 +248,40 @@ impl Camera {
         self.target = (center + up * (target - center).dot(up)).to_array();
     }
 
+    /// As [`fit_turntable`](Self::fit_turntable), but for turns of up to `swing_rad` to either side of where it
+    /// stands, so that what is long and narrow may be near where it shows its narrow side.
+    pub fn fit_swing(&mut self, points: &[[f32; 3]], aspect: f32, fill: f32, swing_rad: f32) {
+        // To either side, seen from the front and from behind: as wide to the left of the axis as to the right.
+        const TURNS: [f32; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+        if swing_rad.abs() >= std::f32::consts::FRAC_PI_2 {
+            return self.fit_turntable(points, aspect, fill);
+        }
+        let [x, up, y] = self.ground();
+        let on_ground = |p: &[f32; 3]| [x, up, y].map(|axis| Vec3::from(*p).dot(axis));
+        let finite: Vec<Vec3> =
+            points.iter().map(|p| Vec3::from(on_ground(p))).filter(|p| p.is_finite()).collect();
+        let (low, high) = finite
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        if low.x > high.x {
+            return;
+        }
+        let middle = 0.5 * (low + high);
+        let center = x * middle.x + up * middle.y + y * middle.z;
+        let turned = TURNS.into_iter().flat_map(|turn| {
+            let (sin, cos) = (turn * swing_rad).sin_cos();
+            finite.iter().flat_map(move |p| {
+                let d = *p - middle;
+                let flat = x * (cos * d.x - sin * d.z) + y * (sin * d.x + cos * d.z);
+                let level = center + up * d.y;
+                [(level + flat).to_array(), (level - flat).to_array()]
+            })
+        });
+        self.fit(turned, aspect, fill);
+        let target = Vec3::from(self.target);
+        self.target = (center + up * (target - center).dot(up)).to_array();
+    }
+
     /// Right, up and back (towards the viewer) of the view, in the scene.
     pub(crate) fn axes(&self) -> [Vec3; 3] {
         let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();

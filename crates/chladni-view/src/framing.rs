@@ -40,9 +40,63 @@ fn pixels_per_unit((cell, camera): &(Rect, Camera)) -> f32 {
     cell.height.max(1) as f32 / camera.distance.max(f32::MIN_POSITIVE)
 }
 
+/// Of `points` those that reach farthest in some of 400 directions spread evenly over the sphere: few points that
+/// need as much room as all of them, to within half a percent. Points that are not finite are left out.
+pub fn extremes(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    const DIRECTIONS: usize = 400;
+    let golden_angle = std::f32::consts::PI * (3.0 - 5.0_f32.sqrt());
+    let direction = |i: usize| {
+        let z = 1.0 - (2 * i + 1) as f32 / DIRECTIONS as f32;
+        let (sin, cos) = (golden_angle * i as f32).sin_cos();
+        let radius = (1.0 - z * z).sqrt();
+        [radius * cos, radius * sin, z]
+    };
+    let finite: Vec<usize> = (0..points.len()).filter(|&i| points[i].iter().all(|c| c.is_finite())).collect();
+    let farthest = |along: [f32; 3]| {
+        let reach = |i: &usize| (0..3).map(|c| along[c] * points[*i][c]).sum::<f32>();
+        finite.iter().copied().max_by(|a, b| reach(a).total_cmp(&reach(b)))
+    };
+    let mut chosen: Vec<usize> = (0..DIRECTIONS).filter_map(|i| farthest(direction(i))).collect();
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen.into_iter().map(|i| points[i]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn extremes_need_the_room_of_all() {
+        let ball: Vec<[f32; 3]> = (0..20_000)
+            .map(|i| {
+                let z = 1.0 - (2 * i + 1) as f32 / 20_000.0;
+                let (sin, cos) = (2.399_963 * i as f32).sin_cos();
+                let radius = (1.0 - z * z).sqrt();
+                [2.0 * radius * cos, radius * sin, 0.5 * z]
+            })
+            .collect();
+        let few = extremes(&ball);
+        assert!(few.len() <= 400);
+        let (mut all, mut some) = (Camera::default(), Camera::default());
+        all.fit(ball.iter().copied(), 1.5, 0.9);
+        some.fit(few.iter().copied(), 1.5, 0.9);
+        assert!((some.distance / all.distance - 1.0).abs() < 0.005, "{} {}", some.distance, all.distance);
+        assert!(extremes(&[[f32::NAN; 3]]).is_empty());
+    }
+
+    #[test]
+    fn a_swing_needs_no_more_room_than_a_turntable_and_keeps_all_in_the_frame() {
+        let cow = corners([3.0, 0.0, -1.0], [0.5, 1.0, 4.0]);
+        let mut turntable = Camera { pitch_rad: 0.2, ..Camera::default() };
+        let mut swing = turntable;
+        turntable.fit_turntable(&cow, 1.0, 0.9);
+        swing.fit_swing(&cow, 1.0, 0.9, 0.35);
+        assert!(swing.distance < 0.9 * turntable.distance, "{} {}", swing.distance, turntable.distance);
+        for yaw_rad in [-0.35f32, -0.1, 0.0, 0.2, 0.35] {
+            seen(&cow, &(Rect::of_size(300, 300), Camera { yaw_rad, ..swing }));
+        }
+    }
 
     /// A box of this size around `center`.
     fn corners(center: [f32; 3], size: [f32; 3]) -> Vec<[f32; 3]> {

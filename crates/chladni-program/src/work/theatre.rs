@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use chladni_mesh::Orientation;
-use chladni_music::{Beat, Dancer, Instrument, Looks, Parameter, Reaction, Viewpoint, react};
+use chladni_music::{Beat, Dancer, Instrument, Looks, Parameter, Reaction, Switch, Viewpoint, react};
+use chladni_view::framing::extremes;
 use chladni_view::{Background, Camera, Cell, Figure, Lights, Marker, Material, Rect, layout};
 
 use super::Heard;
@@ -88,7 +89,7 @@ pub struct Staging {
     rest: Vec<[f32; 3]>,
     /// Where up and front are.
     stands: Orientation,
-    /// What has to fit into a cell, for a limit of displacement.
+    /// The limit of displacement, and what has to fit into a cell for it.
     room: (f32, Vec<[f32; 3]>),
 }
 
@@ -143,12 +144,15 @@ impl Staging {
     ) -> Staged {
         let limit = instrument.parameters().get(Parameter::Limit);
         if self.room.0 != limit {
-            self.room = (limit, self.dancer.room(&self.rest, limit));
+            self.room = (limit, extremes(&self.dancer.room(&self.rest, limit)));
         }
         let (viewports, columns) = Self::cells(area, items);
         let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        let mut camera = Camera { pitch_rad: viewpoint.pitch_rad, stands: self.stands, ..Camera::default() };
-        camera.fit_turntable(&self.room.1, aspect, FILL);
+        let Viewpoint { yaw_rad, pitch_rad, .. } = *viewpoint;
+        let mut camera = Camera { yaw_rad, pitch_rad, stands: self.stands, ..Camera::default() };
+        let turns = instrument.parameters().is_on(Switch::BeatTurns);
+        let swing_rad = if turns { instrument.parameters().get(Parameter::TurnRad) } else { 0.0 };
+        camera.fit_swing(&self.room.1, aspect, FILL, swing_rad);
         camera.distance *= viewpoint.distance;
         // The shape turns about its own axis, wherever the picture is shifted to.
         camera.yaw_rad = viewpoint.yaw_rad - reaction.turn_rad;
