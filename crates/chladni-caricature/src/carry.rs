@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use chladni_match::{Landmark, MatchError, Method, Report, Settings, match_shapes};
+use chladni_match::{Landmark, MatchError, MatchReport, MatchSettings, Method, match_shapes};
 use chladni_mesh::{Frame, TriMesh, weld};
 use chladni_task::Task;
 
-use crate::{Error, GivenEllipsoid, Layer, Painted, Project, Region, Sphere, SurfacePoint, Template};
+use crate::{
+    CaricatureError, GivenEllipsoid, Layer, Painted, Project, Region, Sphere, SurfacePoint, Template,
+};
 use chladni_mesh::surface::vec3::{Vec3, distance};
 
 /// A project on another shape.
@@ -15,7 +17,7 @@ pub struct Carried {
     /// The project; its `shape` is still the old one's name.
     pub project: Project,
     /// How well the two shapes were matched, where they had to be.
-    pub report: Option<Report>,
+    pub report: Option<MatchReport>,
 }
 
 impl Project {
@@ -29,7 +31,7 @@ impl Project {
     ///
     /// # Errors
     /// A region that does not belong to `from`, a match that fails, a cancelled task.
-    pub fn carried(&self, from: &TriMesh, to: &TriMesh, task: &Task) -> Result<Carried, Error> {
+    pub fn carried(&self, from: &TriMesh, to: &TriMesh, task: &Task) -> Result<Carried, CaricatureError> {
         let (old_frame, new_frame) = (Frame::of(from), Frame::of(to));
         let tied = |layer: &Layer| {
             matches!(layer.region.painted, Painted::Vertices(_)) || !layer.matching.landmarks.is_empty()
@@ -84,19 +86,19 @@ struct Way {
     old_operator_vertices: usize,
     new_operator_vertex: Vec<Option<u32>>,
     new_operator_vertices: usize,
-    report: Report,
+    report: MatchReport,
 }
 
 impl Way {
-    fn between(from: &TriMesh, to: &TriMesh, task: &Task) -> Result<Self, Error> {
+    fn between(from: &TriMesh, to: &TriMesh, task: &Task) -> Result<Self, CaricatureError> {
         let same = from.positions.len() == to.positions.len() && from.triangles == to.triangles;
         let method = if same { Method::Same } else { Method::Fit };
-        let found = match_shapes(to, from, &Settings { method, ..Settings::default() }, task);
+        let found = match_shapes(to, from, &MatchSettings { method, ..MatchSettings::default() }, task);
         task.check()?;
-        let failed = |why: MatchError| Error::Carry(why.to_string());
+        let failed = |why: MatchError| CaricatureError::Carry(why.to_string());
         let found = found.map_err(failed)?;
         let on_old = found.correspondence.on_template;
-        let on_old = on_old.ok_or_else(|| Error::Carry("the match has no triangles".into()))?;
+        let on_old = on_old.ok_or_else(|| CaricatureError::Carry("the match has no triangles".into()))?;
         let (old, new) = (weld(from), weld(to));
         Ok(Self {
             on_old,
@@ -111,10 +113,10 @@ impl Way {
     }
 
     /// χ01 on the operator vertices of the new mesh from `values` on those of the old.
-    fn carry(&self, values: &[f32]) -> Result<Arc<[f32]>, Error> {
+    fn carry(&self, values: &[f32]) -> Result<Arc<[f32]>, CaricatureError> {
         if values.len() != self.old_operator_vertices {
             let (found, expected) = (values.len(), self.old_operator_vertices);
-            return Err(Error::VertexCount { what: "the painted region", found, expected });
+            return Err(CaricatureError::VertexCount { what: "the painted region", found, expected });
         }
         let old = |v: u32| {
             let vertex = self.old_operator_vertex.get(v as usize).copied().flatten();

@@ -39,6 +39,9 @@ impl Crossings {
     /// The triangles that pass through another when the vertices lie at `positions` (N, finite),
     /// ascending. Triangles that only touch, that lie in one plane, or that share an edge do not
     /// pass through each other; neither do those without area.
+    ///
+    /// # Errors
+    /// [`Cancelled`] through `task`.
     pub fn triangles(&self, positions: &[Vec3], task: &Task) -> Result<Vec<u32>, Cancelled> {
         let mut tree = self.tree.clone();
         tree.fit(|t| bounds(&self.surface, t, positions));

@@ -6,7 +6,7 @@ use chladni_harmonics::Basis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Surface};
+use crate::{CaricatureError, Surface};
 use chladni_mesh::surface::vec3::{Vec3, add, dot, scaled, sub};
 
 /// The three harmonic representations of a difference (section 4 of the paper).
@@ -48,11 +48,11 @@ impl std::fmt::Display for Model {
 }
 
 impl std::str::FromStr for Model {
-    type Err = Error;
+    type Err = CaricatureError;
 
-    fn from_str(text: &str) -> Result<Self, Error> {
+    fn from_str(text: &str) -> Result<Self, CaricatureError> {
         let model = Self::ALL.into_iter().find(|m| m.to_string() == text);
-        model.ok_or_else(|| Error::syntax("model", text, "must be coordinate, normal or distance"))
+        model.ok_or_else(|| CaricatureError::syntax("model", text, "must be coordinate, normal or distance"))
     }
 }
 
@@ -71,7 +71,14 @@ pub struct Base {
 impl Base {
     /// The shape whose vertices lie at `positions`, on the connectivity of `surface` and the
     /// harmonics of `basis`.
-    pub fn new(basis: Arc<Basis>, surface: Arc<Surface>, positions: Vec<Vec3>) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// Another number of positions than vertices.
+    pub fn new(
+        basis: Arc<Basis>,
+        surface: Arc<Surface>,
+        positions: Vec<Vec3>,
+    ) -> Result<Self, CaricatureError> {
         check_count("the shape's positions", positions.len(), &basis)?;
         check_count("the surface", surface.vertices(), &basis)?;
         Ok(Self { basis, surface, positions, normals: OnceLock::new(), spectrum: OnceLock::new() })
@@ -119,10 +126,17 @@ enum Source {
 
 impl Target {
     /// Matched points, one per operator vertex; finite.
-    pub fn new(basis: Arc<Basis>, points: Vec<Vec3>) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// Another number of points than vertices, or one that is not finite.
+    pub fn new(basis: Arc<Basis>, points: Vec<Vec3>) -> Result<Self, CaricatureError> {
         check_count("the template's points", points.len(), &basis)?;
         if let Some(bad) = points.iter().flatten().find(|c| !c.is_finite()) {
-            return Err(Error::Range { what: "a point of the template", value: *bad, range: "finite" });
+            return Err(CaricatureError::Range {
+                what: "a point of the template",
+                value: *bad,
+                range: "finite",
+            });
         }
         Ok(Self { points, spectrum: OnceLock::new(), source: Source::Points(basis) })
     }
@@ -198,7 +212,10 @@ const NEGLIGIBLE_AMPLITUDE: f64 = 1e-8;
 
 impl Difference {
     /// The difference between `base` and `target`, both on the same vertices.
-    pub fn new(base: Arc<Base>, target: Arc<Target>) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// Shapes of different numbers of vertices.
+    pub fn new(base: Arc<Base>, target: Arc<Target>) -> Result<Self, CaricatureError> {
         check_count("the template's points", target.points.len(), &base.basis)?;
         let pairs = target.points.par_iter().zip(&base.positions);
         let delta: Vec<Vec3> = pairs.map(|(r, x)| sub(*r, *x)).collect();
@@ -340,7 +357,7 @@ fn residual(basis: &Basis, signal: &[Vec3], spectrum: &[Vec3]) -> Vec<Vec3> {
     out
 }
 
-pub(crate) fn check_count(what: &'static str, found: usize, basis: &Basis) -> Result<(), Error> {
+pub(crate) fn check_count(what: &'static str, found: usize, basis: &Basis) -> Result<(), CaricatureError> {
     let expected = basis.vertices();
-    if found == expected { Ok(()) } else { Err(Error::VertexCount { what, found, expected }) }
+    if found == expected { Ok(()) } else { Err(CaricatureError::VertexCount { what, found, expected }) }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {
+pub enum CaricatureError {
     /// A signal does not have one value per operator vertex.
     #[error("{what} has {found} values, the shape has {expected} vertices")]
     VertexCount {
@@ -93,7 +93,7 @@ pub enum Error {
     Cancelled(#[from] chladni_task::Cancelled),
 }
 
-impl Error {
+impl CaricatureError {
     /// A [`Syntax`](Self::Syntax) error that quotes at most 40 characters of `text`.
     pub(crate) fn syntax(what: &'static str, text: &str, why: impl Into<String>) -> Self {
         let mut shown: String = text.chars().take(40).collect();

@@ -1,6 +1,6 @@
 //! Undo and redo of every action.
 
-use crate::{Action, Error, LayerId, Project, Surface};
+use crate::{Action, CaricatureError, LayerId, Project, Surface};
 
 /// A project with its past and its future.
 ///
@@ -43,14 +43,20 @@ impl History {
     }
 
     /// Does `action` as a step of its own.
-    pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// As [`Project::apply`].
+    pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
         self.gesture = None;
         self.step(action, surface, true)
     }
 
     /// Does `action` as part of a drag or a brush stroke: actions of one kind on one layer become
     /// one step until [`finish`](Self::finish).
-    pub fn apply_live(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// As [`Project::apply`].
+    pub fn apply_live(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
         let kind = (action.label(), action.layer());
         self.step(action, surface, self.gesture != Some(kind))?;
         self.gesture = Some(kind);
@@ -62,7 +68,12 @@ impl History {
         self.gesture = None;
     }
 
-    fn step(&mut self, action: &Action, surface: Option<&Surface>, new_step: bool) -> Result<(), Error> {
+    fn step(
+        &mut self,
+        action: &Action,
+        surface: Option<&Surface>,
+        new_step: bool,
+    ) -> Result<(), CaricatureError> {
         let before = self.project.clone();
         self.project.apply(action, surface)?;
         self.future.clear();

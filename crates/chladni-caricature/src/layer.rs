@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use chladni_match::{Ellipsoid, MatchError, Settings as MatchSettings};
+use chladni_match::{Ellipsoid, MatchError, MatchSettings};
 use chladni_mesh::ShapeSource;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Model, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
+use crate::{CaricatureError, Model, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
 use chladni_mesh::surface::vec3::Vec3;
 
 /// Names a layer for as long as its project is open, across moves and undo.
@@ -76,7 +76,10 @@ pub struct GivenEllipsoid {
 }
 
 impl GivenEllipsoid {
-    /// What it is to matching; an error where its numbers are none.
+    /// What it is to matching.
+    ///
+    /// # Errors
+    /// Semi-axes that are not positive and finite, other numbers that are not finite.
     pub fn ellipsoid(&self) -> Result<Ellipsoid, MatchError> {
         Ellipsoid::given(self.center, self.semi_axes, self.turn_deg)
     }
@@ -90,10 +93,10 @@ impl From<Ellipsoid> for GivenEllipsoid {
 
 /// `sphere:x,y,z,radius`, or `ellipsoid:x,y,z,a,b,c` and, where it is turned, three angles more.
 impl std::str::FromStr for GivenEllipsoid {
-    type Err = Error;
+    type Err = CaricatureError;
 
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let bad = |why: &str| Error::syntax("template", text, why);
+    fn from_str(text: &str) -> Result<Self, CaricatureError> {
+        let bad = |why: &str| CaricatureError::syntax("template", text, why);
         let (kind, list) = text.split_once(':').unwrap_or_default();
         let numbers: Option<Vec<f64>> = list.split(',').map(|t| t.trim().parse().ok()).collect();
         let given = match (kind, &numbers.unwrap_or_default()[..]) {
@@ -160,10 +163,10 @@ impl From<ShapeSource> for Template {
 /// `ellipsoid`, `sphere`, a given one of either ([`GivenEllipsoid`]), `self:scale=0.9`, `self:lowpass=20`, `self:original`, `sample:NAME`, or a
 /// path.
 impl std::str::FromStr for Template {
-    type Err = Error;
+    type Err = CaricatureError;
 
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let bad = |why: &str| Error::syntax("template", text, why);
+    fn from_str(text: &str) -> Result<Self, CaricatureError> {
+        let bad = |why: &str| CaricatureError::syntax("template", text, why);
         if text.starts_with("sphere:") || text.starts_with("ellipsoid:") {
             return text.parse().map(Self::Given);
         }
@@ -205,9 +208,9 @@ impl std::fmt::Display for Template {
 }
 
 impl TryFrom<String> for Template {
-    type Error = Error;
+    type Error = CaricatureError;
 
-    fn try_from(text: String) -> Result<Self, Error> {
+    fn try_from(text: String) -> Result<Self, CaricatureError> {
         text.parse()
     }
 }
@@ -254,20 +257,27 @@ impl Layer {
     }
 
     /// Checks every number against its range.
-    pub fn validate(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// The first number that is out of its range.
+    pub fn validate(&self) -> Result<(), CaricatureError> {
         if self.mu.is_nan() || self.mu.abs() > MAX_MU {
-            return Err(Error::Range { what: "μ", value: self.mu, range: "-100 to 100" });
+            return Err(CaricatureError::Range { what: "μ", value: self.mu, range: "-100 to 100" });
         }
         if !(0.0..=1.0).contains(&self.strength) {
-            return Err(Error::Range { what: "the strength", value: self.strength, range: "0 to 1" });
+            return Err(CaricatureError::Range {
+                what: "the strength",
+                value: self.strength,
+                range: "0 to 1",
+            });
         }
         if !(0.0..=1.0).contains(&self.infill) {
-            return Err(Error::Range { what: "the infill", value: self.infill, range: "0 to 1" });
+            return Err(CaricatureError::Range { what: "the infill", value: self.infill, range: "0 to 1" });
         }
         let wavelength = self.region.smoothing.wavelength;
         if !(0.01..=10.0).contains(&wavelength) {
             let (what, range) = ("the wavelength of the region's cut-off", "0.01 to 10 of the size");
-            return Err(Error::Range { what, value: wavelength, range });
+            return Err(CaricatureError::Range { what, value: wavelength, range });
         }
         self.curve.validate()
     }

@@ -40,6 +40,8 @@
 //! mesh lies where its painter would have put it ([`Carried::report`] tells how well the meshes
 //! match).
 
+#![warn(clippy::missing_errors_doc)]
+
 mod brush;
 mod carry;
 mod crossing;
@@ -71,7 +73,7 @@ pub use brush::{Brush, Reach, Seen};
 pub use carry::Carried;
 pub use crossing::Crossings;
 pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};
-pub use error::Error;
+pub use error::CaricatureError;
 pub use exaggeration::{Field, Signals};
 pub use fold::{flipped_triangles, furthest};
 pub use history::History;
@@ -80,8 +82,7 @@ pub use low_pass::self_low_passed;
 pub use matching::{MatchRequest, Matched};
 pub use migration::FORMAT_VERSION;
 pub use paint::{Dab, PaintEdit};
-pub use project::{Action, Project, Property};
-pub use project_file::DEFAULT_HARMONICS;
+pub use project::{Action, DEFAULT_HARMONICS, Project, Property};
 pub use recovery::{Recovered, Recovery};
 pub use region::{Painted, Region, RollOff, Smoothing, Sphere};
 pub use scale_curve::ScaleCurve;
@@ -94,3 +95,8 @@ pub use chladni_mesh::surface::SurfacePoint;
 
 #[cfg(test)]
 mod fixture;
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -3,7 +3,7 @@
 use chladni_harmonics::Body;
 use chladni_match::Correspondence;
 
-use crate::Error;
+use crate::CaricatureError;
 
 /// Each vertex ↔ itself with only the harmonics k < `k0` kept, where the constants of all pieces
 /// count as one: exaggerating against one's own smooth self brings out one's detail. `file_positions` are the n positions of the file that
@@ -11,14 +11,18 @@ use crate::Error;
 ///
 /// # Errors
 /// `k0` outside 1..=K, or positions that are not those of the body.
-pub fn self_low_passed(body: &Body, file_positions: &[[f64; 3]], k0: usize) -> Result<Correspondence, Error> {
+pub fn self_low_passed(
+    body: &Body,
+    file_positions: &[[f64; 3]],
+    k0: usize,
+) -> Result<Correspondence, CaricatureError> {
     if k0 == 0 || k0 > body.basis.harmonics() {
         let (what, range) = ("k0", "between 1 and the number of harmonics");
-        return Err(Error::Range { what, value: k0 as f64, range });
+        return Err(CaricatureError::Range { what, value: k0 as f64, range });
     }
     if file_positions.len() != body.operator_vertex.len() {
         let (found, expected) = (file_positions.len(), body.operator_vertex.len());
-        return Err(Error::VertexCount { what: "the list of file positions", found, expected });
+        return Err(CaricatureError::VertexCount { what: "the list of file positions", found, expected });
     }
     let mut coefficients = body.basis.transform3(&body.positions);
     coefficients.truncate(body.basis.harmonics_below(k0));

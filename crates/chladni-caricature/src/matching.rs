@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use chladni_harmonics::{Basis, Body};
-use chladni_match::{Ellipsoid, Match, MatchError, Report, Settings, infilled, match_shapes, onto_ellipsoid};
+use chladni_match::{
+    Ellipsoid, Match, MatchError, MatchReport, MatchSettings, infilled, match_shapes, onto_ellipsoid,
+};
 use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_task::Task;
 
-use crate::{Base, Error, Layer, Target, Template};
+use crate::{Base, CaricatureError, Layer, Target, Template};
 use chladni_mesh::surface::vec3::{Vec3, add, scaled};
 
 /// A template that has to be matched with the shape, once, however many layers use it.
@@ -16,7 +18,7 @@ pub struct MatchRequest {
     /// The template.
     pub template: Template,
     /// How to match it; the default for templates that are not meshes.
-    pub matching: Settings,
+    pub matching: MatchSettings,
 }
 
 /// A matched template. It knows nothing of harmonics, so that it outlives a change of their number.
@@ -28,7 +30,7 @@ pub struct Matched {
     /// is; `None` where all of it is trusted.
     pub infill: Option<(Vec<Vec3>, f64)>,
     /// How good the match is; none where the template is not a mesh.
-    pub report: Option<Report>,
+    pub report: Option<MatchReport>,
     /// How far to trust each of the n file vertices, in [0, 1].
     pub confidence: Vec<f64>,
     /// How the shape stands if it stands as its template does; none where that is in doubt, too.
@@ -37,7 +39,7 @@ pub struct Matched {
 
 impl Matched {
     /// x^r on `basis`, `infill` of the way (0 to 1) from the points as they were found to those filled in.
-    pub(crate) fn target(&self, basis: &Arc<Basis>, infill: f64) -> Result<Target, Error> {
+    pub(crate) fn target(&self, basis: &Arc<Basis>, infill: f64) -> Result<Target, CaricatureError> {
         let points = match &self.infill {
             Some((filled, _)) if infill > 0.0 => {
                 let both = self.points.iter().zip(filled);
@@ -52,10 +54,14 @@ impl Matched {
 
 /// Points given for the n vertices of the shape's file, in the file's coordinates, on the operator vertices.
 /// Vertices that were welded take the mean.
-fn on_operator_vertices(body: &Body, points: &[Vec3]) -> Result<Vec<Vec3>, Error> {
+fn on_operator_vertices(body: &Body, points: &[Vec3]) -> Result<Vec<Vec3>, CaricatureError> {
     let expected = body.operator_vertex.len();
     if points.len() != expected {
-        return Err(Error::VertexCount { what: "the template's points", found: points.len(), expected });
+        return Err(CaricatureError::VertexCount {
+            what: "the template's points",
+            found: points.len(),
+            expected,
+        });
     }
     let mut sums = vec![[0.0; 3]; body.positions.len()];
     let mut counts = vec![0.0; body.positions.len()];
@@ -67,7 +73,9 @@ fn on_operator_vertices(body: &Body, points: &[Vec3]) -> Result<Vec<Vec3>, Error
     }
     let mean: Vec<Vec3> = sums.iter().zip(&counts).map(|(s, n)| scaled(*s, 1.0 / n)).collect();
     match mean.iter().flatten().find(|c| !c.is_finite()) {
-        Some(bad) => Err(Error::Range { what: "a point of the template", value: *bad, range: "finite" }),
+        Some(bad) => {
+            Err(CaricatureError::Range { what: "a point of the template", value: *bad, range: "finite" })
+        }
         None => Ok(mean),
     }
 }
@@ -81,7 +89,7 @@ impl MatchRequest {
                 Some(Self { template, matching: layer.matching.clone() })
             }
             Template::Ellipsoid | Template::Sphere | Template::Given(_) => {
-                Some(Self { template, matching: Settings::default() })
+                Some(Self { template, matching: MatchSettings::default() })
             }
             Template::Scaled(_) | Template::LowPass(_) | Template::Original => None,
         }
@@ -89,13 +97,16 @@ impl MatchRequest {
 
     /// Matches. `shape` is the mesh that `body` was built from; `mesh` is the template's, needed
     /// where [`Template::is_mesh`]. May take seconds; check the report of a mesh.
+    ///
+    /// # Errors
+    /// A template whose mesh is missing or does not match, or [`CaricatureError::Cancelled`].
     pub fn run(
         &self,
         shape: &TriMesh,
         body: &Body,
         mesh: Option<&TriMesh>,
         task: &Task,
-    ) -> Result<Matched, Error> {
+    ) -> Result<Matched, CaricatureError> {
         let failed = |e: MatchError| self.failure(e.to_string());
         let mut stands = None;
         let (found, report) = match self.template {
@@ -136,13 +147,17 @@ impl MatchRequest {
         })
     }
 
-    fn failure(&self, why: String) -> Error {
-        Error::Template { template: self.template.to_string(), why }
+    fn failure(&self, why: String) -> CaricatureError {
+        CaricatureError::Template { template: self.template.to_string(), why }
     }
 }
 
 /// How a shape stands that was matched with `template`.
-fn like_template(template: &TriMesh, matched: &Match, task: &Task) -> Result<Option<Orientation>, Error> {
+fn like_template(
+    template: &TriMesh,
+    matched: &Match,
+    task: &Task,
+) -> Result<Option<Orientation>, CaricatureError> {
     let Ok(found) = Estimate::of(template, Known::default(), task) else {
         task.check()?;
         return Ok(None);

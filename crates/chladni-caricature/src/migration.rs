@@ -4,17 +4,17 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
-use crate::project_file::DEFAULT_HARMONICS;
+use crate::project::DEFAULT_HARMONICS;
 use crate::scale_curve::monotone;
-use crate::{Error, ScaleCurve, usual_wavelength};
+use crate::{CaricatureError, ScaleCurve, usual_wavelength};
 
 /// The format that this program writes.
 pub const FORMAT_VERSION: i64 = 3;
 
 /// `table` in the current format with the number of the older one it was in, or `None` where it is current
 /// already.
-pub(crate) fn migrate(mut table: Table, path: &Path) -> Result<Option<(Table, i64)>, Error> {
-    let invalid = |why: &str| Error::ProjectFile { path: path.into(), why: why.to_owned() };
+pub(crate) fn migrate(mut table: Table, path: &Path) -> Result<Option<(Table, i64)>, CaricatureError> {
+    let invalid = |why: &str| CaricatureError::ProjectFile { path: path.into(), why: why.to_owned() };
     let Some(version) = table.get("format_version").and_then(Value::as_integer) else {
         return Err(invalid("names no format_version; it is not a Chladni project"));
     };
@@ -26,7 +26,7 @@ pub(crate) fn migrate(mut table: Table, path: &Path) -> Result<Option<(Table, i6
         }
         2 => from_2_to_3(&mut table),
         found if found > FORMAT_VERSION => {
-            return Err(Error::NewerFormat { path: path.into(), found, supported: FORMAT_VERSION });
+            return Err(CaricatureError::NewerFormat { path: path.into(), found, supported: FORMAT_VERSION });
         }
         _ => return Err(invalid(&format!("has format version {version}, which never existed"))),
     }

@@ -6,7 +6,7 @@ use chladni_mesh::surface::components;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Painted, Reach, Surface, SurfacePoint};
+use crate::{CaricatureError, Painted, Reach, Surface, SurfacePoint};
 
 /// One change to a painted region. Replaying the same edits on the same surface gives the same
 /// region.
@@ -50,7 +50,10 @@ pub struct Dab {
 impl PaintEdit {
     /// The region after this edit. A first dab or fill on a region that is everywhere starts from
     /// an empty one, unless it erases: whoever paints wants to say where.
-    pub fn apply(&self, painted: &Painted, surface: &Surface) -> Result<Painted, Error> {
+    ///
+    /// # Errors
+    /// A region of another shape, an intensity outside [0, 1], a vertex that is not there.
+    pub fn apply(&self, painted: &Painted, surface: &Surface) -> Result<Painted, CaricatureError> {
         let mut values = match (painted, self) {
             (Painted::Everywhere, Self::Dab(dab)) if !dab.erase => vec![0.0; surface.vertices()],
             (Painted::Everywhere, Self::FillComponent { intensity, .. }) if *intensity > 0.0 => {
@@ -62,7 +65,7 @@ impl PaintEdit {
         };
         if values.len() != surface.vertices() {
             let (found, expected) = (values.len(), surface.vertices());
-            return Err(Error::VertexCount { what: "the painted region", found, expected });
+            return Err(CaricatureError::VertexCount { what: "the painted region", found, expected });
         }
         match self {
             Self::Dab(dab) => dab.paint(&mut values)?,
@@ -86,12 +89,12 @@ impl Dab {
         Self { vertices: reach.vertices(), intensity, erase }
     }
 
-    fn paint(&self, values: &mut [f32]) -> Result<(), Error> {
+    fn paint(&self, values: &mut [f32]) -> Result<(), CaricatureError> {
         check_intensity(self.intensity)?;
         for v in &self.vertices {
             let Some(x) = values.get_mut(*v as usize) else {
                 let (what, range) = ("a painted vertex", "one of the shape's");
-                return Err(Error::Range { what, value: f64::from(*v), range });
+                return Err(CaricatureError::Range { what, value: f64::from(*v), range });
             };
             *x = if self.erase { x.min(1.0 - self.intensity) } else { x.max(self.intensity) };
         }
@@ -99,11 +102,15 @@ impl Dab {
     }
 }
 
-fn check_intensity(intensity: f32) -> Result<(), Error> {
+fn check_intensity(intensity: f32) -> Result<(), CaricatureError> {
     if (0.0..=1.0).contains(&intensity) {
         Ok(())
     } else {
-        Err(Error::Range { what: "the brush's intensity", value: f64::from(intensity), range: "0 to 1" })
+        Err(CaricatureError::Range {
+            what: "the brush's intensity",
+            value: f64::from(intensity),
+            range: "0 to 1",
+        })
     }
 }
 

@@ -3,11 +3,16 @@
 use std::sync::Arc;
 
 use chladni_harmonics::Laplacian;
-use chladni_match::{Method, Settings as MatchSettings};
+use chladni_match::{MatchSettings, Method};
 use chladni_mesh::Orientation;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Layer, LayerId, Model, PaintEdit, ScaleCurve, ShapeSource, Smoothing, Surface, Template};
+use crate::{
+    CaricatureError, Layer, LayerId, Model, PaintEdit, ScaleCurve, ShapeSource, Smoothing, Surface, Template,
+};
+
+/// K of a project that names none.
+pub const DEFAULT_HARMONICS: usize = 512;
 
 /// What is saved: which shape, how many harmonics of which Laplacian, which layers. Cloning shares the layers.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,7 +171,10 @@ impl Project {
     }
 
     /// Adds a layer on top and returns its id.
-    pub fn push(&mut self, layer: Layer) -> Result<LayerId, Error> {
+    ///
+    /// # Errors
+    /// As [`Layer::validate`].
+    pub fn push(&mut self, layer: Layer) -> Result<LayerId, CaricatureError> {
         layer.validate()?;
         Ok(self.insert(self.layers.len(), Arc::new(layer)))
     }
@@ -178,12 +186,15 @@ impl Project {
         id
     }
 
-    fn index(&self, id: LayerId) -> Result<usize, Error> {
-        self.layers.iter().position(|(i, _)| *i == id).ok_or(Error::NoLayer(id.0))
+    fn index(&self, id: LayerId) -> Result<usize, CaricatureError> {
+        self.layers.iter().position(|(i, _)| *i == id).ok_or(CaricatureError::NoLayer(id.0))
     }
 
     /// Does `action`. Painting needs the `surface` of the shape. On an error nothing has changed.
-    pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// A layer that is not there, a number out of its range, or painting without a `surface` or on another one.
+    pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
         match action {
             Action::Add { index, layer } => {
                 layer.validate()?;
@@ -206,14 +217,18 @@ impl Project {
             }
             Action::Set { layer, to } => self.change(*layer, |l| to.put(l))?,
             Action::Paint { layer, edit } => {
-                let surface = surface.ok_or(Error::NoSurface)?;
+                let surface = surface.ok_or(CaricatureError::NoSurface)?;
                 self.change(*layer, |l| {
                     l.region.painted = edit.apply(&l.region.painted, surface)?;
                     Ok(())
                 })?;
             }
             Action::SetHarmonics(0) => {
-                return Err(Error::Range { what: "the number of harmonics", value: 0.0, range: "1 or more" });
+                return Err(CaricatureError::Range {
+                    what: "the number of harmonics",
+                    value: 0.0,
+                    range: "1 or more",
+                });
             }
             Action::SetHarmonics(harmonics) => self.harmonics = *harmonics,
             Action::Stand(stands) => self.stands = *stands,
@@ -225,8 +240,8 @@ impl Project {
     fn change(
         &mut self,
         id: LayerId,
-        put: impl FnOnce(&mut Layer) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+        put: impl FnOnce(&mut Layer) -> Result<(), CaricatureError>,
+    ) -> Result<(), CaricatureError> {
         let index = self.index(id)?;
         let mut layer = Layer::clone(&self.layers[index].1);
         put(&mut layer)?;
@@ -236,7 +251,10 @@ impl Project {
     }
 
     /// This project with every layer replaced by what `change` makes of it, ids kept.
-    pub(crate) fn map_layers(&self, change: impl Fn(&Layer) -> Result<Layer, Error>) -> Result<Self, Error> {
+    pub(crate) fn map_layers(
+        &self,
+        change: impl Fn(&Layer) -> Result<Layer, CaricatureError>,
+    ) -> Result<Self, CaricatureError> {
         let mut changed = self.clone();
         for (_, layer) in &mut changed.layers {
             *layer = Arc::new(change(layer)?);
@@ -246,7 +264,7 @@ impl Project {
 }
 
 impl Property {
-    fn put(&self, layer: &mut Layer) -> Result<(), Error> {
+    fn put(&self, layer: &mut Layer) -> Result<(), CaricatureError> {
         match self.clone() {
             Self::Name(name) => layer.name = name,
             Self::Template(template) => layer.template = template,

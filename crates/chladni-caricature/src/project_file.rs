@@ -5,14 +5,16 @@
 use std::path::{Component, Path, PathBuf};
 
 use chladni_harmonics::Laplacian;
-use chladni_match::Settings as MatchSettings;
+use chladni_match::MatchSettings;
 use chladni_mesh::{MeshError, Orientation};
 use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
 
 use crate::migration::{FORMAT_VERSION, migrate};
+use crate::project::DEFAULT_HARMONICS;
 use crate::{
-    Error, Layer, Model, Painted, Project, Region, ScaleCurve, ShapeSource, Smoothing, Sphere, Template, runs,
+    CaricatureError, Layer, Model, Painted, Project, Region, ScaleCurve, ShapeSource, Smoothing, Sphere,
+    Template, runs,
 };
 
 /// What is read of one file at most.
@@ -95,9 +97,6 @@ impl Default for RegionTable {
     }
 }
 
-/// K of a project that names none.
-pub const DEFAULT_HARMONICS: usize = 512;
-
 fn default_harmonics() -> usize {
     DEFAULT_HARMONICS
 }
@@ -114,11 +113,15 @@ fn yes() -> bool {
 impl Project {
     /// Reads the project file at `path`. Paths in it are taken from its folder.
     ///
-    /// Files of older formats are brought up to date in memory. Fails, naming line and column
-    /// where it can, on anything that is not a valid project, and on a newer format.
-    pub fn load(path: &Path) -> Result<Self, Error> {
-        let bytes = read_file(path, MOST_BYTES).map_err(|source| Error::Io { path: path.into(), source })?;
-        let no_text = || Error::ProjectFile {
+    /// Files of older formats are brought up to date in memory.
+    ///
+    /// # Errors
+    /// A file that cannot be read, that is not a valid project (with line and column where known), or that a newer
+    /// program wrote.
+    pub fn load(path: &Path) -> Result<Self, CaricatureError> {
+        let bytes = read_file(path, MOST_BYTES)
+            .map_err(|source| CaricatureError::Io { path: path.into(), source })?;
+        let no_text = || CaricatureError::ProjectFile {
             path: path.into(),
             why: "is no text, so it is not a Chladni project".into(),
         };
@@ -128,15 +131,22 @@ impl Project {
 
     /// Writes the project to `path`: readers see the old file or the whole new one, whatever
     /// happens to this process meanwhile.
-    pub fn save(&self, path: &Path) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// A path that is not Unicode, or what the system says.
+    pub fn save(&self, path: &Path) -> Result<(), CaricatureError> {
         let text = self.to_text(path, None)?;
         chladni_task::write_atomic(path, text.as_bytes())
-            .map_err(|source| Error::Io { path: path.into(), source })
+            .map_err(|source| CaricatureError::Io { path: path.into(), source })
     }
 
     /// The text of a project file at `path`; with `recovered_from`, of a recovery file.
-    pub(crate) fn to_text(&self, path: &Path, recovered_from: Option<PathBuf>) -> Result<String, Error> {
-        let invalid = |why: String| Error::ProjectFile { path: path.into(), why };
+    pub(crate) fn to_text(
+        &self,
+        path: &Path,
+        recovered_from: Option<PathBuf>,
+    ) -> Result<String, CaricatureError> {
+        let invalid = |why: String| CaricatureError::ProjectFile { path: path.into(), why };
         let folder = folder_of(path);
         let source = match &self.shape {
             ShapeSource::File(file) => relative_text(file, &folder).map_err(invalid)?,
@@ -158,8 +168,8 @@ impl Project {
     }
 
     /// A project and, from a recovery file, where it was saved before.
-    pub(crate) fn from_text(text: &str, path: &Path) -> Result<(Self, Option<PathBuf>), Error> {
-        let invalid = |why: String| Error::ProjectFile { path: path.into(), why };
+    pub(crate) fn from_text(text: &str, path: &Path) -> Result<(Self, Option<PathBuf>), CaricatureError> {
+        let invalid = |why: String| CaricatureError::ProjectFile { path: path.into(), why };
         let table: toml::Table = text.parse().map_err(|e: toml::de::Error| invalid(one_line(&e, text)))?;
         let migrated = migrate(table, path)?;
         // Parsing the text itself where it is up to date gives errors their line and column.
@@ -222,12 +232,12 @@ impl LayerTable {
         })
     }
 
-    fn into_layer(self, folder: &Path) -> Result<Layer, Error> {
+    fn into_layer(self, folder: &Path) -> Result<Layer, CaricatureError> {
         let template = match self.template.parse()? {
             Template::File(file) => Template::File(resolved(&file, folder)),
             other => other,
         };
-        let bad_match = |why: String| Error::Syntax { what: "match", text: String::new(), why };
+        let bad_match = |why: String| CaricatureError::Syntax { what: "match", text: String::new(), why };
         let mut matching = table_of(&MatchSettings::default()).map_err(bad_match)?;
         if let Some(unknown) = self.matching.keys().find(|k| !matching.contains_key(*k)) {
             return Err(bad_match(format!("there is no setting `{unknown}`")));
@@ -238,7 +248,11 @@ impl LayerTable {
         let painted = match painted {
             Some(text) if spheres.is_empty() => Painted::Vertices(runs::from_text(&text)?),
             Some(_) => {
-                return Err(Error::syntax("region", "painted", "spheres and painted exclude each other"));
+                return Err(CaricatureError::syntax(
+                    "region",
+                    "painted",
+                    "spheres and painted exclude each other",
+                ));
             }
             None if spheres.is_empty() => Painted::Everywhere,
             None => Painted::Spheres(spheres.iter().map(|s| s.parse()).collect::<Result<_, _>>()?),

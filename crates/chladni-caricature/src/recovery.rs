@@ -11,7 +11,7 @@ use std::time::SystemTime;
 use chladni_task::read_text_file;
 
 use crate::project_file::MOST_BYTES;
-use crate::{Error, Project};
+use crate::{CaricatureError, Project};
 
 /// The recovery copy of a running session; [`finish`](Self::finish) removes it.
 #[derive(Debug)]
@@ -38,29 +38,36 @@ pub struct Recovered {
 impl Recovery {
     /// Starts a session that keeps its copies in `folder`, which is made where it is not there.
     /// `id` must differ between sessions that run at once: the process id will do.
-    pub fn start(folder: &Path, id: u32) -> Result<Self, Error> {
-        std::fs::create_dir_all(folder).map_err(|source| Error::Io { path: folder.into(), source })?;
+    ///
+    /// # Errors
+    /// A folder that cannot be made or written.
+    pub fn start(folder: &Path, id: u32) -> Result<Self, CaricatureError> {
+        std::fs::create_dir_all(folder)
+            .map_err(|source| CaricatureError::Io { path: folder.into(), source })?;
         for attempt in 0..1000 {
             let name = format!("session-{id}-{attempt}");
             let lock = folder.join(format!("{name}.lock"));
             let copy = folder.join(format!("{name}.chladni"));
             let held = File::options().create(true).truncate(false).write(true).open(&lock);
-            let held = held.map_err(|source| Error::Io { path: lock.clone(), source })?;
+            let held = held.map_err(|source| CaricatureError::Io { path: lock.clone(), source })?;
             // An old copy waits to be recovered; another session may hold the lock.
             if !copy.exists() && held.try_lock().is_ok() {
                 return Ok(Self { copy, lock, _held: held });
             }
         }
         let source = std::io::Error::other("too many sessions were left behind");
-        Err(Error::Io { path: folder.into(), source })
+        Err(CaricatureError::Io { path: folder.into(), source })
     }
 
     /// Keeps `project` as it is now. `original` is where the user saved it, if anywhere.
-    pub fn keep(&self, project: &Project, original: Option<&Path>) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// As [`Project::save`].
+    pub fn keep(&self, project: &Project, original: Option<&Path>) -> Result<(), CaricatureError> {
         let original = original.map(|p| std::path::absolute(p).unwrap_or_else(|_| p.into()));
         let text = project.to_text(&self.copy, original)?;
         chladni_task::write_atomic(&self.copy, text.as_bytes())
-            .map_err(|source| Error::Io { path: self.copy.clone(), source })
+            .map_err(|source| CaricatureError::Io { path: self.copy.clone(), source })
     }
 
     /// Drops the copy: everything is saved.
@@ -77,7 +84,7 @@ impl Recovery {
 
     /// The projects in `folder` whose sessions died, newest first, and the copies that cannot be
     /// read, each with the reason. An absent folder holds none.
-    pub fn find(folder: &Path) -> (Vec<Recovered>, Vec<Error>) {
+    pub fn find(folder: &Path) -> (Vec<Recovered>, Vec<CaricatureError>) {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
         let copies = entries.map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "chladni"));
         let (mut found, mut unreadable) = (Vec::new(), Vec::new());
@@ -93,9 +100,9 @@ impl Recovery {
 }
 
 impl Recovered {
-    fn read(copy: &Path) -> Result<Self, Error> {
-        let text =
-            read_text_file(copy, MOST_BYTES).map_err(|source| Error::Io { path: copy.into(), source })?;
+    fn read(copy: &Path) -> Result<Self, CaricatureError> {
+        let text = read_text_file(copy, MOST_BYTES)
+            .map_err(|source| CaricatureError::Io { path: copy.into(), source })?;
         let (project, original) = Project::from_text(&text, copy)?;
         let modified = std::fs::metadata(copy).and_then(|m| m.modified()).ok();
         Ok(Self { copy: copy.into(), original, modified, project })

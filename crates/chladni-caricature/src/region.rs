@@ -5,7 +5,7 @@ use std::sync::Arc;
 use chladni_harmonics::{Basis, Body};
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
+use crate::CaricatureError;
 use crate::difference::check_count;
 use crate::painted_spectrum::PaintedSpectrum;
 use crate::softening::Softening;
@@ -90,7 +90,7 @@ impl Region {
         file_positions: &[Vec3],
         spectrum: &mut PaintedSpectrum,
         softening: &mut Softening,
-    ) -> Result<Option<Arc<[f32]>>, Error> {
+    ) -> Result<Option<Arc<[f32]>>, CaricatureError> {
         if self.painted == Painted::Everywhere {
             return Ok(None);
         }
@@ -131,7 +131,10 @@ fn spheres_to_vertices(spheres: &[Sphere], file_positions: &[Vec3]) -> Arc<[f32]
 impl Smoothing {
     /// χ of a painted signal with one value per operator vertex of `body`. A [`Stack`](crate::Stack)
     /// keeps what this makes anew each time.
-    pub fn apply(&self, body: &Arc<Body>, painted: &[f32]) -> Result<Arc<[f32]>, Error> {
+    ///
+    /// # Errors
+    /// A signal of another number of values; a surface on which no heat flows.
+    pub fn apply(&self, body: &Arc<Body>, painted: &[f32]) -> Result<Arc<[f32]>, CaricatureError> {
         check_count("the painted region", painted.len(), &body.basis)?;
         let mut softening = Softening::of(body.clone());
         self.apply_with(&body.basis, painted, &mut PaintedSpectrum::default(), &mut softening)
@@ -143,7 +146,7 @@ impl Smoothing {
         painted: &[f32],
         spectrum: &mut PaintedSpectrum,
         softening: &mut Softening,
-    ) -> Result<Arc<[f32]>, Error> {
+    ) -> Result<Arc<[f32]>, CaricatureError> {
         match self.roll_off {
             RollOff::Heat => {
                 let smooth = softening.step(self.heat_time(basis))?.apply(painted);
@@ -175,10 +178,10 @@ const LOWEST_WAVE: f64 = 1e-4;
 
 /// `x,y,z,radius` in file units.
 impl std::str::FromStr for Sphere {
-    type Err = Error;
+    type Err = CaricatureError;
 
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let bad = |why: &str| Error::syntax("region", text, why);
+    fn from_str(text: &str) -> Result<Self, CaricatureError> {
+        let bad = |why: &str| CaricatureError::syntax("region", text, why);
         let numbers: Vec<f64> = text
             .split(',')
             .map(|t| t.trim().parse().map_err(|_| bad("write it as x,y,z,radius")))

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Deserializer, Serializer};
 
-use crate::Error;
+use crate::CaricatureError;
 
 /// More vertices than any mesh that fits in memory with its harmonics; a longer text is refused
 /// before anything is allocated for it.
@@ -29,8 +29,8 @@ pub(crate) fn to_text(values: &[f32]) -> String {
 }
 
 /// The values of a run-length text; each must lie in [0, 1].
-pub(crate) fn from_text(text: &str) -> Result<Arc<[f32]>, Error> {
-    let bad = |run: &str, why: &str| Error::syntax("painted region", run, why);
+pub(crate) fn from_text(text: &str) -> Result<Arc<[f32]>, CaricatureError> {
+    let bad = |run: &str, why: &str| CaricatureError::syntax("painted region", run, why);
     let mut values: Vec<f32> = Vec::new();
     for run in text.split_whitespace() {
         let (count, value) = run.split_once('*').unwrap_or(("1", run));

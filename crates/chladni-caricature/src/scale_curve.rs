@@ -3,7 +3,7 @@
 use chladni_harmonics::Basis;
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
+use crate::CaricatureError;
 use crate::wavelength::{parse_wavelength, wavelengths};
 
 /// Φ_k and Φ_d: a gain over the wavelength, as a share of the shape's [`size`](crate::size), and a gain for
@@ -70,14 +70,25 @@ impl ScaleCurve {
     }
 
     /// Checks that wavelengths fall within their range and gains lie in 0..=[`MAX_GAIN`](Self::MAX_GAIN).
-    pub fn validate(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// The first number that is out of its range.
+    pub fn validate(&self) -> Result<(), CaricatureError> {
         let what = "a wavelength of the scale curve";
         for (i, &[wavelength, gain]) in self.points.iter().enumerate() {
             if !(Self::FINEST..=Self::BROADEST).contains(&wavelength) {
-                return Err(Error::Range { what, value: wavelength, range: "0.04 to 3.2 of the size" });
+                return Err(CaricatureError::Range {
+                    what,
+                    value: wavelength,
+                    range: "0.04 to 3.2 of the size",
+                });
             }
             if i > 0 && wavelength >= self.points[i - 1][0] {
-                return Err(Error::Range { what, value: wavelength, range: "below the point before it" });
+                return Err(CaricatureError::Range {
+                    what,
+                    value: wavelength,
+                    range: "below the point before it",
+                });
             }
             check_gain(gain)?;
         }
@@ -151,20 +162,20 @@ fn tangent(before: Option<[f64; 2]>, here: [f64; 2], after: Option<[f64; 2]>) ->
     (a + b) / (a / s0 + b / s1)
 }
 
-fn check_gain(gain: f64) -> Result<(), Error> {
+fn check_gain(gain: f64) -> Result<(), CaricatureError> {
     if (0.0..=ScaleCurve::MAX_GAIN).contains(&gain) {
         Ok(())
     } else {
-        Err(Error::Range { what: "a gain of the scale curve", value: gain, range: "0 to 4" })
+        Err(CaricatureError::Range { what: "a gain of the scale curve", value: gain, range: "0 to 4" })
     }
 }
 
 /// `flat`, `smooth`, `broad`, `mid`, `fine`, or points `wavelength%:gain,…` from broad to fine and optionally
 /// `d:gain` for the residual (the last point's gain where it is not given).
 impl std::str::FromStr for ScaleCurve {
-    type Err = Error;
+    type Err = CaricatureError;
 
-    fn from_str(text: &str) -> Result<Self, Error> {
+    fn from_str(text: &str) -> Result<Self, CaricatureError> {
         match text.trim() {
             "flat" => return Ok(Self::flat(1.0)),
             "smooth" => return Ok(Self::smooth()),
@@ -173,7 +184,7 @@ impl std::str::FromStr for ScaleCurve {
             "fine" => return Ok(Self::fine()),
             _ => {}
         }
-        let bad = |why: &str| Error::syntax("scale curve", text, why);
+        let bad = |why: &str| CaricatureError::syntax("scale curve", text, why);
         let number = |t: &str| t.trim().parse::<f64>().map_err(|_| bad(&format!("`{t}` is not a number")));
         let mut curve = Self { points: Vec::new(), residual: f64::NAN };
         for part in text.split(',') {

@@ -15,7 +15,7 @@ use crate::memo::{Memo, Same};
 use crate::painted_spectrum::PaintedSpectrum;
 use crate::softening::Softening;
 use crate::{
-    Base, Difference, Error, Field, Layer, LayerId, MatchRequest, Matched, Model, Painted, Project,
+    Base, CaricatureError, Difference, Field, Layer, LayerId, MatchRequest, Matched, Model, Painted, Project,
     ScaleCurve, Signals, Smoothing, Surface, Target, Template,
 };
 use chladni_mesh::surface::vec3::{Vec3, add};
@@ -110,7 +110,10 @@ pub enum LayerState {
 
 impl Stack {
     /// A stack on `body`, with nothing matched.
-    pub fn new(body: Arc<Body>) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// A basis that does not fit the positions.
+    pub fn new(body: Arc<Body>) -> Result<Self, CaricatureError> {
         let surface = Arc::new(Surface::new(&body));
         let original = Base::new(body.basis.clone(), surface.clone(), body.positions.clone())?;
         let file_positions = surface.file_positions();
@@ -122,7 +125,10 @@ impl Stack {
 
     /// A stack on the same shape with another number of harmonics. Matches know nothing of harmonics and
     /// stay.
-    pub fn with_harmonics_of(&self, body: Arc<Body>) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// A body of another shape.
+    pub fn with_harmonics_of(&self, body: Arc<Body>) -> Result<Self, CaricatureError> {
         check_count("the shape", self.body.positions.len(), &body.basis)?;
         let softening = self.softening.with_harmonics_of(body.clone());
         Ok(Self { matches: self.matches.clone(), softening, ..Self::new(body)? })
@@ -165,7 +171,7 @@ impl Stack {
 
     /// Keeps a match for all layers that ask for it, now and later, so that undoing a change of
     /// template does not match again. A failed one puts its layers in [`LayerState::Failed`].
-    pub fn install(&mut self, request: MatchRequest, matched: Result<Matched, Error>) {
+    pub fn install(&mut self, request: MatchRequest, matched: Result<Matched, CaricatureError>) {
         self.forget(&request);
         self.matches.push((request, matched.map(Arc::new).map_err(|why| why.to_string())));
     }
@@ -287,7 +293,7 @@ impl LayerMemo {
         softening: &mut Softening,
         layer: &Layer,
         base: &Arc<Base>,
-    ) -> Result<Option<Acting>, Error> {
+    ) -> Result<Option<Acting>, CaricatureError> {
         let Some((target, outdated)) = self.target(scene, layer, base)? else { return Ok(None) };
         let inputs = (Same::from(base), Same::from(&target));
         let new = || Difference::new(base.clone(), target.clone()).map(Arc::new);
@@ -309,10 +315,12 @@ impl LayerMemo {
         let mu = layer.effective_mu();
         let inputs = (Same::from(&field), mu, mask.as_ref().map(Same::from));
         let normals = || if layer.model == Model::Normal { base.normals() } else { &[] };
-        let displace = || Ok::<_, Error>(Arc::new(field.displacement(normals(), mu, mask.as_deref())));
+        let displace =
+            || Ok::<_, CaricatureError>(Arc::new(field.displacement(normals(), mu, mask.as_deref())));
         let displacement = self.displacement.get(inputs, displace)?;
         let inputs = (Same::from(base), Same::from(&displacement));
-        let result = self.result.get(inputs, || Ok::<_, Error>(Arc::new(base.moved(&displacement))))?;
+        let result =
+            self.result.get(inputs, || Ok::<_, CaricatureError>(Arc::new(base.moved(&displacement))))?;
         Ok(Some(Acting { outdated, mask, difference, displacement, result }))
     }
 
@@ -322,7 +330,7 @@ impl LayerMemo {
         scene: &Scene<'_>,
         layer: &Layer,
         base: &Arc<Base>,
-    ) -> Result<Option<(Arc<Target>, bool)>, Error> {
+    ) -> Result<Option<(Arc<Target>, bool)>, CaricatureError> {
         if let Some(request) = MatchRequest::of(layer) {
             let older = || {
                 let newest_first = scene.matches.iter().rev();
@@ -333,7 +341,7 @@ impl LayerMemo {
             let (matched, outdated) = match scene.matches.iter().find(|(known, _)| *known == request) {
                 None => (older(), true),
                 Some((_, Ok(matched))) => (Some(matched), false),
-                Some((_, Err(why))) => return Err(Error::Unmatched(why.clone())),
+                Some((_, Err(why))) => return Err(CaricatureError::Unmatched(why.clone())),
             };
             let Some(matched) = matched else { return Ok(None) };
             let inputs = (Same::from(matched), layer.infill);
@@ -343,7 +351,7 @@ impl LayerMemo {
         let inputs = (Same::from(base), layer.template.clone());
         let make = || {
             let own = own_target(&layer.template, base, scene.original).map(Arc::new);
-            own.ok_or_else(|| Error::Template {
+            own.ok_or_else(|| CaricatureError::Template {
                 template: layer.template.to_string(),
                 why: "needs a match".into(),
             })

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use chladni_caricature::*;
-use chladni_match::{Landmark, Settings as MatchSettings};
+use chladni_match::{Landmark, MatchSettings};
 use chladni_mesh::{TriMesh, samples, weld};
 use chladni_task::Task;
 
@@ -104,8 +104,8 @@ fn the_same_triangles_carry_vertex_by_vertex_and_spheres_need_no_match() {
 fn a_region_of_another_mesh_is_refused_and_work_can_be_stopped() {
     let (small, large) = (lump(2), lump(3));
     let wrong = painted(&large).carried(&small, &large, &Task::new());
-    assert!(matches!(wrong, Err(Error::VertexCount { .. })), "{wrong:?}");
+    assert!(matches!(wrong, Err(CaricatureError::VertexCount { .. })), "{wrong:?}");
     let task = Task::new();
     task.cancel();
-    assert!(matches!(painted(&small).carried(&small, &large, &task), Err(Error::Cancelled(_))));
+    assert!(matches!(painted(&small).carried(&small, &large, &task), Err(CaricatureError::Cancelled(_))));
 }

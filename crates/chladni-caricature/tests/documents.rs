@@ -165,7 +165,7 @@ fn older_formats_load_and_newer_ones_say_so() {
     assert_eq!((again.layers()[0].1.clone(), again.taken_over()), (bent.clone(), None));
 
     let newer = Project::load(&fixture("format-99.chladni"));
-    assert!(matches!(newer, Err(Error::NewerFormat { found: 99, supported: FORMAT_VERSION, .. })));
+    assert!(matches!(newer, Err(CaricatureError::NewerFormat { found: 99, supported: FORMAT_VERSION, .. })));
 }
 
 #[test]

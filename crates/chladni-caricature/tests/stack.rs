@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use chladni_caricature::*;
 use chladni_harmonics::{BasisSettings, Body};
-use chladni_match::{Method, Settings as MatchSettings};
+use chladni_match::{MatchSettings, Method};
 use chladni_synth::displacements_f64;
 use chladni_task::Task;
 

@@ -1,4 +1,4 @@
-//! From a mesh to a [`Body`], through the cache where there is one.
+//! From a mesh to a [`Body`], through the cache where there is one; from a pencil to its basis.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use chladni_task::Task;
 
 use crate::eigen::{self, Solved};
 use crate::operator::Domain;
-use crate::{Basis, BasisCache, BasisSettings, Body, BuildReport, HarmonicsError, Operator};
+use crate::{Basis, BasisCache, BasisSettings, Body, BuildReport, HarmonicsError, Operator, Pencil};
 
 impl Body {
     /// Welds `mesh`, builds its Laplacian and solves for its harmonics.
@@ -52,6 +52,39 @@ impl Body {
     ) -> Result<(Self, BuildReport), HarmonicsError> {
         let settings = BasisSettings { laplacian: operator.laplacian, ..*settings };
         built(mesh, Some(operator), &settings, cache, task)
+    }
+}
+
+impl Pencil<'_> {
+    /// The first K pairs, certified: λ ascending and H with HᵀMH = I, in the units of S and M.
+    ///
+    /// S must be positive semidefinite; its null space may have any dimension, and those of its eigenvalues that
+    /// are 0 but for rounding come out as exactly 0. Signs are such that a harmonic is positive where it is
+    /// largest; which vectors stand for a multiple eigenvalue is left to rounding. The certificate is that of
+    /// S + tM, t being about the mean distance of the first K eigenvalues.
+    ///
+    /// `settings.laplacian` plays no part. K is at most N, and the report says so where more were asked for.
+    ///
+    /// # Errors
+    /// K = 0, S with negative eigenvalues, a solve that cannot be certified, or [`HarmonicsError::Cancelled`].
+    pub fn solve(
+        &self,
+        settings: &BasisSettings,
+        task: &Task,
+    ) -> Result<(Basis, BuildReport), HarmonicsError> {
+        let start = Instant::now();
+        let vertices = self.mass.len();
+        let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
+        let harmonics = settings.clamped(vertices)?;
+        let Solved { basis, cuts_cluster, fell_back_to_dense, profile } =
+            on_threads(settings.threads, || {
+                eigen::solve_given(*self, harmonics, settings.whole_clusters, task)
+            })??;
+        (report.cuts_cluster, report.fell_back_to_dense) = (cuts_cluster, fell_back_to_dense);
+        report.profile = profile;
+        report.seconds.solve = start.elapsed().as_secs_f64();
+        report.seconds.total = report.seconds.solve;
+        Ok((basis, report))
     }
 }
 

@@ -40,7 +40,7 @@ impl BasisCache {
         &self.folder
     }
 
-    pub(crate) fn entry(&self, domain: &Domain, settings: &BasisSettings) -> Entry {
+    pub(crate) fn entry(&self, domain: &Domain, settings: &BasisSettings) -> CacheEntry {
         let mut hash = blake3::Hasher::new();
         hash.update(&VERSION.to_le_bytes());
         hash.update(&(settings.harmonics as u64).to_le_bytes());
@@ -50,12 +50,12 @@ impl BasisCache {
         hash.update(bytemuck::cast_slice(&domain.positions));
         hash.update(bytemuck::cast_slice(&domain.triangles));
         let laplacian = settings.laplacian;
-        Entry { laplacian, path: self.folder.join(format!("{}.basis", hash.finalize().to_hex())) }
+        CacheEntry { laplacian, path: self.folder.join(format!("{}.basis", hash.finalize().to_hex())) }
     }
 }
 
 /// The file of one basis.
-pub(crate) struct Entry {
+pub(crate) struct CacheEntry {
     /// Part of its name.
     laplacian: Laplacian,
     path: PathBuf,
@@ -75,7 +75,7 @@ struct Header {
     max_orthogonality_error: f64,
 }
 
-impl Entry {
+impl CacheEntry {
     /// The basis and whether it cuts a cluster; `None` where there is no entry; a warning
     /// where there is one that cannot be used.
     pub(crate) fn read(&self, vertices: usize) -> Result<Option<(Basis, bool)>, String> {

@@ -28,6 +28,8 @@
 //! Not guaranteed: eigenvalues that differ by little more than rounding (a share of 10⁻⁹) mix
 //! a little differently on different processors.
 
+#![warn(clippy::missing_errors_doc)]
+
 mod basis;
 mod body;
 mod build;
@@ -60,3 +62,8 @@ pub use pencil::Pencil;
 pub use report::{BasisWarning, BuildReport, BuildSeconds, SolveProfile};
 pub use settings::{BasisSettings, Laplacian};
 pub use sparse::SymmetricSparse;
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

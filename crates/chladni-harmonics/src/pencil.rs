@@ -1,12 +1,6 @@
 //! Generalized eigenproblems S h = λ M h, of a mesh or from elsewhere.
 
-use std::time::Instant;
-
-use chladni_task::Task;
-
-use crate::build::on_threads;
-use crate::eigen::{self, Solved};
-use crate::{Basis, BasisSettings, BuildReport, HarmonicsError, Operator, SymmetricSparse};
+use crate::{HarmonicsError, Operator, SymmetricSparse};
 
 /// S and the diagonal of M of S h = λ M h: a Laplacian of your own, the energy of a shell, a graph.
 ///
@@ -50,37 +44,6 @@ impl<'a> Pencil<'a> {
             return bad(format!("value {i} of M is {}, not positive and finite", mass[i]));
         }
         Ok(Self { stiffness, mass })
-    }
-
-    /// The first K pairs, certified: λ ascending and H with HᵀMH = I, in the units of S and M.
-    ///
-    /// S must be positive semidefinite; its null space may have any dimension, and those of its eigenvalues that
-    /// are 0 but for rounding come out as exactly 0. Signs are such that a harmonic is positive where it is
-    /// largest; which vectors stand for a multiple eigenvalue is left to rounding. The certificate is that of
-    /// S + tM, t being about the mean distance of the first K eigenvalues.
-    ///
-    /// `settings.laplacian` plays no part. K is at most N, and the report says so where more were asked for.
-    ///
-    /// # Errors
-    /// K = 0, S with negative eigenvalues, a solve that cannot be certified, or [`HarmonicsError::Cancelled`].
-    pub fn solve(
-        &self,
-        settings: &BasisSettings,
-        task: &Task,
-    ) -> Result<(Basis, BuildReport), HarmonicsError> {
-        let start = Instant::now();
-        let vertices = self.mass.len();
-        let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
-        let harmonics = settings.clamped(vertices)?;
-        let Solved { basis, cuts_cluster, fell_back_to_dense, profile } =
-            on_threads(settings.threads, || {
-                eigen::solve_given(*self, harmonics, settings.whole_clusters, task)
-            })??;
-        (report.cuts_cluster, report.fell_back_to_dense) = (cuts_cluster, fell_back_to_dense);
-        report.profile = profile;
-        report.seconds.solve = start.elapsed().as_secs_f64();
-        report.seconds.total = report.seconds.solve;
-        Ok((basis, report))
     }
 
     /// Gershgorin on M⁻¹ S: no eigenvalue is above the largest sum of sizes in a row. Where nothing off

@@ -7,7 +7,7 @@
 
 use std::time::Instant;
 
-use chladni_match::{Match, Method, Settings, Similarity, match_shapes};
+use chladni_match::{Match, MatchSettings, Method, Similarity, match_shapes};
 use chladni_mesh::{TriMesh, load_mesh};
 use chladni_task::Task;
 use rand::{RngExt, SeedableRng};
@@ -87,7 +87,7 @@ impl Row {
     ) -> Result<(), Box<dyn std::error::Error>> {
         let mut template = mesh.clone();
         template.positions.iter_mut().for_each(|p| *p = moved.apply(*p));
-        let settings = Settings { method, seed, ..Settings::default() };
+        let settings = MatchSettings { method, seed, ..MatchSettings::default() };
         let start = Instant::now();
         let Match { correspondence: found, report } = match_shapes(mesh, &template, &settings, &Task::new())?;
         self.seconds.push(start.elapsed().as_secs_f64());

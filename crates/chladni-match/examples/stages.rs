@@ -5,7 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-use chladni_match::{MatchError, Settings, match_shapes};
+use chladni_match::{MatchError, MatchSettings, match_shapes};
 use chladni_mesh::{TriMesh, load_mesh};
 use chladni_task::{Progress, Task};
 
@@ -38,7 +38,7 @@ fn watch(shape: &TriMesh, template: &TriMesh) -> Result<Duration, MatchError> {
     let mut stages: Vec<(Progress, Instant)> = Vec::new();
     let (mut heard, mut silence) = (start, Duration::ZERO);
     let found = std::thread::scope(|scope| {
-        let worker = scope.spawn(|| match_shapes(shape, template, &Settings::default(), &task));
+        let worker = scope.spawn(|| match_shapes(shape, template, &MatchSettings::default(), &task));
         while !worker.is_finished() {
             let now = task.progress();
             if stages.last().is_none_or(|(last, _)| *last != now) {
@@ -85,7 +85,7 @@ fn cancelled_after(shape: &TriMesh, template: &TriMesh, delay: Duration) -> Resu
             task.cancel();
             Instant::now()
         });
-        let result = match_shapes(shape, template, &Settings::default(), &task);
+        let result = match_shapes(shape, template, &MatchSettings::default(), &task);
         (result, Instant::now(), cancelling.join())
     });
     match (result, cancelled) {

@@ -4,7 +4,7 @@ use chladni_mesh::{TriMesh, symmetric_eigen};
 use glam::{DMat3, DVec3, EulerRot};
 
 use crate::small_system::solve_small;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::{Correspondence, MatchError, Side};
 
 /// An ellipsoid in the shape file's coordinates.
@@ -26,7 +26,7 @@ impl Ellipsoid {
     /// # Errors
     /// A mesh without a surface.
     pub fn fitted(shape: &TriMesh) -> Result<Self, MatchError> {
-        let surface = Surface::new(shape, Side::Shape)?;
+        let surface = UnitSurface::new(shape, Side::Shape)?;
         let area = surface.area();
         let (moments, axes) = symmetric_eigen(surface.second_moments());
         let axes = axes.map(DVec3::from_array);
@@ -52,7 +52,7 @@ impl Ellipsoid {
     /// # Errors
     /// A mesh without a surface.
     pub fn fitted_sphere(shape: &TriMesh) -> Result<Self, MatchError> {
-        let surface = Surface::new(shape, Side::Shape)?;
+        let surface = UnitSurface::new(shape, Side::Shape)?;
         let sum: f64 = surface.points.iter().zip(&surface.areas).map(|(p, a)| a * p.length()).sum();
         Self::sphere(surface.center.to_array(), surface.diagonal * sum / surface.area())
     }
@@ -183,7 +183,7 @@ fn refine(points: &[(DVec3, f64)], start: [f64; 3]) -> (DVec3, [f64; 3]) {
 /// # Errors
 /// A mesh without a surface, an ellipsoid with a semi-axis that is not positive and finite.
 pub fn onto_ellipsoid(shape: &TriMesh, ellipsoid: &Ellipsoid) -> Result<Correspondence, MatchError> {
-    let surface = Surface::new(shape, Side::Shape)?;
+    let surface = UnitSurface::new(shape, Side::Shape)?;
     ellipsoid.check()?;
     let pole =
         DVec3::from_array(ellipsoid.center) + DVec3::from_array(ellipsoid.axes[0]) * ellipsoid.semi_axes[0];
@@ -208,7 +208,7 @@ pub fn self_scaled(shape: &TriMesh, scale: f64) -> Result<Correspondence, MatchE
     if !(scale >= 0.0 && scale.is_finite()) {
         return Err(MatchError::Parameter { name: "scale", range: "finite and ≥ 0", value: scale });
     }
-    let surface = Surface::new(shape, Side::Shape)?;
+    let surface = UnitSurface::new(shape, Side::Shape)?;
     let (point, confidence) = shape
         .positions
         .iter()

@@ -12,21 +12,21 @@ use rayon::prelude::*;
 use crate::graph::{Graph, NodeMap};
 use crate::landmarks::Pinned;
 use crate::partners::Partners;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::{MatchError, Similarity};
 
 /// One graph: its nodes, and the stiffness and reach at its first and last iteration.
-struct Level {
+struct Coarseness {
     nodes: usize,
     iterations: usize,
     stiffness: (f64, f64),
     reach: (f64, f64),
 }
 
-const LEVELS: [Level; 3] = [
-    Level { nodes: 100, iterations: 10, stiffness: (10.0, 0.3), reach: (0.10, 0.06) },
-    Level { nodes: 400, iterations: 8, stiffness: (1.0, 0.1), reach: (0.06, 0.04) },
-    Level { nodes: 1500, iterations: 6, stiffness: (0.3, 0.05), reach: (0.04, 0.03) },
+const LEVELS: [Coarseness; 3] = [
+    Coarseness { nodes: 100, iterations: 10, stiffness: (10.0, 0.3), reach: (0.10, 0.06) },
+    Coarseness { nodes: 400, iterations: 8, stiffness: (1.0, 0.1), reach: (0.06, 0.04) },
+    Coarseness { nodes: 1500, iterations: 6, stiffness: (0.3, 0.05), reach: (0.04, 0.03) },
 ];
 
 /// Vertices whose distances are minimised.
@@ -46,8 +46,8 @@ pub(crate) struct Pull {
 
 /// The shape's vertices laid onto the aligned template, in the shape's surface coordinates.
 pub(crate) fn bend(
-    shape: &Surface,
-    template: &Surface,
+    shape: &UnitSurface,
+    template: &UnitSurface,
     pose: &Similarity,
     landmarks: &[Pinned],
     seed: u64,
@@ -80,7 +80,7 @@ pub(crate) fn bend(
 }
 
 /// Vertices spread by area, all of them where there are few.
-fn data_vertices(shape: &Surface, seed: u64) -> Vec<u32> {
+fn data_vertices(shape: &UnitSurface, seed: u64) -> Vec<u32> {
     let n = shape.points.len();
     if n <= DATA_VERTICES {
         return (0..n as u32).collect();
@@ -91,7 +91,7 @@ fn data_vertices(shape: &Surface, seed: u64) -> Vec<u32> {
 
 /// Where each data vertex is drawn to; weight 0 is left out.
 pub(crate) fn pulls(
-    shape: &Surface,
+    shape: &UnitSurface,
     partners: &Partners,
     pose: &Similarity,
     vertices: &[u32],
@@ -152,7 +152,7 @@ impl Blocks {
 ///
 /// The three coordinates share one matrix; the unknowns are the differences from the identity.
 fn solve(
-    shape: &Surface,
+    shape: &UnitSurface,
     graph: &Graph,
     pulls: &[Pull],
     data: f64,

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::{MatchError, Side};
 
 /// A closed, oriented, genus-0 triangle mesh over part of a surface.
@@ -27,7 +27,7 @@ pub(crate) struct Closed {
 }
 
 impl Closed {
-    pub fn new(surface: &Surface, side: Side) -> Result<Self, MatchError> {
+    pub fn new(surface: &UnitSurface, side: Side) -> Result<Self, MatchError> {
         let refuse = |problem: String| MatchError::NoCommonDomain { side, problem };
         let largest = largest_component(surface);
         let mut point_of = vec![None; surface.points.len()];
@@ -73,7 +73,7 @@ impl Closed {
     }
 }
 
-fn largest_component(surface: &Surface) -> u32 {
+fn largest_component(surface: &UnitSurface) -> u32 {
     let mut area = vec![0.0; surface.components()];
     for (v, a) in surface.areas.iter().enumerate() {
         area[surface.component[v] as usize] += a;

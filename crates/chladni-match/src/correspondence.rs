@@ -65,7 +65,7 @@ pub fn same_connectivity(
     template: &TriMesh,
     scaling: Scaling,
 ) -> Result<Correspondence, MatchError> {
-    use crate::surface::Surface;
+    use crate::surface::UnitSurface;
     if shape.positions.len() != template.positions.len() {
         return Err(MatchError::VertexCountsDiffer {
             shape_vertices: shape.positions.len(),
@@ -73,8 +73,8 @@ pub fn same_connectivity(
         });
     }
     check_triangles(shape, template)?;
-    let shape_surface = Surface::new(shape, Side::Shape)?;
-    let template_surface = Surface::new(template, Side::Template)?;
+    let shape_surface = UnitSurface::new(shape, Side::Shape)?;
+    let template_surface = UnitSurface::new(template, Side::Template)?;
     let weights: Vec<f64> =
         shape_surface.point_of_vertex.iter().map(|p| f64::from(u8::from(p.is_some()))).collect();
     let similarity = Similarity::fit(&template.positions, &shape.positions, Some(&weights), scaling)?;

@@ -14,7 +14,7 @@ use crate::project::nearest_facing;
 use crate::quality::stretch;
 use crate::similarity::{fit_pairs, fit_pairs_at};
 use crate::sphere::{onto_sphere, orientation};
-use crate::surface::{Surface, triangle_tree};
+use crate::surface::{UnitSurface, triangle_tree};
 use crate::{MatchError, Scaling, Side, Similarity};
 
 /// Sweeps of the relaxation.
@@ -104,8 +104,8 @@ impl Domain<'_> {
 
 /// The map led by `landmarks`, three or more; `scale` is that of the pose where it is not to be fitted.
 pub(crate) fn crossmap(
-    shape: &Surface,
-    template: &Surface,
+    shape: &UnitSurface,
+    template: &UnitSurface,
     landmarks: &[Pinned],
     scale: Option<f64>,
     task: &Task,
@@ -201,8 +201,8 @@ fn relax(
 
 /// From places in the closed template to points of the template's surface.
 fn assemble(
-    shape: &Surface,
-    template: &Surface,
+    shape: &UnitSurface,
+    template: &UnitSurface,
     s: &Closed,
     domain: &Domain,
     places: &[SurfacePoint],

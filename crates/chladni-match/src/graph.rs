@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 
 /// Nodes whose maps a vertex blends.
 const BLENDED: usize = 6;
@@ -44,14 +44,14 @@ impl Ord for Distance {
 
 /// Walks along edges from vertices, each time as far as a given radius.
 struct Walker<'a> {
-    surface: &'a Surface,
+    surface: &'a UnitSurface,
     distance: Vec<f64>,
     touched: Vec<u32>,
     heap: BinaryHeap<(Reverse<Distance>, u32)>,
 }
 
 impl<'a> Walker<'a> {
-    fn new(surface: &'a Surface) -> Self {
+    fn new(surface: &'a UnitSurface) -> Self {
         let distance = vec![f64::INFINITY; surface.points.len()];
         Self { surface, distance, touched: Vec::new(), heap: BinaryHeap::new() }
     }
@@ -86,11 +86,11 @@ impl<'a> Walker<'a> {
 
 impl Graph {
     /// About `count` vertices, evenly spread along the surface, at least one on every component.
-    pub fn nodes_only(surface: &Surface, count: usize, seed: u64) -> Vec<u32> {
+    pub fn nodes_only(surface: &UnitSurface, count: usize, seed: u64) -> Vec<u32> {
         Self::scatter(&mut Walker::new(surface), Self::spacing(surface, count), seed)
     }
 
-    fn spacing(surface: &Surface, count: usize) -> f64 {
+    fn spacing(surface: &UnitSurface, count: usize) -> f64 {
         // A maximal set of points r apart on an area A has about 0.8 A/r² of them.
         (0.8 * surface.area() / count.max(1) as f64).sqrt()
     }
@@ -111,7 +111,7 @@ impl Graph {
     }
 
     /// A graph of about `count` nodes, at least one on every component.
-    pub fn new(surface: &Surface, count: usize, seed: u64) -> Self {
+    pub fn new(surface: &UnitSurface, count: usize, seed: u64) -> Self {
         let n = surface.points.len();
         let spacing = Self::spacing(surface, count);
         let mut walker = Walker::new(surface);
@@ -136,7 +136,7 @@ impl Graph {
 
 /// Nodes that share a vertex; and for nodes beside the largest component the nearest nodes of
 /// other components, so that eyes and teeth follow their head.
-fn edges(surface: &Surface, nodes: &[u32], blend: &[Vec<(u32, f64)>]) -> Vec<(u32, u32, f64)> {
+fn edges(surface: &UnitSurface, nodes: &[u32], blend: &[Vec<(u32, f64)>]) -> Vec<(u32, u32, f64)> {
     let mut pairs: Vec<(u32, u32)> = Vec::new();
     for list in blend {
         for (i, a) in list.iter().enumerate() {
@@ -176,7 +176,7 @@ pub(crate) type NodeMap = [[f64; 4]; 3];
 
 impl Graph {
     /// The bent position of each vertex.
-    pub fn apply(&self, surface: &Surface, maps: &[NodeMap]) -> Vec<DVec3> {
+    pub fn apply(&self, surface: &UnitSurface, maps: &[NodeMap]) -> Vec<DVec3> {
         surface
             .points
             .par_iter()

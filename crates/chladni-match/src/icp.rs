@@ -12,11 +12,11 @@ use crate::field::Field;
 use crate::relief::{Correlation, RADIUS, Relief};
 use crate::samples::Sample;
 use crate::small_system::solve_small;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 
 /// A surface to align, what is sampled of it, and its coarse look-up.
 pub(crate) struct Sampled<'a> {
-    pub surface: &'a Surface,
+    pub surface: &'a UnitSurface,
     pub samples: Vec<Sample>,
     pub field: Field,
     pub relief: Relief,

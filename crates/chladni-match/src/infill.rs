@@ -4,7 +4,7 @@ use chladni_mesh::TriMesh;
 use glam::DVec3;
 
 use crate::laplacian::Laplacian;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::{Correspondence, MatchError, Side};
 
 /// From this confidence down a point counts for nothing, and from the other up for all.
@@ -38,7 +38,7 @@ pub fn infilled(shape: &TriMesh, found: &Correspondence) -> Result<Option<Infill
             right,
         });
     }
-    let surface = Surface::new(shape, Side::Shape)?;
+    let surface = UnitSurface::new(shape, Side::Shape)?;
     let n = surface.points.len();
     let (mut delta, mut trust) = (vec![DVec3::ZERO; n], vec![1.0; n]);
     for (v, point) in surface.point_of_vertex.iter().enumerate() {
@@ -66,7 +66,7 @@ pub fn infilled(shape: &TriMesh, found: &Correspondence) -> Result<Option<Infill
 
 /// Minimises Σ W ‖d − x^δ‖² + ℓ² ‖∇d‖² over the points that are not wholly trusted, W = a t/(1 − t): what is
 /// trusted stays, and without trust nothing but smoothness counts.
-fn fill(surface: &Surface, trust: &[f64], delta: &mut [DVec3]) {
+fn fill(surface: &UnitSurface, trust: &[f64], delta: &mut [DVec3]) {
     let all = Laplacian::new(&surface.points, &surface.triangles);
     let free: Vec<u32> = (0..trust.len() as u32).filter(|v| trust[*v as usize] < 1.0).collect();
     let alpha = LENGTH * LENGTH;

@@ -7,7 +7,7 @@ use chladni_task::read_text_file;
 use glam::DVec3;
 
 use crate::similarity::fit_pairs;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::{MatchError, Scaling, Side};
 
 /// What is read of one file at most: a million pairs.
@@ -82,10 +82,10 @@ pub(crate) struct Pinned {
 /// Looks the landmarks up on the surfaces.
 pub(crate) fn pin(
     landmarks: &[Landmark],
-    shape: &Surface,
-    template: &Surface,
+    shape: &UnitSurface,
+    template: &UnitSurface,
 ) -> Result<Vec<Pinned>, MatchError> {
-    let find = |landmark: usize, surface: &Surface, side: Side, vertex: u32| {
+    let find = |landmark: usize, surface: &UnitSurface, side: Side, vertex: u32| {
         let problem = match surface.point_of_vertex.get(vertex as usize) {
             Some(Some(point)) => return Ok(*point),
             Some(None) => "belongs to no triangle, so it is not on the surface",
@@ -106,7 +106,7 @@ pub(crate) fn pin(
 }
 
 /// The landmarks as points of the two surfaces.
-pub(crate) fn points(pinned: &[Pinned], shape: &Surface, template: &Surface) -> Vec<(DVec3, DVec3)> {
+pub(crate) fn points(pinned: &[Pinned], shape: &UnitSurface, template: &UnitSurface) -> Vec<(DVec3, DVec3)> {
     pinned.iter().map(|l| (shape.points[l.shape as usize], template.points[l.template as usize])).collect()
 }
 

@@ -2,7 +2,7 @@
 //! vertex of the shape, and how far that can be trusted.
 //!
 //! ```
-//! use chladni_match::{Ellipsoid, Method, Settings, match_shapes, onto_ellipsoid};
+//! use chladni_match::{Ellipsoid, Method, MatchSettings, match_shapes, onto_ellipsoid};
 //! use chladni_mesh::samples;
 //! use chladni_task::Task;
 //!
@@ -12,7 +12,7 @@
 //! for p in &mut template.positions {
 //!     *p = [25.4 * p[1], -25.4 * p[0], 25.4 * p[2]];
 //! }
-//! let settings = Settings { method: Method::Icp, ..Settings::default() };
+//! let settings = MatchSettings { method: Method::Icp, ..MatchSettings::default() };
 //! let found = match_shapes(&shape, &template, &settings, &Task::new())?;
 //! assert!((found.correspondence.similarity.scale - 1.0 / 25.4).abs() < 1e-6);
 //! assert!(found.report.coverage > 0.99);
@@ -24,11 +24,12 @@
 //! ```
 //!
 //! Not guaranteed: that a pose found without landmarks is the one a person would choose (see
-//! [`Report::near_tie`]); that [`Method::Fit`] is one to one; that [`Method::Map`] is one to one
+//! [`MatchReport::near_tie`]); that [`Method::Fit`] is one to one; that [`Method::Map`] is one to one
 //! on the template's surface where its holes were filled, or after rounding. What is: all numbers
 //! are finite, barycentric coordinates lie in their triangles, and the same input, seed and
 //! machine give the same result.
 
+#![warn(clippy::missing_errors_doc)]
 #![allow(
     clippy::neg_cmp_op_on_partial_ord,
     reason = "`!(x > limit)` also refuses NaN, which `x <= limit` lets through"
@@ -66,6 +67,11 @@ pub use correspondence::{Correspondence, same_connectivity};
 pub use error::{MatchError, Side};
 pub use infill::{Infill, infilled};
 pub use landmarks::{Landmark, load_landmarks, read_landmarks, write_landmarks};
-pub use matching::{Match, Method, Settings, match_shapes};
-pub use quality::Report;
+pub use matching::{Match, MatchSettings, Method, match_shapes};
+pub use quality::MatchReport;
 pub use similarity::{Scaling, Similarity};
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -13,9 +13,9 @@ use crate::partners::{Partners, in_template};
 use crate::prealign::{Pose, prealign};
 use crate::project::{self, confidence};
 use crate::settle::settle;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::unfold::unfold;
-use crate::{Correspondence, MatchError, Report, Scaling, Side, same_connectivity};
+use crate::{Correspondence, MatchError, MatchReport, Scaling, Side, same_connectivity};
 
 /// How template points are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -36,7 +36,7 @@ pub enum Method {
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
-pub struct Settings {
+pub struct MatchSettings {
     /// How template points are found.
     pub method: Method,
     /// Pairs that belong together; three or more lead the alignment.
@@ -53,7 +53,7 @@ pub struct Match {
     /// For each vertex of the shape a point of the template.
     pub correspondence: Correspondence,
     /// How good it is.
-    pub report: Report,
+    pub report: MatchReport,
 }
 
 /// Matches a shape with a template mesh.
@@ -63,11 +63,11 @@ pub struct Match {
 pub fn match_shapes(
     shape: &TriMesh,
     template: &TriMesh,
-    settings: &Settings,
+    settings: &MatchSettings,
     task: &Task,
 ) -> Result<Match, MatchError> {
-    let s = Surface::new(shape, Side::Shape)?;
-    let t = Surface::new(template, Side::Template)?;
+    let s = UnitSurface::new(shape, Side::Shape)?;
+    let t = UnitSurface::new(template, Side::Template)?;
     let pinned = landmarks::pin(&settings.landmarks, &s, &t)?;
     let pairs = landmarks::points(&pinned, &s, &t);
     // In surface coordinates both have a diagonal of 1.
@@ -98,7 +98,7 @@ pub fn match_shapes(
             (project::correspondence(shape, &s, template, &t, &at, &confidence, &pose)?, None, warnings)
         }
     };
-    let mut report = Report::of(&s, Some(&t), &correspondence, pose.as_ref());
+    let mut report = MatchReport::of(&s, Some(&t), &correspondence, pose.as_ref());
     report.warnings.extend(warnings);
     report.warnings.extend(scale.and_then(unlike_sizes));
     report.warnings.extend(landmarks::doubts(&pairs));
@@ -119,7 +119,7 @@ fn unlike_sizes(times: f64) -> Option<String> {
 /// without folds, as far as possible, where `unfolded` says so.
 fn closest_points(
     shape_mesh: &TriMesh,
-    shape: &Surface,
+    shape: &UnitSurface,
     template_mesh: &TriMesh,
     partners: &Partners,
     pose: &Pose,

@@ -9,14 +9,14 @@ use rayon::prelude::*;
 
 use crate::Similarity;
 use crate::project::nearest_facing;
-use crate::surface::{Surface, triangle_tree};
+use crate::surface::{UnitSurface, triangle_tree};
 
 /// Another component must be this much nearer than the partner.
 const NEARER: f64 = 0.3;
 
 /// A template whose components know the shape's.
 pub(crate) struct Partners<'a> {
-    pub template: &'a Surface,
+    pub template: &'a UnitSurface,
     /// For each component of the shape its partner; empty where the template is one piece.
     partner: Vec<Option<u32>>,
     /// The template's components that are somebody's partner.
@@ -31,13 +31,18 @@ struct Tree {
 
 impl<'a> Partners<'a> {
     /// Every point of the template is anybody's.
-    pub fn none(template: &'a Surface) -> Self {
+    pub fn none(template: &'a UnitSurface) -> Self {
         Self { template, partner: Vec::new(), trees: HashMap::new() }
     }
 
     /// The component that most of a component's area has nearest to it, where that is at least
     /// half, with the shape's vertices where they are `laid` in its own coordinates.
-    pub fn by_vote(shape: &Surface, template: &'a Surface, pose: &Similarity, laid: &[DVec3]) -> Self {
+    pub fn by_vote(
+        shape: &UnitSurface,
+        template: &'a UnitSurface,
+        pose: &Similarity,
+        laid: &[DVec3],
+    ) -> Self {
         let pieces = template.components();
         if pieces == 1 {
             return Self::none(template);
@@ -93,7 +98,11 @@ impl<'a> Partners<'a> {
 }
 
 /// The shape's vertices, as they are `laid`, and the ways they look, in the template's coordinates.
-pub(crate) fn in_template(shape: &Surface, pose: &Similarity, laid: &[DVec3]) -> (Vec<DVec3>, Vec<DVec3>) {
+pub(crate) fn in_template(
+    shape: &UnitSurface,
+    pose: &Similarity,
+    laid: &[DVec3],
+) -> (Vec<DVec3>, Vec<DVec3>) {
     let back = pose.inverse();
     let turn = back.rotation_matrix();
     let normals = shape.normals_at(laid);
@@ -108,7 +117,7 @@ mod tests {
     use crate::Side;
 
     /// Two spheres, one inside the other.
-    fn nested(outer: f64, inner: f64) -> Surface {
+    fn nested(outer: f64, inner: f64) -> UnitSurface {
         let ball = samples::icosphere(3);
         let n = ball.positions.len() as u32;
         let mesh = TriMesh {
@@ -122,7 +131,7 @@ mod tests {
                 .collect(),
             ..TriMesh::default()
         };
-        Surface::new(&mesh, Side::Template).unwrap()
+        UnitSurface::new(&mesh, Side::Template).unwrap()
     }
 
     #[test]

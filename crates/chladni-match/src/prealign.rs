@@ -10,7 +10,7 @@ use crate::icp::{Look, Pair, Sampled, Schedule, misfit, refine};
 use crate::relief::Relief;
 use crate::samples::{Sample, spread};
 use crate::similarity::fit_pairs_at;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::{MatchError, Similarity};
 
 /// The pose that fits best and how clear that is.
@@ -59,8 +59,8 @@ const SAMPLES: usize = 3000;
 /// Searches all rotations at several places and, unless `scale` gives it, sizes; with three landmarks or
 /// more, they give the start.
 pub(crate) fn prealign(
-    shape: &Surface,
-    template: &Surface,
+    shape: &UnitSurface,
+    template: &UnitSurface,
     landmarks: &[(DVec3, DVec3)],
     scale: Option<f64>,
     seed: u64,
@@ -153,7 +153,7 @@ fn hypotheses(pair: &Pair) -> Vec<Similarity> {
         Some(scale) => (scale, &[1.0], &[1.0]),
         None => (usual(), &[1.0, 0.8, 1.25], &[1.4, 2.0]),
     };
-    let axes = |surface: &Surface| {
+    let axes = |surface: &UnitSurface| {
         let (_, e) = symmetric_eigen(surface.second_moments());
         let (a, b) = (DVec3::from_array(e[0]), DVec3::from_array(e[1]));
         DMat3::from_cols(a, b, a.cross(b))

@@ -5,7 +5,7 @@ use chladni_mesh::surface::{Closest, SurfacePoint};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::{Correspondence, MatchError, Side, Similarity};
 
 /// Residual at which confidence has fallen to 1/e, as a share of the shape's diagonal.
@@ -16,7 +16,7 @@ pub(crate) const CONFIDENCE_REACH: f64 = 0.05;
 ///
 /// Opposite sides of a thin sheet (an ear, a lip) are nearer than their normals allow: where
 /// the nearest point faces away, the query is moved outwards along its own normal once.
-pub(crate) fn nearest_facing(template: &Surface, position: DVec3, normal: DVec3) -> Option<Closest> {
+pub(crate) fn nearest_facing(template: &UnitSurface, position: DVec3, normal: DVec3) -> Option<Closest> {
     let at = template.closest(position, f64::INFINITY)?;
     if template.smooth_normal(&at.on).dot(normal) > 0.0 {
         return Some(at);
@@ -33,7 +33,7 @@ pub(crate) fn nearest_facing(template: &Surface, position: DVec3, normal: DVec3)
 }
 
 /// How far a point can be trusted: near, facing the same way, not at an open edge.
-pub(crate) fn confidence(template: &Surface, at: &Closest, normal: DVec3, scale: f64) -> f64 {
+pub(crate) fn confidence(template: &UnitSurface, at: &Closest, normal: DVec3, scale: f64) -> f64 {
     let distance = at.distance_squared.sqrt() * scale;
     let near = (-(distance / CONFIDENCE_REACH).powi(2)).exp();
     let facing = template.smooth_normal(&at.on).dot(normal).max(0.0);
@@ -47,9 +47,9 @@ pub(crate) fn confidence(template: &Surface, at: &Closest, normal: DVec3, scale:
 /// Vertices that no triangle uses get the closest point of the aligned template.
 pub(crate) fn correspondence(
     shape_mesh: &TriMesh,
-    shape: &Surface,
+    shape: &UnitSurface,
     template_mesh: &TriMesh,
-    template: &Surface,
+    template: &UnitSurface,
     at: &[Closest],
     confidence: &[f64],
     pose: &Similarity,
@@ -77,7 +77,7 @@ pub(crate) fn correspondence(
 }
 
 /// A pose between surface coordinates, in file coordinates.
-pub(crate) fn to_file(shape: &Surface, template: &Surface, pose: &Similarity) -> Similarity {
+pub(crate) fn to_file(shape: &UnitSurface, template: &UnitSurface, pose: &Similarity) -> Similarity {
     let enter =
         Similarity::new(1.0 / template.diagonal, glam::DMat3::IDENTITY, -template.center / template.diagonal);
     let leave = Similarity::new(shape.diagonal, glam::DMat3::IDENTITY, shape.center);

@@ -4,14 +4,14 @@ use chladni_mesh::TriMesh;
 use glam::DVec3;
 
 use crate::prealign::Pose;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::unfold::turned_over;
 use crate::{Correspondence, MatchError, Side};
 
 /// Numbers that say how far a correspondence can be trusted. Distances are shares of the
 /// diagonal of the shape's bounding box.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Report {
+pub struct MatchReport {
     /// Median distance between the aligned template and the shape's vertices, after the
     /// similarity and before any bending: how different the two are.
     pub median_distance: f64,
@@ -43,7 +43,7 @@ const TIE: f64 = 0.1;
 /// And so is one that fits this well: between perfect fits the better one is chance.
 const PERFECT: f64 = 0.003;
 
-impl Report {
+impl MatchReport {
     /// The report on a correspondence that was made without a template mesh.
     ///
     /// # Errors
@@ -56,12 +56,12 @@ impl Report {
                 right: found.vertices(),
             });
         }
-        Ok(Self::of(&Surface::new(shape, Side::Shape)?, None, found, None))
+        Ok(Self::of(&UnitSurface::new(shape, Side::Shape)?, None, found, None))
     }
 
     pub(crate) fn of(
-        shape: &Surface,
-        template: Option<&Surface>,
+        shape: &UnitSurface,
+        template: Option<&UnitSurface>,
         found: &Correspondence,
         pose: Option<&Pose>,
     ) -> Self {
@@ -127,7 +127,12 @@ struct Distortion {
 
 impl Distortion {
     /// Compares each triangle of the shape with its image.
-    fn of(shape: &Surface, template: Option<&Surface>, found: &Correspondence, target: &[DVec3]) -> Self {
+    fn of(
+        shape: &UnitSurface,
+        template: Option<&UnitSurface>,
+        found: &Correspondence,
+        target: &[DVec3],
+    ) -> Self {
         let turn = found.similarity.rotation_matrix();
         // The template's normal at each welded vertex, in the shape's frame.
         let mut facing = vec![None; shape.points.len()];

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 
 /// A point of a surface and the normal there.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +14,7 @@ pub(crate) struct Sample {
 }
 
 /// `count` points, stratified by area along the list of triangles.
-pub(crate) fn spread(surface: &Surface, count: usize, seed: u64) -> Vec<Sample> {
+pub(crate) fn spread(surface: &UnitSurface, count: usize, seed: u64) -> Vec<Sample> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let step = surface.area() / count as f64;
     let mut samples = Vec::with_capacity(count);

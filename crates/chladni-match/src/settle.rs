@@ -4,7 +4,7 @@
 use crate::bend::pulls;
 use crate::laplacian::Laplacian;
 use crate::partners::Partners;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 use crate::{MatchError, Similarity};
 use chladni_task::Task;
 use glam::DVec3;
@@ -12,7 +12,7 @@ use glam::DVec3;
 /// Draws the bent shape onto the aligned template, smoothing over ever shorter lengths
 /// (shares of the diagonal). What the template does not have stays where the bending put it.
 pub(crate) fn settle(
-    shape: &Surface,
+    shape: &UnitSurface,
     partners: &Partners,
     pose: &Similarity,
     mut bent: Vec<DVec3>,

@@ -12,7 +12,7 @@ use crate::{MatchError, Side};
 /// What all methods work on. Coordinates are centred at the area-weighted centroid and divided
 /// by the diagonal of the bounding box, so that lengths are shares of the diagonal.
 #[derive(Clone, Debug)]
-pub(crate) struct Surface {
+pub(crate) struct UnitSurface {
     /// Area-weighted centroid, file units.
     pub center: DVec3,
     /// Diagonal of the bounding box of the vertices in use, file units; positive.
@@ -41,7 +41,7 @@ pub(crate) struct Surface {
     neighbours: Rows,
 }
 
-impl Surface {
+impl UnitSurface {
     pub fn new(mesh: &TriMesh, side: Side) -> Result<Self, MatchError> {
         check(mesh, side)?;
         let welded = weld(mesh);
@@ -284,7 +284,7 @@ mod tests {
             ],
             &[[0, 1, 2], [3, 4, 5], [0, 1, 3], [0, 0, 1]],
         );
-        let s = Surface::new(&m, Side::Shape).unwrap();
+        let s = UnitSurface::new(&m, Side::Shape).unwrap();
         assert_eq!((s.points.len(), s.triangles.len()), (4, 2));
         assert_eq!(s.point_of_vertex[1], s.point_of_vertex[3]);
         assert_eq!(s.point_of_vertex[6], None);
@@ -305,7 +305,7 @@ mod tests {
                 MatchError::IndexOutOfRange { side: Side::Shape, triangle: 0, vertex: 7, vertices: 3 },
             ),
         ] {
-            assert_eq!(Surface::new(&m, Side::Shape).unwrap_err(), error);
+            assert_eq!(UnitSurface::new(&m, Side::Shape).unwrap_err(), error);
         }
     }
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::MatchError;
 use crate::partners::Partners;
-use crate::surface::Surface;
+use crate::surface::UnitSurface;
 
 /// Rounds at most.
 const ROUNDS: usize = 40;
@@ -26,7 +26,7 @@ pub(crate) fn turned_over([x, y, z]: [DVec3; 3], up: DVec3) -> bool {
 /// their neighbours' points, on the template and facing as the neighbours' do. Vertices in
 /// `fixed` stay. Each component of the shape keeps the state in which it had the fewest folds.
 pub(crate) fn unfold(
-    shape: &Surface,
+    shape: &UnitSurface,
     partners: &Partners,
     at: &mut [Closest],
     fixed: &[u32],
@@ -65,7 +65,7 @@ pub(crate) fn unfold(
 }
 
 /// The template's point closest to the mean of those of a vertex's neighbours.
-fn between_neighbours(shape: &Surface, partners: &Partners, at: &[Closest], v: u32) -> Option<Closest> {
+fn between_neighbours(shape: &UnitSurface, partners: &Partners, at: &[Closest], v: u32) -> Option<Closest> {
     let (mut sum, mut looking) = (DVec3::ZERO, DVec3::ZERO);
     let neighbours = shape.neighbours(v as usize);
     for w in neighbours {
@@ -79,7 +79,7 @@ fn between_neighbours(shape: &Surface, partners: &Partners, at: &[Closest], v: u
 }
 
 /// The triangles that are turned over.
-fn folded(shape: &Surface, template: &Surface, at: &[Closest]) -> Vec<u32> {
+fn folded(shape: &UnitSurface, template: &UnitSurface, at: &[Closest]) -> Vec<u32> {
     let turned = |t: &u32| {
         let points = shape.triangles[*t as usize].map(|v| at[v as usize]);
         let up = points.iter().map(|p| template.triangle_normals[p.on.triangle as usize]).sum();
@@ -89,7 +89,7 @@ fn folded(shape: &Surface, template: &Surface, at: &[Closest]) -> Vec<u32> {
 }
 
 /// How many of `triangles` each component has.
-fn per_component(shape: &Surface, triangles: &[u32]) -> Vec<usize> {
+fn per_component(shape: &UnitSurface, triangles: &[u32]) -> Vec<usize> {
     let mut count = vec![0; shape.components()];
     for t in triangles {
         count[shape.component_of(*t) as usize] += 1;
@@ -98,7 +98,7 @@ fn per_component(shape: &Surface, triangles: &[u32]) -> Vec<usize> {
 }
 
 /// The vertices of `triangles` and those within `rings` edges of them, in order.
-fn around(shape: &Surface, triangles: &[u32], rings: usize) -> Vec<u32> {
+fn around(shape: &UnitSurface, triangles: &[u32], rings: usize) -> Vec<u32> {
     let mut inside = vec![false; shape.points.len()];
     let mut reached: Vec<u32> = Vec::new();
     let mut reach = |v: u32, reached: &mut Vec<u32>| {
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn a_crumpled_patch_is_smoothed_out_and_the_rest_left_alone() {
-        let sphere = Surface::new(&samples::icosphere(4), Side::Shape).unwrap();
+        let sphere = UnitSurface::new(&samples::icosphere(4), Side::Shape).unwrap();
         let closest = |p: &DVec3| sphere.closest(*p, f64::INFINITY).unwrap();
         let straight: Vec<Closest> = sphere.points.iter().map(closest).collect();
         let crumple = |p: &DVec3| {

@@ -1,8 +1,8 @@
 //! Whatever comes in, what comes out is finite or an error.
 
 use chladni_match::{
-    Correspondence, Ellipsoid, Landmark, MatchError, Method, Report, Scaling, Settings, Side, infilled,
-    match_shapes, onto_ellipsoid, same_connectivity, self_scaled,
+    Correspondence, Ellipsoid, Landmark, MatchError, MatchReport, MatchSettings, Method, Scaling, Side,
+    infilled, match_shapes, onto_ellipsoid, same_connectivity, self_scaled,
 };
 use chladni_mesh::{TriMesh, samples};
 use chladni_task::{Cancelled, Task};
@@ -12,8 +12,8 @@ fn mesh(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> TriMesh {
     TriMesh { positions, triangles, ..TriMesh::default() }
 }
 
-fn settings(method: Method) -> Settings {
-    Settings { method, ..Settings::default() }
+fn settings(method: Method) -> MatchSettings {
+    MatchSettings { method, ..MatchSettings::default() }
 }
 
 fn check(found: &Correspondence, template: Option<&TriMesh>) {
@@ -30,7 +30,7 @@ fn check(found: &Correspondence, template: Option<&TriMesh>) {
     }
 }
 
-fn check_report(report: &Report) {
+fn check_report(report: &MatchReport) {
     for x in
         [report.median_distance, report.p95_distance, report.coverage, report.stretch, report.mean_confidence]
     {
@@ -62,7 +62,7 @@ proptest! {
     fn any_two_soups_give_finite_numbers_or_an_error(shape in soup(), template in soup()) {
         let all = [Method::Icp, Method::Fit, Method::Map].into_iter();
         for (method, scaling) in all.flat_map(|m| [(m, Scaling::Free), (m, Scaling::Rigid)]) {
-            let mut s = Settings { scaling, ..settings(method) };
+            let mut s = MatchSettings { scaling, ..settings(method) };
             if method == Method::Map {
                 s.landmarks = (0..3).map(|v| Landmark { shape: v, template: v }).collect();
             }
@@ -84,7 +84,7 @@ proptest! {
         let sphere = Ellipsoid::fitted_sphere(&shape).and_then(|e| onto_ellipsoid(&shape, &e));
         for found in [found, sphere, self_scaled(&shape, scale)].into_iter().flatten() {
             check(&found, None);
-            check_report(&Report::without_template(&shape, &found).unwrap());
+            check_report(&MatchReport::without_template(&shape, &found).unwrap());
         }
         if let Ok(found) = same_connectivity(&shape, &shape, Scaling::Free) {
             check(&found, Some(&shape));
@@ -158,7 +158,7 @@ fn swapped_and_senseless_landmarks_are_said_to_be_so() {
     let senseless = [(nose, top), (nape, left), (left, nose), (right, bottom), (top, right), (bottom, nape)];
     for (list, doubted) in [(good, false), (swapped, true), (senseless, true)] {
         for method in [Method::Fit, Method::Map] {
-            let s = Settings { landmarks: pairs(&list), ..settings(method) };
+            let s = MatchSettings { landmarks: pairs(&list), ..settings(method) };
             let found = match_shapes(&ball, &ball, &s, &Task::new()).unwrap();
             check(&found.correspondence, Some(&ball));
             check_report(&found.report);
@@ -167,7 +167,8 @@ fn swapped_and_senseless_landmarks_are_said_to_be_so() {
         }
     }
     // Three on one spot of the template do not say how it is turned.
-    let s = Settings { landmarks: pairs(&[(nose, top), (nape, top), (left, top)]), ..settings(Method::Fit) };
+    let s =
+        MatchSettings { landmarks: pairs(&[(nose, top), (nape, top), (left, top)]), ..settings(Method::Fit) };
     let failed = match_shapes(&ball, &ball, &s, &Task::new());
     assert_eq!(failed, Err(MatchError::Degenerate));
 }
@@ -197,8 +198,12 @@ fn landmarks_that_are_not_there_are_named() {
     for (s, t, side) in [(100_000, 0, Side::Shape), (0, 100_000, Side::Template), (0, loose, Side::Template)]
     {
         let landmarks = vec![Landmark { shape: s, template: t }];
-        let failed =
-            match_shapes(&shape, &template, &Settings { landmarks, ..settings(Method::Fit) }, &Task::new());
+        let failed = match_shapes(
+            &shape,
+            &template,
+            &MatchSettings { landmarks, ..settings(Method::Fit) },
+            &Task::new(),
+        );
         match failed {
             Err(MatchError::Landmark { landmark: 0, side: found, .. }) => assert_eq!(found, side),
             other => panic!("{other:?}"),
@@ -213,7 +218,8 @@ fn what_is_no_sphere_cannot_be_mapped_to_one() {
     let shape = samples::icosphere(2);
     let landmarks: Vec<Landmark> = (0..4).map(|v| Landmark { shape: v, template: 7 * v }).collect();
     let torus = samples::torus(0.4, 20, 12);
-    let failed = match_shapes(&shape, &torus, &Settings { landmarks, ..settings(Method::Map) }, &Task::new());
+    let failed =
+        match_shapes(&shape, &torus, &MatchSettings { landmarks, ..settings(Method::Map) }, &Task::new());
     assert!(matches!(failed, Err(MatchError::NoCommonDomain { side: Side::Template, .. })), "{failed:?}");
 }
 

@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use chladni_match::{Match, Method, Settings, Similarity, match_shapes};
+use chladni_match::{Match, MatchSettings, Method, Similarity, match_shapes};
 use chladni_mesh::{TriMesh, load_mesh, samples};
 use chladni_task::Task;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 fn icp(shape: &TriMesh, template: &TriMesh) -> Match {
-    let settings = Settings { method: Method::Icp, ..Settings::default() };
+    let settings = MatchSettings { method: Method::Icp, ..MatchSettings::default() };
     match_shapes(shape, template, &settings, &Task::new()).unwrap()
 }
 

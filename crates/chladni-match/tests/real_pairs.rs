@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use chladni_match::{Landmark, Match, Method, Settings, match_shapes};
+use chladni_match::{Landmark, Match, MatchSettings, Method, match_shapes};
 use chladni_mesh::{TriMesh, load_mesh};
 use chladni_task::Task;
 
@@ -16,7 +16,7 @@ fn run(shape: &TriMesh, template: &TriMesh, method: Method, landmarks: &[(u32, u
     match_shapes(
         shape,
         template,
-        &Settings { method, landmarks, seed: 1, ..Settings::default() },
+        &MatchSettings { method, landmarks, seed: 1, ..MatchSettings::default() },
         &Task::new(),
     )
     .unwrap()

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use chladni_match::{
-    Correspondence, Landmark, MatchError, Method, Scaling, Settings, infilled, match_shapes,
+    Correspondence, Landmark, MatchError, MatchSettings, Method, Scaling, infilled, match_shapes,
     same_connectivity,
 };
 use chladni_mesh::{TriMesh, samples};
@@ -65,7 +65,8 @@ fn a_size_that_is_kept_is_a_difference() {
         (Method::Map, landmarks),
     ] {
         let at = |scaling| {
-            let settings = Settings { method, landmarks: landmarks.clone(), scaling, ..Settings::default() };
+            let settings =
+                MatchSettings { method, landmarks: landmarks.clone(), scaling, ..MatchSettings::default() };
             match_shapes(&shape, &template, &settings, &Task::new()).unwrap()
         };
         let (free, rigid) = (at(Scaling::Free), at(Scaling::Rigid));
@@ -83,7 +84,8 @@ fn a_size_that_is_kept_is_a_difference() {
         assert!(rigid.report.warnings.iter().all(|w| !w.contains("one unit")));
     }
     let metres = moved(&shape, |p| p.map(|c| 0.001 * c));
-    let settings = Settings { method: Method::Same, scaling: Scaling::Rigid, ..Settings::default() };
+    let settings =
+        MatchSettings { method: Method::Same, scaling: Scaling::Rigid, ..MatchSettings::default() };
     let found = match_shapes(&shape, &metres, &settings, &Task::new()).unwrap();
     assert!(found.report.warnings.iter().any(|w| w.contains("1000.0 times smaller")), "{:?}", found.report);
 }
@@ -99,7 +101,7 @@ fn what_the_template_lacks_goes_on_as_its_surroundings_do() {
     // From above, all around.
     let high = (0..shape.positions.len() as u32).filter(|v| shape.positions[*v as usize][2] > 0.0);
     let landmarks = high.step_by(150).map(|v| Landmark { shape: v, template: v }).collect();
-    let settings = Settings { method: Method::Fit, landmarks, ..Settings::default() };
+    let settings = MatchSettings { method: Method::Fit, landmarks, ..MatchSettings::default() };
     let found = match_shapes(&shape, &cut, &settings, &Task::new()).unwrap().correspondence;
     let filled = infilled(&shape, &found).unwrap().unwrap();
     assert!((0.05..0.5).contains(&filled.share), "{}", filled.share);

@@ -1,54 +1,72 @@
-//! Eigenpairs of tiny symmetric matrices, by cyclic Jacobi rotations.
+//! Eigenpairs of small symmetric matrices, by cyclic Jacobi rotations.
 
 /// Eigenvalues in descending order and the unit eigenvectors that belong to them.
 ///
 /// Golub & Van Loan, *Matrix Computations*, 8.5. Accurate to rounding relative to ‖A‖.
 pub fn symmetric_eigen<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
     let mut v = [[0.0; N]; N];
-    for i in 0..N {
-        v[i][i] = 1.0;
+    diagonalize(&mut a, &mut v);
+    let mut order: [usize; N] = std::array::from_fn(|i| i);
+    order.sort_by(|&i, &j| a[j][j].total_cmp(&a[i][i]));
+    (order.map(|i| a[i][i]), order.map(|i| std::array::from_fn(|r| v[r][i])))
+}
+
+/// As [`symmetric_eigen`], of a matrix whose rows are as many as they are long, of whatever size.
+pub fn symmetric_eigen_of(mut a: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let n = a.len();
+    let mut v = vec![vec![0.0; n]; n];
+    diagonalize(&mut a, &mut v);
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&i, &j| a[j][j].total_cmp(&a[i][i]));
+    let vector = |i: &usize| v.iter().map(|row| row[*i]).collect();
+    (order.iter().map(|&i| a[i][i]).collect(), order.iter().map(vector).collect())
+}
+
+/// Makes `a` diagonal, and `v`, which is 0, the matrix whose columns are its eigenvectors.
+fn diagonalize<R: AsRef<[f64]> + AsMut<[f64]>>(a: &mut [R], v: &mut [R]) {
+    let n = a.len();
+    for i in 0..n {
+        v[i].as_mut()[i] = 1.0;
     }
     for _ in 0..50 {
         let mut off = 0.0;
         let mut total = 0.0;
-        for i in 0..N {
-            for j in 0..N {
-                total += a[i][j] * a[i][j];
+        for (i, row) in a.iter().enumerate() {
+            for (j, x) in row.as_ref().iter().enumerate() {
+                total += x * x;
                 if i != j {
-                    off += a[i][j] * a[i][j];
+                    off += x * x;
                 }
             }
         }
         if off <= total * 1e-32 {
             break;
         }
-        for p in 0..N {
-            for q in p + 1..N {
-                if a[p][q] != 0.0 {
-                    rotate(&mut a, &mut v, p, q);
+        for p in 0..n {
+            for q in p + 1..n {
+                if a[p].as_ref()[q] != 0.0 {
+                    rotate(a, v, p, q);
                 }
             }
         }
     }
-    let mut order: [usize; N] = std::array::from_fn(|i| i);
-    order.sort_by(|&i, &j| a[j][j].total_cmp(&a[i][i]));
-    (order.map(|i| a[i][i]), order.map(|i| std::array::from_fn(|r| v[r][i])))
 }
 
 /// One Jacobi rotation that zeroes a[p][q].
-fn rotate<const N: usize>(a: &mut [[f64; N]; N], v: &mut [[f64; N]; N], p: usize, q: usize) {
-    let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+fn rotate<R: AsRef<[f64]> + AsMut<[f64]>>(a: &mut [R], v: &mut [R], p: usize, q: usize) {
+    let (app, aqq, apq) = (a[p].as_ref()[p], a[q].as_ref()[q], a[p].as_ref()[q]);
+    let theta = (aqq - app) / (2.0 * apq);
     let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
     let c = 1.0 / t.hypot(1.0);
     let s = t * c;
-    for k in 0..N {
-        (a[k][p], a[k][q]) = (c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]);
+    let turned = |x: f64, y: f64| (c * x - s * y, s * x + c * y);
+    for row in a.iter_mut().chain(v.iter_mut()) {
+        let row = row.as_mut();
+        (row[p], row[q]) = turned(row[p], row[q]);
     }
-    for k in 0..N {
-        (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-    }
-    for row in v.iter_mut() {
-        (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+    for k in 0..a.len() {
+        let (x, y) = turned(a[p].as_ref()[k], a[q].as_ref()[k]);
+        (a[p].as_mut()[k], a[q].as_mut()[k]) = (x, y);
     }
 }
 
@@ -67,5 +85,20 @@ mod tests {
                 assert!((ax - value * x[r]).abs() < 1e-14);
             }
         }
+    }
+
+    #[test]
+    fn a_matrix_of_any_size_comes_apart() {
+        // Hilbert's, whose eigenvalues lie far apart.
+        let a: Vec<Vec<f64>> = (0..6).map(|i| (0..6).map(|j| 1.0 / f64::from(i + j + 1)).collect()).collect();
+        let (values, vectors) = symmetric_eigen_of(a.clone());
+        assert!(values.is_sorted_by(|x, y| x >= y));
+        for (value, x) in values.iter().zip(&vectors) {
+            for r in 0..6 {
+                let ax: f64 = (0..6).map(|c| a[r][c] * x[c]).sum();
+                assert!((ax - value * x[r]).abs() < 1e-14);
+            }
+        }
+        assert_eq!(symmetric_eigen_of(Vec::new()), (Vec::new(), Vec::new()));
     }
 }

@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use crate::MeshError;
-
 /// A mesh file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
@@ -73,15 +71,14 @@ impl Format {
     }
 
     /// The format of a file by its extension and content. Where the two disagree the content
-    /// is right: formats are told apart by their first bytes, names by people.
-    pub(crate) fn of(extension: Option<&str>, bytes: &[u8]) -> Result<Self, MeshError> {
-        let unknown = |reason: String| Err(MeshError::UnknownFormat(reason));
+    /// is right: formats are told apart by their first bytes, names by people. An error is why there is none.
+    pub(crate) fn of(extension: Option<&str>, bytes: &[u8]) -> Result<Self, String> {
         if bytes.starts_with(b"# vtk DataFile") {
-            return unknown("legacy VTK is not read; save it as PLY or OBJ".into());
+            return Err("legacy VTK is not read; save it as PLY or OBJ".into());
         }
         match (Self::from_content(bytes), extension.and_then(Self::from_extension)) {
             (Some(format), _) | (None, Some(format)) => Ok(format),
-            (None, None) => unknown(match extension {
+            (None, None) => Err(match extension {
                 Some(extension) => format!("no mesh format is called .{extension} ({KNOWN})"),
                 None => format!("neither name nor content tells the mesh format ({KNOWN})"),
             }),

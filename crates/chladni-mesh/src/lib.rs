@@ -31,6 +31,8 @@
 //! animations and morph targets are not kept. Functions that take bare positions and triangles
 //! panic where a triangle names a vertex that is not there; what the readers return never does.
 
+#![warn(clippy::missing_errors_doc)]
+
 mod appearance;
 mod eigen;
 mod error;
@@ -47,7 +49,7 @@ pub mod surface;
 mod write;
 
 pub use appearance::{Appearance, CornerUvs, Material, Texture};
-pub use eigen::symmetric_eigen;
+pub use eigen::{symmetric_eigen, symmetric_eigen_of};
 pub use error::{MeshError, Place};
 pub use format::Format;
 pub use frame::Frame;
@@ -59,3 +61,8 @@ pub use read::{Loaded, Mended, load_mesh, read_mesh};
 pub use shape_source::ShapeSource;
 pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_triangles, weld};
 pub use write::{MorphTarget, save_mesh, write_glb, write_mesh};
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

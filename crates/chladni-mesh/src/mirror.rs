@@ -83,11 +83,14 @@ impl<'a> MirrorSearch<'a> {
     ///
     /// Where several planes fit about as well (a box, an eight-armed octopus), it is the one whose
     /// normal is nearest to x, what a viewer calls left and right.
+    ///
+    /// # Errors
+    /// [`Cancelled`] through `task`.
     pub fn best(&self, hints: &[[f64; 3]], task: &Task) -> Result<Option<MirrorPlane>, Cancelled> {
         let few = self.judges(JUDGES);
         let centroid = self.centroid();
         let plane = |normal: Vec3| {
-            let normal = unit(normal);
+            let normal = scaled(unit(normal), largest_component(normal).signum());
             let plane = MirrorPlane { normal, offset: dot(normal, centroid), misfit: 1.0 };
             MirrorPlane { misfit: self.misfit(&plane, &few), ..plane }
         };

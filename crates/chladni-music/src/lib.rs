@@ -76,3 +76,8 @@ pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
 pub use text_file::FORMAT_VERSION;
 pub use veil::{FlashCount, FlashGuard, Histogram, Veil};
 pub use voice::{Driver, Voice, VoiceSettings, Voices};
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -15,7 +15,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::stereo::StereoMix;
-use crate::{Bands, Parameter, Parameters, Switch};
+use crate::{Action, Bands, Parameter, Parameters, Switch};
 
 /// Frequencies of the bank, in even factors from [`LOWEST_HZ`] to [`HIGHEST_HZ`]: neighbors differ by 5.5 %.
 pub const TONES: usize = 64;
@@ -64,6 +64,19 @@ impl Timbre {
             strike: parameters.get(Parameter::Strike),
             hold: parameters.get(Parameter::Hold),
         })
+    }
+
+    /// What turns the knobs of an instrument to it.
+    pub fn actions(&self) -> [Action; 6] {
+        let set = |parameter, value| Action::Set { parameter, value };
+        [
+            Action::Switch { switch: Switch::Resonate, on: true },
+            set(Parameter::Damping, self.damping),
+            set(Parameter::TuningHz, self.tuning_hz),
+            set(Parameter::Stretch, self.stretch),
+            set(Parameter::Strike, self.strike),
+            set(Parameter::Hold, self.hold),
+        ]
     }
 
     /// The tone of the bank that a harmonic of eigenvalue `lambda` rings with, where that of the slowest wave

@@ -57,3 +57,8 @@ fn check_rate(name: &str, rate_hz: u32) -> Result<(), SoundError> {
         Err(SoundError::Rate { name: name.to_owned(), rate_hz })
     }
 }
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -29,6 +29,8 @@
 //! sums in f32, so two backends agree to rounding and not bit for bit; the bound is in
 //! docs/synthesis.md. Exports use [`displacements_f64`], which has none of this.
 
+#![warn(clippy::missing_errors_doc)]
+
 mod auto;
 mod cpu;
 mod error;
@@ -49,3 +51,8 @@ pub use item::{Coefficients, Item, Residual, Term};
 pub use model::{SynthModel, displacements_f64};
 pub use normals::area_weighted_normals;
 pub use synthesizer::{FrameSettings, Synthesizer};
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

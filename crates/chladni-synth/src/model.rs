@@ -20,14 +20,18 @@ pub struct SynthModel {
 
 impl SynthModel {
     /// The model of a body: N operator vertices, K harmonics, working frame.
+    ///
+    /// # Errors
+    /// As [`from_parts`](Self::from_parts).
     pub fn new(body: &Body) -> Result<Self, SynthError> {
         Self::from_parts(&body.positions, &body.triangles, &body.basis.vectors)
     }
 
     /// The model of N `positions`, `triangles` over them, and an N×K column-major `basis`.
     ///
-    /// Fails if the basis does not fit the positions, a triangle names a vertex that is not
-    /// there, or a value is NaN or infinite.
+    /// # Errors
+    /// A basis that does not fit the positions, a triangle that names a vertex that is not there, or a value that is
+    /// NaN or infinite.
     pub fn from_parts(
         positions: &[[f64; 3]],
         triangles: &[[u32; 3]],
@@ -82,7 +86,10 @@ fn rest(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Rest, SynthErr
 /// The displacements x' − x of one item in double precision, for exports: N values in the
 /// working frame, from the body's own basis and not the packed one.
 ///
-/// Exactly zero wherever the item does nothing. Fails like [`crate::Synthesizer::synthesize`].
+/// Exactly zero wherever the item does nothing.
+///
+/// # Errors
+/// As [`crate::Synthesizer::synthesize_positions`].
 pub fn displacements_f64(body: &Body, item: &Item) -> Result<Vec<[f64; 3]>, SynthError> {
     exact::displacements(body, item)
 }

@@ -30,7 +30,8 @@ pub trait Synthesizer {
 
     /// Deforms another shape from now on. There is no frame until the next call.
     ///
-    /// Fails if a device has no room for it; the old shape then stays.
+    /// # Errors
+    /// A device that has no room for it; the old shape then stays.
     fn replace_model(&mut self, model: SynthModel) -> Result<(), SynthError>;
 
     /// S, the number of items of the last frame.
@@ -38,15 +39,21 @@ pub trait Synthesizer {
 
     /// Positions of all items.
     ///
-    /// Fails if a coefficient or a gain is NaN or infinite, there are more coefficients than
-    /// harmonics, or a mask or a residual is not N values of the right form. Masks and
-    /// residuals themselves are not searched for NaN.
+    /// # Errors
+    /// A coefficient or a gain that is NaN or infinite, more coefficients than harmonics, a mask or a residual that is
+    /// not N values of the right form. Masks and residuals themselves are not searched for NaN.
     fn synthesize_positions(&mut self, items: &[Item]) -> Result<(), SynthError>;
 
-    /// Normals of the positions that were last synthesized. Fails if the blending is not in [0, 1].
+    /// Normals of the positions that were last synthesized.
+    ///
+    /// # Errors
+    /// A blending that is not in [0, 1].
     fn synthesize_normals(&mut self, settings: &FrameSettings) -> Result<(), SynthError>;
 
     /// A whole frame: positions, then normals.
+    ///
+    /// # Errors
+    /// As [`synthesize_positions`](Self::synthesize_positions) and [`synthesize_normals`](Self::synthesize_normals).
     fn synthesize(&mut self, items: &[Item], settings: &FrameSettings) -> Result<(), SynthError> {
         settings.check()?;
         self.synthesize_positions(items)?;

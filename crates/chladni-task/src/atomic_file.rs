@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// Writes `bytes` to `path` so that readers see the old file or the whole new one.
 ///
-/// See [`write_atomic_with`].
+/// # Errors
+/// As [`write_atomic_with`].
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_atomic_with(path, |file| file.write_all(bytes))
 }
@@ -15,7 +16,10 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 ///
 /// If `write` fails or the process dies, `path` keeps what it held before. Where it is a link, the
 /// file that it leads to is replaced; on Unix a file keeps who may read it. The folder of
-/// `path` must exist. Errors are those of creating, writing and renaming the file.
+/// `path` must exist.
+///
+/// # Errors
+/// What creating, writing or renaming the file, or `write`, says.
 pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
@@ -50,6 +54,9 @@ fn where_it_leads(path: &Path) -> PathBuf {
 
 /// A temporary file in the folder of `path`, whose name ends in `ending`, to be renamed to `path` when
 /// it is complete.
+///
+/// # Errors
+/// What creating the file says.
 pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<tempfile::NamedTempFile> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,

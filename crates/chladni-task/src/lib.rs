@@ -20,6 +20,8 @@
 //! Not guaranteed: progress is advisory. Counts from parallel workers may arrive in any
 //! order, and a stage may end before its total is reached.
 
+#![warn(clippy::missing_errors_doc)]
+
 mod atomic_file;
 mod progress;
 mod read_file;
@@ -27,3 +29,8 @@ mod read_file;
 pub use atomic_file::{temporary_beside, write_atomic, write_atomic_with};
 pub use progress::{Cancelled, Progress, Stage, Task};
 pub use read_file::{open_file, read_file, read_text_file};
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

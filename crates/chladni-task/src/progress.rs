@@ -66,6 +66,9 @@ impl Task {
     }
 
     /// `Err(Cancelled)` once the task was cancelled; call it between steps of long work.
+    ///
+    /// # Errors
+    /// [`Cancelled`], where [`cancel`](Self::cancel) was called.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }

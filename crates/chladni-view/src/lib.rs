@@ -67,3 +67,8 @@ pub use scene::{
     BrushRing, Cell, Figure, IDENTITY, ItemBuffers, Marker, Paint, Skin, Topology, VertexPaint, Wire,
 };
 pub use style::{Background, Light, Lights, Material};
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

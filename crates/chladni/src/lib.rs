@@ -16,6 +16,9 @@
 //! # Ok::<(), chladni::harmonics::HarmonicsError>(())
 //! ```
 //!
+//! A Laplacian, or any other symmetric positive semidefinite matrix, may be your own
+//! ([`harmonics::Pencil`]). `examples/` has a short program for each stop of this walk.
+//!
 //! Coefficients of the harmonics deform it ([`synth`]): here the second harmonic, along the normal.
 //!
 //! ```
@@ -68,3 +71,8 @@ pub use chladni_sound as sound;
 pub use chladni_synth as synth;
 pub use chladni_task as task;
 pub use chladni_view as view;
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

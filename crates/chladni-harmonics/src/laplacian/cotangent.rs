@@ -32,7 +32,8 @@ pub(crate) fn cotangent_laplacian(
     let mut sides = Vec::with_capacity(3 * triangles.len());
     let mut mass = vec![0.0; positions.len()];
     for &corners in triangles {
-        let Measured { square, area, cotangent } = Measured::of(corners.map(|v| positions[v as usize]));
+        let TriangleMeasures { square, area, cotangent } =
+            TriangleMeasures::of(corners.map(|v| positions[v as usize]));
         if area <= 0.5 * FLAT * square.into_iter().fold(0.0, f64::max) {
             return Err(Refusal::FlatTriangle { corners });
         }
@@ -48,13 +49,13 @@ pub(crate) fn cotangent_laplacian(
 
 /// A triangle: of each side, i from corner i to the next, the squared length and the cotangent of
 /// the angle opposite.
-struct Measured {
+struct TriangleMeasures {
     square: [f64; 3],
     area: f64,
     cotangent: [f64; 3],
 }
 
-impl Measured {
+impl TriangleMeasures {
     fn of(corner: [[f64; 3]; 3]) -> Self {
         let side = |i: usize| -> [f64; 3] {
             let (p, q) = (corner[i], corner[(i + 1) % 3]);

@@ -87,6 +87,9 @@ const KINDS: [Evidence; 5] =
 
 impl Estimate {
     /// How `mesh` stands, within what is `known`. A mesh without a surface stands as most files do.
+    ///
+    /// # Errors
+    /// [`Cancelled`] through `task`.
     pub fn of(mesh: &TriMesh, known: Known, task: &Task) -> Result<Self, Cancelled> {
         let welded = weld(mesh);
         Self::of_surface(&welded.positions, &welded.triangles, known, task)
@@ -96,6 +99,9 @@ impl Estimate {
     ///
     /// # Panics
     /// If a triangle names a vertex that is not there.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
     pub fn of_surface(
         positions: &[[f64; 3]],
         triangles: &[[u32; 3]],

@@ -111,7 +111,7 @@ pub fn load_mesh(path: &Path) -> Result<Loaded, MeshError> {
 fn load(path: &Path) -> Result<Loaded, MeshError> {
     let bytes = read_file(path, MOST_BYTES).map_err(MeshError::Io)?;
     let extension = path.extension().and_then(|extension| extension.to_str());
-    let format = Format::of(extension, &bytes)?;
+    let format = Format::of(extension, &bytes).map_err(MeshError::UnknownFormat)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let beside = |name: &str| {
         // Names from Windows have backslashes.

@@ -239,8 +239,8 @@ mod tests {
         assert_eq!(TriangleTree::new(&[], &[]).closest([0.0; 3], f64::INFINITY), None);
         let one = TriangleTree::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
         assert_eq!(one.closest([0.2, 0.2, 2.0], 2.0), None);
-        let found = one.closest([0.2, 0.2, 2.0], 2.1).unwrap();
-        assert_eq!((found.point, found.on.triangle, found.distance_squared), ([0.2, 0.2, 0.0], 0, 4.0));
+        let found = one.closest([0.25, 0.25, 2.0], 2.1).unwrap();
+        assert_eq!((found.point, found.on.triangle, found.distance_squared), ([0.25, 0.25, 0.0], 0, 4.0));
     }
 
     proptest! {

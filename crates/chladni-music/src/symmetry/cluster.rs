@@ -3,11 +3,10 @@
 use std::ops::Range;
 
 use chladni_harmonics::{Basis, Body, canonical};
-use chladni_mesh::OnSurface;
+use chladni_mesh::{OnSurface, symmetric_eigen_of};
 use chladni_task::Task;
 use rayon::prelude::*;
 
-use super::jacobi::symmetric_eigen;
 use super::{SymmetrySettings, first_waving};
 use crate::Error;
 
@@ -132,7 +131,8 @@ fn classify(
     }
     let symmetric: Vec<Vec<f64>> =
         (0..size).map(|i| (0..size).map(|j| 0.5 * (matrix[i][j] + matrix[j][i])).collect()).collect();
-    let (values, mix) = symmetric_eigen(symmetric.clone());
+    let (values, vectors) = symmetric_eigen_of(symmetric.clone());
+    let mix = (0..size).map(|i| vectors.iter().map(|vector| vector[i]).collect()).collect();
     let mix = choose_within_classes(body, &group, &values, mix, settings);
     let score = |j: usize| -> f64 {
         let image = |i: usize| (0..size).map(|l| symmetric[i][l] * mix[l][j]).sum::<f64>();

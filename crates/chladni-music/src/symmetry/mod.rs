@@ -1,7 +1,6 @@
 //! Which harmonics are symmetric and which antisymmetric (docs/symmetry.md).
 
 mod cluster;
-mod jacobi;
 mod paper;
 
 use std::sync::Arc;

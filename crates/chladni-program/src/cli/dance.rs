@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use chladni_music::{Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, Show, Switch, setting};
+use chladni_music::{
+    Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, Show, Switch, Timbre, setting,
+};
 use chladni_synth::Backend;
 use chladni_view::{Background, FrameRate, Lights, Material, Samples};
 
@@ -61,6 +63,10 @@ pub struct Dance {
     /// else half-mask.
     #[arg(long, value_parser = parse_form)]
     form: Option<Form>,
+    /// How harmonics ring when the sound strikes them: jelly, bell, drum, cloth, metal; none: they follow its
+    /// level, as in the paper. A show's or preset's own unless given, else jelly.
+    #[arg(long, value_parser = parse_timbre)]
+    timbre: Option<Ring>,
     /// Which harmonics may sound: all, symmetric or antisymmetric.
     #[arg(long, value_parser = parse_choir)]
     choir: Option<Choir>,
@@ -226,6 +232,11 @@ impl Dance {
         let mut changes = Vec::new();
         changes.extend(self.paper.then_some(PAPER_MODE).into_iter().flatten());
         changes.extend(self.form.map(|form| Action::SetForm { form }));
+        match self.timbre {
+            Some(Ring::As(timbre)) => changes.extend(timbre.actions()),
+            Some(Ring::Not) => changes.push(Action::Switch { switch: Switch::Resonate, on: false }),
+            None => {}
+        }
         changes.extend(self.choir.map(|choir| Action::SetChoir { choir }));
         changes.extend(self.gain.map(|value| Action::Set { parameter: Parameter::Gain, value }));
         if let Some(value) = self.mu {
@@ -246,6 +257,21 @@ impl Dance {
         let load = |path: &Path| Preset::load(path).map_err(|error| in_file(path, error));
         let preset = self.preset.as_deref().map(load).transpose()?;
         Ok(Beginning { preset, seed: self.seed, gallery: self.gallery, ..Beginning::default() })
+    }
+}
+
+/// Whether harmonics ring.
+#[derive(Clone, Copy, Debug)]
+enum Ring {
+    Not,
+    As(Timbre),
+}
+
+fn parse_timbre(name: &str) -> Result<Ring, String> {
+    let known = || Timbre::NAMED.map(|(name, _)| name).join(", ");
+    match name {
+        "none" => Ok(Ring::Not),
+        name => Timbre::named(name).map(Ring::As).ok_or_else(|| format!("there are none, {}", known())),
     }
 }
 

@@ -7,7 +7,7 @@ use chladni_caricature::{
     parse_wavelength, usual_wavelength,
 };
 use chladni_harmonics::Laplacian;
-use chladni_match::{Method, Scaling, Settings, load_landmarks};
+use chladni_match::{MatchSettings, Method, Scaling, load_landmarks};
 
 use crate::work::Error;
 
@@ -55,7 +55,7 @@ pub struct LayerOptions {
     #[arg(long)]
     rigid: bool,
     /// Seed of all that matching samples.
-    #[arg(long, default_value_t = Settings::default().seed)]
+    #[arg(long, default_value_t = MatchSettings::default().seed)]
     seed: u64,
     /// How far the difference is filled in from its surroundings where a match is not to be trusted, such as
     /// hair, holes and the cut of a neck: 0, as it was found, to 1 [default: 1; 0 in paper mode].
@@ -102,7 +102,8 @@ impl LayerOptions {
             clamp: smoothing.clamp && !self.no_clamp,
         };
         let mu = self.mu.unwrap_or(if paper { self.model.paper_mu() } else { usual.mu });
-        let mut matching = Settings { seed: self.seed, scaling: scaling(self.rigid), ..Settings::default() };
+        let mut matching =
+            MatchSettings { seed: self.seed, scaling: scaling(self.rigid), ..MatchSettings::default() };
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
             matching.landmarks = load_landmarks(path)?;

@@ -8,8 +8,8 @@ use chladni_caricature::{GivenEllipsoid, self_low_passed};
 use chladni_harmonics::npz::write_npz;
 use chladni_harmonics::{BasisSettings, Body, HarmonicsError};
 use chladni_match::{
-    Correspondence, Ellipsoid, Match, MatchError, Method, Report, Settings, load_landmarks, match_shapes,
-    onto_ellipsoid, self_scaled,
+    Correspondence, Ellipsoid, Match, MatchError, MatchReport, MatchSettings, Method, load_landmarks,
+    match_shapes, onto_ellipsoid, self_scaled,
 };
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
@@ -39,7 +39,7 @@ pub struct MatchShapes {
     #[arg(long)]
     rigid: bool,
     /// Seed of all sampling.
-    #[arg(long, default_value_t = Settings::default().seed)]
+    #[arg(long, default_value_t = MatchSettings::default().seed)]
     seed: u64,
     /// Write the correspondence here (NumPy archive: point, confidence, similarity and, on
     /// template meshes, triangle and barycentric).
@@ -78,7 +78,7 @@ impl FromStr for How {
             "sphere" => Self::Sphere,
             _ if text.starts_with("sphere:") || text.starts_with("ellipsoid:") => {
                 let given: GivenEllipsoid =
-                    text.parse().map_err(|e: chladni_caricature::Error| e.to_string())?;
+                    text.parse().map_err(|e: chladni_caricature::CaricatureError| e.to_string())?;
                 Self::Given(given.ellipsoid().map_err(|error| error.to_string())?)
             }
             _ => match text.strip_prefix("self:").and_then(|rest| rest.split_once('=')) {
@@ -98,7 +98,7 @@ impl FromStr for How {
 #[derive(Serialize)]
 struct Printed<'a> {
     #[serde(flatten)]
-    report: &'a Report,
+    report: &'a MatchReport,
     seconds: f64,
 }
 
@@ -140,7 +140,7 @@ impl MatchShapes {
         let failed = |error: MatchError| Error::from(error).of(self.names());
         let alone = |correspondence: Result<Correspondence, MatchError>| {
             let correspondence = correspondence.map_err(failed)?;
-            let report = Report::without_template(shape, &correspondence).map_err(failed)?;
+            let report = MatchReport::without_template(shape, &correspondence).map_err(failed)?;
             Ok(Match { correspondence, report })
         };
         match self.method {
@@ -154,7 +154,7 @@ impl MatchShapes {
                     None => Vec::new(),
                 };
                 let scaling = scaling(self.rigid);
-                let settings = Settings { method, landmarks, seed: self.seed, scaling };
+                let settings = MatchSettings { method, landmarks, seed: self.seed, scaling };
                 match_shapes(shape, &template, &settings, task).map_err(failed)
             }
             How::Ellipsoid => alone(Ellipsoid::fitted(shape).and_then(|e| onto_ellipsoid(shape, &e))),
@@ -249,7 +249,7 @@ fn position_colors(mesh: &TriMesh) -> Vec<[f32; 4]> {
         .collect()
 }
 
-fn lines(report: &Report, seconds: f64) -> Vec<String> {
+fn lines(report: &MatchReport, seconds: f64) -> Vec<String> {
     let mut lines = Vec::new();
     let mut row = |name: &str, value: String| lines.push(format!("{name:<22} {value}"));
     row("median distance", format!("{:.3} % of the diagonal", 100.0 * report.median_distance));

@@ -162,7 +162,7 @@ struct ShownLayer {
     clamp: bool,
     scale_curve: chladni_caricature::ScaleCurve,
     #[serde(rename = "match")]
-    matching: chladni_match::Settings,
+    matching: chladni_match::MatchSettings,
     infill: f64,
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use chladni_caricature::Error as CaricatureError;
+use chladni_caricature::CaricatureError;
 use chladni_harmonics::HarmonicsError;
 use chladni_match::MatchError;
 use chladni_mesh::MeshError;

@@ -1,6 +1,6 @@
 //! Templates: their meshes, and the match of a shape with one.
 
-use chladni_caricature::{Error as CaricatureError, MatchRequest, Matched, ShapeSource, Template};
+use chladni_caricature::{CaricatureError, MatchRequest, Matched, ShapeSource, Template};
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
 

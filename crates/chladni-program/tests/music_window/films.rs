@@ -128,8 +128,9 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
     window.key_press(Key::S);
     run_for(&mut window, 1.2);
     window.key_press(Key::Space);
-    // Until it rests, and is drawn as finely as a film.
+    // Until it rests, and is drawn as finely as a film: on a busy machine there are few frames in a while.
     run_for(&mut window, 1.5);
+    window.run_steps(20);
     let picture = window.render().unwrap();
     let (width, height) = (picture.width(), picture.height());
     let at_secs = trace.borrow().last().unwrap().at_secs;

@@ -70,7 +70,8 @@ impl DeviceFrameBuffers {
 impl CpuSynthesizer {
     /// Copies the last frame to the device, where it is drawn like one that was made there.
     ///
-    /// Fails if the frame is larger than the device's buffers may be.
+    /// # Errors
+    /// A frame that is larger than the device's buffers may be.
     pub fn upload(&self, queue: &wgpu::Queue, buffers: &mut DeviceFrameBuffers) -> Result<(), SynthError> {
         buffers.resize(self.items(), self.model().vertices())?;
         queue.write_buffer(buffers.positions.buffer(), 0, bytemuck::cast_slice(self.all_positions()));

@@ -77,7 +77,8 @@ pub struct GpuSynthesizer {
 impl GpuSynthesizer {
     /// Uploads the model: its packed basis, rest shape and rings.
     ///
-    /// Fails if the device is lost, out of memory, or its limits are too small.
+    /// # Errors
+    /// A device that is lost or out of memory, or whose limits are too small.
     pub fn new(context: &GpuContext, model: SynthModel) -> Result<Self, SynthError> {
         // A processor in disguise has too few registers for the wide tiles, and a cache for the basis.
         let tiles = if context.is_software() { Tiles::Narrow } else { Tiles::Wide };
@@ -85,6 +86,9 @@ impl GpuSynthesizer {
     }
 
     /// Like [`new`](Self::new), with the tiles of the product chosen by hand.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
     pub fn with_tiles(context: &GpuContext, model: SynthModel, tiles: Tiles) -> Result<Self, SynthError> {
         context.check_present()?;
         let device = &context.device;

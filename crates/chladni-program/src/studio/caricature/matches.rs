@@ -132,7 +132,7 @@ fn describe(method: Method) -> (&'static str, &'static str) {
     }
 }
 
-fn quality(ui: &mut Ui, report: &chladni_match::Report) {
+fn quality(ui: &mut Ui, report: &chladni_match::MatchReport) {
     let palette = theme::palette(ui);
     egui::Grid::new("quality").num_columns(2).show(ui, |ui| {
         let mut row = |name: &str, tip: &str, value: String| {

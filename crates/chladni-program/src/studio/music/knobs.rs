@@ -1,6 +1,6 @@
 //! The knobs and switches of the instrument.
 
-use chladni_music::{Action, Choir, Form, FormControl, Instrument, Parameter, Parameters, Switch};
+use chladni_music::{Action, Choir, Form, FormControl, Instrument, Parameter, Parameters, Switch, Timbre};
 use egui::{RichText, Slider, Ui};
 
 use super::wish::Wish;
@@ -16,6 +16,7 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, voices: bool, wishes: &mut Vec
         form(ui, parameters, wishes);
         harmonics(ui, instrument, wishes);
     });
+    group(ui, "Timbre", |ui| timbre(ui, parameters, wishes));
     for (name, rows) in GROUPS {
         group(ui, name, |ui| {
             for (parameter, name, tip) in *rows {
@@ -70,6 +71,24 @@ fn form(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
     });
 }
 
+/// What the shape seems to be made of.
+fn timbre(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
+    let now = Timbre::of(parameters);
+    ui.horizontal_wrapped(|ui| {
+        let tip = "Follows the level of the sound, as in the paper";
+        if ui.selectable_label(now.is_none(), "None").on_hover_text(tip).clicked() {
+            wishes.push(Wish::Do(Action::Switch { switch: Switch::Resonate, on: false }));
+        }
+        for (name, timbre) in Timbre::NAMED {
+            let tip = "Rings as a damped oscillator when the sound strikes it";
+            if ui.selectable_label(now == Some(timbre), theme::capitalized(name)).on_hover_text(tip).clicked()
+            {
+                wishes.extend(timbre.actions().map(Wish::Do));
+            }
+        }
+    });
+}
+
 /// How many harmonics are in use.
 fn harmonics(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
     let all = u32::try_from(instrument.shape().eigenvalues.len()).unwrap_or(u32::MAX);
@@ -101,6 +120,16 @@ const GROUPS: &[(&str, &[Row])] = &[
                 "µ of all",
                 "How much middle and sides mix, while no dance has a µ of its own",
             ),
+        ],
+    ),
+    (
+        "Resonators",
+        &[
+            (Parameter::Damping, "Damping", "How soon they come to rest; from 1 on they swing no more"),
+            (Parameter::TuningHz, "Tuning", "How often a second the broadest movement swings"),
+            (Parameter::Stretch, "Stretch", "How much faster finer movements are"),
+            (Parameter::Strike, "Strike", "How hard a sound that begins strikes"),
+            (Parameter::Hold, "Hold", "How far a sound that lasts holds the shape"),
         ],
     ),
     (
@@ -139,6 +168,7 @@ const SWITCHES: &[(&str, &[Choice])] = &[
         &[
             (Switch::LogBands, "Bands by pitch", "Equal steps of pitch rather than of frequency"),
             (Switch::FlipSides, "Exchange sides", "Left and right are exchanged"),
+            (Switch::Resonate, "Resonate", "Sound strikes the shape; else the shape follows its level"),
             (Switch::OwnMu, "Each its own µ", "Else all dances have the one among the knobs"),
         ],
     ),
@@ -178,6 +208,13 @@ fn idle(parameters: &Parameters, parameter: Parameter, voices: bool) -> Option<&
             parameters.is_on(Switch::OwnMu).then_some("Each dance has its own µ now (see Hearing).")
         }),
         Parameter::SideGain if !voices => form.ignores(FormControl::SideGain),
+        Parameter::Damping
+        | Parameter::TuningHz
+        | Parameter::Stretch
+        | Parameter::Strike
+        | Parameter::Hold => {
+            (!parameters.is_on(Switch::Resonate)).then_some("Nothing resonates now (see Hearing).")
+        }
         Parameter::Detail => form.ignores(FormControl::Detail),
         _ => None,
     }

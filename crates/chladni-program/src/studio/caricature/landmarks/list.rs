@@ -1,7 +1,7 @@
 //! The list of landmarks in the match panel, and their text file.
 
 use chladni_caricature::{LayerId, Property};
-use chladni_match::{Settings, load_landmarks, write_landmarks};
+use chladni_match::{MatchSettings, load_landmarks, write_landmarks};
 use egui::{RichText, Ui};
 
 use super::super::edits::Edits;
@@ -18,7 +18,7 @@ pub fn show_list(
     ui: &mut Ui,
     session: &Session,
     layer: LayerId,
-    settings: &Settings,
+    settings: &MatchSettings,
     picking: &mut bool,
     edits: &mut Edits,
     shared: &mut Shared<'_>,
@@ -34,7 +34,7 @@ pub fn show_list(
             if icon_button(ui, Icon::FolderOpen, "Read landmarks from a text file").clicked()
                 && let Some(landmarks) = load(shared)
             {
-                edits.set(layer, Property::Matching(Settings { landmarks, ..settings.clone() }));
+                edits.set(layer, Property::Matching(MatchSettings { landmarks, ..settings.clone() }));
             }
             let label =
                 if *picking { icon::label(Icon::Check, "Done") } else { icon::label(Icon::MapPin, "Pick") };
@@ -68,7 +68,7 @@ fn load(shared: &mut Shared<'_>) -> Option<Vec<chladni_match::Landmark>> {
     load_landmarks(&path).map_err(|error| shared.notices.failed(error)).ok()
 }
 
-fn save(session: &Session, settings: &Settings, shared: &mut Shared<'_>) {
+fn save(session: &Session, settings: &MatchSettings, shared: &mut Shared<'_>) {
     let suggested = session.beside_named("landmarks", "txt");
     let Some(path) = shared.chooser.save(&[("Landmarks", &["txt"])], &suggested) else { return };
     match chladni_task::write_atomic(&path, write_landmarks(&settings.landmarks).as_bytes()) {

@@ -6,7 +6,7 @@ mod side;
 use std::sync::Arc;
 
 use chladni_caricature::{LayerId, Matched, Property, Template};
-use chladni_match::{Landmark, Settings};
+use chladni_match::{Landmark, MatchSettings};
 use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_view::{Cell, Marker, Rect};
 use egui::{Color32, PointerButton, Pos2, RichText, Ui};
@@ -193,7 +193,7 @@ impl Picking {
         which: Which,
         area: egui::Rect,
         whole: egui::Rect,
-        settings: &Settings,
+        settings: &MatchSettings,
     ) -> Option<Gesture> {
         let cell = cell_of(ui, area, whole);
         let response =
@@ -270,7 +270,7 @@ impl Picking {
         &mut self,
         which: Which,
         gesture: Gesture,
-        mut settings: Settings,
+        mut settings: MatchSettings,
         edits: &mut Edits,
         shared: &mut Shared<'_>,
     ) {
@@ -313,7 +313,7 @@ impl Picking {
         shared: &mut Shared<'_>,
         rect: egui::Rect,
         areas: [egui::Rect; 2],
-        settings: &Settings,
+        settings: &MatchSettings,
         look: Portrayal,
     ) -> Result<(), Error> {
         let cells = areas.map(|area| cell_of(ui, area, rect));
@@ -356,7 +356,7 @@ impl Picking {
 
     /// The landmarks on one shape with their numbers: those of the project, the one that is held
     /// where it is now, and half a pair.
-    fn ends(&self, which: Which, settings: &Settings) -> Vec<(usize, u32)> {
+    fn ends(&self, which: Which, settings: &MatchSettings) -> Vec<(usize, u32)> {
         let end = |l: &Landmark| if which == Which::Shape { l.shape } else { l.template };
         let mut ends: Vec<(usize, u32)> = settings.landmarks.iter().map(end).enumerate().collect();
         if let Some((_, index, vertex)) = self.held.filter(|(side, ..)| *side == which)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{Action, Error as CaricatureError, MatchRequest, Matched};
+use chladni_caricature::{Action, CaricatureError, MatchRequest, Matched};
 use chladni_harmonics::Body;
 use chladni_mesh::Estimate;
 use chladni_task::Task;
