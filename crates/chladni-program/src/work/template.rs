@@ -9,7 +9,7 @@ use super::{Error, Warning, Watcher, source};
 /// The mesh of a template; `None` where it is none.
 ///
 /// # Errors
-/// As [`source::loaded`] does.
+/// As [`source::shape`] does.
 pub fn template_mesh(template: &Template, watcher: &impl Watcher) -> Result<Option<TriMesh>, Error> {
     let source = match template {
         Template::File(path) => ShapeSource::File(path.clone()),
