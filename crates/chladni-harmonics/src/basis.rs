@@ -5,7 +5,7 @@ use crate::Laplacian;
 /// What was checked about a [`Basis`] after it was solved.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Certificate {
-    /// The operator that the pairs belong to.
+    /// The operator that the pairs belong to; of a [`Pencil`](crate::Pencil), of which none is known, the default.
     #[serde(default)]
     pub laplacian: Laplacian,
     /// The number of eigenvalues below every slice boundary, by Sylvester's law of inertia,
