@@ -8,9 +8,9 @@ mod driving;
 
 use std::f32::consts::TAU;
 
-use chladni_program::studio::{Folders, Opening};
 use chladni_mesh::{samples, save_mesh};
 use chladni_music::{Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
+use chladni_program::studio::{Folders, Opening};
 use chladni_sound::{Capture, CaptureFeed};
 use driving::{Window, no_time, open_with, shows, wait};
 use egui::{Event, Key, Pos2, ViewportCommand};

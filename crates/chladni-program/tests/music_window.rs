@@ -8,8 +8,8 @@ mod driving;
 use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;
 
-use chladni_program::studio::{Folders, Handover, Opening, Trace};
 use chladni_music::{Preset, Show};
+use chladni_program::studio::{Folders, Handover, Opening, Trace};
 use chladni_sound::{Song, WavSample, write_wav};
 use driving::{
     Answers, Window, lose, no_time, open, open_with, open_with_device, screenshot, shows, takes_pictures,
@@ -240,7 +240,8 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
         let [session, out] = [&session, &coefficients].map(|path| path.to_str().unwrap());
         let dance =
             ["chladni", "--quiet", "dance", "sample:octopus", "sample:tune", "-k", "96", "--duration", "1"];
-        let told = chladni_program::cli::run(dance.iter().chain(&["--session", session, "--coefficients", out]));
+        let told =
+            chladni_program::cli::run(dance.iter().chain(&["--session", session, "--coefficients", out]));
         assert_eq!(told, 0);
         archive::array(&coefficients, "coefficients").unwrap().values
     };

@@ -30,27 +30,31 @@
 //! Not guaranteed: pixels differ in their last bits from driver to driver. Translucent figures
 //! are not sorted. Only the key light casts shadows, within a cell.
 
+mod buffers;
 mod camera;
 mod canvas;
 mod colormap;
+mod cpu;
+mod device;
 mod error;
 pub mod film;
 pub mod framing;
 mod gpu;
-mod images;
 pub mod layout;
 mod pick;
 mod picture;
-mod pipelines;
 mod renderer;
 mod request;
 mod samples;
 mod scene;
 mod style;
+mod uniforms;
 
+pub use buffers::{BrushRing, ItemBuffers, Skin, Topology, VertexPaint};
 pub use camera::{Camera, Projection, View};
 pub use canvas::Canvas;
 pub use colormap::{ColorMap, Scale};
+pub use device::{Device, Draw};
 pub use error::ViewError;
 pub use film::{Film, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
 pub use gpu::Gpu;
@@ -63,7 +67,5 @@ pub use request::{
     smooth_normals,
 };
 pub use samples::Samples;
-pub use scene::{
-    BrushRing, Cell, Figure, IDENTITY, ItemBuffers, Marker, Paint, Skin, Topology, VertexPaint, Wire,
-};
+pub use scene::{Cell, Figure, IDENTITY, Marker, Paint, Wire};
 pub use style::{Background, Light, Lights, Material};

@@ -24,6 +24,7 @@ mod stance;
 mod symmetry;
 mod terminal;
 
+use chladni_view::Draw;
 use clap::{Parser, Subcommand};
 
 pub use cache::basis_cache;
@@ -41,6 +42,10 @@ struct Cli {
     /// Draw no progress bars.
     #[arg(long, global = true, display_order = 900)]
     quiet: bool,
+    /// Who draws pictures and films: cpu, gpu, or auto, which is a graphics card where there is one and
+    /// else the processor. The window is drawn by the graphics device.
+    #[arg(long, global = true, value_name = "WHO", default_value = "auto", display_order = 901)]
+    draw: Draw,
 }
 
 #[derive(Subcommand)]
@@ -86,7 +91,7 @@ where
             return 0;
         }
     };
-    let terminal = Terminal::new(cli.quiet);
+    let terminal = Terminal::new(cli.quiet).drawing(cli.draw);
     let done = match cli.command {
         Some(command) => command.run(&terminal),
         None => open::Open::default().run(&terminal),

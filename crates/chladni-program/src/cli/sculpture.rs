@@ -11,7 +11,7 @@ use chladni_harmonics::Body;
 use chladni_mesh::{Format, MorphTarget, Orientation, TriMesh, save_mesh, write_glb};
 use chladni_synth::Term;
 use chladni_task::write_atomic;
-use chladni_view::{Camera, Gpu, Picture, PictureRequest, PictureShape, Style, render_picture};
+use chladni_view::{Camera, Picture, PictureRequest, PictureShape, Style, render_picture};
 
 use super::inputs::{build_body, open_mesh};
 use super::sheet::{self, Panel, Portrayed, SheetOptions};
@@ -126,7 +126,13 @@ impl Sculpture {
         let picture = if sheet.show.is_empty() && sheet.sweep.is_empty() {
             self.before_and_after(name, from, size, terminal)?
         } else {
-            sheet::draw(&self.rows(project, sheet)?, &self.stack.body().triangles, from, size)?
+            sheet::draw(
+                &terminal.device()?,
+                &self.rows(project, sheet)?,
+                &self.stack.body().triangles,
+                from,
+                size,
+            )?
         };
         let png = picture.to_png().map_err(Failure::other)?;
         write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
@@ -237,9 +243,8 @@ impl Sculpture {
             image,
             ..PictureShape::default()
         });
-        let gpu = Gpu::headless().map_err(Failure::other)?;
         let request = PictureRequest { shapes: &shapes, width, height, from, style: Style::default() };
-        render_picture(&gpu, &request).map_err(Failure::other)
+        render_picture(&terminal.device()?, &request).map_err(Failure::other)
     }
 }
 

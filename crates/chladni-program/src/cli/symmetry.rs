@@ -6,7 +6,7 @@ use chladni_harmonics::Body;
 use chladni_mesh::{Estimate, Known, Orientation};
 use chladni_music::{Class, Symmetry, SymmetryMethod, SymmetrySettings};
 use chladni_view::{
-    Camera, ColorMap, Gpu, Marker, PictureRequest, PictureShape, Scale, Style, View, render_picture,
+    Camera, ColorMap, Device, Marker, PictureRequest, PictureShape, Scale, Style, View, render_picture,
 };
 use serde::Serialize;
 
@@ -75,7 +75,7 @@ impl SymmetryCommand {
                 })
                 .map_err(|_| Failure::Cancelled)?
                 .orientation;
-            draw(path, &body, &symmetry, stands)?;
+            draw(path, &body, &symmetry, stands, &terminal.device()?)?;
         }
         let report = report(&body, &symmetry);
         if self.json {
@@ -127,7 +127,13 @@ fn report(body: &Body, symmetry: &Symmetry) -> Report {
 
 /// First how often each vertex is an extremum, with both ends of a pair in one colour; then the
 /// first harmonics: warm markers above for symmetric ones, cool for antisymmetric, grey for none.
-fn draw(path: &Path, body: &Body, symmetry: &Symmetry, stands: Orientation) -> Result<(), Failure> {
+fn draw(
+    path: &Path,
+    body: &Body,
+    symmetry: &Symmetry,
+    stands: Orientation,
+    device: &Device,
+) -> Result<(), Failure> {
     const SHOWN: usize = 11;
     let rotated = symmetry.rotated(body);
     let basis = &*rotated.basis;
@@ -164,9 +170,8 @@ fn draw(path: &Path, body: &Body, symmetry: &Symmetry, stands: Orientation) -> R
         markers: flag,
         ..shape
     }));
-    let gpu = Gpu::headless().map_err(Failure::other)?;
     let request = PictureRequest { shapes: &shapes, width: 1280, height: 960, from, style: Style::default() };
-    let picture = render_picture(&gpu, &request).map_err(Failure::other)?;
+    let picture = render_picture(device, &request).map_err(Failure::other)?;
     let png = picture.to_png().map_err(Failure::other)?;
     chladni_task::write_atomic(path, &png).map_err(|error| Failure::writing(path, error))
 }

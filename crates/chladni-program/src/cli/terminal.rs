@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use chladni_task::Task;
+use chladni_view::{Device, Draw};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
@@ -18,6 +19,8 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub struct Terminal {
     quiet: bool,
     task: Task,
+    /// Who is asked to draw.
+    draw: Draw,
     /// The warnings, where nobody sits before it.
     unheard: Option<Mutex<Vec<String>>>,
 }
@@ -42,18 +45,33 @@ impl Terminal {
                 }
             });
         }
-        Self { quiet, task, unheard: None }
+        Self { quiet, task, draw: Draw::Auto, unheard: None }
     }
 
     /// Nobody's terminal: nothing is printed, `task` is watched and cancelled elsewhere, and
     /// [`unheard`](Self::unheard) has the warnings.
     pub fn nobodys(task: &Task) -> Self {
-        Self { quiet: true, task: task.clone(), unheard: Some(Mutex::default()) }
+        Self { quiet: true, task: task.clone(), draw: Draw::Auto, unheard: Some(Mutex::default()) }
     }
 
     /// What nobody was warned of.
     pub fn unheard(self) -> Vec<String> {
         self.unheard.map_or_else(Vec::new, |lines| lines.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// The same, where `draw` is asked for.
+    pub fn drawing(self, draw: Draw) -> Self {
+        Self { draw, ..self }
+    }
+
+    /// Who is asked to draw.
+    pub fn draw(&self) -> Draw {
+        self.draw
+    }
+
+    /// Who draws the command's pictures.
+    pub fn device(&self) -> Result<Device, Failure> {
+        Device::open(self.draw).map_err(Failure::other)
     }
 
     /// The task of this command: hand it to long work.

@@ -6,8 +6,8 @@
 
 use std::path::PathBuf;
 
-use chladni_program::studio::{Folders, Opening};
 use chladni_mesh::{TriMesh, samples, save_mesh};
+use chladni_program::studio::{Folders, Opening};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::kittest::{NodeT, Queryable};
 

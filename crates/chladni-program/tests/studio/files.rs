@@ -2,9 +2,9 @@
 
 use std::rc::Rc;
 
-use chladni_program::studio::{FirstPicture, Opening};
 use chladni_caricature::{Project, ShapeSource};
 use chladni_mesh::save_mesh;
+use chladni_program::studio::{FirstPicture, Opening};
 use egui::Key;
 
 use crate::CTRL;

@@ -107,8 +107,8 @@ pub struct Dance {
     yaw: Option<f32>,
     #[command(flatten)]
     stance: Stance,
-    /// Samples a pixel: 4, or 1 with edges smoothed afterwards. Unless given, 4 on a graphics card and
-    /// 1 where the processor draws.
+    /// Samples a pixel: 4, or 1 with edges smoothed afterwards. Unless given, 4 on a graphics card and by
+    /// the processor, which knows no others, and 1 on a software device.
     #[arg(long, value_name = "1|4")]
     samples: Option<Samples>,
     /// Where shapes are deformed: cpu, gpu, or auto, which is the graphics card where there is one.

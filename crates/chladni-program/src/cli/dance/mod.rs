@@ -7,6 +7,7 @@ mod film;
 mod guard;
 mod record;
 mod sound;
+mod theatre;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -242,7 +243,7 @@ pub fn make(request: Request, terminal: &Terminal) -> Result<Report, Failure> {
                 audio: sound.as_ref().map(|file| file.path().to_owned()),
             };
             let film = Film::create(path, settings).map_err(view_failure)?;
-            let means = Means { samples: output.samples, synthesis: output.synthesis };
+            let means = Means { draw: terminal.draw(), samples: output.samples, synthesis: output.synthesis };
             let scene = (&request.look, &request.viewpoint);
             terminal.watch("filming", |task| {
                 performance.film(film, scene, means, recording, &mut seconds, task)
