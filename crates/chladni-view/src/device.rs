@@ -42,16 +42,17 @@ impl Device {
     /// Longest side of a picture or an image that the processor draws, pixels.
     const LONGEST_SIDE: u32 = 16_384;
 
-    /// Whoever `draw` asks for. `Auto` takes the processor where there is no adapter, where the only
-    /// one is software, which draws the same several times slower, and where it cannot be opened.
+    /// Whoever `draw` asks for. `Auto` takes the processor where there is no adapter, or where the only
+    /// one is software, which draws the same several times slower.
     ///
     /// # Errors
-    /// Those of [`Gpu::headless`], where a graphics device is asked for.
+    /// Those of [`Gpu::headless`] where a graphics device is asked for, and [`ViewError::NoDevice`] where
+    /// there is a card that refuses.
     pub fn open(draw: Draw) -> Result<Self, ViewError> {
         match draw {
             Draw::Cpu => Ok(Self::Processor),
             Draw::Gpu => Gpu::headless().map(Self::Graphics),
-            Draw::Auto => Ok(Gpu::card().map_or(Self::Processor, Self::Graphics)),
+            Draw::Auto => Ok(Gpu::card()?.map_or(Self::Processor, Self::Graphics)),
         }
     }
 

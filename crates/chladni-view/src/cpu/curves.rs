@@ -67,8 +67,8 @@ pub(super) fn log2(x: f32) -> f32 {
     // 2 artanh t / ln 2.
     let t = (m - 1.0) / (m + 1.0);
     let t2 = t * t;
-    let series = 0.320_598_98;
-    let series = series * t2 + 0.412_198_58;
+    let series = 0.320_599;
+    let series = series * t2 + 0.412_198_6;
     let series = series * t2 + 0.577_078_03;
     let series = series * t2 + 0.961_796_7;
     let series = series * t2 + 2.885_39;

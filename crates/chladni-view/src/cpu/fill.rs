@@ -2,7 +2,7 @@
 //! overlap nor leave a gap, and the depth of the triangle's own plane.
 
 use super::instructions::Kernel;
-use super::project::{Chunk, Corner, SUBPIXEL_BITS, SUBPIXELS};
+use super::project::{Chunk, Corner, SUBPIXEL_BITS, SUBPIXELS, area};
 
 /// No triangle is seen.
 pub(super) const NONE: u32 = u32::MAX;
@@ -15,13 +15,17 @@ const LANES: usize = 16;
 const FOUR: [[i32; 2]; 4] = [[96, 32], [224, 96], [32, 160], [160, 224]];
 const ONE: [[i32; 2]; 1] = [[SUBPIXELS / 2; 2]];
 
-/// Offsets of the lanes: sixteen samples of four or sixteen pixels in a row.
+/// Pixels that are tested together: four in a row, and as many rows as there are lanes for.
+const PIXELS: usize = 4;
+
+/// Offsets of the lanes: sixteen samples of four pixels, or of four times four.
 const fn offsets<const PER: usize>(samples: [[i32; 2]; PER]) -> [[i32; LANES]; 2] {
     let mut lanes = [[0; LANES]; 2];
     let mut lane = 0;
     while lane < LANES {
-        lanes[0][lane] = (lane / PER) as i32 * SUBPIXELS + samples[lane % PER][0];
-        lanes[1][lane] = samples[lane % PER][1];
+        let (pixel, sample) = (lane / PER, samples[lane % PER]);
+        lanes[0][lane] = (pixel % PIXELS) as i32 * SUBPIXELS + sample[0];
+        lanes[1][lane] = (pixel / PIXELS) as i32 * SUBPIXELS + sample[1];
         lane += 1;
     }
     lanes
@@ -30,10 +34,8 @@ const fn offsets<const PER: usize>(samples: [[i32; 2]; PER]) -> [[i32; LANES]; 2
 const OF_FOUR: [[i32; LANES]; 2] = offsets(FOUR);
 const OF_ONE: [[i32; LANES]; 2] = offsets(ONE);
 
-/// Pixels to the right of a row that lanes may touch, where a pixel has `per` samples.
-pub(super) const fn margin(per: usize) -> usize {
-    LANES / per
-}
+/// Pixels to the right of a row that lanes may touch.
+pub(super) const MARGIN: usize = PIXELS;
 
 /// Samples of a rectangle of pixels, and what of it is to be filled.
 pub(super) struct Target<'a> {
@@ -41,7 +43,7 @@ pub(super) struct Target<'a> {
     pub(super) depth: &'a mut [f32],
     /// What is seen at each sample; empty where only depth counts.
     pub(super) seen: &'a mut [u32],
-    /// Pixels from row to row, [`margin`] of them spare.
+    /// Pixels from row to row, [`MARGIN`] of them spare.
     pub(super) stride: usize,
     /// The first pixel of the arrays.
     pub(super) origin: [i32; 2],
@@ -62,41 +64,94 @@ pub(super) struct Bias {
 pub(super) struct Triangles<'a> {
     pub(super) chunk: &'a Chunk,
     pub(super) tile: usize,
+    /// The fronts, or the backs.
+    pub(super) front: bool,
     pub(super) triangles: &'a [[u32; 3]],
     pub(super) corners: &'a [Corner],
     /// Added to a triangle's index for what is seen.
     pub(super) base: u32,
-    /// True for fronts alone, false for backs.
-    pub(super) side: Option<bool>,
+    pub(super) bias: Bias,
+    /// What is hidden already.
+    pub(super) farthest: &'a Farthest,
 }
 
-/// Four samples a pixel, of depth and of what is seen.
-pub(super) struct FillTile<'a, 'b>(pub(super) &'b mut Target<'a>, pub(super) Triangles<'b>);
+/// Fills `PER` samples a pixel, of depth and, where `SEEN`, of what is seen.
+pub(super) struct Fill<'a, 'b, const PER: usize, const SEEN: bool>(
+    pub(super) &'b mut Target<'a>,
+    pub(super) Triangles<'b>,
+);
 
-impl Kernel for FillTile<'_, '_> {
+impl<const PER: usize, const SEEN: bool> Kernel for Fill<'_, '_, PER, SEEN> {
     #[inline(always)]
     fn run(self) {
         let Self(target, list) = self;
-        for reference in list.chunk.tile(list.tile) {
+        for reference in list.chunk.tile(list.tile, list.front) {
             let (corners, triangle) = list.chunk.resolve(*reference, list.triangles, list.corners);
-            let Some(setup) = Setup::new(corners, list.side) else { continue };
-            setup.fill::<4, true>(target, list.base + triangle, Bias::default());
+            if !list.farthest.hides(target, &corners) {
+                fill::<PER, SEEN>(&corners, target, list.base.wrapping_add(triangle), list.bias);
+            }
         }
     }
 }
 
-/// One sample a pixel, of depth alone.
-pub(super) struct FillDepth<'a, 'b>(pub(super) &'b mut Target<'a>, pub(super) Triangles<'b>, pub(super) Bias);
+/// Binary logarithm of the pixels of a block's side.
+const BLOCK_BITS: u32 = 3;
+const BLOCK: usize = 1 << BLOCK_BITS;
 
-impl Kernel for FillDepth<'_, '_> {
-    #[inline(always)]
-    fn run(self) {
-        let Self(target, list, bias) = self;
-        for reference in list.chunk.tile(list.tile) {
-            let (corners, _) = list.chunk.resolve(*reference, list.triangles, list.corners);
-            let Some(setup) = Setup::new(corners, None) else { continue };
-            setup.fill::<1, false>(target, 0, bias);
+/// The farthest depth in each block of a target: most backs lie behind it, and need no second look.
+#[derive(Debug, Default)]
+pub(super) struct Farthest {
+    /// Row by row; none before the first look.
+    blocks: Vec<f32>,
+    columns: usize,
+}
+
+impl Farthest {
+    /// Nothing is known to be hidden.
+    pub(super) fn forget(&mut self) {
+        self.blocks.clear();
+    }
+
+    /// Looks at the first `width` pixels of each row of a target.
+    pub(super) fn look<const PER: usize>(&mut self, target: &Target<'_>, width: usize) {
+        self.forget();
+        self.columns = width.div_ceil(BLOCK);
+        for rows in target.depth.chunks(BLOCK * PER * target.stride) {
+            for column in 0..self.columns {
+                let mut farthest = [0.0_f32; LANES];
+                for row in rows.chunks(PER * target.stride) {
+                    let end = (PER * BLOCK * (column + 1)).min(row.len());
+                    for depths in row[PER * BLOCK * column..end].chunks(LANES) {
+                        for (far, depth) in farthest.iter_mut().zip(depths) {
+                            *far = if *far > *depth { *far } else { *depth };
+                        }
+                    }
+                }
+                self.blocks.push(farthest.into_iter().fold(0.0, f32::max));
+            }
         }
+    }
+
+    #[inline(always)]
+    fn hides(&self, target: &Target<'_>, [a, b, c]: &[Corner; 3]) -> bool {
+        if self.blocks.is_empty() {
+            return false;
+        }
+        let near = a.z.min(b.z).min(c.z);
+        let span = |a: i32, b: i32, c: i32, axis: usize| {
+            let low = (a.min(b).min(c) >> SUBPIXEL_BITS).max(target.low[axis]) - target.origin[axis];
+            let high = (a.max(b).max(c) >> SUBPIXEL_BITS).min(target.high[axis]) - target.origin[axis];
+            (low.max(0) as usize >> BLOCK_BITS, high.max(0) as usize >> BLOCK_BITS)
+        };
+        let ((left, right), (top, bottom)) = (span(a.x, b.x, c.x, 0), span(a.y, b.y, c.y, 1));
+        // Large ones are looked at without this.
+        right - left <= 2
+            && bottom - top <= 2
+            && (top..=bottom).all(|row| {
+                (left..=right).all(|column| {
+                    self.blocks.get(row * self.columns + column).is_some_and(|far| near >= *far)
+                })
+            })
     }
 }
 
@@ -106,20 +161,22 @@ struct Setup {
     area: i64,
 }
 
-impl Setup {
-    /// `None` for a triangle without area, or of the other side.
-    #[inline(always)]
-    fn new([a, b, c]: [Corner; 3], side: Option<bool>) -> Option<Self> {
-        let wide = |a: i32, b: i32| i64::from(b) - i64::from(a);
-        let area = wide(a.x, b.x) * wide(a.y, c.y) - wide(a.y, b.y) * wide(a.x, c.x);
-        // Fronts are wound counter-clockwise where y goes up, and here it goes down.
-        if area == 0 || side.is_some_and(|front| front != (area < 0)) {
-            return None;
-        }
+/// Fills one triangle.
+#[inline(always)]
+fn fill<const PER: usize, const SEEN: bool>(
+    corners: &[Corner; 3],
+    target: &mut Target<'_>,
+    id: u32,
+    bias: Bias,
+) {
+    let (&[a, b, c], area) = (corners, area(corners));
+    if area != 0 {
         let corners = if area > 0 { [a, b, c] } else { [a, c, b] };
-        Some(Self { corners, area: area.abs() })
+        Setup { corners, area: area.abs() }.fill::<PER, SEEN>(target, id, bias);
     }
+}
 
+impl Setup {
     #[inline(always)]
     fn fill<const PER: usize, const SEEN: bool>(&self, target: &mut Target<'_>, id: u32, bias: Bias) {
         let [a, b, c] = self.corners;
@@ -149,7 +206,8 @@ impl Setup {
         id: u32,
     ) {
         let offsets = if PER == 4 { &OF_FOUR } else { &OF_ONE };
-        let pixels = LANES / PER;
+        // Rows of a block, which lie apart in the target unless there is but one.
+        let rows = LANES / PER / PIXELS;
         let start = [low[0] << SUBPIXEL_BITS, low[1] << SUBPIXEL_BITS];
         let [a, b, c] = self.corners;
         let edges = [(b, c), (c, a), (a, b)].map(|(from, to)| Edge::<T>::new(from, to, start));
@@ -168,22 +226,33 @@ impl Setup {
         }
         let steps = edges.map(|edge| {
             (
-                edge.across.times(T::of(pixels as i64 * i64::from(SUBPIXELS))),
-                edge.down.times(T::of(SUBPIXELS.into())),
+                edge.across.times(T::of(PIXELS as i64 * i64::from(SUBPIXELS))),
+                edge.down.times(T::of(rows as i64 * i64::from(SUBPIXELS))),
             )
         });
-        let depth_steps = [plane.across * (pixels as i32 * SUBPIXELS) as f32, plane.down * SUBPIXELS as f32];
-        let blocks = (high[0] - low[0]) as usize / pixels + 1;
+        let depth_steps = [
+            plane.across * (PIXELS as i32 * SUBPIXELS) as f32,
+            plane.down * (rows as i32 * SUBPIXELS) as f32,
+        ];
+        let blocks = (high[0] - low[0]) as usize / PIXELS + 1;
         let column = (low[0] - target.origin[0]) as usize;
-        for y in low[1]..=high[1] {
+        for y in (low[1]..=high[1]).step_by(rows) {
             let row = (y - target.origin[1]) as usize * target.stride + column;
             let (mut e, mut z) = (values, depths);
             for block in 0..blocks {
-                let at = (row + block * pixels) * PER;
-                let Some(depth) = target.depth[at..].first_chunk_mut::<LANES>() else { break };
+                let at = (row + block * PIXELS) * PER;
                 let mut nobody = [NONE; LANES];
                 let all_seen = if SEEN { &mut target.seen[at..] } else { &mut nobody[..] };
                 let Some(seen) = all_seen.first_chunk_mut::<LANES>() else { break };
+                let mut depth = [f32::NEG_INFINITY; LANES];
+                let part = LANES / rows;
+                for part_row in 0..rows {
+                    // The last rows of a block may lie below the target.
+                    let from = at + part_row * PER * target.stride;
+                    if let Some(there) = target.depth.get(from..from + part) {
+                        depth[part_row * part..(part_row + 1) * part].copy_from_slice(there);
+                    }
+                }
                 for lane in 0..LANES {
                     let inside = T::none_negative(e[0][lane], e[1][lane], e[2][lane]);
                     // Within the triangle's own depths, however thin it is.
@@ -194,6 +263,12 @@ impl Setup {
                     depth[lane] = if nearer { here } else { depth[lane] };
                     if SEEN {
                         seen[lane] = if nearer { id } else { seen[lane] };
+                    }
+                }
+                for part_row in 0..rows {
+                    let from = at + part_row * PER * target.stride;
+                    if let Some(there) = target.depth.get_mut(from..from + part) {
+                        there.copy_from_slice(&depth[part_row * part..(part_row + 1) * part]);
                     }
                 }
                 for edge in 0..3 {
@@ -323,9 +398,7 @@ pub(super) struct FillOne<'a, 'b> {
 impl Kernel for FillOne<'_, '_> {
     #[inline(always)]
     fn run(self) {
-        if let Some(setup) = Setup::new(self.corners, None) {
-            setup.fill::<4, true>(self.target, self.id, self.bias);
-        }
+        fill::<4, true>(&self.corners, self.target, self.id, self.bias);
     }
 }
 
@@ -337,7 +410,7 @@ mod tests {
 
     /// How often each sample is covered by triangles of these corners, in sub-pixels.
     fn covered(triangles: &[[[i32; 2]; 3]]) -> Vec<u32> {
-        let stride = SIZE as usize + margin(4);
+        let stride = SIZE as usize + MARGIN;
         let mut counts = vec![0; 4 * stride * SIZE as usize];
         for t in triangles {
             let (mut depth, mut seen) = (vec![1.0; counts.len()], vec![NONE; counts.len()]);

@@ -60,7 +60,7 @@ pub(crate) struct Renderer {
     /// Linear light of the colour maps, one a row.
     maps: Vec<[[f32; 3]; 256]>,
     /// For the threads to take.
-    scratch: Mutex<Vec<Box<Scratch>>>,
+    scratch: Mutex<Vec<Scratch>>,
 }
 
 impl Default for Renderer {
@@ -89,7 +89,7 @@ impl Renderer {
         };
         let scratch = &self.scratch;
         let pool = || scratch.lock().unwrap_or_else(PoisonError::into_inner);
-        let band = 4 * picture.width << TILE_BITS[1];
+        let band = (4 * picture.width) << TILE_BITS[1];
         canvas.pixels().par_chunks_mut(band).enumerate().for_each(|(row, pixels)| {
             let mut own = pool().pop().unwrap_or_else(Scratch::new);
             picture.draw_band(row as i32, pixels, &mut own);
@@ -111,6 +111,7 @@ fn linear_table() -> [f32; 256] {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 mod tests {
     use super::*;
     use crate::{Background, Camera, Device, Figure, ItemBuffers, Lights, Material, Rect, Topology};
@@ -143,8 +144,7 @@ mod tests {
         let pictures = Instructions::available().iter().map(|instructions| {
             let canvas = Canvas::new(150, 90);
             Renderer::with(*instructions).draw(&canvas, &[cell]).unwrap();
-            let pixels = canvas.pixels().clone();
-            pixels
+            canvas.pixels.into_inner().unwrap()
         });
         let pictures: Vec<Vec<u8>> = pictures.collect();
         assert!(pictures.iter().all(|picture| *picture == pictures[0]));

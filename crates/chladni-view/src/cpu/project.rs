@@ -76,6 +76,14 @@ impl Kernel for Project<'_> {
     }
 }
 
+/// Twice the area of a triangle in sub-pixels; negative on fronts, which are wound counter-clockwise where
+/// y goes up, and here it goes down.
+#[inline(always)]
+pub(super) fn area([a, b, c]: &[Corner; 3]) -> i64 {
+    let wide = |a: i32, b: i32| i64::from(b) - i64::from(a);
+    wide(a.x, b.x) * wide(a.y, c.y) - wide(a.y, b.y) * wide(a.x, c.x)
+}
+
 /// Tiles that cover a rectangle of pixels; they lie on one grid for the whole canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Grid {
@@ -119,9 +127,9 @@ const PIECE: u32 = 1 << 31;
 /// Some triangles, sorted into tiles.
 #[derive(Debug, Default)]
 pub(super) struct Chunk {
-    /// Tile and reference, as they come.
+    /// Place and reference, as they come; each tile has a place for fronts and one for backs.
     found: Vec<(u32, u32)>,
-    /// Where each tile's references begin in `sorted`.
+    /// Where each place's references begin in `sorted`.
     starts: Vec<u32>,
     sorted: Vec<u32>,
     pieces: Vec<Piece>,
@@ -150,11 +158,18 @@ impl Chunk {
                 self.find(grid, &all, i);
             }
         }
-        self.count(grid.tiles());
+        self.count(2 * grid.tiles());
     }
 
     #[inline(always)]
-    fn find(&mut self, grid: &Grid, [a, b, c]: &[Corner; 3], reference: u32) {
+    fn find(&mut self, grid: &Grid, corners: &[Corner; 3], reference: u32) {
+        let [a, b, c] = corners;
+        // What has no area covers nothing.
+        let area = area(corners);
+        if area == 0 {
+            return;
+        }
+        let back = u32::from(area > 0);
         let span = |a: i32, b: i32, c: i32, axis: usize| {
             let low = (a.min(b).min(c) >> SUBPIXEL_BITS).max(grid.low[axis]);
             let high = (a.max(b).max(c) >> SUBPIXEL_BITS).min(grid.high[axis]);
@@ -168,36 +183,42 @@ impl Chunk {
         let (left, right, top, bottom) = (left >> columns, right >> columns, top >> rows, bottom >> rows);
         for row in top..=bottom {
             for column in left..=right {
-                self.found.push((grid.tile(column, row) as u32, reference));
+                self.found.push((2 * grid.tile(column, row) as u32 + back, reference));
             }
         }
     }
 
-    /// Sorts what was found by tile, in the order in which it came.
-    fn count(&mut self, tiles: usize) {
+    /// Sorts what was found by place, in the order in which it came.
+    fn count(&mut self, places: usize) {
         self.starts.clear();
-        self.starts.resize(tiles + 1, 0);
-        for (tile, _) in &self.found {
-            self.starts[*tile as usize + 1] += 1;
+        self.starts.resize(places + 1, 0);
+        for (place, _) in &self.found {
+            self.starts[*place as usize + 1] += 1;
         }
-        for tile in 0..tiles {
-            self.starts[tile + 1] += self.starts[tile];
+        for place in 0..places {
+            self.starts[place + 1] += self.starts[place];
         }
         self.sorted.clear();
         self.sorted.resize(self.found.len(), 0);
-        for (tile, reference) in &self.found {
-            let at = &mut self.starts[*tile as usize];
+        for (place, reference) in &self.found {
+            let at = &mut self.starts[*place as usize];
             self.sorted[*at as usize] = *reference;
             *at += 1;
         }
-        // Each now holds where its tile ends, which is where the next one begins.
+        // Each now holds where its place ends, which is where the next one begins.
         self.starts.rotate_right(1);
         self.starts[0] = 0;
     }
 
-    /// What lies in a tile.
-    pub(super) fn tile(&self, tile: usize) -> &[u32] {
-        &self.sorted[self.starts[tile] as usize..self.starts[tile + 1] as usize]
+    /// The fronts that lie in a tile, or the backs.
+    pub(super) fn tile(&self, tile: usize, front: bool) -> &[u32] {
+        let place = 2 * tile + usize::from(!front);
+        &self.sorted[self.starts[place] as usize..self.starts[place + 1] as usize]
+    }
+
+    /// Whether nothing lies in a tile.
+    pub(super) fn is_empty(&self, tile: usize) -> bool {
+        self.starts[2 * tile] == self.starts[2 * tile + 2]
     }
 
     /// The corners of a reference, and its triangle.
@@ -318,11 +339,13 @@ mod tests {
         let corners = [at(0, 0), at(140, 3), at(60, 60), at(62, 40), at(66, 44), at(70, 42), at(900, 900)];
         let lens = Lens::new(glam::Mat4::IDENTITY, [0.0; 4]);
         let mut chunk = Chunk::default();
-        let triangles = [[0, 1, 2], [3, 4, 5], [6, 6, 6]];
+        let triangles = [[0, 1, 2], [3, 4, 5], [3, 5, 4], [6, 6, 6]];
         chunk.sort((&lens, &grid), (0, &triangles), &[], &corners);
-        assert_eq!(chunk.tile(grid.tile(0, 0)), [0]);
-        assert_eq!(chunk.tile(grid.tile(0, 1)), [0, 1]);
-        assert_eq!(chunk.tile(grid.tile(1, 1)), [0, 1]);
-        assert_eq!(chunk.tile(grid.tile(2, 2)), [0; 0]);
+        let tile =
+            |column, row| [true, false].map(|front| chunk.tile(grid.tile(column, row), front).to_vec());
+        assert_eq!(tile(0, 0), [vec![], vec![0]]);
+        assert_eq!(tile(0, 1), [vec![1], vec![0, 2]]);
+        assert_eq!(tile(1, 1), [vec![1], vec![0, 2]]);
+        assert!(chunk.is_empty(grid.tile(2, 2)) && !chunk.is_empty(grid.tile(0, 0)));
     }
 }

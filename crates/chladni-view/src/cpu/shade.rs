@@ -93,7 +93,7 @@ fn shaded<const FILM: bool>(
     let mut tint = base;
     if FILM {
         let phase = vec3(0.0, 0.33, 0.67) + Vec3::splat(1.15 * nv + 0.25 * n.y);
-        let film = each(phase, |phase| 0.5 + 0.5 * cos(6.2832 * phase));
+        let film = each(phase, |phase| 0.5 + 0.5 * cos(std::f32::consts::TAU * phase));
         let share = iridescence * (1.0 - 0.55 * nv);
         tint = mixed(base, base * (Vec3::splat(0.62) + film * 0.62), share);
     }

@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::fill::{Bias, FillDepth, Target, Triangles, margin};
-use super::instructions::Instructions;
+use super::batch::{Batch, PLACES};
+use super::curves::mix;
+use super::fill::{Bias, Farthest, Fill, MARGIN, Target, Triangles};
+use super::instructions::{Instructions, Kernel};
 use super::project::Grid;
 use super::projected::Projected;
 
@@ -33,6 +35,9 @@ const DISC: [[f32; 2]; 16] = scaled([
     [-0.1265, -0.9761],
 ]);
 
+/// The last of the disc, which lie around it.
+const RIM: usize = 8;
+
 const fn scaled(mut points: [[f32; 2]; 16]) -> [[f32; 2]; 16] {
     let mut i = 0;
     while i < 16 {
@@ -59,7 +64,7 @@ impl ShadowMap {
     /// Draws `figures`, each with its triangles.
     pub(super) fn draw(&mut self, with: Instructions, size: u32, figures: &[(&Projected, &[[u32; 3]])]) {
         self.size = size as usize;
-        let (stride, grid) = (self.size + margin(1), Self::grid(size));
+        let (stride, grid) = (self.size + MARGIN, Self::grid(size));
         self.depth.resize(stride * self.size, 1.0);
         self.depth.par_chunks_mut(stride << BAND_BITS).enumerate().for_each(|(band, depth)| {
             depth.fill(1.0);
@@ -72,34 +77,56 @@ impl ShadowMap {
                 low: [0, first],
                 high: [grid.high[0], grid.high[1].min(first + (1 << BAND_BITS) - 1)],
             };
-            for (projected, triangles) in figures {
-                for chunk in &projected.chunks {
-                    let corners = &projected.corners;
-                    let list = Triangles { chunk, tile: band, triangles, corners, base: 0, side: None };
-                    with.run(FillDepth(&mut target, list, BIAS));
+            let mut farthest = Farthest::default();
+            for front in [true, false] {
+                for (projected, triangles) in figures {
+                    for chunk in projected.chunks.iter().filter(|chunk| !chunk.tile(band, front).is_empty()) {
+                        let (triangles, corners, farthest) = (*triangles, &projected.corners, &farthest);
+                        let (tile, base, bias) = (band, 0, BIAS);
+                        let list = Triangles { chunk, tile, front, triangles, corners, base, bias, farthest };
+                        with.run(Fill::<1, false>(&mut target, list));
+                    }
+                }
+                if front {
+                    farthest.look::<1>(&target, size as usize);
                 }
             }
         });
     }
 
+    /// Places of the texels around a place in the map.
     #[inline(always)]
-    fn lit_texel(&self, x: i32, y: i32, depth: f32) -> bool {
+    fn texel(&self, x: i32, y: i32) -> usize {
         let last = self.size as i32 - 1;
-        let at = y.clamp(0, last) as usize * (self.size + margin(1)) + x.clamp(0, last) as usize;
-        depth <= self.depth[at]
+        (y.max(0).min(last) * (last + 1 + MARGIN as i32) + x.max(0).min(last)) as usize
+    }
+
+    #[inline(always)]
+    fn lit_texel(&self, at: usize, depth: f32) -> bool {
+        self.depth.get(at).is_some_and(|nearest| depth <= *nearest)
     }
 
     /// Share of a disc around `at`, texels and depth, that the key light reaches.
-    pub(super) fn lit_disc(&self, [x, y, depth]: [f32; 3]) -> f32 {
+    #[inline(always)]
+    fn lit_disc(&self, [x, y, depth]: [f32; 3]) -> f32 {
         // Nine texels first: where they agree, so does nearly always what lies between them.
-        let nearest = |[dx, dy]: [f32; 2]| self.lit_texel((x + dx) as i32, (y + dy) as i32, depth);
-        let lit = DISC[8..].iter().filter(|offset| nearest(**offset)).count();
-        match (lit, nearest([0.0; 2])) {
-            (0, false) => 0.0,
-            (8, true) => 1.0,
+        let mut rim = [0; RIM];
+        for (at, [dx, dy]) in rim.iter_mut().zip(&DISC[DISC.len() - RIM..]) {
+            *at = self.texel((x + dx) as i32, (y + dy) as i32);
+        }
+        let mut lit = usize::from(self.lit_texel(self.texel(x as i32, y as i32), depth));
+        for at in rim {
+            lit += usize::from(self.lit_texel(at, depth));
+        }
+        match lit {
+            0 => 0.0,
+            9 => 1.0,
             _ => {
-                DISC.iter().map(|offset| self.lit_at([x + offset[0], y + offset[1]], depth)).sum::<f32>()
-                    / 16.0
+                let mut sum = 0.0;
+                for [dx, dy] in DISC {
+                    sum += self.lit_at([x + dx, y + dy], depth);
+                }
+                sum / DISC.len() as f32
             }
         }
     }
@@ -111,9 +138,32 @@ impl ShadowMap {
         let (left, top) = (x.floor(), y.floor());
         let (fx, fy) = (x - left, y - top);
         let (left, top) = (left as i32, top as i32);
-        let lit = |dx: i32, dy: i32| if self.lit_texel(left + dx, top + dy, depth) { 1.0 } else { 0.0 };
+        let lit = |dx: i32, dy: i32| {
+            if self.lit_texel(self.texel(left + dx, top + dy), depth) { 1.0 } else { 0.0 }
+        };
         let (above, below) =
             (lit(0, 0) * (1.0 - fx) + lit(1, 0) * fx, lit(0, 1) * (1.0 - fx) + lit(1, 1) * fx);
         above * (1.0 - fy) + below * fy
+    }
+}
+
+/// Asks a map for the key light's share of the places in a batch, where it matters.
+pub(super) struct AskKey<'a, 'b> {
+    pub(super) map: &'a ShadowMap,
+    /// How dark shadows are.
+    pub(super) strength: f32,
+    pub(super) batch: &'b mut Batch,
+}
+
+impl Kernel for AskKey<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { map, strength, batch } = self;
+        for i in 0..batch.count.min(PLACES) {
+            if batch.keyed[i] > 0.0 {
+                let at = [batch.map[0][i], batch.map[1][i], batch.map[2][i]];
+                batch.key[i] = mix(1.0, map.lit_disc(at), strength);
+            }
+        }
     }
 }

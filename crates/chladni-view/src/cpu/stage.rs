@@ -111,9 +111,11 @@ pub(super) struct Subject<'a> {
     pub(super) normals: &'a [[f32; 3]],
     pub(super) coat: Coat<'a>,
     /// Triangles of a brush's ring, and how far each vertex is from its centre.
-    pub(super) ring: Option<(&'a [[u32; 3]], &'a [[u8; 4]])>,
+    pub(super) ring: Option<Ring<'a>>,
     pub(super) opacity: f32,
 }
+
+type Ring<'a> = (&'a [[u32; 3]], &'a [[u8; 4]]);
 
 /// Where a figure's colour comes from.
 pub(super) enum Coat<'a> {

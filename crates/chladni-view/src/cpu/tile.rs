@@ -5,7 +5,8 @@ use std::ops::Range;
 use super::Instructions;
 use super::batch::{Batch, Light, LightMap, PLACES, Place, Setting};
 use super::curves::{clamp, max, min, mix, smoothstep};
-use super::fill::{Bias, FillOne, FillTile, NONE, Target, Triangles, margin};
+use super::fill::{Bias, Farthest, Fill, FillOne, MARGIN, NONE, Target, Triangles};
+use super::shadow::AskKey;
 use super::stage::{Coat, Stage, StagedCell, StagedFigure, Subject};
 
 /// Binary logarithms of a tile's width and height: its samples fit the second cache.
@@ -13,7 +14,7 @@ pub(super) const TILE_BITS: [u32; 2] = [6, 5];
 
 const WIDTH: usize = 1 << TILE_BITS[0];
 const HEIGHT: usize = 1 << TILE_BITS[1];
-const STRIDE: usize = WIDTH + margin(SAMPLES);
+const STRIDE: usize = WIDTH + MARGIN;
 
 /// Samples a pixel.
 const SAMPLES: usize = 4;
@@ -26,13 +27,19 @@ const RING: Bias = Bias { units: -2.0, slope: -1.0 };
 pub(super) struct Scratch {
     depth: Vec<f32>,
     seen: Vec<u32>,
+    farthest: Farthest,
     batch: Box<Batch>,
 }
 
 impl Scratch {
-    pub(super) fn new() -> Box<Self> {
+    pub(super) fn new() -> Self {
         let samples = SAMPLES * STRIDE * HEIGHT;
-        Box::new(Self { depth: vec![1.0; samples], seen: vec![NONE; samples], batch: Batch::new() })
+        Self {
+            depth: vec![1.0; samples],
+            seen: vec![NONE; samples],
+            farthest: Farthest::default(),
+            batch: Batch::new(),
+        }
     }
 }
 
@@ -104,8 +111,7 @@ impl Tile<'_, '_> {
     fn draw(mut self) {
         self.backdrop();
         let stage = self.picture.stage;
-        let here =
-            |figure: &StagedFigure| figure.projected.chunks.iter().any(|c| !c.tile(self.index).is_empty());
+        let here = |figure: &StagedFigure| figure.projected.chunks.iter().any(|c| !c.is_empty(self.index));
         let any = stage.figures[self.cell.figures.clone()].iter().any(here);
         if !any && self.cell.discs.is_empty() {
             return;
@@ -179,18 +185,17 @@ impl Tile<'_, '_> {
             Layer::Side(figure, front) => (*figure..*figure + 1, Some(*front)),
             Layer::Ring(figure) => return self.ring(*figure),
         };
-        let mut base = 0;
-        for i in figures.clone() {
-            let (figure, subject) = (&self.picture.stage.figures[i], &self.picture.subjects[i]);
-            let instructions = self.picture.instructions;
-            let index = self.index;
-            let mut target = self.target();
-            for chunk in figure.projected.chunks.iter().filter(|chunk| !chunk.tile(index).is_empty()) {
-                let (triangles, corners) = (subject.triangles, &figure.projected.corners);
-                let list = Triangles { chunk, tile: index, triangles, corners, base, side };
-                instructions.run(FillTile(&mut target, list));
+        self.scratch.farthest.forget();
+        // What fronts hide of the backs is not looked at twice.
+        for front in [true, false] {
+            if side.is_none_or(|side| side == front) {
+                self.find(figures.clone(), front);
             }
-            base = base.saturating_add(subject.triangles.len() as u32);
+            if side.is_none() && front {
+                let mut farthest = std::mem::take(&mut self.scratch.farthest);
+                farthest.look::<SAMPLES>(&self.target(), WIDTH);
+                self.scratch.farthest = farthest;
+            }
         }
         let opacity = self.picture.subjects[figures.start].opacity;
         self.uncover(clamp(opacity, 0.0, 1.0));
@@ -200,6 +205,26 @@ impl Tile<'_, '_> {
             self.surface(i, base..base.saturating_add(triangles.len() as u32));
             base = base.saturating_add(triangles.len() as u32);
         }
+    }
+
+    /// Finds where the fronts of figures are seen, or their backs.
+    fn find(&mut self, figures: Range<usize>, front: bool) {
+        let (picture, tile) = (self.picture, self.index);
+        let farthest = std::mem::take(&mut self.scratch.farthest);
+        let mut target = self.target();
+        let mut base = 0_u32;
+        for (figure, subject) in picture.stage.figures[figures.clone()].iter().zip(&picture.subjects[figures])
+        {
+            for chunk in figure.projected.chunks.iter().filter(|chunk| !chunk.tile(tile, front).is_empty()) {
+                let (triangles, corners) = (subject.triangles, &figure.projected.corners);
+                let bias = Bias::default();
+                let list =
+                    Triangles { chunk, tile, front, triangles, corners, base, bias, farthest: &farthest };
+                picture.instructions.run(Fill::<SAMPLES, true>(&mut target, list));
+            }
+            base = base.saturating_add(subject.triangles.len() as u32);
+        }
+        self.scratch.farthest = farthest;
     }
 
     fn target(&mut self) -> Target<'_> {
@@ -213,19 +238,31 @@ impl Tile<'_, '_> {
         }
     }
 
+    /// What is seen at the samples of a pixel.
+    #[inline(always)]
+    fn seen(&self, x: i32, y: i32) -> [u32; SAMPLES] {
+        let at = self.sample(x, y);
+        self.scratch.seen[at..].first_chunk().copied().unwrap_or([NONE; SAMPLES])
+    }
+
     /// Takes from each pixel the share that the layer covers.
     fn uncover(&mut self, opacity: f32) {
         for y in self.low[1]..=self.high[1] {
             for x in self.low[0]..=self.high[0] {
-                let at = self.sample(x, y);
-                let seen = &self.scratch.seen[at..at + SAMPLES];
-                let covered = seen.iter().filter(|id| **id != NONE).count();
-                if covered > 0 {
-                    let left = 1.0 - 0.25 * opacity * covered as f32;
-                    let at = self.pixel(x, y);
-                    for channel in &mut self.pixels[at..at + 4] {
-                        *channel = (f32::from(*channel) * left + 0.5) as u8;
-                    }
+                let seen = self.seen(x, y);
+                if seen == [NONE; SAMPLES] {
+                    continue;
+                }
+                let covered: u32 = seen.iter().map(|id| u32::from(*id != NONE)).sum();
+                let at = self.pixel(x, y);
+                let pixel = &mut self.pixels[at..at + 4];
+                if covered == SAMPLES as u32 && opacity >= 1.0 {
+                    pixel.fill(0);
+                    continue;
+                }
+                let left = 1.0 - opacity * covered as f32 / SAMPLES as f32;
+                for channel in pixel {
+                    *channel = (f32::from(*channel) * left + 0.5) as u8;
                 }
             }
         }
@@ -235,19 +272,19 @@ impl Tile<'_, '_> {
     fn surface(&mut self, figure: usize, ids: Range<u32>) {
         for y in self.low[1]..=self.high[1] {
             for x in self.low[0]..=self.high[0] {
-                let at = self.sample(x, y);
-                let seen: [u32; SAMPLES] = std::array::from_fn(|s| self.scratch.seen[at + s]);
+                let seen = self.seen(x, y);
                 if seen == [NONE; SAMPLES] {
                     continue;
                 }
+                let at = self.sample(x, y);
+                let depths = &self.scratch.depth[at..at + SAMPLES];
                 let (mut low, mut high, mut count, mut first) = (f32::INFINITY, f32::NEG_INFINITY, 0, NONE);
-                for (s, id) in seen.into_iter().enumerate().filter(|(_, id)| ids.contains(id)) {
-                    let depth = self.scratch.depth[at + s];
-                    (low, high, count) = (min(low, depth), max(high, depth), count + 1);
-                    first = if first == NONE { id } else { first };
-                }
-                if count == 0 {
-                    continue;
+                for (id, depth) in seen.into_iter().zip(depths) {
+                    let mine = ids.contains(&id);
+                    low = if mine { min(low, *depth) } else { low };
+                    high = if mine { max(high, *depth) } else { high };
+                    count += usize::from(mine);
+                    first = if mine && first == NONE { id } else { first };
                 }
                 // One surface is shaded once, though its triangles are many; others each for itself.
                 if high - low <= self.cell.one_surface {
@@ -337,10 +374,9 @@ impl Tile<'_, '_> {
         if matches!(subject.coat, Coat::Values(_)) {
             instructions.run(LightMap(&setting, batch));
         } else {
-            for i in 0..batch.count {
-                let lit = |i: usize| cell.map.lit_disc(std::array::from_fn(|k| batch.map[k][i]));
-                let asked = cell.shadows && batch.keyed[i] > 0.0;
-                batch.key[i] = if asked { mix(1.0, lit(i), cell.uniform.shadow_map[0]) } else { 1.0 };
+            batch.key.fill(1.0);
+            if cell.shadows {
+                instructions.run(AskKey { map: &cell.map, strength: cell.uniform.shadow_map[0], batch });
             }
             if staged.uniform.material[3] > 0.0 {
                 instructions.run(Light::<true>(&setting, batch));
@@ -467,10 +503,9 @@ impl Tile<'_, '_> {
         };
         for y in self.low[1]..=self.high[1] {
             for x in self.low[0]..=self.high[0] {
-                let at = self.sample(x, y);
-                let seen = &self.scratch.seen[at..at + SAMPLES];
+                let seen = self.seen(x, y);
                 let samples = seen.iter().filter(|id| **id != NONE).count();
-                if let Some(triangle) = seen.iter().copied().find(|id| *id != NONE) {
+                if let Some(triangle) = seen.into_iter().find(|id| *id != NONE) {
                     if self.scratch.batch.count == PLACES {
                         lay(self);
                     }

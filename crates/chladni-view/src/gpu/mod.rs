@@ -44,11 +44,11 @@ impl Gpu {
     }
 
     /// As [`headless`](Self::headless), where the fastest adapter is no software; `None` where it is, or
-    /// where there is none or it refuses.
-    pub(crate) fn card() -> Option<Self> {
-        let adapter = pollster::block_on(Self::adapter(&Self::instance())).ok()?;
+    /// where there is none.
+    pub(crate) fn card() -> Result<Option<Self>, ViewError> {
+        let Ok(adapter) = pollster::block_on(Self::adapter(&Self::instance())) else { return Ok(None) };
         let software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        if software { None } else { Self::open(&adapter).ok() }
+        if software { Ok(None) } else { Self::open(&adapter).map(Some) }
     }
 
     fn instance() -> wgpu::Instance {
