@@ -207,7 +207,18 @@ fn films_deformed_on_cpu_and_gpu_agree() {
     let film = |synthesis: &str| {
         let frames = folder.path().join(synthesis);
         let arguments = ["dance", "sample:octopus", "sample:tune", "-k", "32", "--size", "192x108"];
-        let rest = ["--start", "6", "--duration", "0.2", "--gallery", "6", "--synthesis", synthesis];
+        let rest = [
+            "--start",
+            "6",
+            "--duration",
+            "0.2",
+            "--gallery",
+            "6",
+            "--synthesis",
+            synthesis,
+            "--draw",
+            "gpu",
+        ];
         let out = ["--frames", frames.to_str().unwrap(), "--json"];
         let done = std::process::Command::new(env!("CARGO_BIN_EXE_chladni"))
             .args([&arguments[..], &rest[..], &out[..]].concat())

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub enum ViewError {
     /// No graphics adapter, not even a software one.
     #[error(
-        "no graphics adapter: install a Vulkan driver (Mesa's lavapipe draws without a graphics card): {0}"
+        "no graphics adapter: let the processor draw, or install a Vulkan driver (Mesa's lavapipe needs no card): {0}"
     )]
     NoAdapter(String),
     /// The adapter refused to open a device.

@@ -2,17 +2,14 @@
 //!
 //! ```
 //! use chladni_view::{
-//!     Camera, Gpu, PictureRequest, PictureShape, Style, View, ViewError, render_picture,
+//!     Camera, Device, Draw, PictureRequest, PictureShape, Style, View, ViewError, render_picture,
 //! };
 //!
 //! let positions = [[0.0, 1.0, 0.0], [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [0.0, -1.0, -1.0]];
 //! let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
-//! // A machine without any graphics driver, not even a software one, cannot draw.
-//! let gpu = match Gpu::headless() {
-//!     Err(ViewError::NoAdapter(_)) => return Ok(()),
-//!     gpu => gpu?,
-//! };
-//! let picture = render_picture(&gpu, &PictureRequest {
+//! // A graphics card where there is one, else the processor.
+//! let device = Device::open(Draw::Auto)?;
+//! let picture = render_picture(&device, &PictureRequest {
 //!     shapes: &[PictureShape { positions: &positions, triangles: &triangles, ..Default::default() }],
 //!     width: 320,
 //!     height: 240,
@@ -25,32 +22,37 @@
 //! ```
 //!
 //! Windows and films keep a [`Renderer`], [`Topology`] and [`ItemBuffers`] and draw [`Cell`]s of
-//! [`Figure`]s on a [`Canvas`]; the buffers may belong to a synthesizer on the same device.
+//! [`Figure`]s on a [`Canvas`], all made for one [`Device`]; the buffers may belong to a synthesizer on
+//! the same graphics device.
 //!
-//! Not guaranteed: pixels differ in their last bits from driver to driver. Translucent figures
+//! Not guaranteed: pixels differ in their last bits from driver to driver, and from the processor. Translucent figures
 //! are not sorted. Only the key light casts shadows, within a cell.
 
+mod buffers;
 mod camera;
 mod canvas;
 mod colormap;
+mod cpu;
+mod device;
 mod error;
 pub mod film;
 pub mod framing;
 mod gpu;
-mod images;
 pub mod layout;
 mod pick;
 mod picture;
-mod pipelines;
 mod renderer;
 mod request;
 mod samples;
 mod scene;
 mod style;
+mod uniforms;
 
+pub use buffers::{BrushRing, ItemBuffers, Skin, Topology, VertexPaint};
 pub use camera::{Camera, Projection, View};
 pub use canvas::Canvas;
 pub use colormap::{ColorMap, Scale};
+pub use device::{Device, Draw};
 pub use error::ViewError;
 pub use film::{Film, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
 pub use gpu::Gpu;
@@ -63,9 +65,7 @@ pub use request::{
     smooth_normals,
 };
 pub use samples::Samples;
-pub use scene::{
-    BrushRing, Cell, Figure, IDENTITY, ItemBuffers, Marker, Paint, Skin, Topology, VertexPaint, Wire,
-};
+pub use scene::{Cell, Figure, IDENTITY, Marker, Paint, Wire};
 pub use style::{Background, Light, Lights, Material};
 
 /// The examples of README.md, compiled.

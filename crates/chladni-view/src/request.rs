@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::film::shoot;
 use crate::{
-    Background, Camera, Canvas, Cell, Figure, Film, Gpu, ItemBuffers, Lights, Marker, Material, Paint,
+    Background, Camera, Canvas, Cell, Device, Figure, Film, ItemBuffers, Lights, Marker, Material, Paint,
     Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, ViewError, Wire, framing, layout,
 };
 
@@ -68,8 +68,8 @@ pub struct PictureRequest<'a> {
 /// # Errors
 /// See [`ViewError`]: arrays that do not fit together, sizes the device cannot draw, a device
 /// that fails.
-pub fn render_picture(gpu: &Gpu, request: &PictureRequest<'_>) -> Result<Picture, ViewError> {
-    render_picture_with(&mut Renderer::new(gpu), request)
+pub fn render_picture(on: impl Into<Device>, request: &PictureRequest<'_>) -> Result<Picture, ViewError> {
+    render_picture_with(&mut Renderer::new(on), request)
 }
 
 /// As [`render_picture`], with a renderer that was made before.
@@ -95,16 +95,16 @@ pub fn render_placed(
     request: &PictureRequest<'_>,
     placed: &[(Rect, Camera)],
 ) -> Result<Picture, ViewError> {
-    let gpu = renderer.gpu().clone();
-    let canvas = Canvas::new(&gpu, request.width, request.height)?;
-    let loaded = load(&gpu, request)?;
+    let device = renderer.device().clone();
+    let canvas = Canvas::new(&device, request.width, request.height)?;
+    let loaded = load(&device, request)?;
     draw(renderer, &canvas, request, &loaded, placed)?;
-    canvas.read(&gpu)
+    canvas.read(&device)
 }
 
 /// Films the shapes of `request` turning once around, and finishes the film; nothing leaves the frame
 /// at any angle. Its samples are those of
-/// [`Gpu::live_samples`].
+/// [`Device::live_samples`].
 ///
 /// # Errors
 /// See [`render_picture`] and [`shoot`].
@@ -114,9 +114,9 @@ pub fn film_turntable(
     film: Film,
     task: &Task,
 ) -> Result<(), ViewError> {
-    let gpu = renderer.gpu().clone();
-    let canvas = Canvas::with_samples(&gpu, request.width, request.height, gpu.live_samples())?;
-    let loaded = load(&gpu, request)?;
+    let device = renderer.device().clone();
+    let canvas = Canvas::with_samples(&device, request.width, request.height, device.live_samples())?;
+    let loaded = load(&device, request)?;
     let (mut start, viewports) = (request.from, viewports(request));
     let points: Vec<[f32; 3]> = request.shapes.iter().flat_map(|s| s.positions).copied().collect();
     let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
@@ -130,8 +130,8 @@ pub fn film_turntable(
     })
 }
 
-fn load(gpu: &Gpu, request: &PictureRequest<'_>) -> Result<Vec<Loaded>, ViewError> {
-    request.shapes.iter().map(|shape| Loaded::new(gpu, shape)).collect()
+fn load(on: &Device, request: &PictureRequest<'_>) -> Result<Vec<Loaded>, ViewError> {
+    request.shapes.iter().map(|shape| Loaded::new(on, shape)).collect()
 }
 
 /// The cells of a turntable, row by row.
@@ -182,32 +182,32 @@ enum Painted {
 }
 
 impl Loaded {
-    fn new(gpu: &Gpu, shape: &PictureShape<'_>) -> Result<Self, ViewError> {
+    fn new(on: &Device, shape: &PictureShape<'_>) -> Result<Self, ViewError> {
         let vertices = shape.positions.len();
         let topology = match shape.image {
-            Some((_, corner_uvs)) => Topology::with_uvs(gpu, vertices, shape.triangles, corner_uvs)?,
-            None => Topology::new(gpu, vertices, shape.triangles)?,
+            Some((_, corner_uvs)) => Topology::with_uvs(on, vertices, shape.triangles, corner_uvs)?,
+            None => Topology::new(on, vertices, shape.triangles)?,
         };
-        let buffers = ItemBuffers::new(gpu, vertices, 1);
+        let buffers = ItemBuffers::new(on, vertices, 1);
         match shape.normals {
-            Some(normals) => buffers.write(gpu, 0, shape.positions, normals)?,
+            Some(normals) => buffers.write(on, 0, shape.positions, normals)?,
             None => {
                 let normals = smooth_normals(shape.positions, shape.triangles);
-                buffers.write(gpu, 0, shape.positions, &normals)?;
+                buffers.write(on, 0, shape.positions, &normals)?;
             }
         }
         let paint = if let Some((values, scale)) = shape.values {
-            let paint = VertexPaint::new(gpu, vertices);
-            paint.write_values(gpu, values)?;
+            let paint = VertexPaint::new(on, vertices);
+            paint.write_values(on, values)?;
             Painted::Values(paint, scale)
         } else if let Some(colors) = shape.colors {
-            let paint = VertexPaint::new(gpu, vertices);
+            let paint = VertexPaint::new(on, vertices);
             let bytes: Vec<[u8; 4]> =
                 colors.iter().map(|c| c.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)).collect();
-            paint.write_colors(gpu, &bytes)?;
+            paint.write_colors(on, &bytes)?;
             Painted::Colors(paint)
         } else if let Some((picture, _)) = shape.image {
-            Painted::Image(Skin::new(gpu, picture.width, picture.height, &picture.rgba)?)
+            Painted::Image(Skin::new(on, picture.width, picture.height, &picture.rgba)?)
         } else {
             Painted::Bare
         };

@@ -208,7 +208,17 @@ fn one(
     made.sculpture.save(output)?;
     terminal.wrote(output)?;
     if let Some(Picture { path, portrait, sheet }) = picture {
-        portrait::render(&mut made, shape, project, path, portrait, sheet, kept, terminal)?;
+        portrait::render(
+            &mut made,
+            shape,
+            project,
+            path,
+            portrait,
+            sheet,
+            kept,
+            &terminal.device()?,
+            terminal,
+        )?;
         terminal.wrote(path)?;
     }
     Ok(())

@@ -110,8 +110,8 @@ pub struct Dance {
     yaw: Option<f32>,
     #[command(flatten)]
     stance: StanceOptions,
-    /// Samples a pixel: 4, or 1 with edges smoothed afterwards. Unless given, 4 on a graphics card and
-    /// 1 where the processor draws.
+    /// Samples a pixel: 4, or 1 with edges smoothed afterwards. Unless given, 4 on a graphics card and by
+    /// the processor, which knows no others, and 1 on a software device.
     #[arg(long, value_name = "1|4")]
     samples: Option<Samples>,
     /// Where shapes are deformed: cpu, gpu, or auto, which is the graphics card where there is one.
@@ -157,6 +157,7 @@ impl Dance {
             width: self.size.width,
             height: self.size.height,
             rate: self.fps.0,
+            draw: terminal.draw(),
             samples: self.samples,
             synthesis: self.synthesis,
             allow_flashes: self.allow_flashes,

@@ -67,7 +67,17 @@ fn caricature(folder: &Path, terminal: &Terminal) -> Result<(), Error> {
     made.sculpture.save(&out)?;
     terminal.wrote(&out)?;
     let (portrait, sheet) = (Portrait::default(), SheetOptions::default());
-    portrait::render(&mut made, &name, &project, &picture, &portrait, &sheet, None, terminal)?;
+    portrait::render(
+        &mut made,
+        &name,
+        &project,
+        &picture,
+        &portrait,
+        &sheet,
+        None,
+        &terminal.device()?,
+        terminal,
+    )?;
     terminal.wrote(&picture)
 }
 
@@ -80,7 +90,13 @@ fn dance(folder: &Path, clip: &Clip, terminal: &Terminal) -> Result<(), Error> {
         clip.fps,
         clip.secs
     ));
-    let output = Output { width, height, rate: FrameRate::per_second(clip.fps), ..Output::to(out.clone()) };
+    let output = Output {
+        width,
+        height,
+        rate: FrameRate::per_second(clip.fps),
+        draw: terminal.draw(),
+        ..Output::to(out.clone())
+    };
     let changes = vec![
         Action::SetForm { form: Form::HalfMask },
         Action::Set { parameter: Parameter::Gain, value: 1.5 },

@@ -13,7 +13,7 @@ use chladni_match::{
 };
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
-use chladni_view::{Camera, ColorMap, Gpu, PictureRequest, PictureShape, Scale, Style, View, render_picture};
+use chladni_view::{Camera, ColorMap, PictureRequest, PictureShape, Scale, Style, View, render_picture};
 use serde::Serialize;
 
 use super::Terminal;
@@ -220,11 +220,11 @@ fn draw(
         PictureShape { colors: Some(&colors), ..shown(&laid) },
         shown(&laid),
     ];
-    let gpu = Gpu::headless()?;
+    let device = terminal.device()?;
     let stands = Stance::default().of(name, shape, None, None, terminal)?;
     let from = Camera::on(stands, View::ThreeQuarter);
     let request = PictureRequest { shapes: &shapes, width: 1600, height: 500, from, style: Style::default() };
-    let png = render_picture(&gpu, &request).and_then(|picture| picture.to_png())?;
+    let png = render_picture(&device, &request).and_then(|picture| picture.to_png())?;
     chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
 }
 

@@ -18,6 +18,7 @@ mod stance;
 mod symmetry;
 mod terminal;
 
+use chladni_view::Draw;
 use clap::{Parser, Subcommand};
 
 pub use terminal::Terminal;
@@ -35,6 +36,10 @@ struct Cli {
     /// Draw no progress bars.
     #[arg(long, global = true, display_order = 900)]
     quiet: bool,
+    /// Who draws pictures and films: cpu, gpu, or auto, which is a graphics card where there is one and
+    /// else the processor. The window is drawn by the graphics device.
+    #[arg(long, global = true, value_name = "WHO", default_value = "auto", display_order = 901)]
+    draw: Draw,
 }
 
 #[derive(Subcommand)]
@@ -79,7 +84,7 @@ where
             return 0;
         }
     };
-    let terminal = Terminal::new(cli.quiet);
+    let terminal = Terminal::new(cli.quiet).drawing(cli.draw);
     let done = match cli.command {
         Some(command) => command.run(&terminal),
         None => open::Open::default().run(&terminal),

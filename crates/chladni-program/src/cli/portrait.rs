@@ -5,7 +5,7 @@ use std::path::Path;
 use chladni_caricature::{Action, Evaluation, LayerId, Model, Project, Property, Stack};
 use chladni_mesh::Orientation;
 use chladni_task::write_atomic;
-use chladni_view::{Camera, Gpu, Picture, PictureRequest, PictureShape, Style, render_picture};
+use chladni_view::{Camera, Device, Picture, PictureRequest, PictureShape, Style, render_picture};
 
 use super::sheet::{self, Panel, Portrayed, SheetOptions};
 use super::stance::StanceOptions;
@@ -60,6 +60,7 @@ pub fn render(
     portrait: &Portrait,
     sheet: &SheetOptions,
     kept: Option<Orientation>,
+    device: &Device,
     watcher: &impl Watcher,
 ) -> Result<(), Error> {
     let Portrait { view: [yaw, pitch], size, stance } = *portrait;
@@ -67,9 +68,15 @@ pub fn render(
     let (yaw_rad, pitch_rad) = (yaw.to_radians(), pitch.to_radians());
     let from = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };
     let picture = if sheet.show.is_empty() && sheet.sweep.is_empty() {
-        before_and_after(&made.sculpture, name, from, size, watcher)?
+        before_and_after(&made.sculpture, name, from, size, device, watcher)?
     } else {
-        sheet::draw(&rows(&mut made.stack, project, sheet)?, &made.sculpture.body.triangles, from, size)?
+        sheet::draw(
+            device,
+            &rows(&mut made.stack, project, sheet)?,
+            &made.sculpture.body.triangles,
+            from,
+            size,
+        )?
     };
     let png = picture.to_png()?;
     write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
@@ -152,6 +159,7 @@ fn before_and_after(
     name: &str,
     from: Camera,
     [width, height]: [u32; 2],
+    device: &Device,
     watcher: &impl Watcher,
 ) -> Result<Picture, Error> {
     let single =
@@ -173,7 +181,6 @@ fn before_and_after(
         image,
         ..PictureShape::default()
     });
-    let gpu = Gpu::headless()?;
     let request = PictureRequest { shapes: &shapes, width, height, from, style: Style::default() };
-    Ok(render_picture(&gpu, &request)?)
+    Ok(render_picture(device, &request)?)
 }

@@ -2,7 +2,7 @@
 //! `--sweep` ask for.
 
 use chladni_view::{
-    Camera, ColorMap, Gpu, Marker, Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Style,
+    Camera, ColorMap, Device, Marker, Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Style,
     render_placed,
 };
 
@@ -60,6 +60,7 @@ impl Portrayed {
 
 /// Draws rows of shapes with the same triangles, seen from where `camera` looks, fitted to all.
 pub fn draw(
+    device: &Device,
     rows: &[Vec<Portrayed>],
     triangles: &[[u32; 3]],
     mut camera: Camera,
@@ -69,7 +70,7 @@ pub fn draw(
     let (cell_width, cell_height) = ((width / columns).max(1), (height / rows.len().max(1) as u32).max(1));
     let all = rows.iter().flatten().flat_map(|panel| panel.positions.iter().copied());
     camera.fit(all, cell_width as f32 / cell_height as f32, 0.92);
-    let mut renderer = Renderer::new(&Gpu::headless()?);
+    let mut renderer = Renderer::new(device);
     let style = Style::default();
     let mut sheet = Picture::filled(width, height, [255; 4]);
     for (row, panels) in (0..).zip(rows) {

@@ -6,7 +6,7 @@ use chladni_harmonics::Body;
 use chladni_mesh::{Estimate, Known, Orientation};
 use chladni_music::{Class, Symmetry, SymmetryMethod};
 use chladni_view::{
-    Camera, ColorMap, Gpu, Marker, PictureRequest, PictureShape, Scale, Style, View, render_picture,
+    Camera, ColorMap, Device, Marker, PictureRequest, PictureShape, Scale, Style, View, render_picture,
 };
 use serde::Serialize;
 
@@ -71,7 +71,7 @@ impl SymmetryCommand {
                     Estimate::of_surface(&body.positions, &body.triangles, Known::default(), task)
                 })?
                 .orientation;
-            draw(path, &body, &symmetry, stands)?;
+            draw(path, &body, &symmetry, stands, &terminal.device()?)?;
         }
         let report = report(&body, &symmetry);
         if self.json {
@@ -123,7 +123,13 @@ fn report(body: &Body, symmetry: &Symmetry) -> Printed {
 
 /// First how often each vertex is an extremum, with both ends of a pair in one colour; then the
 /// first harmonics: warm markers above for symmetric ones, cool for antisymmetric, grey for none.
-fn draw(path: &Path, body: &Body, symmetry: &Symmetry, stands: Orientation) -> Result<(), Error> {
+fn draw(
+    path: &Path,
+    body: &Body,
+    symmetry: &Symmetry,
+    stands: Orientation,
+    device: &Device,
+) -> Result<(), Error> {
     const SHOWN: usize = 11;
     let rotated = symmetry.rotated(body);
     let basis = &*rotated.basis;
@@ -160,9 +166,8 @@ fn draw(path: &Path, body: &Body, symmetry: &Symmetry, stands: Orientation) -> R
         markers: flag,
         ..shape
     }));
-    let gpu = Gpu::headless()?;
     let request = PictureRequest { shapes: &shapes, width: 1280, height: 960, from, style: Style::default() };
-    let picture = render_picture(&gpu, &request)?;
+    let picture = render_picture(device, &request)?;
     let png = picture.to_png()?;
     chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
 }

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use chladni_task::Task;
+use chladni_view::{Device, Draw};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::work::{Error, Warning, Watcher};
@@ -19,6 +20,8 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub struct Terminal {
     quiet: bool,
     task: Task,
+    /// Who is asked to draw.
+    draw: Draw,
 }
 
 /// What Ctrl-C cancels: the task of the command that runs.
@@ -41,7 +44,22 @@ impl Terminal {
                 }
             });
         }
-        Self { quiet, task }
+        Self { quiet, task, draw: Draw::Auto }
+    }
+
+    /// The same, where `draw` is asked for.
+    pub fn drawing(self, draw: Draw) -> Self {
+        Self { draw, ..self }
+    }
+
+    /// Who is asked to draw.
+    pub fn draw(&self) -> Draw {
+        self.draw
+    }
+
+    /// Who draws the command's pictures.
+    pub fn device(&self) -> Result<Device, Error> {
+        Ok(Device::open(self.draw)?)
     }
 
     /// Prints one line of the result to standard output.

@@ -208,13 +208,13 @@ impl Viewport {
             Some((_, texture)) => {
                 textures.update_egui_texture_from_wgpu_texture(
                     &self.gpu.device,
-                    canvas.view(),
+                    canvas.view()?,
                     linear,
                     texture,
                 );
                 texture
             }
-            None => textures.register_native_texture(&self.gpu.device, canvas.view(), linear),
+            None => textures.register_native_texture(&self.gpu.device, canvas.view()?, linear),
         };
         self.canvas = Some((canvas, texture));
         Ok(())

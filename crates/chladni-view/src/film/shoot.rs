@@ -52,17 +52,18 @@ pub fn shoot_retouched<E: From<ViewError>>(
     mut draw: impl FnMut(&mut Renderer, &Canvas, u64) -> Result<(), E>,
     mut retouch: impl FnMut(u64, &mut Picture),
 ) -> Result<Waits, E> {
-    let gpu = renderer.gpu().clone();
+    let device = renderer.device().clone();
     let frames = film.settings().frames;
     let stage = task.stage("filming", frames);
-    let mut idle: Vec<Readback> = (0..IN_FLIGHT).map(|_| Readback::new(&gpu, canvas)).collect();
+    let mut idle: Vec<Readback> =
+        (0..IN_FLIGHT).map(|_| Readback::new(&device, canvas)).collect::<Result<_, _>>()?;
     let mut flying: VecDeque<Readback> = VecDeque::with_capacity(IN_FLIGHT);
     let (mut waits, mut fetched, mut starting_secs) = (Waits::default(), 0, 0.0);
     let mut fetch = |readback: &mut Readback, film: &mut Film| -> Result<(), ViewError> {
         let mut picture = film.spent();
         (picture.width, picture.height) = (canvas.width(), canvas.height());
         let start = Instant::now();
-        readback.finish_into(&gpu, &mut picture.rgba)?;
+        readback.finish_into(&device, &mut picture.rgba)?;
         waits.device_secs += start.elapsed().as_secs_f64();
         retouch(fetched, &mut picture);
         fetched += 1;
@@ -73,7 +74,7 @@ pub fn shoot_retouched<E: From<ViewError>>(
         Ok(())
     };
     // Two canvases: the next frame is begun before the last one is asked for.
-    let twin = canvas.twin(&gpu)?;
+    let twin = canvas.twin(&device)?;
     for frame in 0..=frames {
         task.check().map_err(ViewError::from)?;
         let (on, before) = if frame % 2 == 0 { (canvas, &twin) } else { (&twin, canvas) };
@@ -93,7 +94,7 @@ pub fn shoot_retouched<E: From<ViewError>>(
             }
         };
         let start = Instant::now();
-        readback.start(&gpu, before);
+        readback.start(&device, before)?;
         starting_secs += start.elapsed().as_secs_f64();
         flying.push_back(readback);
     }

@@ -102,7 +102,7 @@ impl Thumbnails {
             std::collections::hash_map::Entry::Vacant(place) => {
                 let canvas = Canvas::new(&shot.gpu, SIZE, SIZE)?;
                 let (device, linear) = (&shot.gpu.device, wgpu::FilterMode::Linear);
-                let texture = state.renderer.write().register_native_texture(device, canvas.view(), linear);
+                let texture = state.renderer.write().register_native_texture(device, canvas.view()?, linear);
                 place.insert(Thumbnail { canvas, texture, of: Arc::clone(displacement) })
             }
         };

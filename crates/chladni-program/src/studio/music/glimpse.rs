@@ -35,6 +35,8 @@ struct Coming {
 impl Glimpse {
     /// Asks for some rows of what was drawn on `canvas` last. Translucent pixels will let `behind` through.
     pub fn begin(&mut self, gpu: &Gpu, canvas: &Canvas, behind: Color32) {
+        // The window's canvases are textures.
+        let Ok(view) = canvas.view() else { return };
         let (width, height) = (canvas.width(), canvas.height());
         let rows = height.min(ROWS);
         let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
@@ -54,7 +56,7 @@ impl Glimpse {
             let y = ((2 * u64::from(row) + 1) * u64::from(height) / (2 * u64::from(rows))) as u32;
             let source = wgpu::TexelCopyTextureInfo {
                 origin: wgpu::Origin3d { x: 0, y, z: 0 },
-                ..canvas.view().texture().as_image_copy()
+                ..view.texture().as_image_copy()
             };
             let offset = u64::from(stride) * u64::from(row);
             let layout =

@@ -1,6 +1,7 @@
 //! Films of a shape that dances: frame-exact, with their sound. The window and the command make theirs here.
 
 mod beginning;
+mod deformed;
 mod guard;
 mod performance;
 mod record;
@@ -14,7 +15,7 @@ use chladni_mesh::Orientation;
 use chladni_music::{BeatReading, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
 use chladni_sound::{WavSample, write_wav};
 use chladni_synth::Backend;
-use chladni_view::{Film as Reel, FilmFormat, FilmSettings, FrameRate, Samples, ffmpeg_is_there};
+use chladni_view::{Draw, Film as Reel, FilmFormat, FilmSettings, FrameRate, Samples, ffmpeg_is_there};
 
 use super::body::laplacian;
 use super::dancer::{Dancing, classes};
@@ -76,6 +77,8 @@ pub struct Output {
     pub height: u32,
     /// Frames a second.
     pub rate: FrameRate,
+    /// Who draws.
+    pub draw: Draw,
     /// Of each pixel; what suits the device unless said.
     pub samples: Option<Samples>,
     /// Who deforms.
@@ -191,7 +194,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
                 audio: sound.as_ref().map(|file| file.path().to_owned()),
             };
             let film = Reel::create(path, settings)?;
-            let means = Means { samples: output.samples, synthesis: output.synthesis };
+            let means = Means { draw: output.draw, samples: output.samples, synthesis: output.synthesis };
             let scene = (&wanted.look, &wanted.viewpoint);
             watcher.watch("filming", |task| {
                 performance.film(film, scene, means, recording, &mut seconds, task)
@@ -260,6 +263,7 @@ impl Output {
             width: 1280,
             height: 720,
             rate: FrameRate::per_second(30),
+            draw: Draw::Auto,
             samples: None,
             synthesis: Backend::Auto,
             allow_flashes: false,

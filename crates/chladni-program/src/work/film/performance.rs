@@ -7,14 +7,13 @@ use chladni_mesh::Orientation;
 use chladni_music::{
     Ensemble, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch, Viewpoint,
 };
-use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, GpuContext, Item, SynthModel, Synthesizer};
+use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
 use chladni_task::Task;
 use chladni_view::film::shoot_retouched;
-use chladni_view::{
-    Canvas, Figure, Film, FrameRate, Gpu, ItemBuffers, Rect, Renderer, Samples, Topology, ViewError,
-};
+use chladni_view::{Canvas, Device, Draw, Figure, Film, FrameRate, Gpu, Rect, Renderer, Samples, ViewError};
 
 use super::Seconds;
+use super::deformed::Deformed;
 use super::guard::FrameGuard;
 use super::record::Recording;
 use crate::work::{Error, Hearing, Look, Staging, dots};
@@ -22,8 +21,24 @@ use crate::work::{Error, Hearing, Look, Staging, dots};
 /// Who computes and draws; where nothing is said, what suits the device.
 #[derive(Clone, Copy, Default)]
 pub struct Means {
+    pub draw: Draw,
     pub samples: Option<Samples>,
     pub synthesis: Backend,
+}
+
+impl Means {
+    /// Shapes that a graphics device deforms stay there to be drawn.
+    fn device(self) -> Result<Device, Error> {
+        let draw = match (self.draw, self.synthesis) {
+            (Draw::Auto, Backend::Gpu) => Draw::Gpu,
+            (Draw::Cpu, Backend::Gpu) => {
+                let why = "what --synthesis gpu deforms stays on the device: --draw cpu cannot see it";
+                return Err(Error::input(why));
+            }
+            (draw, _) => draw,
+        };
+        Ok(Device::open(draw)?)
+    }
 }
 
 /// What came of it.
@@ -42,12 +57,12 @@ pub struct Done {
 
 /// Who drew.
 pub struct Drawn {
-    /// The adapter.
+    /// The adapter, or the processor.
     pub device: String,
     pub samples: Samples,
     /// The processor's instructions, or the device.
     pub synthesis: String,
-    /// The device is a processor.
+    /// A graphics device that is a processor in disguise.
     pub software: bool,
 }
 
@@ -171,14 +186,17 @@ impl Performance {
         task: &Task,
     ) -> Result<Done, Error> {
         let (width, height) = (film.settings().width, film.settings().height);
-        let gpu = Gpu::headless()?;
-        let samples = means.samples.unwrap_or_else(|| gpu.live_samples());
-        let canvas = Canvas::with_samples(&gpu, width, height, samples)?;
-        let mut theatre = Theatre::new(&gpu, self, means.synthesis)?;
+        let device = means.device()?;
+        let samples = means.samples.unwrap_or_else(|| device.live_samples());
+        let canvas = Canvas::with_samples(&device, width, height, samples)?;
+        let mut deformed = Deformed::new(&device, &self.model, &self.triangles, means.synthesis)?;
         let (rate, mut done) = (self.rate, Done::default());
         let mut guard =
             FrameGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
         let mut guarding = 0.0;
+        if canvas.samples() != samples {
+            done.warnings.push(format!("the processor draws {}, whatever --samples says", canvas.samples()));
+        }
         let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Error> {
             let (time_secs, reaction, items) = self.play(frame, seconds)?;
             let items = items.to_vec();
@@ -187,17 +205,17 @@ impl Performance {
             }
             // Full blending is the paper's: the mean of the exact and the rest normal.
             let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
-            theatre.synthesize(&items, &FrameSettings { normal_blending }, seconds)?;
-            if let Some(fallback) = theatre.synthesizer.take_fallback() {
+            deformed.synthesize(&items, &FrameSettings { normal_blending }, seconds)?;
+            if let Some(fallback) = deformed.take_fallback() {
                 done.warnings.push(fallback.to_string());
             }
-            if let Some(displacement) = theatre.largest_displacement() {
+            if let Some(displacement) = deformed.largest_displacement() {
                 let share = displacement / self.ensemble.dancer().box_diagonal;
                 done.largest_displacement =
                     Some(done.largest_displacement.map_or(share, |most| most.max(share)));
             }
             let drawing = Instant::now();
-            theatre.draw(renderer, canvas, self, scene, reaction)?;
+            self.draw(&deformed, renderer, canvas, scene, reaction)?;
             seconds.drawing += drawing.elapsed().as_secs_f64();
             Ok(())
         };
@@ -206,76 +224,41 @@ impl Performance {
             guard.pass(rate.start_secs(frame), picture);
             guarding += start.elapsed().as_secs_f64();
         };
-        let waits = shoot_retouched(&mut Renderer::new(&gpu), &canvas, film, task, draw, retouch)?;
+        let waits = shoot_retouched(&mut Renderer::new(&device), &canvas, film, task, draw, retouch)?;
         seconds.drawing += waits.device_secs;
         seconds.encoding += waits.encoder_secs;
         seconds.guarding += guarding;
         done.most_flashes = guard.most_flashes();
         done.damped_frames = guard.damped_frames();
         done.drawn = Some(Drawn {
-            device: gpu.description(),
-            samples,
-            synthesis: theatre.synthesizer.device_name(),
-            software: gpu.is_software(),
+            device: device.description(),
+            samples: canvas.samples(),
+            synthesis: deformed.device_name(),
+            software: device.gpu().is_some_and(Gpu::is_software),
         });
         Ok(done)
-    }
-}
-
-/// What is kept from frame to frame beside the canvas.
-struct Theatre {
-    synthesizer: AutoSynthesizer,
-    topology: Topology,
-}
-
-impl Theatre {
-    fn new(gpu: &Gpu, show: &Performance, synthesis: Backend) -> Result<Self, Error> {
-        let model = &show.model;
-        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
-        let topology = Topology::new(gpu, model.vertices(), &show.triangles)?;
-        Ok(Self { topology, synthesizer: AutoSynthesizer::new(&context, model.clone(), synthesis) })
-    }
-
-    fn synthesize(
-        &mut self,
-        items: &[Item],
-        settings: &FrameSettings,
-        seconds: &mut Seconds,
-    ) -> Result<(), Error> {
-        let synthesis = Instant::now();
-        self.synthesizer.synthesize_positions(items)?;
-        seconds.synthesis += synthesis.elapsed().as_secs_f64();
-        let normals = Instant::now();
-        self.synthesizer.synthesize_normals(settings)?;
-        seconds.normals += normals.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    /// The farthest any vertex of the first item went; `None` where the positions are on the device.
-    fn largest_displacement(&self) -> Option<f32> {
-        let cpu = self.synthesizer.cpu()?;
-        let squared = |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f32>();
-        let pairs = cpu.positions(0).iter().zip(cpu.model().rest_positions());
-        Some(pairs.map(|(a, b)| squared(a, b)).fold(0.0, f32::max).sqrt())
     }
 
     fn draw(
         &mut self,
+        deformed: &Deformed,
         renderer: &mut Renderer,
         canvas: &Canvas,
-        performance: &mut Performance,
         (look, viewpoint): (&Look, &Viewpoint),
         reaction: Reaction,
     ) -> Result<(), ViewError> {
-        let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
+        let buffers = deformed.buffers()?;
         let area = Rect::of_size(canvas.width(), canvas.height());
-        let (instrument, items) = (&performance.instrument, buffers.items());
-        let staged = performance.staging.set(area, items, viewpoint, look, reaction, instrument);
+        let (instrument, items) = (&self.instrument, buffers.items());
+        let staged = self.staging.set(area, items, viewpoint, look, reaction, instrument);
         let figures: Vec<Figure<'_>> = (0..items)
-            .map(|item| Figure { material: staged.material, ..Figure::new(&self.topology, &buffers, item) })
+            .map(|item| {
+                let figure = Figure::new(&deformed.topology, &buffers, item);
+                Figure { material: staged.material, ..figure }
+            })
             .collect();
-        let dots = match performance.shows_rest {
-            true => dots(performance.model.rest_positions().iter().copied()),
+        let dots = match self.shows_rest {
+            true => dots(self.model.rest_positions().iter().copied()),
             false => Vec::new(),
         };
         let mut cells = staged.cells(&figures);

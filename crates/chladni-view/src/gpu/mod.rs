@@ -1,8 +1,17 @@
 //! The device that draws, with or without a window.
 
+mod canvas;
+mod images;
+mod pipelines;
+mod renderer;
+
 use std::sync::{Arc, OnceLock};
 
 use chladni_synth::DeviceLoss;
+
+pub(crate) use canvas::{Canvas, Readback};
+pub(crate) use images::arrangement;
+pub(crate) use renderer::Renderer;
 
 use crate::{Samples, ViewError};
 
@@ -29,11 +38,27 @@ impl Gpu {
     /// [`ViewError::NoAdapter`] where no driver is installed, [`ViewError::NoDevice`] where it
     /// refuses.
     pub fn headless() -> Result<Self, ViewError> {
+        let instance = Self::instance();
+        let adapter = pollster::block_on(Self::adapter(&instance))?;
+        Self::open(&adapter)
+    }
+
+    /// As [`headless`](Self::headless), where the fastest adapter is no software; `None` where it is, or
+    /// where there is none.
+    pub(crate) fn card() -> Result<Option<Self>, ViewError> {
+        let Ok(adapter) = pollster::block_on(Self::adapter(&Self::instance())) else { return Ok(None) };
+        let software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        if software { Ok(None) } else { Self::open(&adapter).map(Some) }
+    }
+
+    fn instance() -> wgpu::Instance {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
         // GL drivers lack what the corner pipelines need and are no faster than lavapipe.
         descriptor.backends &= wgpu::Backends::PRIMARY;
-        let instance = wgpu::Instance::new(descriptor);
-        let adapter = pollster::block_on(Self::adapter(&instance))?;
+        wgpu::Instance::new(descriptor)
+    }
+
+    fn open(adapter: &wgpu::Adapter) -> Result<Self, ViewError> {
         let adapter_name = adapter.get_info().name;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("chladni"),

@@ -2,7 +2,7 @@
 
 use wgpu::util::DeviceExt;
 
-use crate::pipelines::{DEPTH, Layouts};
+use super::pipelines::{DEPTH, Layouts};
 use crate::{ColorMap, Gpu, Samples};
 
 /// Textures and samplers of bind group 2.
@@ -78,7 +78,7 @@ impl Images {
 }
 
 /// Texels of a side, columns and rows of `count` maps in a texture of at most `limit` texels a side.
-fn arrangement(count: u32, samples: Samples, limit: u32) -> (u32, u32, u32) {
+pub(crate) fn arrangement(count: u32, samples: Samples, limit: u32) -> (u32, u32, u32) {
     let columns = count.isqrt() + u32::from(count.isqrt().pow(2) < count);
     let size = if count == 1 { 1024 } else { 512 } >> u32::from(samples == Samples::One);
     // So many that they would not fit are smaller.

@@ -1,0 +1,109 @@
+//! Who deforms the shapes of a film, beside whoever draws them.
+
+use std::time::Instant;
+
+use chladni_synth::{
+    AutoSynthesizer, Backend, CpuSynthesizer, Fallback, FrameSettings, GpuContext, Item, SynthModel,
+    Synthesizer,
+};
+use chladni_view::{Device, ItemBuffers, Topology, ViewError};
+
+use super::Seconds;
+use crate::work::Error;
+
+/// The shapes of a frame, and who deforms them.
+pub struct Deformed {
+    by: Deformer,
+    pub topology: Topology,
+}
+
+enum Deformer {
+    /// Beside a graphics device, which gets the frames.
+    Beside(Box<AutoSynthesizer>),
+    /// Where the processor draws, too.
+    Processor { synthesizer: Box<CpuSynthesizer>, buffers: ItemBuffers },
+}
+
+impl Deformed {
+    pub fn new(
+        device: &Device,
+        model: &SynthModel,
+        triangles: &[[u32; 3]],
+        synthesis: Backend,
+    ) -> Result<Self, Error> {
+        let topology = Topology::new(device, model.vertices(), triangles)?;
+        let by = match device {
+            Device::Graphics(gpu) => {
+                let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
+                Deformer::Beside(Box::new(AutoSynthesizer::new(&context, model.clone(), synthesis)))
+            }
+            Device::Processor => Deformer::Processor {
+                synthesizer: Box::new(CpuSynthesizer::new(model.clone())),
+                buffers: ItemBuffers::new(device, model.vertices(), 0),
+            },
+        };
+        Ok(Self { by, topology })
+    }
+
+    pub fn synthesize(
+        &mut self,
+        items: &[Item],
+        settings: &FrameSettings,
+        seconds: &mut Seconds,
+    ) -> Result<(), Error> {
+        let synthesizer: &mut dyn Synthesizer = match &mut self.by {
+            Deformer::Beside(synthesizer) => &mut **synthesizer,
+            Deformer::Processor { synthesizer, .. } => &mut **synthesizer,
+        };
+        let synthesis = Instant::now();
+        synthesizer.synthesize_positions(items)?;
+        seconds.synthesis += synthesis.elapsed().as_secs_f64();
+        let normals = Instant::now();
+        synthesizer.synthesize_normals(settings)?;
+        seconds.normals += normals.elapsed().as_secs_f64();
+        if let Deformer::Processor { synthesizer, buffers } = &mut self.by {
+            let device = Device::Processor;
+            if buffers.items() != synthesizer.items() {
+                *buffers = ItemBuffers::new(&device, buffers.vertices(), synthesizer.items());
+            }
+            let (positions, normals) = (synthesizer.all_positions(), synthesizer.all_normals());
+            buffers.write(&device, 0, positions, normals)?;
+        }
+        Ok(())
+    }
+
+    /// The last frame, where it is drawn.
+    pub fn buffers(&self) -> Result<ItemBuffers, ViewError> {
+        match &self.by {
+            Deformer::Beside(synthesizer) => ItemBuffers::of_frame(&synthesizer.frame()),
+            Deformer::Processor { buffers, .. } => Ok(buffers.clone()),
+        }
+    }
+
+    /// That the processor has taken over: `Some` once after it has.
+    pub fn take_fallback(&mut self) -> Option<Fallback> {
+        match &mut self.by {
+            Deformer::Beside(synthesizer) => synthesizer.take_fallback(),
+            Deformer::Processor { .. } => None,
+        }
+    }
+
+    /// The processor's instructions, or the device's name.
+    pub fn device_name(&self) -> String {
+        match &self.by {
+            Deformer::Beside(synthesizer) => synthesizer.device_name(),
+            Deformer::Processor { synthesizer, .. } => synthesizer.path().to_string(),
+        }
+    }
+
+    /// The farthest any vertex of the first item went; `None` where the positions are on the device.
+    pub fn largest_displacement(&self) -> Option<f32> {
+        let cpu = match &self.by {
+            Deformer::Beside(synthesizer) => synthesizer.cpu()?,
+            Deformer::Processor { synthesizer, .. } => synthesizer,
+        };
+        let squared = |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f32>();
+        let pairs = cpu.positions(0).iter().zip(cpu.model().rest_positions());
+        Some(pairs.map(|(a, b)| squared(a, b)).fold(0.0, f32::max).sqrt())
+    }
+}

@@ -1,0 +1,141 @@
+//! The processor beside the graphics device that this machine has: the same pictures, level for level.
+//!
+//! `cargo run --release -p chladni-view --example twins [FOLDER]` prints a table and writes pictures of both
+//! where a folder is named. `bench/draw/run` writes the table into BENCHMARKS.md.
+#![allow(clippy::print_stdout, reason = "it reports to a terminal")]
+
+use std::time::Instant;
+
+use chladni_view::{
+    Background, Camera, Canvas, Cell, Device, Draw, Figure, ItemBuffers, Lights, Picture, Rect, Renderer,
+    Samples, Topology, View, ViewError, layout, smooth_normals,
+};
+
+/// A closed sphere with waves, of about `vertices` vertices, wound outwards.
+fn bumpy(vertices: usize) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    use std::f32::consts::{PI, TAU};
+    let rows = ((vertices / 2) as f32).sqrt() as u32;
+    let columns = 2 * rows;
+    let at_angles = |polar: f32, around: f32| {
+        let r = 0.4 * (1.0 + 0.15 * (5.0 * polar).sin() * (4.0 * around).cos());
+        [r * polar.sin() * around.sin(), r * polar.cos(), r * polar.sin() * around.cos()]
+    };
+    // One vertex for each pole, at the end.
+    let rings = rows - 1;
+    let angles = (0..rings).flat_map(|i| (0..columns).map(move |j| (i, j)));
+    let mut positions: Vec<[f32; 3]> = angles
+        .map(|(i, j)| at_angles(PI * (i + 1) as f32 / rows as f32, TAU * j as f32 / columns as f32))
+        .collect();
+    positions.extend([at_angles(0.0, 0.0), at_angles(PI, 0.0)]);
+    let at = |i: u32, j: u32| match i {
+        0 => rings * columns,
+        i if i == rows => rings * columns + 1,
+        i => (i - 1) * columns + j % columns,
+    };
+    let triangles = (0..rows)
+        .flat_map(|i| (0..columns).map(move |j| (i, j)))
+        .flat_map(|(i, j)| {
+            [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)]]
+        })
+        .filter(|[a, b, c]| a != b && b != c && c != a)
+        .collect();
+    (positions, triangles)
+}
+
+/// User and system time of this process, milliseconds; 0 where /proc does not say.
+fn cpu_ms() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+    // Fields 14 and 15 of the line, in hundredths of a second.
+    let ticks = |i: usize| fields.get(i).and_then(|field| field.parse::<f64>().ok()).unwrap_or(0.0);
+    10.0 * (ticks(11) + ticks(12))
+}
+
+/// What is drawn: so many items of so many vertices.
+struct Scene {
+    name: &'static str,
+    items: usize,
+    vertices: usize,
+    size: [u32; 2],
+}
+
+const SCENES: [Scene; 3] = [
+    Scene { name: "gallery", items: 12, vertices: 17_100, size: [1280, 720] },
+    Scene { name: "one shape", items: 1, vertices: 50_000, size: [1280, 800] },
+    Scene { name: "large shape", items: 1, vertices: 134_000, size: [1280, 800] },
+];
+
+/// Frames drawn of each.
+const FRAMES: usize = 21;
+
+/// Milliseconds of each frame, in order; those of all threads together, on average; the last picture.
+fn measure(device: &Device, scene: &Scene, shadow: f32) -> Result<(Vec<f64>, f64, Picture), ViewError> {
+    let (positions, triangles) = bumpy(scene.vertices);
+    let normals = smooth_normals(&positions, &triangles);
+    let topology = Topology::new(device, positions.len(), &triangles)?;
+    let buffers = ItemBuffers::new(device, positions.len(), scene.items);
+    (0..scene.items).try_for_each(|item| buffers.write(device, item, &positions, &normals))?;
+    let figures: Vec<Figure<'_>> =
+        (0..scene.items).map(|item| Figure::new(&topology, &buffers, item)).collect();
+    let area = Rect::of_size(scene.size[0], scene.size[1]);
+    let (rows, columns) = layout::rows_and_columns(area.width, area.height, scene.items, 1.0);
+    let viewports = layout::grid(area, rows, columns, 0, scene.items);
+    let mut camera = Camera::looking(View::ThreeQuarter);
+    camera.fit(positions.iter().copied(), viewports[0].aspect(), 0.88);
+    let lights = Lights { shadow, ..Lights::STAGE };
+    let mut renderer = Renderer::new(device);
+    let canvas = Canvas::with_samples(device, area.width, area.height, Samples::Four)?;
+    let (mut times, mut cpu) = (Vec::new(), 0.0);
+    for frame in 0..FRAMES + 2 {
+        let turned = Camera { yaw_rad: camera.yaw_rad + 0.02 * frame as f32, ..camera };
+        let placed = viewports.iter().copied().zip(&figures);
+        let cells: Vec<Cell<'_>> = Cell::gallery(area, Background::NIGHT, turned, lights, placed);
+        // The first two compile and fill caches.
+        if frame == 2 {
+            times.clear();
+            cpu = cpu_ms();
+        }
+        let start = Instant::now();
+        renderer.draw(&canvas, &cells)?;
+        if let Some(gpu) = device.gpu() {
+            let done = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+            done.map_err(|error| ViewError::Device(error.to_string()))?;
+        }
+        times.push(1e3 * start.elapsed().as_secs_f64());
+    }
+    let cpu = (cpu_ms() - cpu) / FRAMES as f64;
+    times.sort_by(f64::total_cmp);
+    Ok((times, cpu, canvas.read(device)?))
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::env::args().nth(1);
+    let mut devices = vec![Device::open(Draw::Cpu)?];
+    devices.extend(Device::open(Draw::Gpu).ok());
+    for device in &devices {
+        println!("{}", device.description());
+    }
+    println!(
+        "| scene | shadows | {} |",
+        devices.iter().map(|_| "ms a frame").collect::<Vec<_>>().join(" | ")
+    );
+    for scene in &SCENES {
+        for (what, shadow) in [("none", 0.0), ("key light", 0.7)] {
+            let mut line = format!("| {} {} x {} | {what}", scene.name, scene.items, scene.vertices);
+            let mut first = None;
+            for (device, who) in devices.iter().zip(["processor", "device"]) {
+                let (times, cpu, picture) = measure(device, scene, shadow)?;
+                let median = times[times.len() / 2];
+                let ratio = median / *first.get_or_insert(median);
+                line +=
+                    &format!(" | {median:.1}, best {:.1}, processor {cpu:.0}, {ratio:.1} times", times[0]);
+                if let Some(folder) = &folder {
+                    let path = format!("{folder}/{}-{what}-{who}.png", scene.name);
+                    std::fs::write(path, picture.to_png()?)?;
+                }
+            }
+            println!("{line} |");
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,462 @@
+//! What is kept where it is drawn: triangles, positions and normals, paint, images, brush rings.
+
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
+
+use wgpu::util::DeviceExt;
+
+use crate::cpu::Pyramid;
+use crate::{Device, Gpu, ViewError};
+
+/// A thing in this machine's memory, for the processor, or on a graphics device.
+#[derive(Clone, Debug)]
+pub(crate) enum Held<C, G> {
+    Cpu(C),
+    Gpu(G),
+}
+
+impl<C, G> Held<C, G> {
+    /// # Errors
+    /// [`ViewError::Shape`] where a graphics device holds it.
+    pub(crate) fn cpu(&self) -> Result<&C, ViewError> {
+        match self {
+            Self::Cpu(held) => Ok(held),
+            Self::Gpu(_) => {
+                Err(ViewError::Shape("the processor is to draw what a graphics device holds".into()))
+            }
+        }
+    }
+
+    /// # Errors
+    /// [`ViewError::Shape`] where the processor holds it.
+    pub(crate) fn gpu(&self) -> Result<&G, ViewError> {
+        match self {
+            Self::Gpu(held) => Ok(held),
+            Self::Cpu(_) => {
+                Err(ViewError::Shape("a graphics device is to draw what the processor holds".into()))
+            }
+        }
+    }
+}
+
+/// Numbers in this machine's memory that clones of a buffer share. Nothing that panics holds the lock.
+pub(crate) type Shared<T> = Arc<RwLock<T>>;
+
+pub(crate) fn read<T>(shared: &RwLock<T>) -> RwLockReadGuard<'_, T> {
+    shared.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The triangles that S items share, where they are drawn.
+#[derive(Clone, Debug)]
+pub struct Topology {
+    pub(crate) vertices: usize,
+    pub(crate) triangles: usize,
+    pub(crate) has_uvs: bool,
+    pub(crate) held: Held<Arc<HostTriangles>, DeviceTriangles>,
+}
+
+#[derive(Debug)]
+pub(crate) struct HostTriangles {
+    pub(crate) corners: Vec<[u32; 3]>,
+    /// One a corner, or none.
+    pub(crate) uvs: Vec<[f32; 2]>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct DeviceTriangles {
+    /// Indices, three a triangle; readable by the corner pipeline as storage.
+    pub(crate) indices: wgpu::Buffer,
+    /// Two floats a corner, or one pair where there are none.
+    pub(crate) uvs: wgpu::Buffer,
+}
+
+impl Topology {
+    /// Takes `triangles` over `vertices` vertices to the device.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] for an index out of range.
+    pub fn new(on: impl Into<Device>, vertices: usize, triangles: &[[u32; 3]]) -> Result<Self, ViewError> {
+        Self::build(&on.into(), vertices, triangles, None)
+    }
+
+    /// As [`new`](Self::new), with one (u, v) per corner of each triangle; v points up, as in OBJ.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] for an index out of range or a count that differs.
+    pub fn with_uvs(
+        on: impl Into<Device>,
+        vertices: usize,
+        triangles: &[[u32; 3]],
+        corner_uvs: &[[f32; 2]],
+    ) -> Result<Self, ViewError> {
+        Self::build(&on.into(), vertices, triangles, Some(corner_uvs))
+    }
+
+    fn build(
+        device: &Device,
+        vertices: usize,
+        triangles: &[[u32; 3]],
+        uvs: Option<&[[f32; 2]]>,
+    ) -> Result<Self, ViewError> {
+        if let Some(v) = triangles.iter().flatten().find(|v| **v as usize >= vertices) {
+            return Err(ViewError::Shape(format!("a triangle names vertex {v} of {vertices}")));
+        }
+        if let Some(uvs) = uvs
+            && uvs.len() != 3 * triangles.len()
+        {
+            let (found, wanted) = (uvs.len(), 3 * triangles.len());
+            return Err(ViewError::Shape(format!("{found} corner UVs where {wanted} are needed")));
+        }
+        let held = match device {
+            Device::Processor => Held::Cpu(Arc::new(HostTriangles {
+                corners: triangles.to_vec(),
+                uvs: uvs.unwrap_or_default().to_vec(),
+            })),
+            Device::Graphics(gpu) => Held::Gpu(DeviceTriangles::upload(gpu, triangles, uvs)),
+        };
+        Ok(Self { vertices, triangles: triangles.len(), has_uvs: uvs.is_some(), held })
+    }
+}
+
+impl DeviceTriangles {
+    fn upload(gpu: &Gpu, triangles: &[[u32; 3]], uvs: Option<&[[f32; 2]]>) -> Self {
+        // A buffer of no bytes cannot be bound.
+        let indices: &[u8] = if triangles.is_empty() { &[0; 12] } else { bytemuck::cast_slice(triangles) };
+        let upload = |label, contents, usage| {
+            gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage,
+            })
+        };
+        Self {
+            indices: upload("triangles", indices, wgpu::BufferUsages::INDEX | wgpu::BufferUsages::STORAGE),
+            uvs: upload(
+                "corner UVs",
+                uvs.filter(|uvs| !uvs.is_empty()).map_or(&[0; 8], bytemuck::cast_slice),
+                wgpu::BufferUsages::STORAGE,
+            ),
+        }
+    }
+}
+
+/// Positions and normals of S items of N vertices: item s at vertex offset s·N, three packed
+/// f32 a vertex.
+#[derive(Clone, Debug)]
+pub struct ItemBuffers {
+    pub(crate) vertices: usize,
+    pub(crate) items: usize,
+    pub(crate) held: Held<Shared<HostItems>, DeviceItems>,
+}
+
+#[derive(Debug)]
+pub(crate) struct HostItems {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) normals: Vec<[f32; 3]>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct DeviceItems {
+    pub(crate) positions: wgpu::Buffer,
+    pub(crate) normals: wgpu::Buffer,
+}
+
+impl ItemBuffers {
+    /// Room for `items` items of `vertices` vertices, to be filled with [`write`](Self::write).
+    pub fn new(on: impl Into<Device>, vertices: usize, items: usize) -> Self {
+        let held = match on.into() {
+            Device::Processor => {
+                let room = vec![[0.0; 3]; vertices * items];
+                Held::Cpu(Arc::new(RwLock::new(HostItems { positions: room.clone(), normals: room })))
+            }
+            Device::Graphics(gpu) => {
+                let room = |label| {
+                    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                        label: Some(label),
+                        size: (vertices * items * 12).max(12) as u64,
+                        usage: wgpu::BufferUsages::VERTEX
+                            | wgpu::BufferUsages::STORAGE
+                            | wgpu::BufferUsages::COPY_DST,
+                        mapped_at_creation: false,
+                    })
+                };
+                Held::Gpu(DeviceItems { positions: room("positions"), normals: room("normals") })
+            }
+        };
+        Self { vertices, items, held }
+    }
+
+    /// Draws from buffers that somebody else fills, such as a synthesizer on the same device;
+    /// nothing is copied. Both need the usages `VERTEX` and `STORAGE`.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where a buffer is too small or lacks a usage.
+    pub fn borrowed(
+        positions: wgpu::Buffer,
+        normals: wgpu::Buffer,
+        vertices: usize,
+        items: usize,
+    ) -> Result<Self, ViewError> {
+        let bytes = (vertices * items * 12) as u64;
+        let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE;
+        for buffer in [&positions, &normals] {
+            if buffer.size() < bytes || !buffer.usage().contains(usage) {
+                let (size, has) = (buffer.size(), buffer.usage());
+                return Err(ViewError::Shape(format!(
+                    "a buffer of {size} bytes, {has:?}, where {bytes} bytes, {usage:?} are needed"
+                )));
+            }
+        }
+        Ok(Self { vertices, items, held: Held::Gpu(DeviceItems { positions, normals }) })
+    }
+
+    /// Draws what a synthesizer has left on the device; nothing is copied. The synthesizer's next
+    /// frame shows in the same buffers as long as they need not grow: take its frame anew each time.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where the frame's buffers cannot be drawn from.
+    pub fn of_frame(frame: &chladni_synth::DeviceFrame<'_>) -> Result<Self, ViewError> {
+        let (vertices, items) = (frame.vertices as usize, frame.items as usize);
+        Self::borrowed(frame.positions.clone(), frame.normals.clone(), vertices, items)
+    }
+
+    /// Number of items.
+    pub fn items(&self) -> usize {
+        self.items
+    }
+
+    /// Number of vertices of each item.
+    pub fn vertices(&self) -> usize {
+        self.vertices
+    }
+
+    /// Writes positions and normals of the items from `item` on; each slice holds a multiple of N. A
+    /// graphics device queues them.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where they do not fit, or another device holds the buffers.
+    pub fn write(
+        &self,
+        on: impl Into<Device>,
+        item: usize,
+        positions: &[[f32; 3]],
+        normals: &[[f32; 3]],
+    ) -> Result<(), ViewError> {
+        let room = self.items.saturating_sub(item) * self.vertices;
+        if positions.len() != normals.len() || positions.len() > room {
+            let (p, n) = (positions.len(), normals.len());
+            return Err(ViewError::Shape(format!("{p} positions and {n} normals where {room} have room")));
+        }
+        let first = item * self.vertices;
+        match on.into() {
+            Device::Processor => {
+                let mut items = self.held.cpu()?.write().unwrap_or_else(PoisonError::into_inner);
+                items.positions[first..first + positions.len()].copy_from_slice(positions);
+                items.normals[first..first + normals.len()].copy_from_slice(normals);
+            }
+            Device::Graphics(gpu) => {
+                let (items, offset) = (self.held.gpu()?, first as u64 * 12);
+                gpu.queue.write_buffer(&items.positions, offset, bytemuck::cast_slice(positions));
+                gpu.queue.write_buffer(&items.normals, offset, bytemuck::cast_slice(normals));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// N numbers or colours, one a vertex.
+#[derive(Clone, Debug)]
+pub struct VertexPaint {
+    pub(crate) vertices: usize,
+    pub(crate) held: Held<Shared<Vec<[u8; 4]>>, wgpu::Buffer>,
+}
+
+impl VertexPaint {
+    /// Room for `vertices` values or colours; zero until written.
+    pub fn new(on: impl Into<Device>, vertices: usize) -> Self {
+        let held = match on.into() {
+            Device::Processor => Held::Cpu(Arc::new(RwLock::new(vec![[0; 4]; vertices]))),
+            Device::Graphics(gpu) => Held::Gpu(gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("vertex paint"),
+                size: (vertices * 4).max(4) as u64,
+                usage: wgpu::BufferUsages::VERTEX
+                    | wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })),
+        };
+        Self { vertices, held }
+    }
+
+    /// Writes one number a vertex, for [`Paint::Values`](crate::Paint::Values).
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where the count differs, or another device holds the paint.
+    pub fn write_values(&self, on: impl Into<Device>, values: &[f32]) -> Result<(), ViewError> {
+        self.write(&on.into(), bytemuck::cast_slice(values))
+    }
+
+    /// Writes one linear-light RGBA colour a vertex, eight bits a channel, for
+    /// [`Paint::Colors`](crate::Paint::Colors).
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where the count differs, or another device holds the paint.
+    pub fn write_colors(&self, on: impl Into<Device>, colors: &[[u8; 4]]) -> Result<(), ViewError> {
+        self.write(&on.into(), colors)
+    }
+
+    fn write(&self, on: &Device, paint: &[[u8; 4]]) -> Result<(), ViewError> {
+        if paint.len() != self.vertices {
+            let (found, wanted) = (paint.len(), self.vertices);
+            return Err(ViewError::Shape(format!("{found} values for {wanted} vertices")));
+        }
+        match on {
+            Device::Processor => {
+                self.held.cpu()?.write().unwrap_or_else(PoisonError::into_inner).copy_from_slice(paint);
+            }
+            Device::Graphics(gpu) => {
+                gpu.queue.write_buffer(self.held.gpu()?, 0, bytemuck::cast_slice(paint));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An image to wrap around a shape.
+#[derive(Clone, Debug)]
+pub struct Skin {
+    pub(crate) held: Held<Arc<Pyramid>, wgpu::TextureView>,
+}
+
+impl Skin {
+    /// Takes `width` × `height` sRGB pixels, the first row at the top (v = 1), and makes its mipmaps.
+    ///
+    /// # Errors
+    /// [`ViewError::Size`] where a side is 0 or too long for the device, [`ViewError::Shape`]
+    /// where the bytes are not 4 · width · height.
+    pub fn new(on: impl Into<Device>, width: u32, height: u32, rgba: &[u8]) -> Result<Self, ViewError> {
+        let device = on.into();
+        let limit = device.longest_side();
+        if width == 0 || height == 0 || width > limit || height > limit {
+            return Err(ViewError::Size { width, height, limit });
+        }
+        let picture = image::RgbaImage::from_raw(width, height, rgba.to_vec()).ok_or_else(|| {
+            ViewError::Shape(format!("{} bytes for an image of {width}×{height}", rgba.len()))
+        })?;
+        let levels = u32::BITS - width.max(height).leading_zeros();
+        let smaller = (1..levels).map(|level| {
+            let (w, h) = ((width >> level).max(1), (height >> level).max(1));
+            image::imageops::thumbnail(&picture, w, h)
+        });
+        let held = match device {
+            Device::Processor => {
+                Held::Cpu(Arc::new(Pyramid::new([picture.clone()].into_iter().chain(smaller))))
+            }
+            Device::Graphics(gpu) => {
+                let mut pyramid = picture.clone().into_raw();
+                smaller.for_each(|level| pyramid.extend(level.into_raw()));
+                Held::Gpu(skin_texture(&gpu, [width, height, levels], &pyramid))
+            }
+        };
+        Ok(Self { held })
+    }
+}
+
+fn skin_texture(gpu: &Gpu, [width, height, levels]: [u32; 3], pyramid: &[u8]) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("skin"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: levels,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        pyramid,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// Where a brush would paint: a ring on part of a surface, and a breath of its colour inside.
+#[derive(Clone, Debug)]
+pub struct BrushRing {
+    /// How far each vertex is from the brush's centre, as far as that matters.
+    pub(crate) reach: VertexPaint,
+    values: Vec<f32>,
+    /// The triangles that it lies on.
+    pub(crate) triangles: Held<Vec<[u32; 3]>, wgpu::Buffer>,
+    pub(crate) corners: u32,
+    pub(crate) radius: f32,
+    pub(crate) color: [u8; 3],
+}
+
+impl BrushRing {
+    /// A ring of colour `color` (sRGB) for shapes of `vertices` vertices, which lies nowhere yet.
+    pub fn new(on: impl Into<Device>, vertices: usize, color: [u8; 3]) -> Self {
+        let device = on.into();
+        let triangles = match &device {
+            Device::Processor => Held::Cpu(Vec::new()),
+            Device::Graphics(gpu) => Held::Gpu(index_buffer(gpu, 1)),
+        };
+        let (reach, values) = (VertexPaint::new(&device, vertices), vec![0.0; vertices]);
+        Self { reach, values, triangles, corners: 0, radius: 0.0, color }
+    }
+
+    /// Lays the ring where the distance is `radius`, on `triangles` whose corners have a `reach`, their
+    /// distance from the brush's centre.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] for a vertex out of range, or where another device holds the ring.
+    pub fn lay(
+        &mut self,
+        on: impl Into<Device>,
+        radius: f32,
+        reach: impl Iterator<Item = (u32, f32)>,
+        triangles: &[[u32; 3]],
+    ) -> Result<(), ViewError> {
+        let vertices = self.values.len();
+        let out_of_range = |v: u32| ViewError::Shape(format!("a brush names vertex {v} of {vertices}"));
+        for (v, distance) in reach {
+            *self.values.get_mut(v as usize).ok_or_else(|| out_of_range(v))? = distance;
+        }
+        if let Some(v) = triangles.iter().flatten().find(|v| **v as usize >= vertices) {
+            return Err(out_of_range(*v));
+        }
+        let device = on.into();
+        match (&mut self.triangles, &device) {
+            (Held::Cpu(held), _) => {
+                held.clear();
+                held.extend_from_slice(triangles);
+            }
+            (Held::Gpu(buffer), Device::Graphics(gpu)) => {
+                let bytes: &[u8] = bytemuck::cast_slice(triangles);
+                if buffer.size() < bytes.len() as u64 {
+                    *buffer = index_buffer(gpu, triangles.len().next_power_of_two());
+                }
+                gpu.queue.write_buffer(buffer, 0, bytes);
+            }
+            (held @ Held::Gpu(_), Device::Processor) => {
+                held.cpu()?;
+            }
+        }
+        (self.radius, self.corners) = (radius, 3 * triangles.len() as u32);
+        self.reach.write_values(&device, &self.values)
+    }
+
+    /// Takes the ring off.
+    pub fn lift(&mut self) {
+        self.corners = 0;
+    }
+}
+
+fn index_buffer(gpu: &Gpu, triangles: usize) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("brush"),
+        size: (12 * triangles) as u64,
+        usage: wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}

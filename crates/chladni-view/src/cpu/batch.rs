@@ -1,0 +1,231 @@
+//! Places on a figure's surface that are shaded together: fetched one by one, computed in vectors.
+
+use glam::{Vec3, vec3};
+
+use super::curves::{clamp, max, min};
+use super::instructions::Kernel;
+use super::shade::{self, rgb};
+use crate::uniforms::{CellUniform, FigureUniform};
+
+/// Places in a batch: what is computed of them fits the first cache.
+pub(super) const PLACES: usize = 128;
+
+type Places = [f32; PLACES];
+
+/// Places to be shaded, an array for each number.
+#[derive(Debug)]
+pub(super) struct Batch {
+    pub(super) count: usize,
+    /// Pixel of the tile.
+    pub(super) pixel: [u32; PLACES],
+    pub(super) triangle: [u32; PLACES],
+    /// Share of the pixel.
+    pub(super) share: Places,
+    /// Middle of the pixel, in clip space over w.
+    pub(super) screen: [Places; 2],
+    /// Positions and normals of the corners, in the item's coordinates.
+    pub(super) positions: [[Places; 3]; 3],
+    pub(super) normals: [[Places; 3]; 3],
+    /// Weights of the corners here, and one pixel to the right and below without any bound.
+    pub(super) weights: [Places; 3],
+    pub(super) right: [Places; 3],
+    pub(super) below: [Places; 3],
+    /// Unit vectors in the viewer's axes: off the side that is seen, and towards the viewer.
+    normal: [Places; 3],
+    viewer: [Places; 3],
+    /// 1 on fronts.
+    front: Places,
+    /// Where the key light's map is asked, in texels and depth.
+    pub(super) map: [Places; 3],
+    /// How much the key light's share matters: none on what looks away from it.
+    pub(super) keyed: Places,
+    /// Share of the key light.
+    pub(super) key: Places,
+    /// Linear light; then sRGB-encoded.
+    pub(super) color: [Places; 3],
+}
+
+impl Batch {
+    pub(super) fn new() -> Box<Self> {
+        let none = [0.0; PLACES];
+        Box::new(Self {
+            count: 0,
+            pixel: [0; PLACES],
+            triangle: [0; PLACES],
+            share: none,
+            screen: [none; 2],
+            positions: [[none; 3]; 3],
+            normals: [[none; 3]; 3],
+            weights: [none; 3],
+            right: [none; 3],
+            below: [none; 3],
+            normal: [none; 3],
+            viewer: [none; 3],
+            front: none,
+            map: [none; 3],
+            keyed: none,
+            key: none,
+            color: [none; 3],
+        })
+    }
+
+    /// Whole vectors, so that no loop has a rest.
+    #[inline(always)]
+    fn padded(&self) -> usize {
+        self.count.next_multiple_of(16).min(PLACES)
+    }
+}
+
+#[inline(always)]
+fn at(places: &[Places; 3], i: usize) -> Vec3 {
+    vec3(places[0][i], places[1][i], places[2][i])
+}
+
+#[inline(always)]
+fn set(places: &mut [Places; 3], i: usize, value: Vec3) {
+    (places[0][i], places[1][i], places[2][i]) = (value.x, value.y, value.z);
+}
+
+/// What places of one figure share.
+pub(super) struct Setting<'a> {
+    pub(super) cell: &'a CellUniform,
+    pub(super) figure: &'a FigureUniform,
+    /// Rows x, y and w of the matrix from the item to clip space.
+    pub(super) clip: [[f32; 4]; 3],
+    /// Rows of the matrices from the item to the viewer's axes, and to the key light's map.
+    pub(super) view: [[f32; 4]; 3],
+    pub(super) map: [[f32; 4]; 3],
+    pub(super) shadows: bool,
+}
+
+#[inline(always)]
+fn row(row: &[f32; 4], p: Vec3, w: f32) -> f32 {
+    row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3] * w
+}
+
+/// From corners to what light asks for. `EDGES`: with the weights of the pixels beside.
+pub(super) struct Place<'a, 'b, const EDGES: bool>(pub(super) &'b Setting<'a>, pub(super) &'b mut Batch);
+
+impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
+    #[inline(always)]
+    fn run(self) {
+        let Self(setting, b) = self;
+        let Setting { cell, figure, .. } = setting;
+        let texel = [2.0 / cell.viewport[2], -2.0 / cell.viewport[3]];
+        let orthographic = cell.output[2] > 0.5;
+        let key = rgb(cell.lights[0][0]);
+        let wrap = shade::wrap(figure);
+        let size = cell.shadow_map[1];
+        let scale = vec3(0.5 * size, -0.5 * size, 1.0);
+        for i in 0..b.padded() {
+            let corners = [at(&b.positions[0], i), at(&b.positions[1], i), at(&b.positions[2], i)];
+            let clip = corners.map(|p| setting.clip.map(|r| row(&r, p, 1.0)));
+            let weights = |dx: f32, dy: f32| {
+                let (sx, sy) = (b.screen[0][i] + dx, b.screen[1][i] + dy);
+                // From the pixel, so that small triangles lose no digits.
+                let [p, q, r] = clip.map(|[x, y, w]| [x - sx * w, y - sy * w]);
+                let cross = |a: [f32; 2], b: [f32; 2]| a[0] * b[1] - a[1] * b[0];
+                let all = [cross(q, r), cross(r, p), cross(p, q)];
+                (all, all[0] + all[1] + all[2])
+            };
+            let (all, area) = weights(0.0, 0.0);
+            let front = area > 0.0;
+            // A sample may be covered where the middle is not: the nearest place that is.
+            let inside = all.map(|w| max(if front { w } else { -w }, 0.0));
+            let sum = inside[0] + inside[1] + inside[2];
+            let there = sum > 0.0;
+            let scale_of = 1.0 / if there { sum } else { 3.0 };
+            let weight = inside.map(|w| if there { w } else { 1.0 } * scale_of);
+            let p = corners[0] * weight[0] + corners[1] * weight[1] + corners[2] * weight[2];
+            let normal = at(&b.normals[0], i) * weight[0]
+                + at(&b.normals[1], i) * weight[1]
+                + at(&b.normals[2], i) * weight[2];
+            for k in 0..3 {
+                b.weights[k][i] = weight[k];
+            }
+            if EDGES {
+                for (places, [dx, dy]) in [(&mut b.right, [texel[0], 0.0]), (&mut b.below, [0.0, texel[1]])] {
+                    let (sx, sy) = (b.screen[0][i] + dx, b.screen[1][i] + dy);
+                    let [p, q, r] = clip.map(|[x, y, w]| [x - sx * w, y - sy * w]);
+                    let cross = |a: [f32; 2], b: [f32; 2]| a[0] * b[1] - a[1] * b[0];
+                    let all = [cross(q, r), cross(r, p), cross(p, q)];
+                    let sum = all[0] + all[1] + all[2];
+                    let sum = if sum == 0.0 { 1.0 } else { sum };
+                    for k in 0..3 {
+                        places[k][i] = all[k] / sum;
+                    }
+                }
+            }
+            let seen = vec3(
+                row(&setting.view[0], p, 1.0),
+                row(&setting.view[1], p, 1.0),
+                row(&setting.view[2], p, 1.0),
+            );
+            let turned = vec3(
+                row(&setting.view[0], normal, 0.0),
+                row(&setting.view[1], normal, 0.0),
+                row(&setting.view[2], normal, 0.0),
+            );
+            let towards = shade::normalized(-seen, Vec3::Z);
+            let v = if orthographic { Vec3::Z } else { towards };
+            let n = shade::normalized(turned, v);
+            let side = if front { 1.0 } else { -1.0 };
+            let n = n * side;
+            set(&mut b.normal, i, n);
+            set(&mut b.viewer, i, v);
+            b.front[i] = if front { 1.0 } else { 0.0 };
+            b.keyed[i] = n.dot(key) + wrap;
+            if setting.shadows {
+                let on = vec3(
+                    row(&setting.map[0], p, 1.0),
+                    row(&setting.map[1], p, 1.0),
+                    row(&setting.map[2], p, 1.0),
+                );
+                let off = vec3(
+                    row(&setting.map[0], normal, 0.0),
+                    row(&setting.map[1], normal, 0.0),
+                    row(&setting.map[2], normal, 0.0),
+                );
+                let on = on * scale + vec3(0.5 * size, 0.5 * size, 0.0);
+                // A disc around it stays in the map; what the camera cannot reach is beyond its edge.
+                let on = vec3(clamp(on.x, 6.0, size - 6.0), clamp(on.y, 6.0, size - 6.0), on.z);
+                let length = max(turned.dot(turned).sqrt(), 1e-12);
+                let grazing = 1.0 - min(turned.dot(key).abs() / length, 1.0);
+                let step = cell.shadow_map[2] * (1.0 + 3.0 * grazing) / length;
+                set(&mut b.map, i, on + off * scale * (step * side));
+            }
+        }
+    }
+}
+
+/// From places to colours. `FILM`: with the hues of thin films.
+pub(super) struct Light<'a, 'b, const FILM: bool>(pub(super) &'b Setting<'a>, pub(super) &'b mut Batch);
+
+impl<const FILM: bool> Kernel for Light<'_, '_, FILM> {
+    #[inline(always)]
+    fn run(self) {
+        let Self(setting, b) = self;
+        for i in 0..b.padded() {
+            let (n, v) = (at(&b.normal, i), at(&b.viewer, i));
+            let of = (setting.cell, setting.figure);
+            let c = shade::modelled::<FILM>(of, at(&b.color, i), n, v, b.front[i] > 0.5, b.key[i]);
+            set(&mut b.color, i, c);
+        }
+    }
+}
+
+/// From places of a heat map to colours.
+pub(super) struct LightMap<'a, 'b>(pub(super) &'b Setting<'a>, pub(super) &'b mut Batch);
+
+impl Kernel for LightMap<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self(setting, b) = self;
+        for i in 0..b.padded() {
+            let (n, v) = (at(&b.normal, i), at(&b.viewer, i));
+            let of = (setting.cell, setting.figure);
+            let c = shade::mapped(of, at(&b.color, i), n, v, b.front[i] > 0.5);
+            set(&mut b.color, i, c);
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Drawing on the processor, the twin of the graphics device: the same cells, figures and formulas.
+//!
+//! Vertices are projected onto a grid of sub-pixels and triangles sorted into tiles. A tile first finds
+//! what is seen at four samples of each pixel, and then shades that once a pixel, or once for each of
+//! the surfaces that meet there. Tiles are drawn by whichever thread comes; every pixel is computed by
+//! one thread in one order, so that the number of threads changes no bit.
+//!
+//! One layer after the other lies over what is there: opaque figures together, sides of translucent
+//! figures, brush rings, markers. A look that works on finished pixels would be one more after these.
+
+mod backdrop;
+mod batch;
+mod curves;
+mod fill;
+mod instructions;
+mod markers;
+mod project;
+mod projected;
+mod pyramid;
+mod shade;
+mod shadow;
+mod stage;
+mod tile;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use rayon::prelude::*;
+
+pub(crate) use instructions::Instructions;
+pub(crate) use pyramid::Pyramid;
+
+use self::stage::{Locks, Stage};
+use self::tile::{Scratch, TILE_BITS};
+use crate::style::linear;
+use crate::{Cell, ColorMap, ViewError};
+
+/// Pixels in memory: sRGB-encoded, premultiplied, rows from the top.
+#[derive(Debug)]
+pub(crate) struct Canvas {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pixels: Mutex<Vec<u8>>,
+}
+
+impl Canvas {
+    pub(crate) fn new(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: Mutex::new(vec![0; 4 * width as usize * height as usize]) }
+    }
+
+    pub(crate) fn pixels(&self) -> MutexGuard<'_, Vec<u8>> {
+        self.pixels.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What is kept from picture to picture, so that a warm one allocates nothing of its size.
+#[derive(Debug)]
+pub(crate) struct Renderer {
+    instructions: Instructions,
+    stage: Stage,
+    /// Linear light of the colour maps, one a row.
+    maps: Vec<[[f32; 3]; 256]>,
+    /// For the threads to take.
+    scratch: Mutex<Vec<Scratch>>,
+}
+
+impl Default for Renderer {
+    fn default() -> Self {
+        let row = |map: &ColorMap| std::array::from_fn(|i| linear(map.color(i as f32 / 255.0)));
+        Self {
+            instructions: Instructions::fastest(),
+            stage: Stage::default(),
+            maps: ColorMap::ALL.iter().map(row).collect(),
+            scratch: Mutex::default(),
+        }
+    }
+}
+
+impl Renderer {
+    pub(crate) fn draw(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<(), ViewError> {
+        let locks = Locks::of(cells)?;
+        let subjects = locks.subjects(cells)?;
+        self.stage.set(self.instructions, canvas, cells, &subjects)?;
+        let picture = tile::Picture {
+            instructions: self.instructions,
+            stage: &self.stage,
+            subjects: &subjects,
+            maps: &self.maps,
+            width: canvas.width as usize,
+        };
+        let scratch = &self.scratch;
+        let pool = || scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let band = (4 * picture.width) << TILE_BITS[1];
+        canvas.pixels().par_chunks_mut(band).enumerate().for_each(|(row, pixels)| {
+            let mut own = pool().pop().unwrap_or_else(Scratch::new);
+            picture.draw_band(row as i32, pixels, &mut own);
+            pool().push(own);
+        });
+        Ok(())
+    }
+
+    /// For comparing instruction sets.
+    #[cfg(test)]
+    fn with(instructions: Instructions) -> Self {
+        Self { instructions, ..Self::default() }
+    }
+}
+
+/// Linear light of eight bits of sRGB.
+fn linear_table() -> [f32; 256] {
+    std::array::from_fn(|i| linear([i as u8; 3])[0])
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+mod tests {
+    use super::*;
+    use crate::{Background, Camera, Device, Figure, ItemBuffers, Lights, Material, Rect, Topology};
+
+    /// A wavy sheet, lit so that shadows fall on it.
+    #[test]
+    fn every_instruction_set_draws_the_same_bits() {
+        let side = 40_u32;
+        let positions: Vec<[f32; 3]> = (0..side * side)
+            .map(|i| [(i % side) as f32 / 20.0 - 1.0, (i / side) as f32 / 20.0 - 1.0])
+            .map(|[x, y]| [x, y, 0.2 * (7.0 * x).sin() * (5.0 * y).cos()])
+            .collect();
+        let triangles: Vec<[u32; 3]> = (0..side * (side - 1))
+            .filter(|i| i % side != side - 1)
+            .flat_map(|i| [[i, i + 1, i + side], [i + 1, i + side + 1, i + side]])
+            .collect();
+        let normals = crate::smooth_normals(&positions, &triangles);
+        let topology = Topology::new(Device::Processor, positions.len(), &triangles).unwrap();
+        let buffers = ItemBuffers::new(Device::Processor, positions.len(), 1);
+        buffers.write(Device::Processor, 0, &positions, &normals).unwrap();
+        let figure = Figure { material: Material::PEARL, ..Figure::new(&topology, &buffers, 0) };
+        let cell = Cell {
+            viewport: Rect::of_size(150, 90),
+            camera: Camera::default(),
+            lights: Lights::DRAMATIC,
+            background: Background::PAPER,
+            figures: &[figure],
+            markers: &[],
+        };
+        let pictures = Instructions::available().iter().map(|instructions| {
+            let canvas = Canvas::new(150, 90);
+            Renderer::with(*instructions).draw(&canvas, &[cell]).unwrap();
+            canvas.pixels.into_inner().unwrap()
+        });
+        let pictures: Vec<Vec<u8>> = pictures.collect();
+        assert!(pictures.iter().all(|picture| *picture == pictures[0]));
+    }
+}

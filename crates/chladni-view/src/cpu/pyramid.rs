@@ -1,0 +1,84 @@
+//! An image around a shape, at all its sizes, sampled as a graphics device does.
+
+use image::RgbaImage;
+
+/// Levels of an image, the largest first, in linear light.
+#[derive(Debug)]
+pub(crate) struct Pyramid {
+    levels: Vec<RgbaImage>,
+    linear: Box<[f32; 256]>,
+}
+
+/// Samples along the longer side of a pixel's footprint.
+const ANISOTROPY: f32 = 4.0;
+
+impl Pyramid {
+    pub(crate) fn new(levels: impl Iterator<Item = RgbaImage>) -> Self {
+        Self { levels: levels.collect(), linear: Box::new(super::linear_table()) }
+    }
+
+    /// Linear light at `uv`, v down, where a step to the right changes it by `right` and one down by
+    /// `down`. The image repeats.
+    pub(super) fn sample(&self, uv: [f32; 2], right: [f32; 2], down: [f32; 2]) -> [f32; 3] {
+        let Some(first) = self.levels.first() else { return [0.0; 3] };
+        let (width, height) = (first.width() as f32, first.height() as f32);
+        let texels = |[u, v]: [f32; 2]| (u * width).hypot(v * height);
+        let (a, b) = (texels(right), texels(down));
+        let (long, short, along) = if a > b { (a, b, right) } else { (b, a, down) };
+        let count = (long / short.max(1e-6)).ceil().clamp(1.0, ANISOTROPY);
+        let level = (long / count).max(1e-6).log2().clamp(0.0, (self.levels.len() - 1) as f32);
+        let mut sum = [0.0; 3];
+        for i in 0..count as u32 {
+            let step = (i as f32 + 0.5) / count - 0.5;
+            let at = [uv[0] + along[0] * step, uv[1] + along[1] * step];
+            let (low, share) = (level.floor(), level.fract());
+            let near = self.bilinear(low as usize, at);
+            let far = if share > 0.0 { self.bilinear(low as usize + 1, at) } else { near };
+            for k in 0..3 {
+                sum[k] += (near[k] * (1.0 - share) + far[k] * share) / count;
+            }
+        }
+        sum
+    }
+
+    fn bilinear(&self, level: usize, [u, v]: [f32; 2]) -> [f32; 3] {
+        let image = &self.levels[level.min(self.levels.len() - 1)];
+        let (width, height) = (i64::from(image.width()), i64::from(image.height()));
+        let (x, y) = (u * width as f32 - 0.5, v * height as f32 - 0.5);
+        let (left, top) = (x.floor(), y.floor());
+        let (fx, fy) = (x - left, y - top);
+        let texel = |dx: i64, dy: i64| {
+            let x = (left as i64).saturating_add(dx).rem_euclid(width);
+            let y = (top as i64).saturating_add(dy).rem_euclid(height);
+            let [r, g, b, _] = image.get_pixel(x as u32, y as u32).0;
+            [r, g, b].map(|c| self.linear[usize::from(c)])
+        };
+        let [a, b, c, d] = [texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)];
+        std::array::from_fn(|k| {
+            let (above, below) = (a[k] * (1.0 - fx) + b[k] * fx, c[k] * (1.0 - fx) + d[k] * fx);
+            above * (1.0 - fy) + below * fy
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_image_repeats_and_its_middle_is_its_mean_from_far_away() {
+        let image = RgbaImage::from_fn(4, 4, |x, _| image::Rgba([if x < 2 { 255 } else { 0 }, 0, 0, 255]));
+        let levels = [
+            image.clone(),
+            image::imageops::thumbnail(&image, 2, 2),
+            image::imageops::thumbnail(&image, 1, 1),
+        ];
+        let pyramid = Pyramid::new(levels.into_iter());
+        let near = |u| pyramid.sample([u, 0.5], [1e-4, 0.0], [0.0, 1e-4])[0];
+        assert!((near(0.25) - 1.0).abs() < 1e-6 && near(0.75).abs() < 1e-6 && (near(0.5) - 0.5).abs() < 1e-6);
+        assert!((near(-3.75) - 1.0).abs() < 1e-4);
+        let far = pyramid.sample([0.25, 0.5], [3.0, 0.0], [0.0, 3.0])[0];
+        assert!((0.1..0.6).contains(&far), "{far}");
+        assert_eq!(pyramid.sample([f32::NAN; 2], [0.0; 2], [0.0; 2]).len(), 3);
+    }
+}

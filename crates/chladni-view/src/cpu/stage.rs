@@ -1,0 +1,262 @@
+//! A picture's cells before they are drawn: checked, projected, their shadows drawn.
+
+use std::ops::Range;
+use std::sync::{Arc, RwLock, RwLockReadGuard};
+
+use glam::Mat4;
+use rayon::prelude::*;
+
+use super::Canvas;
+use super::backdrop::Backdrop;
+use super::instructions::Instructions;
+use super::markers::Disc;
+use super::project::{Grid, Lens};
+use super::projected::Projected;
+use super::pyramid::Pyramid;
+use super::shadow::ShadowMap;
+use super::tile::TILE_BITS;
+use crate::buffers::{HostItems, Shared, read};
+use crate::gpu::arrangement;
+use crate::uniforms::{
+    CellUniform, FigureUniform, casts_shadows, cell_uniform, check_cell, check_figure, figure_uniform,
+    key_light_view,
+};
+use crate::{Cell, Figure, Paint, Projection, Samples, VertexPaint, ViewError};
+
+/// What figures are made of, held still while they are drawn.
+pub(super) struct Locks<'a> {
+    items: Vec<Lock<'a, HostItems>>,
+    paints: Vec<Lock<'a, Vec<[u8; 4]>>>,
+}
+
+/// A thing and its lock. Whatever many figures share is locked once: a thread must not wait for itself.
+type Lock<'a, T> = (*const RwLock<T>, RwLockReadGuard<'a, T>);
+
+fn lock<'a, T>(locks: &mut Vec<Lock<'a, T>>, shared: &'a Shared<T>) {
+    if held(locks, shared).is_none() {
+        locks.push((Arc::as_ptr(shared), read(shared)));
+    }
+}
+
+fn held<'l, T>(locks: &'l [Lock<'_, T>], shared: &Shared<T>) -> Option<&'l T> {
+    locks.iter().find(|(of, _)| std::ptr::eq(*of, Arc::as_ptr(shared))).map(|(_, guard)| &**guard)
+}
+
+/// The paints of a figure: its own, and its brush's reach.
+fn paints<'a>(figure: &Figure<'a>) -> [Option<&'a VertexPaint>; 2] {
+    let own = match figure.paint {
+        Paint::Values(paint, _) | Paint::Colors(paint) => Some(paint),
+        Paint::Material | Paint::Skin(_) => None,
+    };
+    [own, figure.brush.map(|ring| &ring.reach)]
+}
+
+impl<'a> Locks<'a> {
+    pub(super) fn of(cells: &[Cell<'a>]) -> Result<Self, ViewError> {
+        let mut all = Self { items: Vec::new(), paints: Vec::new() };
+        for figure in cells.iter().flat_map(|cell| cell.figures) {
+            check_figure(figure)?;
+            lock(&mut all.items, figure.buffers.held.cpu()?);
+            for paint in paints(figure).into_iter().flatten() {
+                lock(&mut all.paints, paint.held.cpu()?);
+            }
+        }
+        Ok(all)
+    }
+
+    /// The figures of all cells, one after the other.
+    pub(super) fn subjects<'l>(&'l self, cells: &[Cell<'l>]) -> Result<Vec<Subject<'l>>, ViewError> {
+        cells.iter().flat_map(|cell| cell.figures).map(|figure| self.subject(figure)).collect()
+    }
+
+    fn subject<'l>(&'l self, figure: &Figure<'l>) -> Result<Subject<'l>, ViewError> {
+        let lost = || ViewError::Shape("a figure's buffers changed while it was drawn".into());
+        let items = held(&self.items, figure.buffers.held.cpu()?).ok_or_else(lost)?;
+        let paint = |paint: &VertexPaint| -> Result<&'l [[u8; 4]], ViewError> {
+            Ok(held(&self.paints, paint.held.cpu()?).ok_or_else(lost)?)
+        };
+        let n = figure.buffers.vertices;
+        let vertices = figure.item * n..(figure.item + 1) * n;
+        let triangles = figure.topology.held.cpu()?;
+        if triangles.corners.len() >= 1 << 31 {
+            return Err(ViewError::Shape(format!("{} triangles", triangles.corners.len())));
+        }
+        let coat = match figure.paint {
+            Paint::Material => Coat::Material,
+            Paint::Values(values, _) => Coat::Values(paint(values)?),
+            Paint::Colors(colors) => Coat::Colors(paint(colors)?),
+            Paint::Skin(skin) => Coat::Skin(skin.held.cpu()?),
+        };
+        let ring = match figure.brush.filter(|ring| ring.corners > 0) {
+            Some(ring) => Some((&ring.triangles.cpu()?[..], paint(&ring.reach)?)),
+            None => None,
+        };
+        Ok(Subject {
+            triangles: &triangles.corners,
+            uvs: &triangles.uvs,
+            positions: &items.positions[vertices.clone()],
+            normals: &items.normals[vertices],
+            coat,
+            ring,
+            opacity: figure.opacity,
+        })
+    }
+}
+
+/// What a figure is made of.
+pub(super) struct Subject<'a> {
+    pub(super) triangles: &'a [[u32; 3]],
+    pub(super) uvs: &'a [[f32; 2]],
+    pub(super) positions: &'a [[f32; 3]],
+    pub(super) normals: &'a [[f32; 3]],
+    pub(super) coat: Coat<'a>,
+    /// Triangles of a brush's ring, and how far each vertex is from its centre.
+    pub(super) ring: Option<Ring<'a>>,
+    pub(super) opacity: f32,
+}
+
+type Ring<'a> = (&'a [[u32; 3]], &'a [[u8; 4]]);
+
+/// Where a figure's colour comes from.
+pub(super) enum Coat<'a> {
+    Material,
+    Values(&'a [[u8; 4]]),
+    Colors(&'a [[u8; 4]]),
+    Skin(&'a Pyramid),
+}
+
+/// All that is known of a picture before its pixels.
+#[derive(Debug, Default)]
+pub(super) struct Stage {
+    pub(super) cells: Vec<StagedCell>,
+    pub(super) figures: Vec<StagedFigure>,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct StagedCell {
+    pub(super) uniform: CellUniform,
+    pub(super) grid: Grid,
+    /// Its figures among all.
+    pub(super) figures: Range<usize>,
+    pub(super) discs: Vec<Disc>,
+    pub(super) backdrop: Backdrop,
+    pub(super) shadows: bool,
+    pub(super) map: ShadowMap,
+    /// Depths in a pixel that differ by no more are those of one surface.
+    pub(super) one_surface: f32,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct StagedFigure {
+    pub(super) uniform: FigureUniform,
+    /// Rows x, y and w of the matrix from the item to clip space.
+    pub(super) clip: [[f32; 4]; 3],
+    /// Rows of the matrices from the item to the viewer's axes, and to the key light's map.
+    pub(super) view: [[f32; 4]; 3],
+    pub(super) map: [[f32; 4]; 3],
+    pub(super) projected: Projected,
+    shadow: Projected,
+    pub(super) lens: Lens,
+    shadow_lens: Option<Lens>,
+}
+
+/// Texels of a side that all maps together may take.
+const MAPS_SIDE: u32 = 8192;
+
+impl Stage {
+    /// Takes `cells` in, whose figures are `subjects`.
+    pub(super) fn set(
+        &mut self,
+        with: Instructions,
+        canvas: &Canvas,
+        cells: &[Cell<'_>],
+        subjects: &[Subject<'_>],
+    ) -> Result<(), ViewError> {
+        self.cells.resize_with(cells.len(), StagedCell::default);
+        self.figures.resize_with(subjects.len(), StagedFigure::default);
+        let shadowed = cells.iter().filter(|cell| casts_shadows(cell)).count();
+        let (size, ..) = arrangement(shadowed.max(1) as u32, Samples::Four, MAPS_SIDE);
+        let mut first = 0;
+        for (staged, cell) in self.cells.iter_mut().zip(cells) {
+            check_cell(cell, canvas.width, canvas.height)?;
+            staged.figures = first..first + cell.figures.len();
+            first = staged.figures.end;
+            staged.set(with, cell, size);
+            for (figure, staged_figure) in cell.figures.iter().zip(&mut self.figures[staged.figures.clone()])
+            {
+                staged_figure.set(figure, staged);
+            }
+        }
+        let grids = self.cells.iter().flat_map(|cell| std::iter::repeat_n(cell.grid, cell.figures.len()));
+        let grids: Vec<Grid> = grids.collect();
+        let map_grid = ShadowMap::grid(size);
+        let figures = self.figures.par_iter_mut().zip(subjects).zip(grids);
+        figures.for_each(|((figure, subject), grid)| {
+            let (positions, triangles) = (subject.positions, subject.triangles);
+            figure.projected.project(with, (&figure.lens, &grid), positions, triangles);
+            if let Some(lens) = &figure.shadow_lens {
+                figure.shadow.project(with, (lens, &map_grid), positions, triangles);
+            }
+        });
+        let figures = &self.figures;
+        self.cells.par_iter_mut().filter(|cell| cell.shadows).for_each(|cell| {
+            let all = figures[cell.figures.clone()].iter().zip(&subjects[cell.figures.clone()]);
+            let casting = all.filter(|(figure, _)| figure.shadow_lens.is_some());
+            let casting: Vec<_> =
+                casting.map(|(figure, subject)| (&figure.shadow, subject.triangles)).collect();
+            cell.map.draw(with, size, &casting);
+        });
+        Ok(())
+    }
+}
+
+impl StagedCell {
+    fn set(&mut self, with: Instructions, cell: &Cell<'_>, map_size: u32) {
+        let r = cell.viewport;
+        self.uniform = cell_uniform(cell, true);
+        let low = [r.x as i32, r.y as i32];
+        let high = [low[0] + r.width as i32 - 1, low[1] + r.height as i32 - 1];
+        self.grid = Grid { low, high, bits: TILE_BITS };
+        self.shadows = casts_shadows(cell);
+        if self.shadows {
+            (self.uniform.shadow, self.uniform.shadow_map) = key_light_view(cell, map_size);
+        }
+        self.discs.clear();
+        self.discs.extend(cell.markers.iter().filter_map(|marker| Disc::new(marker, &self.uniform)));
+        if cell.background.opacity > 0.0 {
+            self.backdrop.paint(with, &self.uniform, (cell.background, r));
+        }
+        // Of surfaces at the target's distance that rise by four pixels in one.
+        let camera = &cell.camera;
+        let pixel = 2.0 * camera.distance * (0.5 * camera.fov_y_rad).tan() / r.height as f32;
+        let [.., [_, _, shift, _]] = self.uniform.projection;
+        self.one_surface = 4.0
+            * pixel
+            * match camera.projection {
+                Projection::Perspective => shift.abs() / (camera.distance * camera.distance),
+                Projection::Orthographic => self.uniform.projection[2][2].abs(),
+            };
+    }
+}
+
+impl StagedFigure {
+    fn set(&mut self, figure: &Figure<'_>, cell: &StagedCell) {
+        self.uniform = figure_uniform(figure);
+        let matrix = |columns: &[[f32; 4]; 4]| Mat4::from_cols_array_2d(columns);
+        let model = matrix(&self.uniform.model);
+        let view = matrix(&cell.uniform.view) * model;
+        let clip = matrix(&cell.uniform.projection) * view;
+        let rows = |matrix: Mat4, which: [usize; 3]| which.map(|row| matrix.row(row).to_array());
+        self.clip = rows(clip, [0, 1, 3]);
+        self.view = rows(view, [0, 1, 2]);
+        self.lens = Lens::new(clip, cell.uniform.viewport);
+        self.shadow_lens = None;
+        if cell.shadows {
+            let map = matrix(&cell.uniform.shadow) * model;
+            self.map = rows(map, [0, 1, 2]);
+            let size = cell.uniform.shadow_map[1];
+            // What is translucent casts none.
+            self.shadow_lens = (figure.opacity >= 1.0).then(|| Lens::new(map, [0.0, 0.0, size, size]));
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The textures that are drawn into, and how their pixels come back.
+
+use std::sync::mpsc::{Receiver, sync_channel};
+
+use super::pipelines::{DEPTH, smooth_layout};
+use crate::{Gpu, Samples, ViewError};
+
+/// Colour samples, depth, and the finished picture.
+#[derive(Debug)]
+pub(crate) struct Canvas {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) format: wgpu::TextureFormat,
+    pub(crate) samples: Samples,
+    color: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    finished: wgpu::Texture,
+    pub(crate) finished_view: wgpu::TextureView,
+    /// The colours as an image, where their edges are still to be smoothed.
+    rough: Option<wgpu::BindGroup>,
+}
+
+impl Canvas {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        width: u32,
+        height: u32,
+        format: wgpu::TextureFormat,
+        samples: Samples,
+    ) -> Result<Self, ViewError> {
+        let limit = gpu.device.limits().max_texture_dimension_2d;
+        if width == 0 || height == 0 || width > limit || height > limit {
+            return Err(ViewError::Size { width, height, limit });
+        }
+        let texture = |label, format, samples: Samples, usage| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: samples.count(),
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let finished = texture(
+            "picture",
+            format,
+            Samples::One,
+            attachment | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING,
+        );
+        let usage = match samples {
+            Samples::One => attachment | wgpu::TextureUsages::TEXTURE_BINDING,
+            Samples::Four => attachment,
+        };
+        let color = view(&texture("samples", format, samples, usage));
+        Ok(Self {
+            width,
+            height,
+            format,
+            samples,
+            rough: (samples == Samples::One).then(|| rough(&gpu.device, &color)),
+            color,
+            depth: view(&texture("depth", DEPTH, samples, attachment)),
+            finished_view: view(&finished),
+            finished,
+        })
+    }
+
+    /// Begins a pass over the whole canvas, cleared to nothing.
+    pub(crate) fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+        let multisampled = self.rough.is_none();
+        let store = if multisampled { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("canvas"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.color,
+                depth_slice: None,
+                resolve_target: multisampled.then_some(&self.finished_view),
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        })
+    }
+
+    /// Where the device does not finish the picture by itself: the colours to be smoothed, and the
+    /// pass that does it.
+    pub(crate) fn smoothing<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+    ) -> Option<(&wgpu::BindGroup, wgpu::RenderPass<'e>)> {
+        let rough = self.rough.as_ref()?;
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("smooth"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.finished_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        Some((rough, pass))
+    }
+}
+
+fn rough(device: &wgpu::Device, color: &wgpu::TextureView) -> wgpu::BindGroup {
+    let resource = wgpu::BindingResource::TextureView(color);
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("rough picture"),
+        layout: &smooth_layout(device),
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource }],
+    })
+}
+
+/// A buffer that one picture of a canvas comes back through.
+#[derive(Debug)]
+pub(crate) struct Readback {
+    buffer: wgpu::Buffer,
+    width: u32,
+    height: u32,
+    /// Bytes of a row in the buffer, a multiple of 256.
+    stride: u32,
+    blue_first: bool,
+    /// The copy that was started last, and where the word of its mapping arrives.
+    copy: Option<(wgpu::SubmissionIndex, Receiver<Result<(), wgpu::BufferAsyncError>>)>,
+}
+
+impl Readback {
+    pub(crate) fn new(gpu: &Gpu, canvas: &Canvas) -> Self {
+        let stride = (canvas.width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readback"),
+            size: u64::from(stride) * u64::from(canvas.height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let blue_first =
+            matches!(canvas.format, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Bgra8UnormSrgb);
+        Self { buffer, width: canvas.width, height: canvas.height, stride, blue_first, copy: None }
+    }
+
+    /// Queues the copy of what has been drawn so far; does not wait.
+    pub(crate) fn start(&mut self, gpu: &Gpu, canvas: &Canvas) {
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_buffer(
+            canvas.finished.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &self.buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(self.stride),
+                    rows_per_image: None,
+                },
+            },
+            wgpu::Extent3d { width: self.width, height: self.height, depth_or_array_layers: 1 },
+        );
+        let submission = gpu.queue.submit([encoder.finish()]);
+        let (sender, receiver) = sync_channel(1);
+        self.buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+            // Nobody waits for a film that was given up.
+            let _ = sender.send(result);
+        });
+        self.copy = Some((submission, receiver));
+    }
+
+    /// Waits for the copy and unpacks it into `rgba`.
+    pub(crate) fn finish_into(&mut self, gpu: &Gpu, rgba: &mut Vec<u8>) -> Result<(), ViewError> {
+        let Some((submission, receiver)) = self.copy.take() else {
+            return Err(ViewError::Device("no picture was asked for".into()));
+        };
+        gpu.wait(submission)?;
+        match receiver.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(ViewError::Device(error.to_string())),
+            Err(_) => return Err(ViewError::Device("the picture was never handed over".into())),
+        }
+        {
+            let mapped =
+                self.buffer.get_mapped_range(..).map_err(|error| ViewError::Device(error.to_string()))?;
+            rgba.clear();
+            for row in mapped.chunks_exact(self.stride as usize) {
+                rgba.extend_from_slice(&row[..self.width as usize * 4]);
+            }
+        }
+        self.buffer.unmap();
+        if self.blue_first {
+            rgba.as_chunks_mut::<4>().0.iter_mut().for_each(|pixel| pixel.swap(0, 2));
+        }
+        Ok(())
+    }
+}

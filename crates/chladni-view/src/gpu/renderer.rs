@@ -1,0 +1,376 @@
+//! Drawing on a graphics device.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+
+use super::canvas::Canvas;
+use super::images::Images;
+use super::pipelines::{Coat, Kind, Layouts, MARKER_BYTES, Part, Pipelines, Side};
+use crate::uniforms::{
+    CellUniform, FigureUniform, casts_shadows, cell_uniform, check_cell, check_figure, figure_uniform,
+    key_light_view,
+};
+use crate::{Cell, Figure, Gpu, Paint, Samples, ViewError};
+
+/// The pipelines of one device and target format, and the uniform buffers they share. Make one
+/// and keep it: each pipeline is compiled when a picture needs it first, and kept here.
+pub(crate) struct Renderer {
+    gpu: Gpu,
+    format: wgpu::TextureFormat,
+    layouts: Layouts,
+    pipelines: Pipelines,
+    images: Images,
+    cells: Uniforms<CellUniform>,
+    figures: Uniforms<FigureUniform>,
+    markers: wgpu::Buffer,
+    marker_bytes: Vec<MarkerInstance>,
+}
+
+impl std::fmt::Debug for Renderer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Renderer").field("format", &self.format).finish_non_exhaustive()
+    }
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct MarkerInstance {
+    position: [f32; 3],
+    radius: f32,
+    color: [u8; 4],
+}
+
+impl Renderer {
+    /// A renderer for canvases of one eight-bit format.
+    pub(crate) fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
+        let device = &gpu.device;
+        let layouts = Layouts::new(device);
+        let pipelines = Pipelines::new(device, &layouts, format);
+        let images = Images::new(gpu, &layouts);
+        let cells = Uniforms::new(device, &layouts.cell, "cells");
+        let figures = Uniforms::new(device, &layouts.figure, "figures");
+        let markers = marker_buffer(device, 64);
+        Self {
+            gpu: gpu.clone(),
+            format,
+            layouts,
+            pipelines,
+            images,
+            cells,
+            figures,
+            markers,
+            marker_bytes: Vec::new(),
+        }
+    }
+
+    /// Draws `cells` on `canvas` and submits; does not wait.
+    pub(crate) fn draw(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<(), ViewError> {
+        self.gpu.check()?;
+        if canvas.format != self.format {
+            let (wanted, found) = (self.format, canvas.format);
+            return Err(ViewError::Shape(format!("a canvas of {found:?} for a renderer of {wanted:?}")));
+        }
+        self.stage(canvas, cells)?;
+        let device = self.gpu.device.clone();
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.draw_shadows(&mut encoder, cells)?;
+        self.draw_cells(&mut encoder, canvas, cells)?;
+        if let Some((rough, mut pass)) = canvas.smoothing(&mut encoder) {
+            pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Smooth, Samples::One)));
+            pass.set_bind_group(0, rough, &[]);
+            pass.draw(0..3, 0..1);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+
+    fn draw_cells(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        canvas: &Canvas,
+        cells: &[Cell<'_>],
+    ) -> Result<(), ViewError> {
+        let (samples, device) = (canvas.samples, self.gpu.device.clone());
+        let mut pass = canvas.pass(encoder);
+        let (mut figure_index, mut first_marker) = (0, 0);
+        for (cell_index, cell) in cells.iter().enumerate() {
+            let r = cell.viewport;
+            pass.set_viewport(r.x as f32, r.y as f32, r.width as f32, r.height as f32, 0.0, 1.0);
+            pass.set_scissor_rect(r.x, r.y, r.width, r.height);
+            pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
+            pass.set_bind_group(1, &self.figures.group, &[0]);
+            pass.set_bind_group(2, &self.images.group, &[]);
+            if cell.background.opacity > 0.0 {
+                pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Backdrop, samples)));
+                pass.draw(0..3, 0..1);
+            }
+            for figure in cell.figures {
+                pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(figure_index)]);
+                self.draw_figure(&mut pass, figure, samples, casts_shadows(cell))?;
+                figure_index += 1;
+            }
+            if !cell.markers.is_empty() {
+                let markers = first_marker..first_marker + cell.markers.len() as u32;
+                pass.set_vertex_buffer(0, self.markers.slice(..));
+                for part in [Part::HiddenMarkers, Part::Markers] {
+                    pass.set_pipeline(self.pipelines.get(&device, Kind::new(part, samples)));
+                    pass.draw(0..4, markers.clone());
+                }
+                first_marker = markers.end;
+            }
+        }
+        Ok(())
+    }
+
+    /// The maps of all cells whose key light casts shadows.
+    fn draw_shadows(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        cells: &[Cell<'_>],
+    ) -> Result<(), ViewError> {
+        if !cells.iter().any(casts_shadows) {
+            return Ok(());
+        }
+        let mut pass = self.images.shadows.pass(encoder);
+        let (mut figure_index, mut map) = (0, 0);
+        for (cell_index, cell) in cells.iter().enumerate() {
+            let first_figure = figure_index;
+            figure_index += cell.figures.len();
+            if !casts_shadows(cell) {
+                continue;
+            }
+            let ([x, y], size) = (self.images.shadows.corner(map), self.images.shadows.size);
+            map += 1;
+            pass.set_viewport(x as f32, y as f32, size as f32, size as f32, 0.0, 1.0);
+            pass.set_scissor_rect(x, y, size, size);
+            pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
+            let solid = |figure: &Figure<'_>| figure.opacity >= 1.0 && figure.topology.triangles > 0;
+            for (i, figure) in cell.figures.iter().enumerate().filter(|(_, figure)| solid(figure)) {
+                let shadow = Kind::new(Part::Shadow, Samples::One);
+                pass.set_pipeline(self.pipelines.get(&self.gpu.device, shadow));
+                pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
+                let (items, triangles) = (figure.buffers.held.gpu()?, figure.topology.held.gpu()?);
+                pass.set_vertex_buffer(0, items.positions.slice(item_bytes(figure)));
+                pass.set_index_buffer(triangles.indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(0..3 * figure.topology.triangles as u32, 0, 0..1);
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_figure(
+        &mut self,
+        pass: &mut wgpu::RenderPass<'_>,
+        figure: &Figure<'_>,
+        samples: Samples,
+        shadows: bool,
+    ) -> Result<(), ViewError> {
+        let (topology, buffers) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
+        let corners = 3 * figure.topology.triangles as u32;
+        // No part of a buffer may be empty.
+        if corners == 0 {
+            return Ok(());
+        }
+        let coat = match figure.paint {
+            _ if figure.wire.is_some() => Coat::Corners,
+            Paint::Skin(_) => Coat::Corners,
+            Paint::Material => Coat::Plain,
+            Paint::Values(..) => Coat::Values,
+            Paint::Colors(_) => Coat::Colors,
+        };
+        if coat == Coat::Corners {
+            self.bind_corners(pass, figure)?;
+        } else {
+            let item = item_bytes(figure);
+            pass.set_vertex_buffer(0, buffers.positions.slice(item.clone()));
+            pass.set_vertex_buffer(1, buffers.normals.slice(item));
+            if let Paint::Values(paint, _) | Paint::Colors(paint) = figure.paint {
+                pass.set_vertex_buffer(2, paint.held.gpu()?.slice(..));
+            }
+            pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
+        }
+        for side in sides(figure) {
+            let part = Part::Surface(coat, side);
+            let kind = Kind { part, samples, shadows };
+            pass.set_pipeline(self.pipelines.get(&self.gpu.device, kind));
+            if coat == Coat::Corners {
+                pass.draw(0..corners, 0..1);
+            } else {
+                pass.draw_indexed(0..corners, 0, 0..1);
+            }
+        }
+        if coat == Coat::Corners {
+            pass.set_bind_group(2, &self.images.group, &[]);
+        }
+        if let Some(ring) = figure.brush.filter(|ring| ring.corners > 0) {
+            pass.set_pipeline(self.pipelines.get(&self.gpu.device, Kind::new(Part::Brush, samples)));
+            pass.set_vertex_buffer(0, buffers.positions.slice(item_bytes(figure)));
+            pass.set_vertex_buffer(1, ring.reach.held.gpu()?.slice(..));
+            pass.set_index_buffer(ring.triangles.gpu()?.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..ring.corners, 0, 0..1);
+        }
+        Ok(())
+    }
+
+    /// Wires and skins read their vertices from storage; these groups are small and made per draw.
+    fn bind_corners(&self, pass: &mut wgpu::RenderPass<'_>, figure: &Figure<'_>) -> Result<(), ViewError> {
+        let (topology, items) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
+        let paint = match figure.paint {
+            Paint::Values(paint, _) | Paint::Colors(paint) => paint.held.gpu()?,
+            Paint::Material | Paint::Skin(_) => &topology.indices,
+        };
+        let buffers = [&items.positions, &items.normals, &topology.indices, &topology.uvs, paint];
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        let device = &self.gpu.device;
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("corners"),
+            layout: &self.layouts.corners,
+            entries: &entries,
+        });
+        pass.set_bind_group(3, &group, &[]);
+        if let Paint::Skin(skin) = figure.paint {
+            pass.set_bind_group(2, &self.images.group_with(device, &self.layouts, skin.held.gpu()?), &[]);
+        }
+        Ok(())
+    }
+
+    /// Checks the scene and queues its uniforms.
+    fn stage(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<(), ViewError> {
+        self.cells.clear();
+        self.figures.clear();
+        self.marker_bytes.clear();
+        let shadowed = cells.iter().filter(|cell| casts_shadows(cell)).count();
+        self.images.make_room(&self.gpu.device, &self.layouts, shadowed, canvas.samples);
+        let mut map = 0;
+        for cell in cells {
+            check_cell(cell, canvas.width, canvas.height)?;
+            let mut uniform = cell_uniform(cell, !self.format.is_srgb());
+            if casts_shadows(cell) {
+                let maps = &self.images.shadows;
+                (uniform.shadow, uniform.shadow_map) = key_light_view(cell, maps.size);
+                let ([x, y], [width, height]) = (maps.corner(map).map(|c| c as f32), maps.texel());
+                uniform.shadow_place = [x, y, width, height];
+                map += 1;
+            }
+            self.cells.push(&uniform);
+            for figure in cell.figures {
+                check_figure(figure)?;
+                self.figures.push(&figure_uniform(figure));
+            }
+            self.marker_bytes.extend(cell.markers.iter().map(|marker| MarkerInstance {
+                position: marker.position,
+                radius: marker.radius_px,
+                color: marker.color,
+            }));
+        }
+        // The backdrop binds a figure even where there is none.
+        if self.figures.bytes.is_empty() {
+            self.figures.push(&FigureUniform::zeroed());
+        }
+        let Gpu { device, queue, .. } = &self.gpu;
+        self.cells.upload(device, queue, &self.layouts.cell);
+        self.figures.upload(device, queue, &self.layouts.figure);
+        if !self.marker_bytes.is_empty() {
+            let count = self.marker_bytes.len() as u64;
+            if self.markers.size() < count * MARKER_BYTES {
+                self.markers = marker_buffer(device, count.next_power_of_two());
+            }
+            queue.write_buffer(&self.markers, 0, bytemuck::cast_slice(&self.marker_bytes));
+        }
+        Ok(())
+    }
+}
+
+/// The sides of a figure in the order in which they are drawn. Of a closed shape, too: a file may hold it
+/// inside out, and a large deformation turns it over.
+fn sides(figure: &Figure<'_>) -> [Side; 2] {
+    if figure.opacity < 1.0 { [Side::Back, Side::Front] } else { [Side::Front, Side::Back] }
+}
+
+/// Where the positions (and normals) of a figure's item lie in its buffers.
+fn item_bytes(figure: &Figure<'_>) -> std::ops::Range<u64> {
+    let bytes = (figure.buffers.vertices * 12) as u64;
+    let start = figure.item as u64 * bytes;
+    start..start + bytes
+}
+
+/// Many values of one uniform, told apart by their dynamic offset.
+struct Uniforms<T> {
+    label: &'static str,
+    bytes: Vec<u8>,
+    stride: usize,
+    buffer: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    kind: std::marker::PhantomData<Arc<T>>,
+}
+
+impl<T: Pod> Uniforms<T> {
+    fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, label: &'static str) -> Self {
+        let alignment = device.limits().min_uniform_buffer_offset_alignment as usize;
+        let stride = size_of::<T>().next_multiple_of(alignment);
+        let (buffer, group) = Self::room(device, layout, label, 16 * stride);
+        Self { label, bytes: Vec::new(), stride, buffer, group, kind: std::marker::PhantomData }
+    }
+
+    fn room(
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        label: &str,
+        bytes: usize,
+    ) -> (wgpu::Buffer, wgpu::BindGroup) {
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: &buffer,
+                    offset: 0,
+                    size: wgpu::BufferSize::new(size_of::<T>() as u64),
+                }),
+            }],
+        });
+        (buffer, group)
+    }
+
+    fn clear(&mut self) {
+        self.bytes.clear();
+    }
+
+    fn push(&mut self, value: &T) {
+        let start = self.bytes.len();
+        self.bytes.extend_from_slice(bytemuck::bytes_of(value));
+        self.bytes.resize(start + self.stride, 0);
+    }
+
+    fn offset(&self, index: usize) -> u32 {
+        (index * self.stride) as u32
+    }
+
+    fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, layout: &wgpu::BindGroupLayout) {
+        if self.buffer.size() < self.bytes.len() as u64 {
+            let bytes = self.bytes.len().next_power_of_two();
+            (self.buffer, self.group) = Self::room(device, layout, self.label, bytes);
+        }
+        queue.write_buffer(&self.buffer, 0, &self.bytes);
+    }
+}
+
+fn marker_buffer(device: &wgpu::Device, count: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("markers"),
+        size: count * MARKER_BYTES,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}

@@ -1,0 +1,147 @@
+//! Cells and figures as numbers for whoever draws them, and what must hold of them first.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3};
+
+use crate::style::linear;
+use crate::{Cell, Figure, Paint, ViewError};
+
+/// A cell, as `shader.wgsl` describes it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct CellUniform {
+    pub(crate) view: [[f32; 4]; 4],
+    pub(crate) projection: [[f32; 4]; 4],
+    pub(crate) lights: [[[f32; 4]; 2]; 3],
+    pub(crate) sky: [f32; 4],
+    pub(crate) ground: [f32; 4],
+    pub(crate) background_center: [f32; 4],
+    pub(crate) background_corner: [f32; 4],
+    pub(crate) viewport: [f32; 4],
+    pub(crate) output: [f32; 4],
+    pub(crate) shadow: [[f32; 4]; 4],
+    pub(crate) shadow_map: [f32; 4],
+    pub(crate) shadow_place: [f32; 4],
+}
+
+/// A figure, as `shader.wgsl` describes it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct FigureUniform {
+    pub(crate) model: [[f32; 4]; 4],
+    pub(crate) color: [f32; 4],
+    pub(crate) back: [f32; 4],
+    pub(crate) material: [f32; 4],
+    pub(crate) scale: [f32; 4],
+    pub(crate) wire: [f32; 4],
+    pub(crate) wire_width: [f32; 4],
+    pub(crate) brush: [f32; 4],
+}
+
+/// Heat maps and bare backgrounds have no shadows.
+pub(crate) fn casts_shadows(cell: &Cell<'_>) -> bool {
+    let shaded = |figure: &Figure<'_>| !matches!(figure.paint, Paint::Values(..));
+    cell.lights.shadow > 0.0 && cell.figures.iter().any(shaded)
+}
+
+/// The key light's parallel view of all that the camera can reach, and how its map is read.
+pub(crate) fn key_light_view(cell: &Cell<'_>, size: u32) -> ([[f32; 4]; 4], [f32; 4]) {
+    let camera = &cell.camera;
+    let [right, up, back] = camera.axes();
+    let d = Vec3::from(cell.lights.lights[0].direction).normalize_or(Vec3::Y);
+    let z = (right * d.x + up * d.y + back * d.z).normalize();
+    let x = z.any_orthonormal_vector();
+    let y = z.cross(x);
+    // Deformed shapes may leave the rest pose's reach a little.
+    let radius = camera.reach * 1.25;
+    let target = Vec3::from(camera.target);
+    let (x, y, z) = (x / radius, y / radius, -z / (2.0 * radius));
+    let row = |axis: Vec3, offset: f32| axis.extend(offset - axis.dot(target));
+    let matrix = Mat4::from_rows(row(x, 0.0), row(y, 0.0), row(z, 0.5), glam::Vec4::W);
+    let scene_per_texel = 2.0 * radius / size as f32;
+    (matrix.to_cols_array_2d(), [cell.lights.shadow, size as f32, scene_per_texel, 0.0])
+}
+
+/// Whether `cell` lies on a canvas of this size.
+pub(crate) fn check_cell(cell: &Cell<'_>, width: u32, height: u32) -> Result<(), ViewError> {
+    let r = cell.viewport;
+    let fits = |start: u32, length: u32, limit: u32| {
+        length > 0 && start.checked_add(length).is_some_and(|end| end <= limit)
+    };
+    if fits(r.x, r.width, width) && fits(r.y, r.height, height) {
+        return Ok(());
+    }
+    Err(ViewError::Shape(format!("a cell at {r:?} on a canvas of {width}×{height}")))
+}
+
+/// Whether all that a figure is made of belongs together.
+pub(crate) fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
+    let Figure { topology, buffers, item, .. } = figure;
+    if topology.vertices != buffers.vertices || *item >= buffers.items {
+        return Err(ViewError::Shape(format!(
+            "item {item} of {} with {} vertices, and triangles over {}",
+            buffers.items, buffers.vertices, topology.vertices
+        )));
+    }
+    if let Some(ring) = figure.brush.filter(|ring| ring.reach.vertices != buffers.vertices) {
+        let (found, wanted) = (ring.reach.vertices, buffers.vertices);
+        return Err(ViewError::Shape(format!("a brush on {found} vertices of {wanted}")));
+    }
+    match figure.paint {
+        Paint::Values(paint, _) | Paint::Colors(paint) if paint.vertices != buffers.vertices => {
+            Err(ViewError::Shape(format!("{} painted vertices of {}", paint.vertices, buffers.vertices)))
+        }
+        Paint::Skin(_) if !topology.has_uvs => Err(ViewError::Shape("a skin on a shape without UVs".into())),
+        _ => Ok(()),
+    }
+}
+
+pub(crate) fn cell_uniform(cell: &Cell<'_>, encode: bool) -> CellUniform {
+    let rgb = |[r, g, b]: [f32; 3], w| [r, g, b, w];
+    let srgb = |color: [u8; 3], w| rgb(color.map(|c| f32::from(c) / 255.0), w);
+    let r = cell.viewport;
+    let orthographic = cell.camera.projection == crate::Projection::Orthographic;
+    CellUniform {
+        view: cell.camera.view_matrix().to_cols_array_2d(),
+        projection: cell.camera.projection_matrix(r.aspect()).to_cols_array_2d(),
+        lights: cell.lights.lights.map(|light| {
+            let direction = Vec3::from(light.direction).normalize_or(Vec3::Y);
+            [rgb(direction.to_array(), 0.0), rgb(light.color, 0.0)]
+        }),
+        sky: rgb(cell.lights.sky, 0.0),
+        ground: rgb(cell.lights.ground, 0.0),
+        background_center: srgb(cell.background.center, cell.background.opacity),
+        background_corner: srgb(cell.background.corner, 0.0),
+        viewport: [r.x as f32, r.y as f32, r.width as f32, r.height as f32],
+        output: [f32::from(u8::from(encode)), cell.lights.exposure, f32::from(u8::from(orthographic)), 0.0],
+        shadow: [[0.0; 4]; 4],
+        shadow_map: [0.0; 4],
+        shadow_place: [0.0; 4],
+    }
+}
+
+pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
+    let rgb = |[r, g, b]: [f32; 3], w| [r, g, b, w];
+    let srgb = |color: [u8; 3], w| rgb(color.map(|c| f32::from(c) / 255.0), w);
+    let (kind, scale) = match figure.paint {
+        Paint::Material => (0.0, None),
+        Paint::Values(_, scale) => (1.0, Some(scale)),
+        Paint::Colors(_) => (2.0, None),
+        Paint::Skin(_) => (3.0, None),
+    };
+    let scale = scale
+        .map_or([0.0; 4], |scale| [scale.low, (scale.high - scale.low).recip(), scale.map.row() as f32, 0.0]);
+    let m = figure.material;
+    let first_vertex = (figure.item * figure.buffers.vertices) as f32;
+    FigureUniform {
+        model: Mat4::from_cols_array_2d(&figure.model).to_cols_array_2d(),
+        color: rgb(linear(m.color), figure.opacity),
+        // Back faces are a shade redder and darker: one sees where a surface is open.
+        back: [0.78, 0.62, 0.58, kind],
+        material: [m.roughness, m.metal, m.softness, m.iridescence],
+        scale,
+        wire: figure.wire.map_or([0.0; 4], |wire| srgb(wire.color, wire.opacity)),
+        wire_width: [figure.wire.map_or(0.0, |wire| wire.width_px), first_vertex, 0.0, 0.0],
+        brush: figure.brush.map_or([0.0; 4], |ring| srgb(ring.color, ring.radius)),
+    }
+}
