@@ -208,7 +208,9 @@ impl Setup {
         let offsets = if PER == 4 { &OF_FOUR } else { &OF_ONE };
         // Rows of a block, which lie apart in the target unless there is but one.
         let rows = LANES / PER / PIXELS;
-        let start = [low[0] << SUBPIXEL_BITS, low[1] << SUBPIXEL_BITS];
+        // Blocks lie on a grid, so that what one triangle writes the next one reads in one piece.
+        let left = low[0] - ((low[0] - target.origin[0]) & (PIXELS as i32 - 1));
+        let start = [left << SUBPIXEL_BITS, low[1] << SUBPIXEL_BITS];
         let [a, b, c] = self.corners;
         let edges = [(b, c), (c, a), (a, b)].map(|(from, to)| Edge::<T>::new(from, to, start));
         let mut values: [[T; LANES]; 3] = [[T::of(0); LANES]; 3];
@@ -234,41 +236,31 @@ impl Setup {
             plane.across * (PIXELS as i32 * SUBPIXELS) as f32,
             plane.down * (rows as i32 * SUBPIXELS) as f32,
         ];
-        let blocks = (high[0] - low[0]) as usize / PIXELS + 1;
-        let column = (low[0] - target.origin[0]) as usize;
+        let blocks = (high[0] - left) as usize / PIXELS + 1;
+        let column = (left - target.origin[0]) as usize;
         for y in (low[1]..=high[1]).step_by(rows) {
             let row = (y - target.origin[1]) as usize * target.stride + column;
             let (mut e, mut z) = (values, depths);
             for block in 0..blocks {
                 let at = (row + block * PIXELS) * PER;
-                let mut nobody = [NONE; LANES];
-                let all_seen = if SEEN { &mut target.seen[at..] } else { &mut nobody[..] };
-                let Some(seen) = all_seen.first_chunk_mut::<LANES>() else { break };
-                let mut depth = [f32::NEG_INFINITY; LANES];
-                let part = LANES / rows;
-                for part_row in 0..rows {
+                if SEEN {
+                    let Some(depth) = target.depth[at..].first_chunk_mut() else { break };
+                    let Some(seen) = target.seen[at..].first_chunk_mut() else { break };
+                    take::<T, SEEN>(&e, &z, plane, depth, seen, id);
+                } else {
+                    let mut depth = [f32::NEG_INFINITY; LANES];
                     // The last rows of a block may lie below the target.
-                    let from = at + part_row * PER * target.stride;
-                    if let Some(there) = target.depth.get(from..from + part) {
-                        depth[part_row * part..(part_row + 1) * part].copy_from_slice(there);
+                    let part = |row: usize| at + row * target.stride..at + row * target.stride + PIXELS;
+                    for (row, lanes) in depth.chunks_exact_mut(PIXELS).enumerate() {
+                        if let Some(there) = target.depth.get(part(row)) {
+                            lanes.copy_from_slice(there);
+                        }
                     }
-                }
-                for lane in 0..LANES {
-                    let inside = T::none_negative(e[0][lane], e[1][lane], e[2][lane]);
-                    // Within the triangle's own depths, however thin it is.
-                    let mut here = z[lane];
-                    here = if here < plane.low { plane.low } else { here };
-                    here = if here > plane.high { plane.high } else { here };
-                    let nearer = inside & (here < depth[lane]);
-                    depth[lane] = if nearer { here } else { depth[lane] };
-                    if SEEN {
-                        seen[lane] = if nearer { id } else { seen[lane] };
-                    }
-                }
-                for part_row in 0..rows {
-                    let from = at + part_row * PER * target.stride;
-                    if let Some(there) = target.depth.get_mut(from..from + part) {
-                        there.copy_from_slice(&depth[part_row * part..(part_row + 1) * part]);
+                    take::<T, SEEN>(&e, &z, plane, &mut depth, &mut [NONE; LANES], id);
+                    for (row, lanes) in depth.chunks_exact(PIXELS).enumerate() {
+                        if let Some(there) = target.depth.get_mut(part(row)) {
+                            there.copy_from_slice(lanes);
+                        }
                     }
                 }
                 for edge in 0..3 {
@@ -288,6 +280,30 @@ impl Setup {
             for lane in 0..LANES {
                 depths[lane] += depth_steps[1];
             }
+        }
+    }
+}
+
+/// Takes the samples that lie inside all edges and before what is there.
+#[inline(always)]
+fn take<T: Whole, const SEEN: bool>(
+    e: &[[T; LANES]; 3],
+    z: &[f32; LANES],
+    plane: &Plane,
+    depth: &mut [f32; LANES],
+    seen: &mut [u32; LANES],
+    id: u32,
+) {
+    for lane in 0..LANES {
+        let inside = T::none_negative(e[0][lane], e[1][lane], e[2][lane]);
+        // Within the triangle's own depths, however thin it is.
+        let mut here = z[lane];
+        here = if here < plane.low { plane.low } else { here };
+        here = if here > plane.high { plane.high } else { here };
+        let nearer = inside & (here < depth[lane]);
+        depth[lane] = if nearer { here } else { depth[lane] };
+        if SEEN {
+            seen[lane] = if nearer { id } else { seen[lane] };
         }
     }
 }

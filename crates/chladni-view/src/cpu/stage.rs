@@ -160,6 +160,9 @@ pub(super) struct StagedFigure {
     shadow_lens: Option<Lens>,
 }
 
+/// Cells of fewer pixels show much in each: there every triangle is shaded for itself.
+const SMALL: u32 = 10_000;
+
 /// Texels of a side that all maps together may take.
 const MAPS_SIDE: u32 = 8192;
 
@@ -230,7 +233,8 @@ impl StagedCell {
         let camera = &cell.camera;
         let pixel = 2.0 * camera.distance * (0.5 * camera.fov_y_rad).tan() / r.height as f32;
         let [.., [_, _, shift, _]] = self.uniform.projection;
-        self.one_surface = 4.0
+        let small = r.width.saturating_mul(r.height) < SMALL;
+        self.one_surface = if small { 0.0 } else { 4.0 }
             * pixel
             * match camera.projection {
                 Projection::Perspective => shift.abs() / (camera.distance * camera.distance),

@@ -9,8 +9,8 @@ use super::fill::{Bias, Farthest, Fill, FillOne, MARGIN, NONE, Target, Triangles
 use super::shadow::AskKey;
 use super::stage::{Coat, Stage, StagedCell, StagedFigure, Subject};
 
-/// Binary logarithms of a tile's width and height: its samples fit the second cache.
-pub(super) const TILE_BITS: [u32; 2] = [6, 5];
+/// Binary logarithms of a tile's width and height: its samples fit the first cache.
+pub(super) const TILE_BITS: [u32; 2] = [5, 5];
 
 const WIDTH: usize = 1 << TILE_BITS[0];
 const HEIGHT: usize = 1 << TILE_BITS[1];
@@ -285,6 +285,9 @@ impl Tile<'_, '_> {
                     high = if mine { max(high, *depth) } else { high };
                     count += usize::from(mine);
                     first = if mine && first == NONE { id } else { first };
+                }
+                if count == 0 {
+                    continue;
                 }
                 // One surface is shaded once, though its triangles are many; others each for itself.
                 if high - low <= self.cell.one_surface {
