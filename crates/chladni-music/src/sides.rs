@@ -30,7 +30,7 @@ pub enum SideSource {
 }
 
 /// Half the width of the step, as a share of the signal's root mean square.
-const STEP: f64 = 0.6;
+const STEP: f64 = 0.45;
 /// A signal that parts the viewer's halves agrees so well with their sides.
 const PARTED: f64 = 0.9;
 

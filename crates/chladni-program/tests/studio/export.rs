@@ -66,7 +66,8 @@ fn from_two_meshes_to_sliders_in_another_program() {
         }
         desk.answers.add(desk.path(name));
         person.click("Export…");
-        person.wait("the export", |_| desk.path(name).exists());
+        // The file is there a moment before the window lets go of it.
+        person.wait_to_see(&format!("Exported {}", desk.path(name).display()));
     }
     let header = std::fs::read(desk.path("out.png")).unwrap();
     assert_eq!(&header[16..24], &[0, 0, 2, 128, 0, 0, 1, 224], "640 × 480");
