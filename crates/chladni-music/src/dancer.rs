@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use chladni_harmonics::{Basis, Body};
+use chladni_mesh::Orientation;
 use chladni_synth::Residual;
 use rayon::prelude::*;
 
@@ -58,11 +59,11 @@ const STEEP_PROBES: usize = 36;
 const OCTAVES: usize = 16;
 
 impl Dancer {
-    /// Prepares `body`, whose harmonics have `classes` (K of them, see
-    /// [`Symmetry`](crate::Symmetry)).
+    /// Prepares `body`, whose harmonics have `classes` (K of them, see [`Symmetry`](crate::Symmetry)) and which
+    /// stands as `stands` says: its left half is the viewer's.
     ///
     /// Errors if the counts differ, or if there is no harmonic or no vertex.
-    pub fn new(body: &Body, classes: &[Class]) -> Result<Self, Error> {
+    pub fn new(body: &Body, classes: &[Class], stands: &Orientation) -> Result<Self, Error> {
         let basis = &*body.basis;
         let k = basis.harmonics();
         if classes.len() != k {
@@ -109,7 +110,7 @@ impl Dancer {
         let modal_reach = of_harmonics.iter().map(|of| of.0).collect();
         let steep = [steepest(&of_runs), steepest(&of_harmonics)].concat();
         let probes = Probes::new(body, &displacement, &normals, &steep);
-        let sides = Sides::of(body, classes);
+        let sides = Sides::of(body, classes, stands);
         let slowest = basis.eigenvalues.get(symmetry::first_waving(basis)).copied().unwrap_or(1.0);
         Ok(Self {
             eigenvalues: basis.eigenvalues.clone(),

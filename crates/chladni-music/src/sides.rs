@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use chladni_harmonics::Body;
+use chladni_mesh::Orientation;
 
 use crate::Class;
 
 /// χ_L and χ_R = 1 − χ_L: a smooth step across the plane in which the shape is its own mirror.
 ///
-/// "Left" is the viewer's left when the viewer looks along −z with +y up: the side of smaller x. A shape that
-/// is seen from the side, and so is its own mirror image in another plane or in none, is parted at x = 0.
+/// "Left" is the viewer's left, who stands before the shape as it stands: for y up and front z the side of smaller
+/// x. A shape that is seen from the side, and so is its own mirror image in another plane or in none, is parted
+/// across the viewer's right.
 #[derive(Clone, Debug)]
 pub struct Sides {
     /// χ_L, N values in [0, 1].
@@ -25,7 +27,7 @@ pub struct Sides {
 pub enum SideSource {
     /// The leading antisymmetric harmonic, k.
     Harmonic(usize),
-    /// The x coordinate, because no antisymmetric harmonic tells the viewer's halves apart.
+    /// How far to the viewer's right a vertex lies, because no antisymmetric harmonic tells the viewer's halves apart.
     Coordinate,
 }
 
@@ -35,17 +37,19 @@ const STEP: f64 = 0.45;
 const PARTED: f64 = 0.9;
 
 impl Sides {
-    pub(crate) fn of(body: &Body, classes: &[Class]) -> Self {
+    pub(crate) fn of(body: &Body, classes: &[Class], stands: &Orientation) -> Self {
+        let right = stands.right();
+        let across: Vec<f64> = body.positions.iter().map(|p| (0..3).map(|i| right[i] * p[i]).sum()).collect();
         let n = body.positions.len();
         // An antisymmetric harmonic parts the shape along its own plane; among those whose plane is the
         // viewer's, the slowest has the fewest nodal lines.
-        let parts = |k: &usize| parting(body, body.basis.harmonic(*k)).abs() > PARTED;
+        let parts = |k: &usize| parting(body, &across, body.basis.harmonic(*k)).abs() > PARTED;
         let leading = (1..classes.len().min(40)).filter(|&k| classes[k] == Class::Antisymmetric).find(parts);
         let (signal, source) = match leading {
             Some(k) => (body.basis.harmonic(k).to_vec(), SideSource::Harmonic(k)),
-            None => (body.positions.iter().map(|p| p[0]).collect(), SideSource::Coordinate),
+            None => (across.clone(), SideSource::Coordinate),
         };
-        let sign = if parting(body, &signal) > 0.0 { -1.0 } else { 1.0 };
+        let sign = if parting(body, &across, &signal) > 0.0 { -1.0 } else { 1.0 };
         let area: f64 = body.basis.mass.iter().sum();
         let mean_square = signal.iter().zip(&body.basis.mass).map(|(h, a)| a * h * h).sum::<f64>()
             / area.max(f64::MIN_POSITIVE);
@@ -62,11 +66,11 @@ impl Sides {
 
 /// How well the signal's sign parts the shape into the viewer's right half and left half: the correlation of
 /// the two, weighted by area and by the distance from the middle, in [−1, 1].
-fn parting(body: &Body, signal: &[f64]) -> f64 {
+fn parting(body: &Body, across: &[f64], signal: &[f64]) -> f64 {
     let (mut agree, mut total) = (0.0, 0.0);
-    for ((p, h), a) in body.positions.iter().zip(signal).zip(&body.basis.mass) {
-        agree += a * p[0] * h.signum();
-        total += a * p[0].abs();
+    for ((x, h), a) in across.iter().zip(signal).zip(&body.basis.mass) {
+        agree += a * x * h.signum();
+        total += a * x.abs();
     }
     agree / total.max(f64::MIN_POSITIVE)
 }

@@ -61,7 +61,8 @@ fn orthogonal(size: usize, rng: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
 fn played(body: &Body, form: Form, stereo_mu: f32) -> Vec<[f64; 3]> {
     let symmetry = Symmetry::of(body, &Task::new()).unwrap();
     let body = symmetry.rotated(body);
-    let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).unwrap());
+    let dancer =
+        Arc::new(Dancer::new(&body, &symmetry.classes, &chladni_mesh::Orientation::default()).unwrap());
     let wave = |step: f32| (0..BANDS).map(|b| 0.3 + 0.25 * (b as f32 * step).sin()).collect::<Vec<f32>>();
     let (left, right) = (wave(0.7), wave(1.9));
     let mean = |sign: f32| left.iter().zip(&right).map(move |(l, r)| 0.5 * (l + sign * r));

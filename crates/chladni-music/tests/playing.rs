@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use chladni_harmonics::{BasisSettings, Body};
-use chladni_mesh::samples;
+use chladni_mesh::{Orientation, samples};
 use chladni_music::{
     Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Player, Playing,
     Preset, Resonators, Show, Switch, Symmetry, Timbre,
@@ -26,7 +26,7 @@ fn ready(name: &str) -> Ready {
     let body = Body::build(&samples::sample(name).unwrap(), &BasisSettings::new(K), &Task::new()).unwrap();
     let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
     let body = symmetry.rotated(&body);
-    let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).unwrap());
+    let dancer = Arc::new(Dancer::new(&body, &symmetry.classes, &Orientation::default()).unwrap());
     Ready { body, dancer }
 }
 
@@ -290,7 +290,7 @@ fn a_preset_moves_a_shape_alike_with_half_and_twice_as_many_harmonics() {
         let body = Body::build(&mesh, &BasisSettings::new(K / 2), &Task::new()).unwrap();
         let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
         let body = symmetry.rotated(&body);
-        let dancer = Arc::new(Dancer::new(&body, &symmetry.classes).unwrap());
+        let dancer = Arc::new(Dancer::new(&body, &symmetry.classes, &Orientation::default()).unwrap());
         Ready { body, dancer }
     };
     let more = octopus();
@@ -368,6 +368,18 @@ fn what_was_kept_before_anything_resonated_does_not_resonate() {
     assert!(Preset::from_text(&text).unwrap().settings.switches[&Switch::Resonate]);
     let old = text.replace("resonate = true\n", "").replace("format_version = 3", "format_version = 2");
     assert!(!Preset::from_text(&old).unwrap().settings.switches[&Switch::Resonate]);
+}
+
+#[test]
+fn left_is_the_left_of_the_viewer_however_the_shape_stands() {
+    let Ready { body, dancer } = octopus();
+    let on_the_left = |dancer: &Dancer, v: usize| dancer.sides.left[v] > 0.9;
+    let turned = Orientation::new([0.0, 1.0, 0.0], [0.0, 0.0, -1.0]).unwrap();
+    let seen_from_behind = Dancer::new(body, &dancer.classes, &turned).unwrap();
+    for (v, x) in body.positions.iter().enumerate().filter(|(_, x)| x[0].abs() > 0.3) {
+        assert_eq!(on_the_left(dancer, v), x[0] < 0.0);
+        assert_eq!(on_the_left(&seen_from_behind, v), x[0] > 0.0);
+    }
 }
 
 #[test]

@@ -22,7 +22,7 @@ fn ready() -> &'static (Body, Arc<Dancer>) {
         let mesh = samples::sample("octopus").unwrap();
         let body = Body::build(&mesh, &BasisSettings::new(K), &Task::new()).unwrap();
         let classes = Symmetry::of(&body, &Task::new()).unwrap().classes;
-        let dancer = Arc::new(Dancer::new(&body, &classes).unwrap());
+        let dancer = Arc::new(Dancer::new(&body, &classes, &chladni_mesh::Orientation::default()).unwrap());
         (body, dancer)
     })
 }

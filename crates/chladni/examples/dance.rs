@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use chladni::harmonics::{BasisSettings, Body};
-use chladni::mesh::{TriMesh, samples, save_mesh};
+use chladni::mesh::{Orientation, TriMesh, samples, save_mesh};
 use chladni::music::{Bands, Beat, Dancer, Ensemble, GalleryShape, Instrument, Symmetry};
 use chladni::sound::{SongSpectrum, SpectrumSettings, sample_tune};
 use chladni::synth::displacements_f64;
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let task = Task::new();
     let body = Body::build(&mesh, &BasisSettings::new(128), &task)?;
     let classes = Symmetry::of(&body, &task)?.classes;
-    let mut ensemble = Ensemble::new(Arc::new(Dancer::new(&body, &classes)?));
+    let mut ensemble = Ensemble::new(Arc::new(Dancer::new(&body, &classes, &Orientation::default())?));
 
     let song = Arc::new(sample_tune());
     let mut ears = SongSpectrum::new(song.clone(), SpectrumSettings::new(song.rate_hz), 0.0)?;

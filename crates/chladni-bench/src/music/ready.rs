@@ -31,7 +31,8 @@ impl Ready {
     pub fn new(name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<Self, Error> {
         let (body, _) = body::build(name, mesh, HARMONICS, Laplacian::Delaunay, terminal)?;
         let symmetry = terminal.watch("finding the mirror", |task| classes(&body, false, task))?;
-        let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry)?;
+        let Dancing { body, dancer, .. } =
+            Dancing::new(&body, symmetry, &chladni_mesh::Orientation::default())?;
         Ok(Self { name: name.to_owned(), body, dancer })
     }
 

@@ -38,7 +38,7 @@ pub fn measure(bench: &BenchMusic, terminal: &Terminal) -> Result<Vec<Measured>,
     let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
     let (body, _) = body::build("bumpy sphere", &mesh, bench.harmonics, Laplacian::Delaunay, terminal)?;
     let symmetry = terminal.watch("finding the mirror", |task| classes(&body, false, task))?;
-    let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry)?;
+    let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry, &chladni_mesh::Orientation::default())?;
     let mut synthesizer = CpuSynthesizer::new(SynthModel::new(&body)?);
     let forms = [Form::Filter, Form::Modal, Form::HalfMask];
     forms.into_iter().map(|form| bench.time(form, &dancer, &mut synthesizer)).collect()

@@ -46,7 +46,8 @@ impl BenchTables {
         let (body, solved_secs) = self.solve(name, &mesh, harmonics, terminal)?;
         let start = Instant::now();
         let symmetry = terminal.watch("finding the mirror", |task| classes(&body, self.paper, task))?;
-        let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry)?;
+        let Dancing { body, dancer, .. } =
+            Dancing::new(&body, symmetry, &chladni_mesh::Orientation::default())?;
         let preprocess_secs = solved_secs + start.elapsed().as_secs_f64();
         let model = SynthModel::new(&body)?;
         let mut projector = Projector::new(stage, model, &body.triangles)?;

@@ -69,7 +69,7 @@ impl FromStr for Axis {
 }
 
 /// How a shape stands: what is up and what is front, in the axes of its file (and of the working
-/// frame, which are the same). Only pictures are turned by it: files are read and written as they
+/// frame, which are the same). Pictures are turned by it, and which half is the left one: files are read and written as they
 /// are.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use chladni_harmonics::Body;
+use chladni_mesh::Orientation;
 use chladni_music::{Dancer, Symmetry, SymmetrySettings};
 use chladni_task::Task;
 
@@ -27,13 +28,13 @@ pub struct Dancing {
 }
 
 impl Dancing {
-    /// `body` with the classes that were found.
+    /// `body`, which stands as `stands` says, with the classes that were found.
     ///
     /// # Errors
     /// [`Error::Music`].
-    pub fn new(body: &Body, symmetry: Symmetry) -> Result<Self, Error> {
+    pub fn new(body: &Body, symmetry: Symmetry, stands: &Orientation) -> Result<Self, Error> {
         let body = symmetry.rotated(body);
-        let dancer = Arc::new(Dancer::new(&body, &symmetry.classes)?);
+        let dancer = Arc::new(Dancer::new(&body, &symmetry.classes, stands)?);
         Ok(Self { body, symmetry, dancer })
     }
 }

@@ -58,7 +58,7 @@ pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
         Some(told) => told,
         None => Estimate::of_surface(&body.positions, &body.triangles, Known::default(), task)?.orientation,
     };
-    let dancing = Dancing::new(&body, symmetry?)?;
+    let dancing = Dancing::new(&body, symmetry?, &stands)?;
     Ok(Ready { dancing, stands, voices, details, warnings: aside.warnings() })
 }
 

@@ -11,7 +11,6 @@ mod songs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use chladni_mesh::Orientation;
 use chladni_music::{BeatReading, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
 use chladni_sound::{WavSample, write_wav};
 use chladni_synth::Backend;
@@ -138,18 +137,15 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     wanted.check()?;
     let output = wanted.output;
     let cast = Cast::open(Path::new(&wanted.body), watcher)?;
-    // Only pictures ask how it stands.
-    let stands = match output.film {
-        Some(_) => cast.stands(wanted.stance, watcher)?,
-        None => Orientation::Y_UP,
-    };
+    // Which half hears the left channel goes by it, whether pictures are made or not.
+    let stands = cast.stands(wanted.stance, watcher)?;
     let range = (wanted.start_secs, wanted.duration_secs);
     let mut songs = Songs::open(&wanted.songs, wanted.heard, wanted.show_secs, range, watcher)?;
     let mut seconds = Seconds { reading: began.elapsed().as_secs_f64(), ..Seconds::default() };
     let preparing = Instant::now();
     let (body, voices) = cast.prepare(wanted.harmonics, laplacian(wanted.paper), false, watcher)?;
     let symmetry = watcher.watch("finding the mirror", |task| classes(&body, wanted.paper, task))?;
-    let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry)?;
+    let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry, &stands)?;
     seconds.preparing = preparing.elapsed().as_secs_f64();
     let listening = Instant::now();
     songs.track_beats(watcher)?;
