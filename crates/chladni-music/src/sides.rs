@@ -8,15 +8,16 @@ use crate::Class;
 
 /// χ_L and χ_R = 1 − χ_L: a smooth step across the plane in which the shape is its own mirror.
 ///
-/// "Left" is the viewer's left when the viewer looks along −z with +y up: the side of smaller x. A shape that
-/// is seen from the side, and so is its own mirror image in another plane or in none, is parted at x = 0.
+/// "Left" is the viewer's left when looking along −z with +y up: the side of smaller x. A shape without a
+/// mirror plane between the viewer's left and right, such as an animal seen from the side, is divided at x =
+/// 0.
 #[derive(Clone, Debug)]
 pub struct Sides {
     /// χ_L, N values in [0, 1].
     pub left: Arc<[f32]>,
     /// χ_R, N values in [0, 1]; χ_L + χ_R = 1.
     pub right: Arc<[f32]>,
-    /// What the step was taken of.
+    /// The signal that the step was made from.
     pub source: SideSource,
 }
 
@@ -31,14 +32,14 @@ pub enum SideSource {
 
 /// Half the width of the step, as a share of the signal's root mean square.
 const STEP: f64 = 0.6;
-/// A signal that parts the viewer's halves agrees so well with their sides.
+/// The least correlation with the viewer's sides of a signal that separates them.
 const PARTED: f64 = 0.9;
 
 impl Sides {
     pub(crate) fn of(body: &Body, classes: &[Class]) -> Self {
         let n = body.positions.len();
-        // An antisymmetric harmonic parts the shape along its own plane; among those whose plane is the
-        // viewer's, the slowest has the fewest nodal lines.
+        // An antisymmetric harmonic divides the shape along its mirror plane; of those that separate the
+        // viewer's left and right, the slowest has the fewest nodal lines.
         let parts = |k: &usize| parting(body, body.basis.harmonic(*k)).abs() > PARTED;
         let leading = (1..classes.len().min(40)).filter(|&k| classes[k] == Class::Antisymmetric).find(parts);
         let (signal, source) = match leading {
@@ -60,8 +61,8 @@ impl Sides {
     }
 }
 
-/// How well the signal's sign parts the shape into the viewer's right half and left half: the correlation of
-/// the two, weighted by area and by the distance from the middle, in [−1, 1].
+/// How well the signal's sign separates the viewer's right half from the left: the correlation with the sign
+/// of x, weighted by area and |x|, in [−1, 1].
 fn parting(body: &Body, signal: &[f64]) -> f64 {
     let (mut agree, mut total) = (0.0, 0.0);
     for ((p, h), a) in body.positions.iter().zip(signal).zip(&body.basis.mass) {
