@@ -5,7 +5,8 @@ use crate::Laplacian;
 /// What was checked about a [`Basis`] after it was solved.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Certificate {
-    /// The operator that the pairs belong to; of a [`Pencil`](crate::Pencil), of which none is known, the default.
+    /// The operator that the pairs belong to; the default for a [`Pencil`](crate::Pencil), whose operator is
+    /// unknown.
     #[serde(default)]
     pub laplacian: Laplacian,
     /// The number of eigenvalues below every slice boundary, by Sylvester's law of inertia,
@@ -18,12 +19,12 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// The largest relative residual of a sound mesh.
+    /// The largest relative residual to expect on a sound mesh.
     pub const RESIDUAL: f64 = 1e-9;
-    /// The largest orthogonality error of a sound mesh.
+    /// The largest orthogonality error to expect on a sound mesh.
     pub const ORTHOGONALITY: f64 = 1e-8;
 
-    /// What can be said of both sets of pairs together, where they overlap nowhere.
+    /// The certificate of two sets of pairs together, whose supports do not overlap.
     pub(crate) fn and(&self, other: &Self) -> Self {
         let larger = |a: f64, b: f64| if b.is_nan() { b } else { a.max(b) };
         Self {
@@ -34,14 +35,14 @@ impl Certificate {
         }
     }
 
-    /// Whether the pairs are as exact as those of a sound mesh. On meshes whose triangles differ
-    /// in size by many orders of magnitude, rounding alone can forbid it.
+    /// Whether the pairs are as exact as those of a sound mesh. On meshes whose triangles differ in size by
+    /// many orders of magnitude, rounding alone can prevent it.
     #[must_use]
     pub fn is_precise(&self) -> bool {
         self.warning().is_none()
     }
 
-    /// What of [`Self::is_precise`] fails, in words; `None` where nothing does.
+    /// Which condition of [`Self::is_precise`] fails, in words; `None` if none does.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let exceeds = |error: f64, limit: f64| error.is_nan() || error > limit;
@@ -94,15 +95,15 @@ impl Basis {
         self.eigenvalues.len()
     }
 
-    /// How many harmonics k < `cutoff` are where the constants of all pieces of the shape count as
-    /// one: a low-pass without some of the constants would tear the pieces apart. At most K.
+    /// The number of harmonics below `cutoff`, where the constants of all pieces of the shape count as one: a
+    /// low-pass without some of the constants would tear the pieces apart. At most K.
     pub fn harmonics_below(&self, cutoff: usize) -> usize {
         let constants = self.eigenvalues.iter().take_while(|l| **l <= 0.0).count();
         let further = if cutoff > 0 { constants.saturating_sub(1) } else { 0 };
         cutoff.saturating_add(further).min(self.harmonics())
     }
 
-    /// Keeps the first K harmonics; fewer than there are.
+    /// Keeps the first `harmonics` harmonics, at most as many as there are.
     pub(crate) fn truncate(&mut self, harmonics: usize) {
         self.eigenvalues.truncate(harmonics);
         self.vectors.truncate(harmonics * self.mass.len());

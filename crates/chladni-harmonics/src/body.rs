@@ -89,7 +89,7 @@ mod tests {
         ball.positions.iter_mut().for_each(|p| *p = [25.0 * p[0] + 3.0, 25.0 * p[1], 25.0 * p[2] - 7.0]);
         let body = Body::build(&ball, &BasisSettings::new(9), &Task::new()).unwrap();
         let basis = body.basis_in_file();
-        // l (l + 1) / R², but for the mesh's coarseness.
+        // l (l + 1) / R², up to the mesh's coarseness.
         for (k, l) in [(1, 1.0), (3, 1.0), (4, 2.0), (8, 2.0_f64)] {
             let exact = l * (l + 1.0) / 625.0;
             assert!((basis.eigenvalues[k] / exact - 1.0).abs() < 0.01, "{k}: {}", basis.eigenvalues[k]);

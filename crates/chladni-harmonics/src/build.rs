@@ -21,10 +21,10 @@ impl Body {
         Self::load_or_build(mesh, settings, None, task).map(|(body, _)| body)
     }
 
-    /// Like [`build`](Self::build), but reads the basis from `cache` where a sound entry for
-    /// this very surface and K is there, and writes it there otherwise.
+    /// Like [`build`](Self::build), but reads the basis from `cache` if it holds a sound entry for this
+    /// surface and K, and writes it there otherwise.
     ///
-    /// A damaged entry is solved again and replaced; a cache that cannot be written is told in
+    /// A damaged entry is solved again and replaced; a cache that cannot be written is reported in
     /// [`BuildReport::cache_warning`], K > N in [`BuildReport::warnings`].
     ///
     /// # Errors
@@ -38,8 +38,9 @@ impl Body {
         built(mesh, None, settings, cache, task)
     }
 
-    /// Like [`load_or_build`](Self::load_or_build), of an `operator` of `mesh` that is there already:
-    /// whoever wants both S and H has S built once. Its Laplacian counts, not that of `settings`.
+    /// Like [`load_or_build`](Self::load_or_build), with an `operator` of `mesh` that was built before, so
+    /// that S is built only once if both S and H are needed. The operator's Laplacian is used, not that of
+    /// `settings`.
     ///
     /// # Errors
     /// As [`build`](Self::build).
@@ -58,12 +59,12 @@ impl Body {
 impl Pencil<'_> {
     /// The first K pairs, certified: λ ascending and H with HᵀMH = I, in the units of S and M.
     ///
-    /// S must be positive semidefinite; its null space may have any dimension, and those of its eigenvalues that
-    /// are 0 but for rounding come out as exactly 0. Signs are such that a harmonic is positive where it is
-    /// largest; which vectors stand for a multiple eigenvalue is left to rounding. The certificate is that of
-    /// S + tM, t being about the mean distance of the first K eigenvalues.
+    /// S must be positive semidefinite; its null space may have any dimension, and eigenvalues that are 0 to
+    /// within rounding are returned as exactly 0. A harmonic is positive where its magnitude is largest; the
+    /// basis of a multiple eigenvalue's space is left to rounding. The certificate is that of S + tM, with t
+    /// about the mean distance of the first K eigenvalues.
     ///
-    /// `settings.laplacian` plays no part. K is at most N, and the report says so where more were asked for.
+    /// `settings.laplacian` is ignored. K is at most N; the report says if more were asked for.
     ///
     /// # Errors
     /// K = 0, S with negative eigenvalues, a solve that cannot be certified, or [`HarmonicsError::Cancelled`].
@@ -151,7 +152,7 @@ fn solved(
     })?
 }
 
-/// Runs `work` on so many threads; on those of the pool it is called in, or all of the machine's.
+/// Runs `work` on `threads` threads; `None` is the pool it is called in, or all of the machine's.
 pub(crate) fn on_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
@@ -159,7 +160,7 @@ pub(crate) fn on_threads<T: Send>(
     if threads.is_none() && rayon::current_thread_index().is_some() {
         return Ok(work());
     }
-    // Not the pool that all share: whoever draws frames on it must not wait for a solve.
+    // Not on the shared pool: drawing, which uses it, must not wait for a solve.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     Ok(pool.map_err(|e| HarmonicsError::Threads(e.to_string()))?.install(work))
 }

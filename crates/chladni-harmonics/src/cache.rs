@@ -1,4 +1,4 @@
-//! Bases kept on the disk, so that a shape is solved once.
+//! Bases kept on disk, so that a shape is solved only once.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -9,7 +9,7 @@ use chladni_task::write_atomic_with;
 use crate::operator::Domain;
 use crate::{Basis, BasisSettings, Certificate, Laplacian};
 
-/// Raised whenever the same mesh and settings would give another basis.
+/// Raised whenever the same mesh and settings would give a different basis.
 const VERSION: u32 = 3;
 const MAGIC: &[u8; 16] = b"chladni basis  1";
 
@@ -139,7 +139,7 @@ fn read_entry(
         return Err("its head does not fit".into());
     }
     let (n, k) = (n as usize, k as usize);
-    // The file has this length, so the buffers are no larger than it.
+    // The file's length has been checked, so the buffers are no larger than the file.
     let (mut eigenvalues, mut mass, mut vectors) = (vec![0.0; k], vec![0.0; n], vec![0.0; n * k]);
     for part in [&mut eigenvalues, &mut mass, &mut vectors] {
         read_part(file, bytemuck::cast_slice_mut(part), &mut hash)?;

@@ -1,9 +1,9 @@
-//! Which of equally good harmonics are handed out: a choice by geometry, so that rounding, and with
-//! it the processor and the number of threads, has no say.
+//! Which of several equally good harmonics are returned: a choice by geometry, so that rounding, and with it
+//! the processor and the number of threads, does not matter.
 //!
-//! An eigenvector may be turned round, and those of one eigenvalue may be rotated among each other.
-//! The rotation is the one that diagonalises a fixed function of position; the sign is positive at
-//! the outermost of a harmonic's peaks along a fixed direction.
+//! The sign of an eigenvector is arbitrary, and those of one eigenvalue may be rotated among each other. The
+//! rotation is the one that diagonalises a fixed function of position; the sign is positive at the outermost
+//! of a harmonic's peaks along a fixed direction.
 
 use faer::{Mat, MatRef, Par};
 use rayon::prelude::*;
@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, SymmetricSparse};
 
-/// Eigenvalues that agree to this share are told apart by rounding alone; rotating their vectors
-/// adds at most as much to the relative residual.
+/// Eigenvalues that agree to this relative tolerance cannot be told apart; rotating their vectors adds at
+/// most as much to the relative residual.
 const EQUAL: f64 = 3e-10;
 /// What counts as a peak: a share of the largest magnitude.
 const PEAK: f64 = 0.9;
@@ -49,8 +49,8 @@ pub(crate) fn choose(basis: &mut Basis, positions: &[[f64; 3]], stiffness: &Symm
     });
 }
 
-/// Makes every sign such that a harmonic is positive where its magnitude is largest: all that can be done where
-/// there is no geometry to go by.
+/// Chooses every sign so that a harmonic is positive where its magnitude is largest: all that can be done
+/// without geometry.
 pub(crate) fn orient(basis: &mut Basis) {
     let n = basis.vertices().max(1);
     basis.vectors.par_chunks_exact_mut(n).for_each(|h| {
@@ -76,7 +76,7 @@ pub fn mix(columns: &[f64], mass: &[f64], positions: &[[f64; 3]]) -> Option<Mat<
     symmetric_eigen(&symmetric, Par::Seq).map(|(_, mix)| mix)
 }
 
-/// Whether the sign rule turns a harmonic round.
+/// Whether the sign rule flips a harmonic.
 pub fn is_turned(h: &[f64], positions: &[[f64; 3]]) -> bool {
     points_inward(h, &positions.iter().map(height).collect::<Vec<f64>>())
 }
@@ -86,7 +86,7 @@ fn height(p: &[f64; 3]) -> f64 {
     (0..3).map(|i| OUTWARD[i] * p[i]).sum()
 }
 
-/// The outermost of the vertices near a harmonic's largest magnitude has a negative value.
+/// Whether the value is negative at the outermost of the vertices near a harmonic's largest magnitude.
 fn points_inward(h: &[f64], heights: &[f64]) -> bool {
     let threshold = PEAK * h.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let mut outermost = (f64::NEG_INFINITY, 0.0);
@@ -110,8 +110,7 @@ fn landscape(p: [f64; 3]) -> f64 {
     squares + 1e-3 * waves
 }
 
-/// Runs of at least two eigenvalues that agree, those of λ = 0 left out: each component keeps its
-/// own constant.
+/// Runs of at least two equal eigenvalues, except λ = 0: each component keeps its own constant.
 fn clusters(eigenvalues: &[f64]) -> Vec<std::ops::Range<usize>> {
     let zeros = eigenvalues.iter().take_while(|value| **value <= 0.0).count();
     let mut clusters = Vec::new();

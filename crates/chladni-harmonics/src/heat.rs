@@ -6,7 +6,7 @@ use crate::laplacian::delaunay_laplacian;
 use crate::ldlt::{Factor, Symbolic, Workspace, nested_dissection};
 use crate::{Body, HarmonicsError, SymmetricSparse};
 
-/// The Laplacian of a body in an order of elimination: what steps of every length share.
+/// The Laplacian of a body in elimination order: what steps of every length share.
 pub struct HeatFlow {
     symbolic: Symbolic,
     /// S, in that order.
@@ -15,8 +15,8 @@ pub struct HeatFlow {
     mass: Vec<f64>,
 }
 
-/// A mass that every vertex has besides its own, as a share of its diagonal: where a step is so long,
-/// or a piece so small, that the own one is lost in rounding, the piece is still levelled.
+/// An extra mass of every vertex, as a share of its diagonal: it keeps the matrix definite where a step is so
+/// long, or a piece so small, that the vertex's own mass is lost in rounding.
 const LEAST_MASS: f64 = 4e-15;
 
 /// One implicit Euler step of length t: u = (M + tS)⁻¹ M f, factored once for any number of f.
@@ -29,8 +29,8 @@ pub struct HeatStep {
     factor: Factor,
     /// 1 / √(a + tS_vv), in the order of elimination: the matrix is factored with a unit diagonal.
     scale: Vec<f64>,
-    /// 1 / what the step makes of 1, by operator vertex. It is 1 but for rounding, which is no more
-    /// negligible on a speck that is a billionth of the shape: all its weights are off by one factor.
+    /// The inverse of the step applied to 1, by operator vertex. It is 1 up to rounding, which is not
+    /// negligible on a piece a billionth of the shape's size: there all weights are off by one common factor.
     inverse_ones: Vec<f64>,
 }
 
@@ -47,8 +47,8 @@ impl std::fmt::Debug for HeatStep {
 }
 
 impl HeatFlow {
-    /// Builds the Laplacian of `body` again and finds its order of elimination: some ten times the
-    /// work of a step's factorisation, and the same for steps of every length.
+    /// Builds the Laplacian of `body` again and finds its elimination order: about ten times the work of a
+    /// step's factorization, done once for steps of every length.
     ///
     /// # Errors
     /// [`HarmonicsError::NoTriangle`] where no triangle has three different corners.
@@ -92,8 +92,8 @@ impl HeatFlow {
         Ok(step)
     }
 
-    /// D (M + tS) D with a unit diagonal, and D. Pivots are then judged against what is around
-    /// them, however different the triangles' sizes.
+    /// D (M + tS) D with a unit diagonal, and D. Pivots are then relative to their surroundings, however
+    /// different the triangles' sizes.
     fn scaled(&self, time: f64) -> (SymmetricSparse, Vec<f64>) {
         let stiffness = &self.stiffness;
         let diagonal = |j: usize| stiffness.column(j).find(|(i, _)| *i == j).map_or(0.0, |(_, v)| v);

@@ -22,8 +22,8 @@
 //! # Ok::<(), chladni_harmonics::HarmonicsError>(())
 //! ```
 //!
-//! Signs, and the choice among the harmonics of equal eigenvalues, go by the geometry (see
-//! [`canonical`]): the same mesh gives the same harmonics on every machine, but for rounding.
+//! Signs, and the choice among the harmonics of equal eigenvalues, are fixed by the geometry (see
+//! [`canonical`]): the same mesh gives the same harmonics on every machine, up to rounding.
 //!
 //! Not guaranteed: eigenvalues that differ by little more than rounding (a share of 10⁻⁹) mix
 //! a little differently on different processors.

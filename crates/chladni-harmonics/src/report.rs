@@ -1,4 +1,4 @@
-//! What is told about a basis besides its numbers.
+//! What is reported about a basis besides its numbers.
 
 use crate::Certificate;
 
@@ -7,7 +7,7 @@ use crate::Certificate;
 pub struct BuildReport {
     /// K as it was asked for.
     pub asked: usize,
-    /// N, the number of operator vertices, and of all harmonics.
+    /// N, the number of operator vertices, which is also the number of all harmonics.
     pub vertices: usize,
     /// Whether it was read from the cache.
     pub cached: bool,
@@ -25,7 +25,7 @@ pub struct BuildReport {
 }
 
 impl BuildReport {
-    /// What whoever uses the basis should be told; `certificate` is the basis's.
+    /// What users of the basis should know; `certificate` is the basis's.
     pub fn warnings(&self, certificate: &Certificate) -> Vec<BasisWarning> {
         let Self { asked, vertices, .. } = *self;
         let fewer = (asked > vertices).then_some(BasisWarning::FewerHarmonics { asked, vertices });
@@ -34,7 +34,7 @@ impl BuildReport {
     }
 }
 
-/// What is not as it was asked for, though there is a basis.
+/// A basis was made, but not quite as asked for.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BasisWarning {
     /// K was more than there are.
@@ -64,9 +64,8 @@ pub struct BuildSeconds {
     pub total: f64,
 }
 
-/// Where the time of a solve went. `analyze`, `plan` and `assemble` are wall-clock seconds, of a
-/// shape of several components summed over them and what joins them; the others are seconds of
-/// one thread summed over all threads.
+/// Where the time of a solve went. `analyze`, `plan` and `assemble` are wall-clock seconds, summed over the
+/// components of a shape and their joining; the others are seconds of one thread, summed over all threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct SolveProfile {
     /// Elimination order and symbolic analysis (wall clock).

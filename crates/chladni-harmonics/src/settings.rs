@@ -1,4 +1,4 @@
-//! What is asked of a basis.
+//! The settings of a basis.
 
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +28,7 @@ impl std::fmt::Display for Laplacian {
 /// How a basis is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BasisSettings {
-    /// K ≥ 1; of a shape of fewer operator vertices, one for each of them.
+    /// K ≥ 1; a shape with fewer operator vertices gets one harmonic per vertex.
     pub harmonics: usize,
     /// The operator whose harmonics they are.
     pub laplacian: Laplacian,
@@ -39,7 +39,7 @@ pub struct BasisSettings {
     pub whole_clusters: bool,
 }
 
-/// 256 harmonics, enough to tell a face by.
+/// 256 harmonics, enough to recognize a face.
 impl Default for BasisSettings {
     fn default() -> Self {
         Self::new(256)

@@ -26,7 +26,7 @@ pub(crate) trait Lanes: Copy {
     /// c − a · b, rounded once.
     fn mul_sub_from(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
 
-    /// Begins to bring what will be read soon into the first cache.
+    /// Prefetches data that will be read soon into the first-level cache.
     #[inline(always)]
     fn prefetch(self, _x: &[f64; 8]) {}
 

@@ -1,7 +1,7 @@
 //! The harmonic transform, of several channels in one pass over H.
 //!
-//! H is the only large operand (N×K·8 bytes); both directions are bound by reading it, so
-//! channels that are needed together travel together.
+//! H is the only large operand (N×K·8 bytes), and reading it is the bottleneck in both directions, so
+//! channels that are needed together are processed together.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::Basis;
 
 /// Vertices per block: C ≤ 4 channels of a block and a stretch of one harmonic fit in L1.
 const BLOCK: usize = 512;
-/// Blocks that are summed together; what is added in which order must not depend on threads.
+/// Blocks that are summed together; the order of summation must not depend on the threads.
 const PIECE: usize = 6;
 
 impl Basis {

@@ -8,7 +8,7 @@ use crate::Mapping;
 /// Mean length of a run, as a share of the vector that is bred.
 const MEAN_RUN: f64 = 0.1;
 
-/// A mapping whose strongest answer is weaker than this stands still.
+/// A mapping whose largest driven |a| is below this counts as not moving.
 const SILENT: f32 = 0.02;
 
 /// A child of two mappings. Transfer and amplification are each mixed with probability ½ and
@@ -16,9 +16,9 @@ const SILENT: f32 = 0.02;
 /// child's gain). Shorter vectors are resampled
 /// to the longer parent's length, so that every value of the child lies between its parents'.
 ///
-/// A child that no sound would move, because its transfer leads where its amplification does not
-/// answer, has the mean of both amplifications; if that does not help, its mother's transfer, too; if the
-/// parents' amplifications cancel, its mother's.
+/// A child that no sound would move, because its transfer leads only to harmonics that it does not amplify,
+/// gets the mean of both amplifications; if that does not help, its mother's transfer as well; if the
+/// parents' amplifications cancel, its mother's amplification.
 pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mapping {
     let bands = mother.transfer.len().max(father.transfer.len());
     let harmonics = mother.amplification.len().max(father.amplification.len());
@@ -34,7 +34,7 @@ pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mappin
         if child.loudness() < SILENT {
             child.transfer = mother.transfer_on(bands);
         }
-        // What one parent amplifies and the other damps is silent in their mean.
+        // The mean is silent where one parent amplifies what the other damps.
         if child.loudness() < SILENT {
             child.amplification = mother.amplification_on(harmonics);
         }

@@ -107,7 +107,7 @@ pub enum Target {
 }
 
 impl Target {
-    /// The targets that are pressed rather than turned, without the switches.
+    /// The targets that are pressed rather than turned, except the switches.
     pub const BUTTONS: [Self; 6] = [
         Self::Breed,
         Self::NextFavourite,
@@ -117,7 +117,7 @@ impl Target {
         Self::PlayPause,
     ];
 
-    /// What has a few choices, and how many harmonics are in use.
+    /// Targets with a few choices, and the number of harmonics in use.
     pub const CHOICES: [Self; 3] = [Self::Form, Self::Choir, Self::Harmonics];
 }
 
@@ -157,7 +157,7 @@ pub struct Bindings {
 }
 
 impl Bindings {
-    /// Bindings as a file holds them; a control that comes twice keeps its last target.
+    /// Bindings as read from a file; of a control that is listed twice, the last target counts.
     pub fn new(list: Vec<Binding>) -> Self {
         let mut bindings = Self::default();
         for binding in list {
@@ -189,7 +189,8 @@ impl Bindings {
         }
     }
 
-    /// What a touch does: it is bound where a target waits for one, and turns what it is bound to.
+    /// What a touch does: if a target is waiting for a control, the control is bound to it; otherwise it
+    /// turns its target.
     pub fn touch(&mut self, touch: &Touch, parameters: &Parameters) -> Option<Cue> {
         let value = if touch.value.is_finite() { touch.value.clamp(0.0, 1.0) } else { return None };
         if value > 0.0
@@ -198,14 +199,14 @@ impl Bindings {
             self.bind(Binding { control: touch.control.clone(), target });
         }
         let target = self.list.iter().find(|binding| binding.control == touch.control)?.target;
-        // Only of controls that turn something: what else comes in must not fill the memory of those.
+        // Remembered only for bound controls, so that other messages cannot fill the memory.
         let pressed = self.press(&touch.control, value);
         match target {
             Target::Parameter(parameter) => {
                 Some(Cue::Do(Action::Set { parameter, value: parameter.at_share(value) }))
             }
             Target::Harmonics => {
-                // From 2 on: 0 would be all of them.
+                // At least 2: 0 would mean all of them.
                 let harmonics = (MOST_HARMONICS * value).round().max(2.0) as u32;
                 Some(Cue::Do(Action::SetHarmonics { harmonics }))
             }
@@ -222,7 +223,7 @@ impl Bindings {
         }
     }
 
-    /// Whether the control goes down now: past its middle, from below it.
+    /// Whether this value presses the control: it passes the threshold from below.
     fn press(&mut self, control: &Control, value: f32) -> bool {
         let held = self.pressed.iter().position(|known| known == control);
         // A soft hit of a pad counts; a fader has to pass its middle.
@@ -253,12 +254,12 @@ const FORMS: [(&str, Form); 3] =
     [("filter", Form::Filter), ("modal", Form::Modal), ("half-mask", Form::HalfMask)];
 const CHOIRS: [(&str, Choir); 3] =
     [("all", Choir::All), ("symmetric", Choir::Symmetric), ("antisymmetric", Choir::Antisymmetric)];
-/// The most harmonics that a fader counts.
+/// Harmonics at the top of a fader.
 const MOST_HARMONICS: f32 = 512.0;
 
-/// What turns a knob, a switch or a choice by its name, alike for OSC, scripts and the command line: knobs
-/// take their own units, switches `on`, `off` or a number, `form` and `choir` a name or a number from 0 on,
-/// `harmonics` how many are in use (0 is all).
+/// The action that sets a knob, a switch or a choice by name, the same for OSC, scripts and the command line:
+/// knobs take their own units, switches `on`, `off` or a number, `form` and `choir` a name or a number from
+/// 0, `harmonics` how many are in use (0 is all).
 pub fn setting(name: &str, value: &str) -> Option<Action> {
     let number = || value.parse::<f32>().ok().filter(|value| value.is_finite());
     if let Some(parameter) = Parameter::ALL.into_iter().find(|p| p.name() == name) {

@@ -1,4 +1,4 @@
-//! A body made ready to dance: what every frame needs to know of it.
+//! A body prepared for dancing: the data that every frame needs.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::swing::Swing;
 use crate::unison::unisons;
 use crate::{Class, Error, Form, SymmetrySettings, Timbre, symmetry};
 
-/// What the mappings of all items share of one body. Working frame.
+/// What the mappings of all items share: the data of one body, in the working frame.
 #[derive(Clone, Debug)]
 pub struct Dancer {
     /// λ_k, K values.
@@ -31,7 +31,7 @@ pub struct Dancer {
     pub box_diagonal: f32,
     pub(crate) probes: Probes,
     pub(crate) swing: Swing,
-    /// For each harmonic those that it sounds together with.
+    /// For each harmonic, the range of those that sound in unison with it.
     unisons: Vec<Range<u32>>,
     /// What one unit of each harmonic does in the filter form, with its unison: Σ H_k x̃_k.
     filter_reach: Vec<Reach>,
@@ -51,11 +51,11 @@ pub(crate) struct Reach {
     pub steepness: f32,
 }
 
-/// Triangles on which the steepness of each harmonic is taken.
+/// Triangles on which the steepness of each harmonic is measured.
 const PATCHES: usize = 4096;
 /// Harmonics whose steepest triangle is probed.
 const STEEP_PROBES: usize = 36;
-/// Octaves of frequency that are told apart.
+/// Octaves of frequency that are calibrated and limited separately; higher ones count as the last.
 const OCTAVES: usize = 16;
 
 impl Dancer {
@@ -134,14 +134,14 @@ impl Dancer {
         self.eigenvalues.len()
     }
 
-    /// What has to fit into the picture: the rest positions, each moved away from the origin as
-    /// far as a `limit` of displacement (a share of the bounding box's diagonal) allows.
+    /// Positions that the picture must have room for: the rest positions, each moved away from the origin by
+    /// the largest displacement, `limit` (a share of the bounding box's diagonal).
     pub fn room(&self, rest_positions: &[[f32; 3]], limit: f32) -> Vec<[f32; 3]> {
         let outwards = limit * self.box_diagonal;
         rest_positions.iter().map(|&p| p.map(|c| c * (1.0 + outwards / length(p).max(1e-6)))).collect()
     }
 
-    /// What one unit of harmonic k, and of what it sounds together with, does.
+    /// How far and how steeply one unit of harmonic k and its unison moves the shape.
     pub(crate) fn reach(&self, form: Form, k: u32) -> Reach {
         match form {
             Form::Filter | Form::HalfMask => self.filter_reach[k as usize],
@@ -161,19 +161,19 @@ impl Dancer {
         self.octaves[k as usize].into()
     }
 
-    /// What harmonic k rings with, in tones of the bank.
+    /// The tone of the resonator bank with which harmonic k rings.
     pub(crate) fn tone(&self, timbre: &Timbre, k: u32) -> u8 {
         timbre.tone(self.eigenvalues[k as usize], self.slowest)
     }
 
-    /// Harmonic k and those of the same eigenvalue and class: which of them is which is a matter of
-    /// choice, so that the filter form lets them sound as one.
+    /// Harmonic k and those of the same eigenvalue and class. Their basis is arbitrary, so the filter form
+    /// lets them sound as one.
     pub(crate) fn unison(&self, k: u32) -> Range<u32> {
         self.unisons[k as usize].clone()
     }
 }
 
-/// What Σ H_k x̃_k over a run of harmonics does, and where it is steepest.
+/// The reach of Σ H_k x̃_k over a run of harmonics, and where it is steepest.
 fn in_unison(
     basis: &Basis,
     spectrum: &[[f64; 3]],
@@ -192,7 +192,7 @@ fn in_unison(
     (Reach { displacement, steepness }, steepest)
 }
 
-/// The steepest places of some that lie evenly in the logarithm of their number.
+/// The steepest patches of harmonics that are spaced evenly in the logarithm of their number.
 fn steepest(of: &[(Reach, Option<Patch>)]) -> Vec<Patch> {
     let ratio = (of.len() as f64).powf(1.0 / STEEP_PROBES as f64);
     let number = |i: usize| (ratio.powi(i as i32 + 1).round() as usize).min(of.len()) - 1;

@@ -16,7 +16,7 @@ use crate::{Bands, Beat, Dancer, Error, Instrument, Mapping, Parameter, Player, 
 pub struct Ensemble {
     dancer: Arc<Dancer>,
     slots: Vec<Slot>,
-    /// S items of the gallery, or the item on stage and the one that leaves it.
+    /// S items of the gallery, or the item on stage and the one leaving it.
     items: Vec<Item>,
     /// Plays what is tried out.
     soloist: Option<(Slot, [Item; 1])>,
@@ -27,7 +27,7 @@ pub struct Ensemble {
 
 #[derive(Clone, Debug)]
 struct Slot {
-    /// `None` for what is no item of the gallery.
+    /// `None` for a mapping that is not in the gallery.
     id: Option<ItemId>,
     mapping: Mapping,
     playing: Playing,
@@ -68,14 +68,14 @@ impl Ensemble {
         &self.dancer
     }
 
-    /// Uses at most so many harmonics, whatever the instrument asks for: for a machine that does
-    /// not keep up. `None` is no such limit.
+    /// Limits the number of harmonics, whatever the instrument asks for, on a machine that does not keep up.
+    /// `None` removes the limit.
     pub fn use_at_most(&mut self, harmonics: Option<u32>) {
         self.most_harmonics = harmonics;
     }
 
-    /// What the sound does at `beat`: S items of the gallery in order, or one item while there
-    /// is something on stage.
+    /// The items that `bands` and `beat` drive: S items of the gallery in order, or one while something is on
+    /// stage.
     pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<&[Item], Error> {
         let playing = self.within(instrument.parameters().playing());
         self.play_voices(instrument, bands, beat)?;
@@ -106,7 +106,7 @@ impl Ensemble {
         Ok(&self.items[..count])
     }
 
-    /// Plays a mapping that is in no gallery, to try it out, with knobs turned as `settings` say: one item.
+    /// Plays a mapping that is not in a gallery, to try it out, with the knobs set to `settings`: one item.
     pub fn audition(
         &mut self,
         instrument: &Instrument,
@@ -133,7 +133,7 @@ impl Ensemble {
         Ok(&self.soloist.insert((slot, items)).1)
     }
 
-    /// As much as the machine keeps up with.
+    /// `playing`, limited to what the machine can keep up with.
     fn within(&self, playing: Playing) -> Playing {
         let harmonics = match (playing.harmonics, self.most_harmonics) {
             (Some(asked), Some(most)) => Some(asked.min(most)),
@@ -154,7 +154,7 @@ impl Ensemble {
         Ok(())
     }
 
-    /// Makes sure that `slot` plays this mapping, and plays it.
+    /// Compiles the mapping into `slot` if it has changed, and plays it.
     fn play_slot(
         &mut self,
         slot: usize,
@@ -175,7 +175,7 @@ impl Ensemble {
             }
         }
         let (player, item) = (&mut self.slots[slot].player, &mut self.items[slot]);
-        // The voices of the frame before.
+        // Drop the voices of the previous frame.
         item.terms.truncate(player.terms());
         player.play(bands, item)?;
         Ok(())

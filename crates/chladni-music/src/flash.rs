@@ -28,7 +28,7 @@ pub fn most_flashes_per_second(times_secs: &[f64], luminances: &[f32]) -> usize 
         .unwrap_or(0)
 }
 
-/// The limiter counts changes from here on: what it is told may be the mean of some pixels only.
+/// The limiter counts changes from here: the luminance it gets may be the mean of a sample of the pixels.
 const GUARDED_STEP: f32 = 0.88 * FLASH_STEP;
 const GUARDED_DARK: f32 = FLASH_DARK + 0.02;
 
@@ -49,7 +49,7 @@ impl Swings {
         Self { step, dark, range: None, direction: 0 }
     }
 
-    /// What a value would be: a rise (+1), a fall (−1) or neither.
+    /// Which change a value would make: a rise (+1), a fall (−1) or none.
     fn change(&self, value: f32) -> i8 {
         let Some((low, high)) = self.range else { return 0 };
         if self.direction <= 0 && value - low >= self.step && low < self.dark {
@@ -61,7 +61,7 @@ impl Swings {
         }
     }
 
-    /// Takes the value; whether it completes an opposing change.
+    /// Takes the value; returns whether it completes an opposing change.
     fn push(&mut self, value: f32) -> bool {
         let change = self.change(value);
         self.range = match self.range {
@@ -75,11 +75,11 @@ impl Swings {
     }
 }
 
-/// Lets a luminance follow what is wanted, but never through more than three flashes in a
-/// second, nor faster than a set slope.
+/// Lets a luminance follow the wanted one, but never with more than three flashes in a second, nor faster
+/// than a set slope.
 ///
-/// It works on any signal that the relative luminance of the picture is proportional to, such
-/// as the intensity of the lights: give what the luminance would be, use what comes back.
+/// It works on any signal to which the picture's relative luminance is proportional, such as the intensity of
+/// the lights: pass the wanted luminance in, use the returned one.
 #[derive(Clone, Debug)]
 pub struct FlashLimiter {
     swings: Swings,
@@ -97,8 +97,8 @@ impl Default for FlashLimiter {
 }
 
 impl FlashLimiter {
-    /// A limiter that changes the luminance by at most `max_slope_per_sec` (4 takes a quarter
-    /// of a second from black to white); a slope that is not positive counts as 4.
+    /// A limiter that changes the luminance by at most `max_slope_per_sec` (at 4, black to white takes a
+    /// quarter of a second); a slope that is not positive counts as 4.
     pub fn new(max_slope_per_sec: f32) -> Self {
         let max_slope_per_sec = if max_slope_per_sec > 0.0 { max_slope_per_sec } else { 4.0 };
         Self {
@@ -110,9 +110,8 @@ impl FlashLimiter {
         }
     }
 
-    /// The luminance to show at `time_secs`, which must not fall from call to call, where
-    /// `wanted` is asked for. Values outside [0, 1] and such that are no number are clamped.
-    /// Allocates nothing.
+    /// The luminance to show at `time_secs`, which must not fall from call to call, where `wanted` is asked
+    /// for. Values outside [0, 1] and NaN are clamped. Allocates nothing.
     pub fn limit(&mut self, time_secs: f64, wanted: f32) -> f32 {
         let shown = self.allowed(time_secs, wanted);
         self.show(time_secs, shown);
@@ -142,8 +141,7 @@ impl FlashLimiter {
         self.last = Some((time_secs, shown));
     }
 
-    /// Whether a change that cannot be softened may happen at `time_secs`; where it may, it is
-    /// counted.
+    /// Whether a change that cannot be softened may happen at `time_secs`; if so, it is counted.
     pub fn may_step(&mut self, time_secs: f64) -> bool {
         let may = !self.is_spent(time_secs);
         if may {
@@ -163,9 +161,8 @@ impl FlashLimiter {
         self.next_edge = (self.next_edge + 1) % self.edges_secs.len();
     }
 
-    /// The value nearest to `wanted` that is no change: above the last peak less a step after
-    /// a rise, below the last trough plus a step after a fall; never beyond `last`, which was
-    /// none.
+    /// The value nearest to `wanted` that makes no change: after a rise, above the last peak minus a step;
+    /// after a fall, below the last trough plus a step; never beyond `last`, which made none.
     fn held(&self, wanted: f32, last: f32) -> f32 {
         let Some((low, high)) = self.swings.range else { return wanted };
         let within = 0.9 * GUARDED_STEP;

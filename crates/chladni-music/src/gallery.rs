@@ -11,11 +11,11 @@ use crate::{Error, Mapping, direct_transfer};
 /// The sizes S a gallery may have.
 pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
 
-/// Curve values that all generations together may hold: half a gigabyte, weeks of breeding by hand.
-/// A session file or a controller breeds faster.
+/// Curve values that all generations together may hold: half a gigabyte. By hand that takes weeks of
+/// breeding, but a session file or a controller breeds faster.
 const MOST_GENES: usize = 1 << 27;
 
-/// Names one item for good: no two items of a session share it.
+/// Identifies one item permanently: no two items of a session share an id.
 pub type ItemId = u32;
 
 /// How an item came to be.
@@ -41,7 +41,7 @@ pub enum Origin {
     },
     /// Came out of a preset file.
     Loaded {
-        /// The preset's name; a key of its own, because a line of lineage has a name, too.
+        /// The preset's name; its key is not `name`, because a line of lineage has one, too.
         #[serde(rename = "preset", default)]
         name: String,
     },
@@ -85,8 +85,8 @@ pub struct GalleryShape {
 }
 
 impl GalleryShape {
-    /// How many waves of each harmonic go into the length of the body: √λ_k/π, as the working frame makes
-    /// its longest side 2. It depends on the body's shape alone, not on its size or on K.
+    /// How many waves of each harmonic fit into the length of the body: √λ_k/π, because the longest side is 2
+    /// in the working frame. It depends only on the body's shape, not on its size or on K.
     pub fn waves_per_size(&self) -> Vec<f32> {
         self.eigenvalues.iter().map(|l| (l.max(0.0).sqrt() / std::f64::consts::PI) as f32).collect()
     }
@@ -205,7 +205,7 @@ impl Gallery {
                 let second = (first + rng.random_range(1..parents.len())) % parents.len();
                 let (p, q) = (&parents[first], &parents[second]);
                 let mut child = breed(&p.mapping, &q.mapping, &mut rng);
-                // What is inherited is how much louder or softer than even the parents are.
+                // A child inherits how much louder or softer than their even gain its parents are.
                 let loudness = [p, q].map(|parent| parent.mapping.gain / parent.mapping.even_gain());
                 child.gain = (0.5 * (loudness[0] + loudness[1]) * child.even_gain()).clamp(0.0, 100.0);
                 if item.locked {
@@ -286,9 +286,9 @@ fn initial_mu(size: usize, rng: &mut ChaCha8Rng) -> Vec<f32> {
     mu
 }
 
-/// The initial gallery without μ (docs/music.md, "The initial gallery"): each amplification has a
-/// transfer of its own. The paper leaves open which; taken in order most items are silent, their sound
-/// going to harmonics that their band does not amplify.
+/// The initial gallery without μ (docs/music.md, "The initial gallery"): each amplification gets a transfer
+/// of its own. The paper leaves open which. Paired in order, most items are silent, because their sound goes
+/// to harmonics that they do not amplify.
 fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
     let k = shape.eigenvalues.len().max(1);
     let mut transfers = initial_transfers(size, shape);
@@ -314,10 +314,10 @@ fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
         .collect()
 }
 
-/// A transfer for each amplification, all different. As many as can have one that feeds them
-/// (`feeds[amplification][transfer]` bands of it), and first the one that feeds them most.
+/// A different transfer for each amplification: a maximum matching in which transfers feed their
+/// amplification (with `feeds[amplification][transfer]` bands), preferring the one that feeds it most.
 fn pairs(feeds: &[Vec<usize>]) -> Vec<usize> {
-    /// Finds `item` a transfer, sending those who have one to look for another (Kuhn's algorithm).
+    /// Finds a transfer for `item`, moving other items to another one where needed (Kuhn's algorithm).
     fn place(item: usize, feeds: &[Vec<usize>], seen: &mut [bool], owner: &mut [Option<usize>]) -> bool {
         let mut wanted: Vec<usize> = (0..owner.len()).filter(|&t| feeds[item][t] > 0).collect();
         wanted.sort_by_key(|&t| (std::cmp::Reverse(feeds[item][t]), t));
@@ -346,7 +346,7 @@ fn pairs(feeds: &[Vec<usize>]) -> Vec<usize> {
     choice
 }
 
-/// Lets an amplification that answers none of the `driven` harmonics reach on to the nearest of them.
+/// Extends an amplification that covers none of the `driven` harmonics to the nearest of them.
 fn reach_out(a: &mut [f32], driven: &[usize]) {
     let Some(first) = a.iter().position(|a| *a != 0.0) else { return };
     let last = a.iter().rposition(|a| *a != 0.0).unwrap_or(first);
@@ -357,8 +357,8 @@ fn reach_out(a: &mut [f32], driven: &[usize]) {
     }
 }
 
-/// t_ini(α ω) with α in ⌈S/2⌉ even steps from 0 to 1, then t_rev(α ω) likewise: S transfers, each once.
-/// Odd S has room for one less of the latter: t_rev(0) is left out, which like t_ini(0) is constant.
+/// t_ini(α ω) with α in ⌈S/2⌉ even steps from 0 to 1, then t_rev(α ω) likewise: S transfers, each once. Odd S
+/// has room for one less of the latter: t_rev(0) is left out; like t_ini(0), it is constant.
 fn initial_transfers(size: usize, shape: &GalleryShape) -> Vec<Vec<f32>> {
     let half = size.div_ceil(2);
     let transfer = |i: usize, reversed: bool| {

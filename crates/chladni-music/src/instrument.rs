@@ -14,13 +14,13 @@ use crate::{Choir, Error, Form, Mapping, Parameter, Parameters, Preset, Settings
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs, reason = "the fields say what the variants do")]
 pub enum Action {
-    /// Chooses a parent, or no longer.
+    /// Chooses a parent, or unchooses it.
     Choose { item: usize, on: bool },
     /// Replaces all items that are not locked by children of the chosen ones.
     Breed,
     /// Changes one item a little at random; amount in [0, 1].
     Mutate { item: usize, amount: f32 },
-    /// Keeps an item in its place, or no longer.
+    /// Locks an item in its place, or unlocks it.
     Lock { item: usize, on: bool },
     /// Adds an item to the favourites, or removes it.
     Favourite { item: usize, on: bool },
@@ -38,9 +38,9 @@ pub enum Action {
     SetStereoMu { item: usize, stereo_mu: f32 },
     /// Turns an item's own gain.
     SetItemGain { item: usize, gain: f32 },
-    /// Puts a mapping for this very body in an item's place.
+    /// Puts a mapping made for this body in an item's place.
     Load { item: usize, name: String, mapping: Mapping },
-    /// Puts a preset in an item's place, and turns the knobs as it was made with.
+    /// Puts a preset in an item's place, and sets the knobs that it was made with.
     Take { item: usize, preset: Box<Preset> },
     /// Turns a knob.
     Set { parameter: Parameter, value: f32 },
@@ -50,7 +50,7 @@ pub enum Action {
     SetForm { form: Form },
     /// Chooses which harmonics may sound.
     SetChoir { choir: Choir },
-    /// Uses only the first so many harmonics; 0 is all.
+    /// Uses only the first `harmonics` harmonics; 0 is all.
     SetHarmonics { harmonics: u32 },
     /// Lets a voice, such as a layer of a caricature, listen to something else.
     SetVoice { voice: usize, settings: VoiceSettings },
@@ -65,12 +65,12 @@ pub enum Action {
 /// The most voices that can be changed.
 const MAX_VOICES: usize = 256;
 
-/// When something was done: seconds of the show, and beats gone by.
+/// When something was done: in seconds of the show, and in beats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moment {
     /// Since the show began, whatever songs played meanwhile.
     pub at_secs: f64,
-    /// Beats gone by there.
+    /// Beats since then.
     pub at_beat: f64,
 }
 
@@ -85,8 +85,8 @@ pub struct LoggedAction {
     pub action: Action,
 }
 
-/// The instrument's whole state: a pure function of shape, seed, size, where its knobs stood in the
-/// beginning, and the actions so far.
+/// The instrument's whole state: a pure function of shape, seed, size, the initial settings, and the actions
+/// so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instrument {
     shape: GalleryShape,
@@ -191,8 +191,8 @@ impl Instrument {
         Ok(())
     }
 
-    /// All that was done, done again with beats that `beats` counts anew at each of their times: for a song
-    /// whose beats become known while it plays.
+    /// All actions replayed, with the beat of each recomputed by `beats` from its time: for a song whose
+    /// beats become known while it plays.
     pub fn with_beats(&self, beats: impl Fn(f64) -> f64) -> Result<Self, Error> {
         let mut again =
             Self::beginning_with(self.beginning.clone(), self.seed, self.size, self.shape.clone())?;

@@ -23,9 +23,9 @@
 //! bands of sound into an [`Item`](chladni_synth::Item) for the synthesizer. Nothing here
 //! reads a clock, draws or makes a sound.
 //!
-//! Not guaranteed: that the soft limit of displacement holds at every vertex (it is taken at
-//! 64 probes); that symmetry classes are right on a shape that has no mirror; bit-identical
-//! coefficients between machines of different floating-point behaviour.
+//! Not guaranteed: that the soft limit of displacement and steepness holds at every vertex (it is measured at
+//! a few probes); that symmetry classes are right on a shape without a mirror plane; bit-identical
+//! coefficients between machines of different floating-point behavior.
 
 mod breeding;
 mod control;

@@ -34,8 +34,8 @@ impl Mapping {
         }
     }
 
-    /// The direct mapping for a shape: t_ini read at ω/2, so that the song falls into the lower
-    /// quarter of the harmonics, which are amplified the more the lower they are.
+    /// The direct mapping for a shape: t_ini read at ω/2, so that the song drives the lower quarter of the
+    /// harmonics; the lower a harmonic, the more it is amplified.
     pub fn direct(eigenvalues: &[f64], bands: usize) -> Self {
         let k_count = eigenvalues.len().max(1);
         let amplification = (0..k_count)
@@ -49,10 +49,10 @@ impl Mapping {
         Self { gain: mapping.even_gain(), ..mapping }
     }
 
-    /// n^-¾, where n bands share the busiest harmonic that is amplified: the gain at which a sound that is
-    /// spread over them moves the shape about as one full-scale band does at gain 1, as bands of music are
-    /// neither all in step (1/n) nor independent (1/√n). Without it a mapping that sends the whole song to
-    /// a few harmonics never leaves the limit.
+    /// n^-¾, where n bands share the busiest harmonic that is amplified. At this gain a sound spread over
+    /// them moves the shape about as far as one full-scale band does at gain 1: bands of music are neither
+    /// all in step (1/n) nor independent (1/√n). Without it a mapping that sends the whole song to a few
+    /// harmonics would always be at its limit.
     pub fn even_gain(&self) -> f32 {
         let mut shared = vec![0u32; self.amplification.len()];
         for k in self.targets(self.transfer.len(), self.amplification.len()) {
@@ -65,7 +65,7 @@ impl Mapping {
         (busiest as f32).powf(-0.75)
     }
 
-    /// The strongest |a| that any band drives, in [0, 1]: 0 is a mapping that no sound moves.
+    /// The largest |a| of any driven harmonic, in [0, 1]: a mapping of loudness 0 is not moved by any sound.
     pub fn loudness(&self) -> f32 {
         let driven = self.targets(self.transfer.len(), self.amplification.len());
         let answers = driven.into_iter().filter_map(|k| self.amplification.get(k as usize));

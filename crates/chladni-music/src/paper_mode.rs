@@ -2,9 +2,9 @@
 
 use crate::{Action, Form, Parameter, Switch};
 
-/// What sets an instrument to the paper's own choices, where ours differ: filtered coordinates, the
-/// bins of the Fourier transform as they come, the side signal ten times as loud (section 5c), and
-/// normals half way to those of the rest shape (section 6b).
+/// Actions that set an instrument to the paper's choices where ours differ: filtered coordinates, linear bins
+/// of the Fourier transform, the side signal ten times as loud (section 5c), and normals half way to those of
+/// the rest shape (section 6b).
 pub const PAPER_MODE: [Action; 6] = [
     Action::SetForm { form: Form::Filter },
     Action::Switch { switch: Switch::LogBands, on: false },

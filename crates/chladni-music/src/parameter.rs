@@ -11,7 +11,7 @@ use crate::{Choir, Error, Form, Playing, Timbre};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
-    /// w: how much of the spectrum of 50 ms ago is left.
+    /// w: the share of the spectrum that remains after 50 ms.
     Decay,
     /// What the side signal is multiplied by.
     SideGain,
@@ -21,7 +21,7 @@ pub enum Parameter {
     Gain,
     /// Share of the bounding box that a full-scale band moves the shape at gain 1.
     Calibration,
-    /// Share of the bounding box that no vertex is to exceed.
+    /// Largest displacement of a vertex, as a share of the bounding box.
     Limit,
     /// φ_d, the gain of all detail above K.
     Detail,
@@ -47,7 +47,7 @@ pub enum Parameter {
     Stretch,
     /// How hard a rise of the sound strikes.
     Strike,
-    /// How far a sound that lasts holds.
+    /// How far a steady sound displaces a harmonic.
     Hold,
 }
 
@@ -248,7 +248,7 @@ impl Parameters {
         self.on[switch as usize] = on;
     }
 
-    /// What the players need of them.
+    /// The part that players need.
     pub fn playing(&self) -> Playing {
         Playing {
             form: self.form,
@@ -269,7 +269,7 @@ impl Parameters {
         self.some(&Parameter::ALL, &Switch::ALL)
     }
 
-    /// Where that stands which changes how one dance looks: what a preset keeps.
+    /// The settings that affect how one dance looks: what a preset stores.
     pub fn of_a_dance(&self) -> Settings {
         self.some(&Parameter::OF_A_DANCE, &Switch::OF_A_DANCE)
     }
@@ -284,7 +284,7 @@ impl Parameters {
         }
     }
 
-    /// Puts everything where `settings` say; what they do not name stays. On error nothing changes.
+    /// Applies `settings`; what they do not name stays. On error nothing changes.
     pub fn apply(&mut self, settings: &Settings) -> Result<(), Error> {
         settings.validate()?;
         self.form = settings.form.unwrap_or(self.form);
@@ -297,7 +297,7 @@ impl Parameters {
     }
 }
 
-/// Where some or all of the knobs and switches are to stand: what presets and shows keep of them.
+/// Values for some or all of the knobs and switches, as presets and shows store them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
@@ -324,7 +324,7 @@ impl Settings {
         *self == Self::default()
     }
 
-    /// Where everything stood to begin with when sessions and presets were of version 1.
+    /// The initial settings of sessions and presets of version 1.
     pub(crate) fn of_version_1() -> Self {
         use Parameter as P;
         let knobs = [

@@ -1,4 +1,4 @@
-//! One mapping made ready for one dancer: sound in, coefficients out, every frame.
+//! One mapping compiled for one dancer: sound in, coefficients out, every frame.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -17,16 +17,16 @@ use crate::{Class, Dancer, Error, Mapping, Ringing, Timbre};
 pub enum Form {
     /// The paper's filter: C_k = (φ_k − 1) x̃_k. A mirror-symmetric shape stays so.
     Filter,
-    /// H_k along the normal: c_k = ±(φ_k − 1), as on a sounding plate. The middle moves symmetric harmonics,
-    /// the side antisymmetric ones, which swing towards the louder channel.
+    /// H_k along the normal: c_k = ±(φ_k − 1), as on a vibrating plate. The middle signal moves symmetric
+    /// harmonics, the side antisymmetric ones, which swing toward the louder channel.
     Modal,
-    /// The filter twice: the left channel under χ_L, the right one under χ_R. The only one in which a
-    /// channel is seen where it is heard whatever the shape, and so the one to begin with.
+    /// The filter twice: the left channel under χ_L, the right one under χ_R. The default, because it is the
+    /// only form in which each channel is seen on its own side on every shape.
     #[default]
     HalfMask,
 }
 
-/// What a form may have no use for.
+/// A control that some forms ignore.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
     /// μ, of one item or of all.
@@ -38,7 +38,7 @@ pub enum Control {
 }
 
 impl Form {
-    /// Why a control means nothing in this form, for the person who would turn it; `None` where it acts.
+    /// Why a control has no effect in this form, as a message to the user; `None` where it has one.
     pub fn ignores(self, control: Control) -> Option<&'static str> {
         match (self, control) {
             (Self::HalfMask, Control::StereoMu) => {
@@ -58,7 +58,7 @@ impl Form {
         if self == Self::Modal { MODAL_STEEPNESS } else { STEEPNESS }
     }
 
-    /// How many terms of an item its mapping takes; voices come after them.
+    /// How many terms of an item belong to its mapping; voices come after them.
     pub fn terms(self) -> usize {
         if self == Self::HalfMask { 2 } else { 1 }
     }
@@ -87,8 +87,8 @@ impl Choir {
     }
 }
 
-/// f at one moment: amplitudes of the sound bands, all four of one length #ω, about [0, 1], and those
-/// of one pair of channels: |S|² + |U|² = ½ (|L|² + |R|²).
+/// f at one moment: amplitudes of the sound bands, four slices of length #ω, about [0, 1], which belong to
+/// one pair of channels: |S|² + |U|² = ½ (|L|² + |R|²).
 #[derive(Clone, Copy, Debug)]
 pub struct Bands<'a> {
     /// |L(ω)|.
@@ -101,8 +101,8 @@ pub struct Bands<'a> {
     pub side: &'a [f32],
     /// g, the side gain.
     pub side_gain: f32,
-    /// What the resonators of these bands do. Where there are none, and where the timbre of the dance is
-    /// `None`, harmonics follow the level.
+    /// The state of these bands' resonators. Where this or the timbre of the dance is `None`, harmonics
+    /// follow the level.
     pub ringing: Option<&'a Ringing>,
 }
 
@@ -118,18 +118,18 @@ pub struct Playing {
     pub gain: f32,
     /// Exchanges left and right.
     pub flip_sides: bool,
-    /// What a full-scale band does at gain 1: the share of the bounding box's diagonal that
-    /// the most moved vertex goes, (0, 1]; less where the surface would move more than 5.5 times
-    /// that steeply (two and a half times in the modal form).
+    /// What a full-scale band does at gain 1: how far the farthest-moving vertex goes, as a share of the
+    /// bounding box's diagonal, (0, 1]; less where the steepness would exceed 5.5 times that number (2.5
+    /// times in the modal form).
     pub calibration: f32,
-    /// The share of the diagonal that no vertex is to exceed, and 5.5 times that as steepness,
-    /// (0, 1]: a soft limit that is felt from its half on, by each octave of harmonics alone
-    /// and by their sum. Taken at probes, so that vertices between them may go a little
-    /// farther.
+    /// The largest displacement as a share of the diagonal, (0, 1], and 5.5 times that number (2.5 in the
+    /// modal form) as the largest steepness: a soft limit that starts to act at half its value, on each
+    /// octave of harmonics by itself and then on their sum. It is measured at probes; vertices between them
+    /// may go a little farther.
     pub limit: f32,
-    /// φ_d in [−10, 10]: the gain of all above K; 1 leaves it alone.
+    /// φ_d in [−10, 10]: the gain of all detail above K; 1 leaves it unchanged.
     pub detail: f32,
-    /// Harmonics in use: those from here on stay silent. `None` is all K.
+    /// Number of harmonics in use; the others stay silent. `None` is all K.
     pub harmonics: Option<u32>,
     /// μ of all dances, in [0, 1]; `None` leaves each its own.
     pub stereo_mu: Option<f32>,
@@ -154,14 +154,15 @@ impl Default for Playing {
     }
 }
 
-/// How steeply the surface may move for each share of the diagonal that it may go: the slowest waves, about as
-/// long as the shape, reach both at once; all others grow steep first. At the usual limit nothing turns over.
+/// Steepness limit per unit of displacement limit (a share of the diagonal): the slowest waves, about as long
+/// as the shape, reach both limits at once; all others reach the steepness first. At the default limit
+/// nothing turns over.
 const STEEPNESS: f32 = 5.5;
-/// The same along the normal, where what swells at a thin end is steep on all sides of it.
+/// The same along the normal, where swelling at a thin end is steep on all sides.
 const MODAL_STEEPNESS: f32 = 2.5;
-/// What music has in most bands, about.
+/// A typical level of music in most bands.
 const EVEN: f32 = 0.12;
-/// A mapping is lifted no further, so that hardly any movement stays hardly any.
+/// The largest lift, so that a mapping that hardly moves the shape still hardly moves it.
 const MOST_LIFT: f32 = 16.0;
 
 /// Harmonics that some band drives, one or several in unison.
@@ -188,7 +189,7 @@ struct Driver {
     band: u32,
     /// gain · M · a(t(ω)).
     strength: f32,
-    /// What the harmonic that the band is sent to rings with.
+    /// The resonator tone of the harmonic to which the band is mapped.
     tone: u8,
 }
 
@@ -225,8 +226,8 @@ impl Player {
         Ok(Self::compiled(mapping, dancer, bands, playing, lift))
     }
 
-    /// What a mapping that spreads its sound thinly, or to one place, is multiplied by, 1 or more: a soft sound
-    /// in every band uses half of the limits then. As with the calibration, what mutes does not enter.
+    /// The factor, 1 or more, for a mapping that spreads its sound thinly or sends it to one place: with it,
+    /// a soft sound in every band uses half of the limits. As in the calibration, muting is ignored.
     fn lift(mapping: &Mapping, dancer: &Arc<Dancer>, bands: usize, playing: Playing) -> Result<f32, Error> {
         let playing = Playing { gain: 1.0, choir: Choir::All, harmonics: None, detail: 1.0, ..playing };
         let even_mapping = Mapping { gain: mapping.even_gain(), ..mapping.clone() };
@@ -251,7 +252,7 @@ impl Player {
             let strength =
                 lift * playing.gain * mapping.gain * calibrated[octave] * amplification[k as usize];
             let tone = playing.timbre.map_or(0, |timbre| dancer.tone(&timbre, dancer.unison(k).start));
-            // Along the normal each harmonic has its own direction, and the other class its share.
+            // In the modal form a band also drives the harmonic's partner of the other class.
             let driven = match playing.form {
                 Form::Filter | Form::HalfMask => [Some(dancer.unison(k).start), None],
                 Form::Modal => [Some(k), dancer.swing.partner(k)],
@@ -363,13 +364,13 @@ impl Player {
         Ok(self.soften(item))
     }
 
-    /// Of what the drivers hear, by band and tone.
+    /// The sum of what the drivers hear, by band and tone.
     fn sum(&self, v: &Voiced, f: impl Fn(usize, u8) -> f32) -> f32 {
         let drivers = &self.drivers[v.first_driver as usize..v.end_driver as usize];
         drivers.iter().map(|d| d.strength * f(d.band as usize, d.tone)).sum()
     }
 
-    /// Scales the item so that no probe goes beyond the limit, neither in its way nor in its steepness.
+    /// Scales the item so that no probe exceeds the limit of displacement or of steepness.
     fn soften(&mut self, item: &mut Item) -> f32 {
         let limits = Limits {
             displacement: self.playing.limit * self.dancer.box_diagonal,
@@ -444,8 +445,8 @@ fn calibrate(targets: &[u32], amplification: &[f32], dancer: &Dancer, playing: P
     octaves.into_iter().map(|m| if m.is_finite() { m / loudest } else { 0.0 }).collect()
 }
 
-/// Harmonics of one octave are limited together; those that hear the side apart from those that hear
-/// the middle. Along the normal both keep step, since what swings to one side is a sum of both.
+/// Harmonics of one octave are limited together, antisymmetric ones apart from the others. In the modal form
+/// they are limited together, because a swing to one side is a sum of both.
 fn grouped(voiced: &[Voiced], dancer: &Dancer, form: Form) -> Vec<Vec<u32>> {
     let mut groups: Vec<Vec<u32>> = Vec::new();
     for v in voiced {
@@ -475,8 +476,8 @@ pub(crate) fn scale_term(term: &mut Term, scale: f32) {
     term.residual_gain *= scale;
 }
 
-/// What a movement of `reach` limits is multiplied by: 1 up to half a limit, then bending
-/// smoothly so that it never gets there.
+/// The factor for a movement that reaches `reach` times its limit: 1 up to half the limit, then falling
+/// smoothly so that the limit is never reached.
 pub(crate) fn soft_limit(reach: f32) -> f32 {
     if reach <= 0.5 {
         return 1.0;
@@ -484,8 +485,8 @@ pub(crate) fn soft_limit(reach: f32) -> f32 {
     (0.5 + 0.5 * (2.0 * reach - 1.0).tanh()) / reach
 }
 
-/// Moves `item` towards `other`, made by a player of the same form and dancer: weight 0 leaves
-/// it, 1 replaces it. This is how one mapping morphs into another on stage.
+/// Moves `item` toward `other`, made by a player of the same form and dancer: weight 0 keeps it, 1 replaces
+/// it. This is how one mapping morphs into another on stage.
 pub fn blend(item: &mut Item, other: &Item, weight: f32) -> Result<(), Error> {
     if item.terms.len() != other.terms.len() {
         return Err(Error::Size { what: "terms", found: other.terms.len(), expected: item.terms.len() });

@@ -8,7 +8,7 @@ use crate::gallery::{GalleryItem, GalleryShape};
 use crate::text_file::{self, FORMAT_VERSION};
 use crate::{Error, Instrument, Mapping, Origin, Settings};
 
-/// Two waves of one length differ by less than this: solvers of other harmonic counts agree so far.
+/// Wavelengths that differ by less than this count as equal: solves with different K agree this closely.
 const SAME_WAVE: f32 = 1e-3;
 
 /// A mapping with a name, the wavelengths that it is meant for, and the knobs that change its look:
@@ -16,7 +16,7 @@ const SAME_WAVE: f32 = 1e-3;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
-    /// 2; 1 where it was written before wavelengths were.
+    /// The file format version; 1 has no wavelengths.
     pub format_version: u32,
     /// What it is called.
     pub name: String,
@@ -30,8 +30,8 @@ pub struct Preset {
     pub lineage: Vec<Ancestor>,
     /// What it plays, on the harmonics that it was made on.
     pub mapping: Mapping,
-    /// Of those harmonics, how many waves go into the length of the shape; ascending. Empty in version 1,
-    /// whose harmonics are shares of however many there are.
+    /// How many waves of each of those harmonics fit into the length of the shape; ascending. Empty in
+    /// version 1, whose harmonics are shares of K.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub waves_per_size: Vec<f32>,
     /// The form and the knobs that change how it looks.
@@ -97,8 +97,8 @@ impl Preset {
         }
     }
 
-    /// The mapping for a body: each harmonic that it drives is the one whose waves are as long there, as
-    /// shares of the size. Waves that are finer than the finest there stay silent.
+    /// The mapping for a body: each driven harmonic becomes the one with the same wavelength relative to the
+    /// size. Waves finer than the finest of the body are silent.
     pub fn mapping_on(&self, shape: &GalleryShape) -> Mapping {
         let (there, here) = (&self.waves_per_size, shape.waves_per_size());
         let (Some(last_there), Some(top)) = (there.len().checked_sub(1), here.len().checked_sub(1)) else {
@@ -117,14 +117,14 @@ impl Preset {
         let transfer = transfer.collect();
         let a = self.mapping.amplification_on(there.len());
         let amplification = here.iter().enumerate().map(|(k, &wave)| {
-            // What would go to finer waves piles up on the finest one, which is muted for it.
+            // All finer waves map to the finest one, which is therefore muted.
             let muted = finer && k == top;
             harmonic_of(there, wave, k).filter(|_| !muted).map_or(0.0, |i| a[i])
         });
         Mapping { transfer, amplification: amplification.collect(), ..self.mapping.clone() }
     }
 
-    /// What a person should know who opens it: nothing, but for old files.
+    /// A warning for the user who opens it; only old files have one.
     pub fn caution(&self) -> Option<String> {
         self.waves_per_size.is_empty().then(|| {
             format!(
@@ -177,12 +177,12 @@ impl Preset {
 }
 
 fn is_same_wave(a: f32, b: f32) -> bool {
-    // The waves of constant harmonics are as long as rounding makes them.
+    // The wavelengths of constant harmonics are rounding noise.
     (a - b).abs() <= SAME_WAVE * (1.0 + a.max(b))
 }
 
-/// The harmonic of `waves` whose wave is `wave`: the one of number `k` where that agrees (equal waves
-/// have no other order), else the nearest; `None` where all are longer.
+/// The harmonic of `waves` whose wave is `wave`: number `k` if it agrees (which keeps the order of equal
+/// waves), else the nearest; `None` where all are longer.
 fn harmonic_of(waves: &[f32], wave: f32, k: usize) -> Option<usize> {
     if waves.get(k).is_some_and(|w| is_same_wave(*w, wave)) {
         return Some(k);

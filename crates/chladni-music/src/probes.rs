@@ -1,4 +1,4 @@
-//! A few well-chosen places that tell, before synthesis, how far an item will go and how steeply.
+//! A few well-chosen places at which, before synthesis, an item's displacement and steepness are measured.
 
 use chladni_harmonics::Body;
 use chladni_synth::{Coefficients, Item, Residual, Term};
@@ -18,7 +18,7 @@ pub(crate) struct Probes {
     patches: Vec<Patch>,
 }
 
-/// What a part of an item, or all of it, may do.
+/// The largest displacement and steepness of an item or a part of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     pub displacement: f32,
@@ -26,7 +26,7 @@ pub(crate) struct Limits {
 }
 
 const COUNT: usize = 64;
-/// Patches at most.
+/// The largest number of patches.
 const PATCHES: usize = 96;
 
 impl Probes {
@@ -89,9 +89,9 @@ impl Probes {
         farthest(total)
     }
 
-    /// Scales what each of `groups` of harmonics does in each term so that it keeps `limits` by itself, and
-    /// then the whole item so that the sum keeps them: what is loud does not still what is soft. Returns the
-    /// share of the limits that the farthest of all these reached. Allocates nothing but `scratch`.
+    /// Scales each of the `groups` of harmonics in each term so that it keeps `limits` by itself, then the
+    /// whole item so that the sum keeps them; so a loud group does not silence a soft one. Returns the
+    /// largest share of the limits that any of these reached before scaling. Allocates nothing but `scratch`.
     pub(crate) fn soften(
         &self,
         item: &mut Item,
@@ -104,7 +104,7 @@ impl Probes {
         for term in &mut item.terms {
             for group in groups {
                 self.field(term, group.iter().copied(), part);
-                // As if there were no mask, so that halves that play the same are held alike.
+                // Measured without the mask, so that halves that play the same are limited the same.
                 let reach = self.reach(part, limits);
                 let scale = soft_limit(reach);
                 if scale < 1.0 {
@@ -132,7 +132,7 @@ impl Probes {
         scratch.split_at_mut(self.count())
     }
 
-    /// What some harmonics of a term do, but for its mask.
+    /// The displacement by some harmonics of a term, without its mask.
     fn field(&self, term: &Term, harmonics: impl Iterator<Item = u32>, out: &mut [[f32; 3]]) {
         let p = self.count();
         out.fill([0.0; 3]);
@@ -156,7 +156,7 @@ impl Probes {
         self.turn(term, out);
     }
 
-    /// What the residual of a term does, under its mask.
+    /// The displacement by the residual of a term, with its mask.
     fn residual(&self, term: &Term, out: &mut [[f32; 3]]) {
         let g = term.residual_gain;
         out.fill([0.0; 3]);
@@ -176,7 +176,7 @@ impl Probes {
         self.mask(term, out);
     }
 
-    /// Along the normals where the term is of that form.
+    /// Turns amplitudes into displacements along the normals where the term is in normal form.
     fn turn(&self, term: &Term, field: &mut [[f32; 3]]) {
         if matches!(term.coefficients, Coefficients::Normal(_)) {
             field.iter_mut().zip(&self.normals).for_each(|(d, normal)| *d = normal.map(|n| d[0] * n));

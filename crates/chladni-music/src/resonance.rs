@@ -7,10 +7,10 @@
 //! ```
 //!
 //! one for each band of sound and each of [`TONES`] frequencies ω; h holds the level, s strikes. A mapping is
-//! linear in its bands, so that a harmonic of frequency ω that hears the sum of some bands moves as the same sum of
-//! their oscillators: one bank serves all dances, and none of them has a state of its own. What a shape
-//! does at a time is then a function of the sound before it alone, however often it was drawn and whatever was
-//! bred or chosen in between.
+//! linear in its bands, so that a harmonic of frequency ω that hears the sum of some bands moves as the same
+//! sum of their oscillators: one bank serves all dances, and none of them has a state of its own. So the
+//! movement at any time depends only on the sound up to then, not on how often it was drawn or what was bred
+//! or chosen in between.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,14 +21,14 @@ use crate::{Action, Bands, Parameter, Parameters, Switch};
 pub const TONES: usize = 64;
 /// The lowest frequency of the bank.
 pub const LOWEST_HZ: f32 = 0.4;
-/// The highest one: two and a half frames of a film at 30 Hz.
+/// The highest one: a period of two and a half frames at 30 Hz.
 pub const HIGHEST_HZ: f32 = 12.0;
 
-/// What a shape seems to be made of: how its harmonics ring.
+/// How harmonics ring, which makes a shape look like a certain material.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timbre {
-    /// ζ in [0.01, 2]: 1 comes to rest without passing it.
+    /// ζ in [0.01, 2]: from 1 on there is no overshoot.
     pub damping: f32,
     /// The frequency of the slowest harmonic, in Hz.
     pub tuning_hz: f32,
@@ -36,7 +36,7 @@ pub struct Timbre {
     pub stretch: f32,
     /// s: a rise of the sound by 1 makes a harmonic swing about this far.
     pub strike: f32,
-    /// h: how far a sound of 1 that lasts holds it.
+    /// h: how far a steady sound of level 1 displaces it.
     pub hold: f32,
 }
 
@@ -55,7 +55,7 @@ impl Timbre {
         Self::NAMED.into_iter().find(|(known, _)| *known == name).map(|(_, timbre)| timbre)
     }
 
-    /// Where the knobs stand; `None` while nothing resonates.
+    /// The timbre that the knobs give; `None` while the resonators are off.
     pub fn of(parameters: &Parameters) -> Option<Self> {
         parameters.is_on(Switch::Resonate).then(|| Self {
             damping: parameters.get(Parameter::Damping),
@@ -66,7 +66,7 @@ impl Timbre {
         })
     }
 
-    /// What turns the knobs of an instrument to it.
+    /// The actions that set an instrument's knobs to it.
     pub fn actions(&self) -> [Action; 6] {
         let set = |parameter, value| Action::Set { parameter, value };
         [
@@ -79,8 +79,8 @@ impl Timbre {
         ]
     }
 
-    /// The tone of the bank that a harmonic of eigenvalue `lambda` rings with, where that of the slowest wave
-    /// is `slowest`.
+    /// The tone of the bank with which a harmonic of eigenvalue `lambda` rings; `slowest` is the eigenvalue
+    /// of the slowest wave.
     pub(crate) fn tone(&self, lambda: f64, slowest: f64) -> u8 {
         let ratio = (lambda / slowest).max(1.0).sqrt() as f32;
         let hz = self.tuning_hz * ratio.powf(self.stretch);
@@ -94,11 +94,11 @@ fn tone_hz(tone: usize) -> f32 {
     LOWEST_HZ * (HIGHEST_HZ / LOWEST_HZ).powf(tone as f32 / (TONES - 1) as f32)
 }
 
-/// What the oscillators of all bands do at one moment, for each thing that a form may listen to.
+/// The oscillators of all bands at one moment, for each signal that a form may listen to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ringing {
     bands: usize,
-    /// Left, right, middle, side, and swing towards the left: TONES rows of bands each.
+    /// Left, right, middle, side, and swing toward the left: TONES rows of bands each.
     q: [Vec<f32>; SIGNALS],
 }
 
@@ -124,7 +124,7 @@ impl Ringing {
         self.q[signal as usize][usize::from(tone) * self.bands + band]
     }
 
-    /// Nothing rings, in so many bands.
+    /// Sets it to rest, with `bands` bands.
     pub fn still(&mut self, bands: usize) {
         self.bands = bands;
         for q in &mut self.q {
@@ -133,7 +133,7 @@ impl Ringing {
         }
     }
 
-    /// Mixes in what rang before a leap: all of it at weight 1.
+    /// Mixes in the ringing from before a jump in the song; weight 1 replaces this one.
     pub fn mix(&mut self, other: &Self, weight: f32) {
         if other.bands == self.bands {
             for (q, other) in self.q.iter_mut().zip(&other.q) {
@@ -145,8 +145,8 @@ impl Ringing {
 
 /// The bank of oscillators.
 ///
-/// Sound comes in as pieces of constant level, each exact: [`hear`](Self::hear) begins one, and
-/// [`ring`](Self::ring) tells where the oscillators are so many seconds into it.
+/// Sound comes in as pieces of constant level, each solved exactly: [`hear`](Self::hear) begins one, and
+/// [`ring`](Self::ring) gives the oscillators at a time within it.
 #[derive(Clone, Debug)]
 pub struct Resonators {
     damping: f32,
@@ -161,15 +161,15 @@ pub struct Resonators {
 /// The oscillators of one signal.
 #[derive(Clone, Debug, Default)]
 struct Row {
-    /// f of the piece that lasts.
+    /// f of the current piece.
     level: Vec<f32>,
-    /// q and q̇ where it began.
+    /// q and q̇ at its beginning.
     q: Vec<f32>,
     speed: Vec<f32>,
 }
 
-/// The exact solution over one time, for each tone: with y = q − h f,
-/// y(t) = a y + b ẏ and ẏ(t) = c y + d ẏ.
+/// The exact solution over one time step, for each tone: with y = q − h f, y(t) = a y + b ẏ and ẏ(t) = c y +
+/// d ẏ.
 #[derive(Clone, Debug)]
 struct Step {
     secs: f32,
@@ -182,7 +182,7 @@ impl Step {
     }
 }
 
-/// a, b, c and d of one oscillator, whether it swings (ζ < 1) or creeps.
+/// a, b, c and d of one oscillator, underdamped (ζ < 1) or not.
 fn exact(secs: f32, hz: f32, damping: f32) -> [f32; 4] {
     let (t, omega, zeta) = (f64::from(secs), std::f64::consts::TAU * f64::from(hz), f64::from(damping));
     let decay = (-zeta * omega * t).exp();
@@ -215,8 +215,8 @@ impl Resonators {
         }
     }
 
-    /// Makes `bank` one that rings as `timbre` says, at rest if it was another; tuning and stretch are the mappings'
-    /// own affair.
+    /// Makes `bank` ring with `timbre`; a new bank starts at rest. Tuning and stretch concern only the
+    /// mappings.
     pub fn follow(bank: &mut Option<Self>, timbre: Option<&Timbre>, bands: usize) {
         let has = bank.as_ref().map(|bank| (bank.damping, bank.strike, bank.hold, bank.bands));
         let wants = timbre.map(|timbre| (timbre.damping, timbre.strike, timbre.hold, bands));
@@ -233,8 +233,8 @@ impl Resonators {
         self.now.q.iter_mut().for_each(|q| q.fill(0.0));
     }
 
-    /// After the last piece of sound has lasted for `lasted_secs`, this one begins. Bands of another number are
-    /// not heard.
+    /// Begins a piece of sound, after the last one has lasted for `lasted_secs`. A different number of bands
+    /// is ignored.
     pub fn hear(&mut self, bands: &Bands<'_>, lasted_secs: f32) {
         if bands.mid.len() != self.bands {
             return;
@@ -251,7 +251,7 @@ impl Resonators {
                     3 => bands.side[band],
                     _ => mix.swing(bands, band),
                 };
-                // The side may swing either way: what grows strikes, what dies away does not.
+                // The side has a sign: a growing magnitude strikes, a falling one does not.
                 let grown = level.abs() - row.level[band].abs();
                 let rise = if grown > 0.0 { level.signum() * grown } else { 0.0 };
                 row.level[band] = level;
@@ -265,7 +265,7 @@ impl Resonators {
         }
     }
 
-    /// Where the oscillators are `after_secs` into the piece of sound that lasts.
+    /// The oscillators `after_secs` into the current piece of sound.
     pub fn ring(&mut self, after_secs: f32) -> &Ringing {
         self.tune(after_secs);
         for (row, out) in self.signals.iter().zip(&mut self.now.q) {

@@ -1,5 +1,5 @@
-//! The show file: what danced to what, how it was looked at, and all that was done. The window, films and
-//! the command read and write this one file.
+//! The show file: the shape, the songs, the viewpoint and all actions. The window, films and the command read
+//! and write this one file.
 
 use std::path::Path;
 
@@ -9,13 +9,13 @@ use crate::gallery::GalleryShape;
 use crate::text_file::{self, FORMAT_VERSION};
 use crate::{Error, Instrument, LoggedAction, Parameters, Settings};
 
-/// A file of somebody else's that a show needs.
+/// An external file that a show needs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileRef {
     /// A path, or `sample:NAME`. A relative one starts from the show's own folder.
     pub path: String,
-    /// The file's BLAKE3 hash when the show was saved, in hexadecimal digits; none of a sample.
+    /// The file's BLAKE3 hash when the show was saved, in hexadecimal digits; `None` for a sample.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blake3: Option<String>,
 }
@@ -46,7 +46,7 @@ impl SongRef {
     }
 }
 
-/// How the beats of a song are read: by a person who hears them otherwise than they were found.
+/// Corrections of a song's detected beats by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BeatReading {
@@ -59,7 +59,7 @@ pub struct BeatReading {
 }
 
 impl BeatReading {
-    /// Beats (ascending) as they are to be read.
+    /// The corrected beats (ascending).
     pub fn of(self, beats_secs: &[f64]) -> Vec<f64> {
         let mut read = beats_secs.to_vec();
         for _ in 0..self.octave.clamp(0, MOST_OCTAVES) {
@@ -76,33 +76,33 @@ impl BeatReading {
     }
 }
 
-/// Tempi are doubled or halved at most so often.
+/// A tempo is doubled or halved at most this often.
 const MOST_OCTAVES: i32 = 3;
 
-/// From `at_secs` of the show on, a song is heard from `song_secs` on, or stands still there.
+/// From `at_secs` of the show on, a song plays from `song_secs`, or is paused there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stretch {
     /// Since the show began.
     pub at_secs: f64,
-    /// Which of the show's songs; `None` is live input, of which nothing is kept.
+    /// Which of the show's songs; `None` is live input, which is not recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub song: Option<usize>,
     /// Where in the song.
     #[serde(default)]
     pub song_secs: f64,
-    /// False: it stands still.
+    /// False: it is paused.
     pub playing: bool,
 }
 
 impl Stretch {
-    /// Where in the song the show is at `at_secs`, as long as this stretch lasts.
+    /// The song's time at `at_secs` of the show, within this stretch.
     pub fn song_secs_at(&self, at_secs: f64) -> f64 {
         if self.playing { self.song_secs + (at_secs - self.at_secs) } else { self.song_secs }
     }
 }
 
-/// What the shapes are made of and what shines on them, by the names of what there is.
+/// Material, lights and background, by their names.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Looks {
@@ -114,7 +114,7 @@ pub struct Looks {
     pub background: String,
 }
 
-/// Where the viewer stands, before the beat turns the shape. The default shows all of it.
+/// The viewpoint, before the beat turns the shape. The default shows the whole shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Viewpoint {
@@ -122,7 +122,7 @@ pub struct Viewpoint {
     pub yaw_rad: f32,
     /// Above the horizon.
     pub pitch_rad: f32,
-    /// The distance, in multiples of that from which all of it is seen.
+    /// The distance, in multiples of the smallest one that shows the whole shape.
     pub distance: f32,
     /// How far the picture is shifted to the right and downwards, in heights of a cell.
     pub shift: [f32; 2],
@@ -134,20 +134,20 @@ impl Default for Viewpoint {
     }
 }
 
-/// What was played and all that was done, so that it can go on or be filmed.
+/// What was played and all actions, so that the show can be continued or filmed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Show {
     /// 2.
     pub format_version: u32,
-    /// K of the body; none where an older file did not say.
+    /// K of the body; `None` in older files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub harmonics: Option<usize>,
     /// The seed of the gallery.
     pub seed: u64,
     /// S.
     pub size: usize,
-    /// How long it lasts; as long as its song where nothing is said.
+    /// How long it lasts; `None` is as long as its song.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub duration_secs: Option<f64>,
     /// Who dances: a mesh, or a caricature whose layers are voices.
@@ -165,7 +165,7 @@ pub struct Show {
     /// What was heard.
     #[serde(default)]
     pub songs: Vec<SongRef>,
-    /// Which of it when, in order; the first song from its beginning where nothing is said.
+    /// When each was heard, in order; if empty, the first song from its beginning.
     #[serde(default)]
     pub heard: Vec<Stretch>,
     /// All that was done, oldest first.
@@ -187,11 +187,11 @@ struct Session {
     actions: Vec<LoggedAction>,
 }
 
-/// The longest show: a day and a night.
+/// The longest show: 24 hours.
 const LONGEST_SECS: f64 = 86_400.0;
 
 impl Show {
-    /// All that was done to an instrument; body, songs and looks are still to be named.
+    /// All actions of an instrument; body, songs and looks are still to be filled in.
     pub fn of(instrument: &Instrument) -> Self {
         Self {
             format_version: FORMAT_VERSION,
@@ -226,7 +226,7 @@ impl Show {
         Ok(instrument)
     }
 
-    /// What a person should know who opens it: nothing, but for old files.
+    /// A warning for the user who opens it; only old files have one.
     pub fn caution(&self) -> Option<&'static str> {
         (self.read_from_version < 2).then_some(
             "A session of an older version, which names no shape, no look and no number of harmonics: it \
@@ -272,7 +272,7 @@ impl Show {
         text_file::print("show", self)
     }
 
-    /// Reads a show file of at most 64 MiB: hours of knobs that are turned all the time.
+    /// Reads a show file of at most 64 MiB: enough for hours of continuously turned knobs.
     pub fn load(path: &Path) -> Result<Self, Error> {
         Self::from_text(&text_file::read(path, 64)?)
     }

@@ -9,16 +9,16 @@ use crate::Class;
 
 /// χ_L and χ_R = 1 − χ_L: a smooth step across the plane in which the shape is its own mirror.
 ///
-/// "Left" is the viewer's left, who stands before the shape as it stands: for y up and front z the side of smaller
-/// x. A shape that is seen from the side, and so is its own mirror image in another plane or in none, is parted
-/// across the viewer's right.
+/// "Left" is the viewer's left in front of the shape as it stands: with y up and z in front, the side of smaller x.
+/// A shape without a mirror plane between the viewer's left and right, such as an animal seen from the side, is
+/// divided in its middle.
 #[derive(Clone, Debug)]
 pub struct Sides {
     /// χ_L, N values in [0, 1].
     pub left: Arc<[f32]>,
     /// χ_R, N values in [0, 1]; χ_L + χ_R = 1.
     pub right: Arc<[f32]>,
-    /// What the step was taken of.
+    /// The signal that the step was made from.
     pub source: SideSource,
 }
 
@@ -33,7 +33,7 @@ pub enum SideSource {
 
 /// Half the width of the step, as a share of the signal's root mean square.
 const STEP: f64 = 0.45;
-/// A signal that parts the viewer's halves agrees so well with their sides.
+/// The least correlation with the viewer's sides of a signal that separates them.
 const PARTED: f64 = 0.9;
 
 impl Sides {
@@ -41,8 +41,8 @@ impl Sides {
         let right = stands.right();
         let across: Vec<f64> = body.positions.iter().map(|p| (0..3).map(|i| right[i] * p[i]).sum()).collect();
         let n = body.positions.len();
-        // An antisymmetric harmonic parts the shape along its own plane; among those whose plane is the
-        // viewer's, the slowest has the fewest nodal lines.
+        // An antisymmetric harmonic divides the shape along its mirror plane; of those that separate the
+        // viewer's left and right, the slowest has the fewest nodal lines.
         let parts = |k: &usize| parting(body, &across, body.basis.harmonic(*k)).abs() > PARTED;
         let leading = (1..classes.len().min(40)).filter(|&k| classes[k] == Class::Antisymmetric).find(parts);
         let (signal, source) = match leading {

@@ -1,9 +1,9 @@
-//! What is on stage, and how the beat moves it: pure functions of beats gone by.
+//! What is on stage, and how the beat moves it: pure functions of the number of beats so far.
 
 use crate::gallery::{GalleryItem, ItemId};
 use crate::{Parameter, Parameters, Switch};
 
-/// Beats gone by, with the phase as the fraction, and how sure the tracker is, in [0, 1].
+/// The number of beats so far, with the phase as the fraction, and the tracker's confidence, in [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Beat {
     /// Number of beats so far; the fraction is the phase within the current one.
@@ -13,9 +13,8 @@ pub struct Beat {
 }
 
 impl Beat {
-    /// The beat at `secs` of a song whose beats fall at `beats_secs` (ascending): the first one
-    /// is number 1. Beyond the known beats their spacing goes on, and confidence fades within
-    /// two beats.
+    /// The beat at `secs` of a song whose beats fall at `beats_secs` (ascending): the first one is number 1.
+    /// Beyond the known beats their spacing continues, and confidence fades within two beats.
     pub fn among(beats_secs: &[f64], confidence: f32, secs: f64) -> Self {
         let [first, .., last] = *beats_secs else { return Self::default() };
         let next = beats_secs.partition_point(|&b| b <= secs);
@@ -38,12 +37,12 @@ impl Beat {
     }
 }
 
-/// What plays on stage at one moment: `to` has come in by `weight`, `from` still has the rest.
+/// What plays on stage at one moment: a cross-fade in which `to` has `weight` and `from` the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
-    /// The item that leaves; the same as `to` outside a transition.
+    /// The outgoing item; the same as `to` outside a transition.
     pub from: ItemId,
-    /// The item that comes.
+    /// The incoming item.
     pub to: ItemId,
     /// In [0, 1], smooth at both ends.
     pub weight: f32,
@@ -143,8 +142,8 @@ pub struct Reaction {
     pub light_gain: f32,
 }
 
-/// The reaction to a beat. At each beat chance decides whether the model or the lights move
-/// (the paper's choice); the movement takes half a beat and ends at rest.
+/// The reaction to a beat. At each beat a random draw decides whether the model or the lights move (as in the
+/// paper); the movement takes half a beat and ends at rest.
 pub fn react(beat: Beat, seed: u64, parameters: &Parameters) -> Reaction {
     let n = beat.count.max(0.0).floor();
     let phase = (beat.count.max(0.0) - n) as f32;
@@ -163,8 +162,8 @@ pub fn react(beat: Beat, seed: u64, parameters: &Parameters) -> Reaction {
     }
 }
 
-/// Where the model (kind 0) or the lights (kind 1) stand before beat `n`, in [−1, 1]: a new
-/// place at each beat that chance gave to this kind, kept until the next such beat.
+/// The position of the model (kind 0) or the lights (kind 1) before beat `n`, in [−1, 1]: a new one at each
+/// beat that was drawn for this kind, kept until the next such beat.
 fn pose(seed: u64, n: u64, kind: u64) -> f32 {
     for beat in (n.saturating_sub(32)..n).rev() {
         let draw = hash(seed, beat);

@@ -1,9 +1,9 @@
-//! How steeply a movement bends the surface: a triangle turns over where the gradient is large,
-//! however short the way.
+//! How steeply a movement bends the surface: where its gradient is large a triangle turns over, however small
+//! the displacement.
 
 use chladni_harmonics::Body;
 
-/// Narrower triangles have no gradient worth the name: height over length, about.
+/// Least ratio of height to length; narrower triangles have no meaningful gradient.
 const LEAST_ASPECT: f64 = 1e-3;
 
 /// A triangle of the rest shape on which gradients are taken.
@@ -41,8 +41,8 @@ impl Patch {
     }
 }
 
-/// What at most one in 50 of `patches` exceed where vertex v moves by `field(v)`: a handful of needles
-/// in a scan are not to still the rest. Beside it the steepest patch.
+/// The steepness that at most one in 50 of `patches` exceed where vertex v moves by `field(v)`, so that a few
+/// sliver triangles of a scan do not limit the rest; and the steepest patch.
 pub(crate) fn steepness(patches: &[Patch], field: impl Fn(u32) -> [f32; 3]) -> (f32, Option<Patch>) {
     let mut all: Vec<(f32, usize)> =
         patches.iter().enumerate().map(|(i, p)| (p.steepness(p.corners.map(&field)), i)).collect();

@@ -5,16 +5,16 @@ use crate::{Bands, Playing, Ringing};
 
 /// How middle S = (L + R) / 2 and side U = (L − R) / 2 are mixed for one item at one moment.
 ///
-/// Mixtures are of complex spectra, of which only squares are known:
+/// Complex spectra are mixed, of which only the squared magnitudes are known:
 /// |α S + β U|² = α² |S|² + β² |U|² + 2 α β Re(S Ū), with Re(S Ū) = (|L|² − |R|²) / 4.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StereoMix {
     mu: f32,
-    /// g^(1−μ): at μ = 1 nothing is amplified, and S − U is R, U + S is L.
+    /// g^(1−μ): at μ = 1 it is 1, so that S − U is R and U + S is L.
     side_gain: f32,
-    /// g, which the side that the bands bring is already multiplied by.
+    /// g, by which the bands' side signal is already multiplied.
     bands_gain: f32,
-    /// −1 where left and right are exchanged: U turns round.
+    /// −1 where left and right are exchanged: U changes sign.
     turn: f32,
 }
 
@@ -30,16 +30,16 @@ impl StereoMix {
         if self.mu == 0.0 { bands.mid[b] } else { self.magnitude(bands, b, 1.0, -self.mu * self.side_gain) }
     }
 
-    /// |g U + μ S|, what antisymmetric harmonics hear of it.
+    /// |g U + μ S|, what antisymmetric harmonics hear of band `b`.
     pub fn antisymmetric(&self, bands: &Bands<'_>, b: usize) -> f32 {
         if self.mu == 0.0 { bands.side[b] } else { self.magnitude(bands, b, self.mu, self.side_gain) }
     }
 
-    /// The same with a sign, for harmonics that swing: positive towards the left.
+    /// The same with a sign, for harmonics that swing: positive toward the left.
     ///
-    /// It is the part of g U that is in step with S, and never more than S, so that what S moves on both
-    /// sides comes to rest on one and is not turned over there. As μ goes to 1 a single channel is heard,
-    /// which has no other side to swing to.
+    /// It is the part of g U that is in step with S, limited to |S|, so that the movement by S on both sides
+    /// at most stops on one side and is never reversed there. As μ goes to 1 only a single channel is heard,
+    /// and nothing swings.
     pub fn swing(&self, bands: &Bands<'_>, b: usize) -> f32 {
         let s = bands.mid[b];
         let in_step = if s > 0.0 { self.side_gain * self.in_step(bands, b) / s } else { 0.0 };
@@ -47,7 +47,7 @@ impl StereoMix {
         towards + self.mu * (self.antisymmetric(bands, b) - towards)
     }
 
-    /// From what is heard at μ = 0 to what is heard at μ = 1.
+    /// Interpolates from the value at μ = 0 to the value at μ = 1.
     fn between(&self, at_zero: f32, at_one: f32) -> f32 {
         at_zero + self.mu * (at_one - at_zero)
     }
@@ -60,7 +60,7 @@ impl StereoMix {
     /// |α S + β U|.
     fn magnitude(&self, bands: &Bands<'_>, b: usize, alpha: f32, beta: f32) -> f32 {
         let (l, r, s) = (bands.left[b], bands.right[b], bands.mid[b]);
-        // Where the side is not amplified away it is known better than as a difference.
+        // Where the side gain is not 0, the side itself is more accurate than a difference.
         let side_square = match self.bands_gain {
             g if g > 0.0 => (bands.side[b] / g).powi(2),
             _ => (0.5 * (l * l + r * r) - s * s).max(0.0),
@@ -98,8 +98,8 @@ impl<'a> Ear<'a> {
         self.ringing.map_or_else(|| self.bands.right[b], |r| r.at(Signal::Right, tone, b))
     }
 
-    /// What rings has a sign, and magnitudes of mixtures have none: between μ = 0 and 1, where one signal is heard,
-    /// the two are mixed evenly.
+    /// Ringing has a sign, and the magnitude of a mixture has none. A single signal is heard at μ = 0 and at
+    /// μ = 1; in between, the two are blended linearly.
     pub fn symmetric(&self, b: usize, tone: u8) -> f32 {
         self.ringing.map_or_else(
             || self.mix.symmetric(self.bands, b),

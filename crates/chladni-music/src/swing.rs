@@ -1,4 +1,4 @@
-//! Which way harmonics swing where sound comes from one side, and which of them swing together.
+//! Which way harmonics swing when sound comes from one side, and which of them swing together.
 
 use chladni_harmonics::{Body, canonical};
 use rayon::prelude::*;
@@ -6,20 +6,20 @@ use rayon::prelude::*;
 use crate::sides::Sides;
 use crate::{Class, symmetry};
 
-/// Partners are sought among so many neighbours in frequency to either side.
+/// Partners are searched among this many neighbors in frequency on either side.
 const NEIGHBOURS: usize = 24;
-/// Partners agree at least so well, of 1.
+/// The least agreement of partners; 1 is perfect.
 const LEAST_AGREEMENT: f64 = 0.05;
-/// Less than this share of the largest lean there can be is rounding.
+/// A lean below this share of the largest possible one is rounding.
 const LEAST_LEAN: f64 = 1e-3;
 
-/// The modal form's sign and company of each harmonic.
+/// The sign and the partner of each harmonic in the modal form.
 ///
-/// An eigenvector's sign means nothing. Here antisymmetric harmonics swing outwards on the left, on the
-/// whole: ⟨H_a, χ_L − χ_R⟩ > 0. A symmetric one agrees on the left, and so disagrees on the right, with its
-/// partner: the antisymmetric one of largest |⟨H_s, (χ_L − χ_R) H_a⟩| ω_</ω_>, where ω_< ≤ ω_> are the
-/// frequencies of the two. The partner of an antisymmetric one is the symmetric one that it then agrees
-/// with most. Both together, equally loud, move the left half and leave the right one.
+/// An eigenvector's sign is arbitrary. Here antisymmetric harmonics swing outward on the left on average:
+/// ⟨H_a, χ_L − χ_R⟩ > 0. A symmetric one agrees on the left, and so disagrees on the right, with its partner:
+/// the antisymmetric one of largest |⟨H_s, (χ_L − χ_R) H_a⟩| ω_</ω_>, where ω_< ≤ ω_> are the frequencies of
+/// the two. The partner of an antisymmetric one is the symmetric one that it then agrees with most. Both
+/// together, equally loud, move the left half and leave the right one at rest.
 #[derive(Clone, Debug)]
 pub(crate) struct Swing {
     signs: Vec<f32>,
@@ -76,7 +76,7 @@ impl Swing {
         Self { signs: signs.into_iter().map(|sign| sign as f32).collect(), partners }
     }
 
-    /// 1, or −1 where harmonic k is to be turned round.
+    /// 1, or −1 where the sign of harmonic k is to be changed.
     pub fn sign(&self, k: u32) -> f32 {
         self.signs[k as usize]
     }
@@ -87,7 +87,7 @@ impl Swing {
     }
 }
 
-/// Harmonic, agreement and sign of the one that agrees most; of several that do but for rounding, the first.
+/// Harmonic, agreement and sign of the best one; among several that are equal to within rounding, the first.
 fn clearly_best(agreements: impl Iterator<Item = (usize, f64, f64)>) -> Option<(usize, f64, f64)> {
     agreements.fold(None, |best: Option<(usize, f64, f64)>, one| {
         let least = best.map_or(LEAST_AGREEMENT, |best| best.1 * (1.0 + 1e-6));

@@ -1,4 +1,4 @@
-//! Small text files with a format version: read, written, refused where they are newer or endless.
+//! Small text files with a format version: read, written, and refused if newer or too large.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ struct Version {
     format_version: u32,
 }
 
-/// The version of a text, which comes first: a newer file has fields of which nothing is known.
+/// The version of a text, which is read first: a newer file may have unknown fields.
 pub(crate) fn version(kind: &'static str, text: &str) -> Result<u32, Error> {
     let version: Version = parse(kind, text)?;
     if version.format_version > FORMAT_VERSION {

@@ -1,4 +1,4 @@
-//! Harmonics that sound together: nothing but choice tells those of one eigenvalue apart.
+//! Harmonics that sound together: those of one eigenvalue, whose basis is arbitrary.
 
 use std::ops::Range;
 
@@ -7,10 +7,11 @@ use chladni_harmonics::Basis;
 use crate::Class;
 use crate::symmetry::repeated;
 
-/// Runs of harmonics of one repeated eigenvalue and one class; most are of one harmonic. All of K in order.
+/// Runs of harmonics of one repeated eigenvalue and one class, which cover all K in order; most hold a single
+/// harmonic.
 ///
-/// Σ H_k x̃_k over a run does not change when its harmonics are rotated among each other or turned
-/// round, so that what a run plays in unison depends on the shape alone.
+/// Σ H_k x̃_k over a run does not change when its harmonics are rotated among each other or change sign, so
+/// what a run plays in unison depends on the shape alone.
 pub(crate) fn unisons(basis: &Basis, classes: &[Class], gap: f64) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for group in repeated(basis, gap) {

@@ -4,8 +4,7 @@ use crate::{FlashLimiter, most_flashes_per_second};
 
 /// How often each sRGB-encoded value occurs in a picture, per channel.
 ///
-/// From it the mean relative luminance (WCAG) is known under any [`Veil`], without another look
-/// at the pixels.
+/// It gives the mean relative luminance (WCAG) under any [`Veil`] without reading the pixels again.
 #[derive(Clone, Debug)]
 pub struct Histogram {
     counts: [[u32; 256]; 3],
@@ -35,7 +34,7 @@ impl Histogram {
         }
     }
 
-    /// Mean relative luminance in [0, 1] behind `veil`; 0 of no pixels.
+    /// Mean relative luminance in [0, 1] behind `veil`; 0 without pixels.
     pub fn luminance(&self, veil: Veil) -> f32 {
         let pixels: u64 = self.counts[0].iter().map(|&count| u64::from(count)).sum();
         let mut sum = 0.0f64;
@@ -61,7 +60,7 @@ pub enum Veil {
 }
 
 impl Veil {
-    /// What becomes of an sRGB-encoded value: mixed as windows mix, on the encoded values.
+    /// An sRGB-encoded value under the veil; blended on the encoded values, as windows do.
     pub fn over(self, value: u8) -> u8 {
         let mix = |opacity: u8, with: u32| {
             let opacity = u32::from(opacity);
@@ -117,14 +116,14 @@ impl FlashGuard {
         veil
     }
 
-    /// Something changes that no veil softens, such as panels of the window that come or go:
-    /// whether it may. What may is counted as one of a flash's two changes.
+    /// Whether a change that no veil can soften, such as panels of the window appearing, may happen now. If
+    /// so, it is counted as one of a flash's two changes.
     pub fn may_step(&mut self, time_secs: f64) -> bool {
         self.limiter.may_step(time_secs)
     }
 }
 
-/// What was shown, to be counted afterwards.
+/// The luminances that were shown, to count flashes afterwards.
 #[derive(Clone, Debug, Default)]
 pub struct FlashCount {
     times_secs: Vec<f64>,
@@ -132,7 +131,7 @@ pub struct FlashCount {
 }
 
 impl FlashCount {
-    /// Notes the mean luminance of what was shown at `time_secs`.
+    /// Records the mean luminance shown at `time_secs`.
     pub fn note(&mut self, time_secs: f64, luminance: f32) {
         self.times_secs.push(time_secs);
         self.luminances.push(luminance);

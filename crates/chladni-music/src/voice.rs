@@ -58,8 +58,8 @@ pub struct VoiceSettings {
 }
 
 impl VoiceSettings {
-    /// What voice number `voice` does until it is told otherwise: the bass, the beat, the side
-    /// and the treble in turn, so that the layers of a caricature move apart.
+    /// The default of voice number `voice`: the bass, the beat, the side and the treble in turn, so that the
+    /// layers of a caricature move differently.
     pub fn initial(voice: usize) -> Self {
         let driver = match voice % 4 {
             0 => Driver::Band { from: 0.0, to: 0.2 },

@@ -10,10 +10,10 @@ use super::tall::{BLOCK, Small, overlaps, residuals, subtract_products, upper_ov
 use crate::ldlt::Row;
 use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, pages};
 
-/// Limits that a basis must keep to be handed out.
+/// A basis with a larger residual is an error.
 const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
 const MAX_ORTHOGONALITY_ERROR: f64 = 1e-7;
-/// Overlaps between neighbouring slices above this are taken out.
+/// Overlaps between neighboring slices above this are removed.
 const OVERLAP: f64 = 0.2 * Certificate::ORTHOGONALITY;
 
 /// What was measured of one slice's pairs.
@@ -82,7 +82,7 @@ pub(super) fn assemble(
         rest = after;
         jobs.push((found, *own, out));
     }
-    // Each slice is given up as soon as it is written: the vectors are in memory once.
+    // Each slice is freed as soon as it is written, so that the vectors are in memory only once.
     jobs.into_par_iter().with_max_len(1).for_each(|(found, own, out)| write(&found, own, &places, out));
     let mut eigenvalues = vec![0.0; zeros];
     eigenvalues.extend(entries.iter().map(|e| e.value));
@@ -117,9 +117,9 @@ fn used_blocks<'a>(found: &'a Found, own: &[Entry]) -> Vec<(&'a [Row], [Option<u
     blocks
 }
 
-/// Vectors of two slices can overlap where eigenvalues on both sides of a cut are nearly equal;
-/// the upper slice's are then made orthogonal to the lower one's. Returns what each slice's
-/// vectors still share with those of the slice below.
+/// Vectors of two slices can overlap where eigenvalues on both sides of a cut are nearly equal; the upper
+/// slice's are then orthogonalized against the lower one's. Returns the remaining overlap of each slice with
+/// the slice below.
 fn separate_neighbors(slices: &mut [Found], ranges: &[&[Entry]]) -> Vec<f64> {
     let with_lower = |slices: &[Found], s: usize| {
         if s == 0 { 0.0 } else { largest_overlap(&slices[s - 1], ranges[s - 1], &slices[s], ranges[s]) }
@@ -197,8 +197,8 @@ fn measure(problem: &Problem, found: &Found, own: &[Entry], shared: f64) -> Opti
     Some(Measured { relative, absolute, overlap, low: first.value, high: last.value })
 }
 
-/// Inertia counts agree by construction of [`Known`]. Overlaps within a slice and with its
-/// neighbour are measured; further apart, and with the constant of λ = 0, they are bounded:
+/// Inertia counts agree by construction of [`Known`]. Overlaps within a slice and with its neighbor are
+/// measured; further apart, and with the constant of λ = 0, they are bounded:
 /// |xᵀy| ≤ (‖r_x‖ + ‖r_y‖) / |λ_x − λ_y| for a symmetric A.
 fn certificate(measured: &[Option<Measured>]) -> Certificate {
     let mut relative = 0.0_f64;

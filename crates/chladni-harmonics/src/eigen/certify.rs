@@ -6,13 +6,12 @@ use crate::{Basis, Certificate, HarmonicsError, Operator};
 
 /// Pairs between two counts.
 const STRIDE: usize = 50;
-/// Neighbours that differ by less than this share leave no room to count between them.
+/// Neighbors that differ by less than this share are too close to count between them.
 const ROOM: f64 = 1e-6;
 
 impl Operator {
-    /// Checks `basis` against this operator, whoever solved it: counts eigenvalues by inertia
-    /// above the last pair and below every fiftieth, and measures every residual and every
-    /// scalar product.
+    /// Checks `basis` against this operator, whatever solver it came from: counts eigenvalues by inertia
+    /// above the last pair and below every fiftieth, and measures every residual and every scalar product.
     ///
     /// The solver certifies what it returns while it solves (docs/eigensolver.md); this costs a
     /// few factorizations and a matrix product N×K×K more, for tests and for bases from elsewhere.

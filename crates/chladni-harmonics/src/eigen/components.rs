@@ -1,4 +1,4 @@
-//! Shapes of several connected components: S is block-diagonal, and each block a problem of its own.
+//! Shapes of several connected components: S is block-diagonal, and each block is a separate problem.
 
 use rayon::prelude::*;
 
@@ -9,11 +9,11 @@ use super::problem::{Problem, Profile, ZEROS};
 use super::{Solved, cluster_end, or_dense, solve_connected};
 use crate::{Basis, Certificate, HarmonicsError, Operator, Pencil, SymmetricSparse, pages};
 
-/// Share of the common shift beneath it in which no component has an eigenvalue.
+/// Relative width of the gap below the common shift in which no component has an eigenvalue.
 const GAP: f64 = 1e-6;
-/// Where the bracket of the common shift is as narrow as this, its upper end is taken.
+/// When the bracket of the common shift is this narrow, its upper end is taken.
 const NARROW: f64 = 1e-3;
-/// Rounds of counting in search of it.
+/// Rounds of counting in the search for the shift.
 const ROUNDS: usize = 100;
 /// Counts resolve eigenvalues down to this share of ‖A‖.
 const RESOLVED: f64 = 1e-13;
@@ -124,8 +124,8 @@ impl Components {
         Ok(self.counts(lambda, &mut Profile::default())?.iter().sum())
     }
 
-    /// A shift with at least `wanted` eigenvalues below it, few more unless a multiple one
-    /// forbids it, and none just beneath it: whatever cluster the K-th belongs to ends below it.
+    /// A shift with at least `wanted` eigenvalues below it, few more unless there is a multiple one, and none
+    /// just below it: the cluster of the K-th eigenvalue ends below it.
     fn common_shift(
         &self,
         wanted: usize,
@@ -170,11 +170,11 @@ impl Components {
 /// Two λ and N(λ) there, between which a count is reached.
 struct Bracket {
     low: (f64, f64),
-    /// Not known before a count was large enough.
+    /// `None` until a count was large enough.
     high: Option<(f64, f64)>,
     /// No eigenvalue is above this.
     bound: f64,
-    /// Whether it came to at most half its width when it was narrowed last.
+    /// Whether the last step at least halved its width.
     halved: bool,
     /// How boldly to go beyond `low` while there is no `high`.
     reach: f64,
@@ -226,7 +226,8 @@ impl Component {
     }
 
     fn count(&self, lambda: f64, profile: &mut Profile) -> Result<usize, HarmonicsError> {
-        // That a speck of a component has nothing but its λ = 0 below is seen higher up as well.
+        // For a tiny component the count is taken higher up: if only λ = 0 lies below that, the same holds
+        // here.
         let resolved = RESOLVED * self.problem.largest;
         if lambda < resolved && inertia(&self.problem, resolved, profile)?.1 == 1 {
             return Ok(1);
@@ -272,7 +273,7 @@ fn merge(
         profile.add(&solved.profile);
         fell_back_to_dense |= solved.fell_back_to_dense;
     }
-    // Each component is given up as soon as it is written: the vectors are in memory once.
+    // Each component is freed as soon as it is written, so that the vectors are in memory only once.
     parts.into_par_iter().zip(columns).with_max_len(1).for_each(|((vertices, solved), columns)| {
         for (column, h) in columns.into_iter().zip(solved.basis.vectors.chunks_exact(vertices.len())) {
             vertices.iter().zip(h).for_each(|(&v, h)| column[v as usize] = *h);

@@ -6,8 +6,8 @@ use super::{Solved, certify, cluster_end};
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, HarmonicsError, Pencil, SolveProfile};
 
-/// Solves M^-½ S M^-½ as a dense matrix, of which `zeros` eigenvalues are 0: every pair is there,
-/// so nothing can be missed.
+/// Solves M^-½ S M^-½, of which `zeros` eigenvalues are 0, as a dense matrix: all pairs are computed, so none
+/// can be missed.
 pub(super) fn solve(
     pencil: Pencil,
     zeros: usize,

@@ -22,8 +22,8 @@ pub(super) struct Found {
     pub slice: Slice,
     pub below_shift: usize,
     pub runs: Vec<Pairs>,
-    /// Of the top slice: a λ in the gap above all that is wanted, as far as it can tell, and
-    /// the number of eigenvalues below.
+    /// For the top slice: a λ in the gap above all wanted eigenvalues, as far as is known, and the number of
+    /// eigenvalues below it.
     pub top_count: Option<(f64, usize)>,
     next_seed: u64,
 }
@@ -37,7 +37,7 @@ pub(super) struct Entry {
     pub column: usize,
 }
 
-/// A run around one shift, whose pairs are yet to be looked at.
+/// A run around one shift, whose pairs are not checked yet.
 pub(super) struct Tried {
     attempt: u32,
     pairs: Pairs,
@@ -47,7 +47,7 @@ pub(super) struct Tried {
 }
 
 impl Found {
-    /// A slice with its first run made, if that came to something.
+    /// A slice with its first run done, if that succeeded.
     pub fn begin(
         problem: &Problem,
         slice: Slice,
@@ -80,8 +80,8 @@ impl Found {
         Ok(self)
     }
 
-    /// Looks for pairs that no run has found yet, beginning with the attempt of number `first`.
-    /// The top slice looks until it knows `count` eigenvalues of the whole problem.
+    /// Searches for pairs that no run has found yet, beginning with attempt number `first`. The top slice
+    /// searches until it knows `count` eigenvalues of the whole problem.
     pub fn search(
         &mut self,
         problem: &Problem,
@@ -100,8 +100,8 @@ impl Found {
         Err(Stopped::BadShift)
     }
 
-    /// One run; `None` where the shift was bad, and is moved. `made` is the factor at the slice's
-    /// shift, if there is one.
+    /// One run; `None` if the shift was bad and has been moved. `made` is the factor at the slice's shift, if
+    /// there is one.
     fn attempt(
         &mut self,
         problem: &Problem,
@@ -123,7 +123,7 @@ impl Found {
             factor
         };
         if shift != self.slice.shift {
-            // Pairs are told apart by their side of the shift: a moved shift starts anew.
+            // Pairs are identified by their side of the shift, so a moved shift starts over.
             self.runs.clear();
         }
         self.slice.shift = shift;
@@ -135,7 +135,7 @@ impl Found {
         match lanczos::run(problem, &factor, shift, &window, &locked, seed, careful, profile, task) {
             Ok(pairs) => Ok(Some(Tried { attempt, pairs, factor, from_zero: window.from_zero })),
             Err(Stopped::BadShift) => {
-                // On or beside an eigenvalue: step aside and start anew.
+                // Too close to an eigenvalue: move the shift and start over.
                 self.runs.clear();
                 self.slice.shift += width * 0.003 * f64::from(attempt);
                 Ok(None)
@@ -144,8 +144,8 @@ impl Found {
         }
     }
 
-    /// Takes in the pairs of a run, polished where need be, if they are good enough or there is
-    /// no attempt left; else moves the shift.
+    /// Accepts the pairs of a run, polished if needed, if they are good enough or no attempt is left; else
+    /// moves the shift.
     fn accept(&mut self, problem: &Problem, tried: Tried, profile: &mut Profile) -> bool {
         let Tried { attempt, mut pairs, factor, from_zero } = tried;
         let mut residual = largest_residual(problem, &pairs);
@@ -203,7 +203,7 @@ impl Found {
             values.filter(|l| (**l < slice.shift) == below).count()
         };
         let from_zero = slice.low == 0.0;
-        // Whoever looks for what another run has missed looks beyond the ends.
+        // A search for missed pairs also looks beyond the ends.
         let ends = slice.ends.filter(|_| self.runs.is_empty());
         let below = if from_zero {
             Reach::Count(self.below_shift.saturating_sub(zeros + known(true)))

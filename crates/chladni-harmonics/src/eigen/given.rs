@@ -1,4 +1,4 @@
-//! Pencils of which nothing is known but that they are symmetric and positive semidefinite.
+//! General pencils, of which only symmetry and positive semidefiniteness are known.
 
 use chladni_task::Task;
 
@@ -7,8 +7,8 @@ use super::problem::{Problem, Profile};
 use super::{Solved, or_dense, solve_connected};
 use crate::{HarmonicsError, Pencil, canonical};
 
-/// Shares of the largest possible eigenvalue: where the search for the first ones begins, what may lie below zero
-/// by rounding, and the least that all are lifted by.
+/// Shares of the largest possible eigenvalue: where the search for the first ones begins, how far rounding
+/// may push one below zero, and the least shift of all.
 const FIRST: f64 = 1e-13;
 const BELOW_ZERO: f64 = 1e-10;
 const LEAST_LIFT: f64 = 1e-10;
@@ -17,9 +17,9 @@ const ROUNDS: usize = 60;
 
 /// Solves for the first `harmonics` pairs of `pencil`.
 ///
-/// What is 0 has no relative error, and its vectors are unknown. So S + tM is solved, whose eigenvalues are those
-/// of S plus t, with t about as large as the first ones are apart: none is then small beside what it is to be told
-/// from.
+/// An eigenvalue 0 has no relative error, and its vectors are unknown. So S + tM is solved, whose eigenvalues
+/// are those of S plus t, with t about the distance between the first ones: then none is small compared with
+/// its distance to the next.
 pub(crate) fn solve(
     pencil: Pencil,
     harmonics: usize,

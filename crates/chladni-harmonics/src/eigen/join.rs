@@ -1,4 +1,4 @@
-//! One ascending list of pairs out of many slices, each place in it proven by inertia.
+//! One ascending list of pairs from many slices, each position in it proven by inertia.
 
 use super::CLUSTER;
 use super::found::{Entry, Found};
@@ -11,21 +11,21 @@ pub(super) struct Known {
     pub cluster_end: usize,
 }
 
-/// What joining came to.
+/// The outcome of joining.
 pub(super) enum Join {
     /// Every count agrees.
     Whole(Known),
     /// The number of eigenvalues below this λ must be known.
     NeedsCount(f64),
-    /// The top slice must go on.
+    /// The top slice must continue.
     NeedsMore,
     /// Between these two slices (or in one of them, twice) a pair is missing or doubled.
     Missing(usize, usize),
 }
 
 impl Join {
-    /// Joins `slices` of a problem of whose eigenvalues `zeros` are known beforehand; `top` is a λ above all that is wanted and the number of eigenvalues
-    /// below it, once it is known.
+    /// Joins `slices` of a problem with `zeros` eigenvalues that are known beforehand; `top` is a λ above all
+    /// wanted eigenvalues and the number of eigenvalues below it, once known.
     pub(super) fn of(slices: &[Found], zeros: usize, harmonics: usize, top: Option<(f64, usize)>) -> Self {
         let sides: Vec<(Vec<Entry>, Vec<Entry>)> =
             slices.iter().enumerate().map(|(s, found)| found.sides(s)).collect();
@@ -78,7 +78,7 @@ fn cut(lower: &[Entry], upper: &[Entry], between: usize) -> Option<usize> {
         let above = upper.get(upper.len() - (between - taken)).map(|e| e.value);
         let gap = match (below, above) {
             (Some(below), Some(above)) if taken < between => above - below,
-            // Everything from one side: the other's first pair beyond must not be among them.
+            // All from one side: the other side's first pair beyond the range must not be among them.
             (Some(below), _) if taken == between => {
                 lower.get(taken).map_or(f64::MAX, |next| next.value) - below
             }

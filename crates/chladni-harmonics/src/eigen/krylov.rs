@@ -10,15 +10,15 @@ use super::window::{Pairs, Reach, Window};
 use crate::ldlt::Row;
 use crate::symmetric_eigen::symmetric_eigen;
 
-/// Numbers of blocks at which Ritz vectors are selected, when about so many have converged,
-/// and how many blocks of them.
+/// Numbers of blocks at which Ritz vectors are selected, when about that many have converged, and how many
+/// blocks to select.
 const SELECTIONS: [usize; 4] = [10, 18, 30, 45];
 const SELECTED: usize = 2;
-/// Selecting pays if at least this share of the steps is still to come.
+/// Selecting pays if at least this share of the steps remains.
 const WORTH: f64 = 0.3;
-/// Steps between readings of the whole space, at most.
+/// Most steps between full reorthogonalizations.
 const LONGEST_PERIOD: usize = 6;
-/// Overlaps between blocks at which to read it less often, more often, and not go on.
+/// Overlaps between blocks at which to do this less often, more often, and to give up.
 const SLIGHT: f64 = 3e-11;
 const GRAVE: f64 = 1e-9;
 const LOST: f64 = 1e-5;
@@ -27,21 +27,21 @@ const LOST: f64 = 1e-5;
 #[derive(Default)]
 pub(super) struct Krylov {
     space: Vec<Blocks>,
-    /// How many of the blocks in `space` are V; the one after them is what comes next.
+    /// How many of the blocks in `space` are V; the one after them comes next.
     blocks: usize,
     /// V_jᵀ OP V_j.
     diagonal: Vec<Small>,
-    /// The triangular factor of what OP V_j has outside V_0 … V_j.
+    /// The triangular factor of the part of OP V_j outside V_0 … V_j.
     pub below: Vec<Small>,
-    /// Whether Ritz vectors are selected; else the whole space is read in every second step.
+    /// Whether Ritz vectors are selected; else every second step reorthogonalizes fully.
     selects: bool,
-    /// How many blocks there will be, about.
+    /// The expected number of blocks.
     expected: usize,
     /// Ritz vectors of the largest |θ|, along which orthogonality is lost first.
     selected: Vec<Blocks>,
-    /// How many blocks there were when the whole space was last taken out of the newest two.
+    /// The number of blocks at the last full reorthogonalization of the newest two.
     swept_at: usize,
-    /// How many steps to go without that.
+    /// Steps until the next one.
     period: usize,
 }
 
@@ -63,7 +63,7 @@ impl Krylov {
         Self { selects, expected, ..Self::default() }
     }
 
-    /// A space of no blocks yet, `first` to be the first one.
+    /// An empty space, whose first block will be `first`.
     pub fn begin(&mut self, problem: &Problem, first: &[Row]) {
         self.space.push(problem.spare_blocks());
         self.split().1.copy_from_slice(first);
@@ -82,7 +82,7 @@ impl Krylov {
         (blocks.into_iter().map(|block| &*block).collect(), next)
     }
 
-    /// Makes the next block one of V, with a copy of it in the place of the one after.
+    /// Makes the next block part of V, and puts a copy of it in the place after it.
     pub fn extend(&mut self, problem: &Problem) -> &mut [Row] {
         self.blocks += 1;
         if self.space.iter().flat_map(Blocks::iter).count() == self.blocks {
@@ -95,9 +95,9 @@ impl Krylov {
         next
     }
 
-    /// Takes out of the next block = OP · (last block) what lies in the space, keeping the last
-    /// block's share as the next diagonal block of T. Returns the length of each column inside,
-    /// or `None` where orthogonality has been lost.
+    /// Orthogonalizes the next block = OP · (last block) against the space, keeping the last block's
+    /// coefficients as the next diagonal block of T. Returns the length of each column inside, or `None`
+    /// where orthogonality has been lost.
     ///
     /// In exact arithmetic the last two blocks are all there is to take out. Rounding brings
     /// the older ones back, in each step by θ times more along the Ritz vectors of the largest
@@ -139,7 +139,7 @@ impl Krylov {
                 let loss = of_last.fold(0.0_f64, |most, c| most.max(c.abs()));
                 self.swept_at = blocks;
                 self.period = match loss {
-                    // Ritz vectors that converge now make the loss grow faster than it did.
+                    // Newly converged Ritz vectors make the loss grow faster than before.
                     _ if self.selected.is_empty() => 2,
                     ..SLIGHT => (self.period + 2).min(LONGEST_PERIOD),
                     ..GRAVE => self.period,
@@ -148,7 +148,7 @@ impl Krylov {
                 };
             }
         }
-        // From now on they are orthogonal to what comes, but not to the newest block itself.
+        // From now on new blocks are kept orthogonal to them, but the newest block is not yet.
         if self.selects
             && SELECTIONS.contains(&blocks)
             && blocks as f64 <= (1.0 - WORTH) * self.expected as f64
@@ -275,9 +275,9 @@ fn combine(
 }
 
 impl Ritz {
-    /// The pairs to keep, once all that the window asks for has converged: those from the shift
-    /// outwards, on each side up to the first that has not. Before that, by how much the worst
-    /// of what is asked for exceeds its tolerance.
+    /// The pairs to keep, once all pairs of the window have converged: those from the shift outward, on each
+    /// side up to the first that has not. Before that, the factor by which the worst pair of the window
+    /// exceeds its tolerance.
     pub fn converged(&self, window: &Window, problem: &Problem, shift: f64) -> Result<Range<usize>, f64> {
         let excess = |i: usize| self.residuals[i] / problem.tolerance(self.values[i], shift, window);
         let good = |i: usize| excess(i) <= 1.0;

@@ -10,8 +10,8 @@ use super::tall::{BLOCK, Dependence, Small, orthonormalize};
 use super::window::{Pairs, Stopped, Window};
 use crate::ldlt::{Factor, Row, Workspace};
 
-/// What one more block divides the residuals by, at the end of a window (between 3.6 and 4.2
-/// wherever it was measured).
+/// The factor by which one more block reduces the residuals at the ends of a window (measured between 3.6 and
+/// 4.2).
 const GAIN: f64 = 3.8;
 /// Up to this many vertices a step costs less than an eigenproblem in the space.
 const SMALL: usize = 5000;
@@ -30,8 +30,8 @@ pub(super) fn run(
 ) -> Result<Pairs, Stopped> {
     let n = problem.matrix.size();
     let locked: Vec<&[Row]> = locked.iter().flat_map(|p| p.blocks.iter()).collect();
-    // Convergence comes at about twice the pairs and 16 blocks. Looking costs a dense solve,
-    // which is more than a step or two where the mesh is small.
+    // Convergence takes about twice as many vectors as pairs, plus 16 blocks. A check costs a dense solve,
+    // which is more than a step or two on a small mesh.
     let twice = (window.expected * 2).div_ceil(BLOCK);
     let mut look_at = twice + if n > SMALL { 12 } else { 15 };
     let mut krylov = Krylov::new(n > SMALL && !careful, twice + 16);
@@ -60,7 +60,7 @@ pub(super) fn run(
             Ok(upper) => upper,
             Err(Dependence::Spoiled) => return Err(Stopped::BadShift),
             Err(Dependence::Found) => {
-                // The space has become invariant in some direction: go on with a new one.
+                // The space has become invariant in some direction: continue with a new one.
                 let seed = seed.wrapping_add(basis.len() as u64).rotate_left(17);
                 let all: Vec<&[Row]> = locked.iter().copied().chain(basis).collect();
                 fill_up(problem, window, image, &sizes, &all, seed).ok_or(Stopped::Exhausted)?
@@ -94,13 +94,12 @@ pub(super) fn run(
     }
 }
 
-/// What is left of a column of OP V outside the space is rounding where it is this much
-/// smaller than the column was.
+/// The remainder of a column of OP V outside the space is rounding if it is this much smaller than the
+/// column.
 const RANK: f64 = 1e-11;
 
-/// X ← Q of X = Q R one column after the other; a column that depends on others or is nothing
-/// but rounding becomes a random one orthogonal to all, with nothing of it in R. `None` where
-/// no other direction is left.
+/// X ← Q of X = Q R, one column after the other; a column that depends on others or is only rounding is
+/// replaced by a random one orthogonal to all, with zeros in R. `None` if no direction is left.
 fn fill_up(
     problem: &Problem,
     window: &Window,

@@ -27,12 +27,12 @@ use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, Pencil, Sol
 
 /// Up to this many vertices a dense solve is quicker than slices.
 const DENSE: usize = 300;
-/// Up to this many a dense solve is the way where a large share of all pairs is asked for.
+/// Up to this many vertices a dense solve is used if a large share of all pairs is asked for.
 const DENSE_SHARE: usize = 4000;
-/// Two eigenvalues that agree to this share count as one that is multiple.
+/// Two eigenvalues that agree to this relative tolerance count as one multiple eigenvalue.
 const CLUSTER: f64 = 1e-7;
 
-/// Eigenpairs and what must be said about them.
+/// Eigenpairs and what must be reported about them.
 pub(crate) struct Solved {
     pub basis: Basis,
     pub cuts_cluster: bool,
@@ -41,8 +41,8 @@ pub(crate) struct Solved {
     pub profile: SolveProfile,
 }
 
-/// Solves for the first `harmonics` pairs of `operator`, the choice among equally good ones made
-/// by [`canonical`]. For that a group of equal eigenvalues that K cuts is solved whole.
+/// Solves for the first `harmonics` pairs of `operator`; [`canonical`] chooses among equally good ones, for
+/// which a group of equal eigenvalues that K cuts is solved whole.
 pub(crate) fn solve(
     operator: &Operator,
     harmonics: usize,
@@ -71,7 +71,7 @@ pub(crate) fn solve(
     Ok(solved)
 }
 
-/// The last mend where slices could not be certified and it is affordable: to solve for everything.
+/// The last resort where slices could not be certified, if affordable: a dense solve.
 fn or_dense(
     solved: Result<Solved, HarmonicsError>,
     pencil: Pencil,
@@ -89,7 +89,7 @@ fn or_dense(
 }
 
 /// Solves for the first `harmonics` pairs of a connected surface, or of a given pencil without `zeros`;
-/// `problem` is made if need be. The stage counts pairs.
+/// `problem` is built if needed. The stage counts pairs.
 fn solve_connected(
     pencil: Pencil,
     zeros: usize,
@@ -107,7 +107,7 @@ fn solve_connected(
     }
     if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
         let solved = dense::solve(pencil, zeros, harmonics, whole_clusters)?;
-        // Where slivers make the largest eigenvalues huge, slices know the lowest better.
+        // Where slivers make the largest eigenvalues huge, slices are more accurate for the lowest.
         if n > DENSE || harmonics * 2 > n || solved.basis.certificate.is_precise() {
             stage.advance(harmonics as u64);
             return Ok(solved);
@@ -129,7 +129,7 @@ fn constant(pencil: Pencil) -> Solved {
     Solved { basis, cuts_cluster: false, fell_back_to_dense: false, profile: SolveProfile::default() }
 }
 
-/// The first place at or after K where neighbouring ones of all of `values` differ, or their end.
+/// The first position at or after K where neighboring `values` differ, or their end.
 fn cluster_end(values: &[f64], harmonics: usize) -> usize {
     let is_gap = |k: &usize| values[*k] - values[*k - 1] > CLUSTER * values[*k];
     (harmonics..values.len()).find(is_gap).unwrap_or(values.len())

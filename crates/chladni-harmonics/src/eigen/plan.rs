@@ -11,7 +11,7 @@ use crate::ldlt::{Factor, Workspace};
 const PER_SLICE: usize = 84;
 /// Up to this many slices the factors of the first counts are kept for them.
 const KEPT: usize = 8;
-/// How far counts may be from equal shares, for slices to start where they were taken.
+/// How far counts may be from equal shares if slices are to start where the counts were taken.
 const UNEVEN: f64 = 0.12;
 /// How far a count may be from the line between its neighbours, in slices, before eigenvalues are
 /// thought to come in clumps (0.02 to 0.09 on shapes found in the wild, 0.28 to 0.43 on spheres).
@@ -24,19 +24,19 @@ const PROBES: usize = 4;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slice {
     pub shift: f64,
-    /// The part of the spectrum that is its own; 0 is the lower end of the first slice.
+    /// The slice's own part of the spectrum; 0 is the lower end of the first slice.
     pub low: f64,
     pub high: f64,
     /// Eigenvalues that are thought to be in it.
     pub expected: usize,
-    /// How many there are below both ends, where that was counted.
+    /// How many eigenvalues lie below each end, if counted.
     pub ends: Option<(usize, usize)>,
     /// The last slice: it goes on until it knows λ_K and a gap above it.
     pub top: bool,
 }
 
-/// Slices that cover the `harmonics` smallest eigenvalues, with the factors that the plan
-/// made at their shifts, if it did.
+/// Slices that cover the `harmonics` smallest eigenvalues, with the factors at their shifts if the plan made
+/// them.
 pub(super) fn plan(
     problem: &Problem,
     harmonics: usize,
@@ -64,8 +64,8 @@ pub(super) fn plan(
     bounds[0] = 0.0;
     let mut below = vec![None; slices + 1];
     if counting.roughness() > CLUMPED * step {
-        // A run that has to go on until it has a pair beyond each end would have to resolve whole
-        // clumps beyond them, at twice the cost: it is told how many there are instead.
+        // To find a pair beyond each end, a run would have to resolve whole clumps there, at twice the cost;
+        // so it gets the counts instead.
         let mut counted = Counting(vec![(0.0, zeros as f64)]);
         sample(problem, &bounds[1..slices], &mut counted, profile)?;
         counted.0.push((bounds[slices], wanted));
@@ -149,7 +149,7 @@ fn count(
 ) -> Result<(), Stopped> {
     let n = problem.matrix.size() as f64;
     let mut top = match counting.0[..] {
-        // The line through the last sample, and a little beyond.
+        // Extrapolate through the last sample, and a little beyond.
         [.., (lambda, count)] if lambda > 0.0 => lambda * (1.05 * wanted / count.max(1.0)).clamp(1.02, 4.0),
         _ => weyl(problem, wanted),
     };
@@ -164,7 +164,7 @@ fn count(
             (1..=PROBES).map(|i| from + (top - from) * (i as f64 / PROBES as f64).powf(0.8)).collect();
         sample(problem, &probes, counting, profile)?;
         let (last, reached) = counting.0.last().copied().unwrap_or((top, n));
-        // Proportional to what is missing, never timid, never wild.
+        // In proportion to what is missing, within bounds.
         let grow = ((wanted + 2.0) / reached.max(1.0)).clamp(1.02, 4.0);
         top = last * (1.0 + 1.3 * (grow - 1.0));
     }

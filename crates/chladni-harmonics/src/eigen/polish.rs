@@ -12,11 +12,10 @@ const ROWS: usize = 4096;
 
 /// The pairs after one step of (A − σI)⁻¹ with σ < 0 and a Rayleigh–Ritz projection.
 ///
-/// A shift inside the spectrum leaves errors of rounding times ‖A‖, which are rough and much
-/// larger than the smallest eigenvalues. Below the spectrum A − σI is positive definite; its
-/// factor is accurate, and rough errors shrink by λ over their own, large eigenvalue. Where
-/// that factor cannot be made, the pairs come back as they were. `factor` only lends its memory.
-/// Threads without a slice help; what each computes does not depend on them.
+/// A shift inside the spectrum leaves errors of rounding times ‖A‖, which are rough and much larger than the
+/// smallest eigenvalues. Below the spectrum A − σI is positive definite; its factor is accurate, and rough
+/// errors shrink by λ over their own, large eigenvalue. If that factorization fails, the pairs are returned
+/// unchanged. `factor` is used only for its memory. Idle threads help; the result does not depend on them.
 pub(super) fn polish(problem: &Problem, pairs: Pairs, mut factor: Factor, profile: &mut Profile) -> Pairs {
     let Some(&lowest) = pairs.values.first() else { return pairs };
     let sigma = -0.5 * lowest;

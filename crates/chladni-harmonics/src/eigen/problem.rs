@@ -7,8 +7,8 @@ use super::window::Window;
 use crate::ldlt::{Row, Symbolic, nested_dissection};
 use crate::{Pencil, SolveProfile, SymmetricSparse, pages};
 
-/// Spare blocks that are given out at once where they make up large pages; smaller ones are given
-/// out one by one, which was 6 to 12 % quicker with 3,000 to 5,000 vertices and four threads.
+/// Spare blocks that are handed out together if they fill large pages; smaller ones are handed out one by
+/// one, which was 6 to 12 % faster with 3,000 to 5,000 vertices and four threads.
 const AT_ONCE: usize = 8;
 
 /// How many eigenvalues of a connected surface are exactly 0: its vector is √a.
@@ -26,11 +26,11 @@ pub(super) struct Problem {
     /// How many eigenvalues are exactly 0 and known beforehand: [`ZEROS`] of a surface, none of a pencil that was
     /// given.
     pub zeros: usize,
-    /// Σ a of a surface; else that of a surface whose eigenvalues are as dense.
+    /// Σ a of a surface; for a pencil, the area of a surface with equally dense eigenvalues.
     pub area: f64,
     /// The largest A_vv.
     pub largest: f64,
-    /// Blocks that finished slices have no more use for: fresh memory costs faults.
+    /// Blocks that finished slices no longer need; fresh memory costs page faults.
     spare: Mutex<Vec<Blocks>>,
 }
 
@@ -69,7 +69,7 @@ impl Problem {
         self.area = 4.0 * std::f64::consts::PI / lift;
     }
 
-    /// A few blocks of n rows with anything in them.
+    /// A few blocks of n rows with arbitrary contents.
     pub(super) fn spare_blocks(&self) -> Blocks {
         let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let n = self.matrix.size();

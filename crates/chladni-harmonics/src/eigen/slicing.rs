@@ -1,4 +1,4 @@
-//! All slices solved side by side, joined, and mended where their counts do not agree.
+//! All slices solved in parallel, joined, and repaired where their counts do not agree.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -13,7 +13,7 @@ use super::window::Stopped;
 use super::{Solved, assemble};
 use crate::{HarmonicsError, Pencil};
 
-/// Runs beyond the first that a slice gets before the solve is given up.
+/// Extra runs of a slice before the solve is given up.
 const REPAIRS: usize = 100;
 
 /// Solves for the first `harmonics` pairs of `problem`, which is of `pencil`.
@@ -29,7 +29,7 @@ pub(super) fn solve(
     let start = std::time::Instant::now();
     let slices = plan(problem, harmonics, &mut profile, task)?;
     profile.plan = start.elapsed().as_secs_f64();
-    // Of the stage, so much for each slice and the rest for assembling.
+    // Progress: an equal share for each slice, the rest for assembling.
     let (share, count) = (harmonics / (slices.len() + 1), slices.len());
     // The lowest slice has the most to do, as a rule, and the top one comes next.
     let mut queue: Vec<_> = slices.into_iter().enumerate().collect();

@@ -28,7 +28,7 @@ impl Blocks {
     /// `count` blocks of `n` rows of zeros, to be added to.
     pub(super) fn zeroed(n: usize, count: usize) -> Self {
         let mut blocks = Self::untouched(n, count);
-        // Fresh pages that are read first cost two faults, one more when they are written.
+        // Fresh pages that are read before they are written cost two faults instead of one.
         blocks.rows.fill([0.0; 8]);
         blocks
     }
@@ -60,7 +60,7 @@ pub(super) fn overlaps(basis: &[&[Row]], xs: &[&[Row]]) -> Vec<Small> {
     sums
 }
 
-/// VᵀX for each pair of `blocks` of which V does not come after X; others may be left out.
+/// VᵀX for each pair of `blocks` in which V does not come after X; others may be skipped.
 pub(super) fn upper_overlaps(blocks: &[&[Row]]) -> Vec<Small> {
     let mut sums = vec![[[0.0; 8]; BLOCK]; blocks.len() * blocks.len()];
     dispatch(Overlaps { basis: blocks, xs: blocks, upper: true, sums: &mut sums });
@@ -77,7 +77,7 @@ pub(super) fn overlap(v: &[Row], x: &[Row]) -> Small {
 struct Overlaps<'a> {
     basis: &'a [&'a [Row]],
     xs: &'a [&'a [Row]],
-    /// Pairs in which V comes after X may be left out.
+    /// Pairs in which V comes after X may be skipped.
     upper: bool,
     sums: &'a mut [Small],
 }
@@ -107,8 +107,8 @@ impl Kernel for Overlaps<'_> {
     }
 }
 
-/// The rows that are read after those of block `b` in `panel`: the same of the next block.
-/// Panels are too short for the processor to see that by itself.
+/// The rows to read after those of block `b` in `panel`: the same rows of the next block. Panels are too
+/// short for the processor's own prefetching.
 #[inline(always)]
 fn upcoming<'a>(basis: &[&'a [Row]], b: usize, panel: &Range<usize>) -> &'a [Row] {
     match basis.get(b + 1) {

@@ -19,15 +19,15 @@ pub(super) enum Reach {
 pub(super) struct Window {
     pub below: Reach,
     pub above: Reach,
-    /// Zero lies in the window: its eigenvectors, which are known, are kept out of the space.
+    /// Zero lies in the window: its known eigenvectors are deflated.
     pub from_zero: bool,
     /// How wide the window is in λ.
     pub width: f64,
-    /// How many pairs are expected, which only decides when to look first.
+    /// How many pairs are expected, which only decides when to check first.
     pub expected: usize,
 }
 
-/// Converged pairs nearest to a shift, none left out on either side as far as Lanczos can tell.
+/// Converged pairs nearest to a shift, without gaps on either side as far as Lanczos can tell.
 #[derive(Debug, Default)]
 pub(super) struct Pairs {
     /// Eigenvalues, ascending.

@@ -4,8 +4,7 @@ use super::cover::{Edges, ends};
 use super::intrinsic::mixed_voronoi_parts;
 use crate::SymmetricSparse;
 
-/// A triangle whose height over its longest side is below this share of it has no cotangents that
-/// mean anything.
+/// The cotangents of a triangle are meaningless if its height is below this share of its longest side.
 const FLAT: f64 = 1e-10;
 
 /// Why a mesh has no cotangent Laplacian; vertices are those of the operator.
@@ -66,7 +65,7 @@ impl TriangleMeasures {
         let [u, v] = [side[0], side[1]];
         let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let twice_area = dot(cross, cross).sqrt();
-        // The angle opposite to side i is between the two others, which run into and out of it.
+        // The angle opposite side i lies between the other two sides, of which one ends and one starts there.
         let cotangent = std::array::from_fn(|i| -dot(side[(i + 1) % 3], side[(i + 2) % 3]) / twice_area);
         Self { square: side.map(|s| dot(s, s)), area: 0.5 * twice_area, cotangent }
     }

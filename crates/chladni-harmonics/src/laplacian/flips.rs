@@ -16,8 +16,8 @@ pub(super) fn flip_to_delaunay(cover: &mut Cover) -> Result<(), HarmonicsError> 
     for &h in &waiting {
         is_waiting[h as usize] = true;
     }
-    // The number of flips is finite, and a few per edge on all meshes seen; the bound only
-    // keeps rounding from flipping one edge to and fro.
+    // The number of flips is finite, a few per edge on all meshes seen; the bound only stops rounding from
+    // flipping an edge back and forth.
     let mut budget = 200 * sides + 10_000;
     while let Some(h) = waiting.pop() {
         is_waiting[h as usize] = false;

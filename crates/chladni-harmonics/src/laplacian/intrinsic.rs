@@ -17,8 +17,8 @@ pub(super) fn cotangents(length: [f64; 3]) -> (f64, [f64; 3]) {
     (area, cotangent)
 }
 
-/// (cot β + cot β') / 2 of every edge between two vertices, times `share`. Edges of a Delaunay
-/// cover have none below zero but for rounding, which is cut off.
+/// (cot β + cot β') / 2 of every edge between two vertices, times `share`. On a Delaunay cover they are
+/// negative only by rounding, which is clamped to 0.
 pub(super) fn cotangent_weights(cover: &Cover, share: f64) -> Vec<(u32, u32, f64)> {
     let cotangent: Vec<f64> = cover.length.as_chunks::<3>().0.iter().flat_map(|l| cotangents(*l).1).collect();
     let mut edges = Vec::with_capacity(cover.tail.len() / 2);

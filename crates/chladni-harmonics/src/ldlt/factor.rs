@@ -11,7 +11,7 @@ use crate::{SymmetricSparse, pages};
 pub(crate) struct Factor {
     /// Values of L in the layout of [`Symbolic`].
     pub values: Vec<f64>,
-    /// The column of its supernode that each place is, by new index (see [`eliminate`]).
+    /// For each position, its column in the supernode, by new index (see [`eliminate`]).
     pub order: Vec<u32>,
     /// 1 / D, by new index and in that order.
     pub inverse_pivots: Vec<f64>,
@@ -68,7 +68,7 @@ impl Kernel for Factorize<'_> {
         factor.below_shift = 0;
         let mut place = vec![0_u32; symbolic.size()];
         let mut pivots = Vec::new();
-        // Fronts waiting for their parents: (supernode, where its complement lies).
+        // Fronts waiting for their parents: (supernode, where its complement is stored).
         let mut finished: Vec<(usize, usize)> = Vec::new();
         for (s, node) in symbolic.supernodes.iter().enumerate() {
             let size = node.width + node.below;

@@ -7,7 +7,7 @@ pub(super) const TILE: usize = 16;
 /// Rows of an update tile.
 const TALL: usize = 8;
 
-/// A pivot so small that the shift is on an eigenvalue, for all that can be told in f64.
+/// A pivot so small that, in f64, the shift is indistinguishable from an eigenvalue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ZeroPivot;
 
@@ -16,12 +16,12 @@ pub(super) fn stride(size: usize) -> usize {
     size.next_multiple_of(TILE)
 }
 
-/// Eliminates the first `width` columns of the symmetric front `f` (row-major, lower triangle,
-/// [`stride`] rows that far apart): column k < width then holds L below the diagonal,
-/// `pivots[k]` = D_kk, and the rest holds its Schur complement. Within each [`TILE`] of columns
-/// the largest diagonal is eliminated first, which keeps L from growing where a shift inside
-/// the spectrum makes a pivot small: place k is column `order[k]` of the front. What lies above the diagonal
-/// or past `size` is garbage. `packed` is scratch of `stride · width` values.
+/// Eliminates the first `width` columns of the symmetric front `f` (row-major, lower triangle, [`stride`]
+/// rows that far apart): column k < width then holds L below the diagonal, `pivots[k]` = D_kk, and the rest
+/// holds its Schur complement. Within each [`TILE`] of columns the largest diagonal is eliminated first,
+/// which keeps L from growing where a shift inside the spectrum makes a pivot small: position k is column
+/// `order[k]` of the front. Values above the diagonal or past `size` are garbage. `packed` is scratch of
+/// `stride · width` values.
 #[inline(always)]
 pub(super) fn eliminate<L: Lanes>(
     lanes: L,
@@ -70,7 +70,7 @@ pub(super) fn eliminate<L: Lanes>(
 struct Eliminated {
     /// Its L, in the order of elimination.
     lower: [[f64; TILE]; TILE],
-    /// The column of the block that each place is.
+    /// For each position, its column of the block.
     order: [usize; TILE],
 }
 
@@ -113,7 +113,7 @@ fn eliminate_diagonal_block<L: Lanes>(
                 row[k / 8][k % 8] = row[largest / 8][largest % 8];
                 row[largest / 8][largest % 8] = kept;
             }
-            // What earlier blocks left of these two rows of L.
+            // These two rows of L in the earlier blocks.
             let (upper, low) = f.split_at_mut((k0 + largest) * ld);
             upper[(k0 + k) * ld..(k0 + k) * ld + k0].swap_with_slice(&mut low[..k0]);
         }

@@ -7,7 +7,7 @@ use crate::SymmetricSparse;
 
 /// Parts of at most this many vertices are ordered by minimum degree.
 const LEAF: usize = 400;
-/// Parts larger than this are dissected side by side on two threads.
+/// Parts larger than this are dissected in parallel on two threads.
 const PARALLEL: usize = 3000;
 
 /// An order of elimination, as the old index of each new one. Does not depend on threads.
@@ -66,7 +66,7 @@ fn dissect(whole: &Graph, part: &Part, order: &mut [u32]) {
     let names = (0..n).filter(|&v| sides[v] == SEPARATOR).map(|v| part.name[v]);
     separator.iter_mut().zip(names).for_each(|(slot, name)| *slot = name);
     if left.name.len() == n || right.name.len() == n {
-        // Nothing was split off; keep the order as it is rather than recurse for ever.
+        // Nothing was split off; keep the order rather than recurse forever.
         order.copy_from_slice(&part.name);
     } else if n > PARALLEL {
         rayon::join(|| dissect(whole, &left, first), || dissect(whole, &right, second));
@@ -76,8 +76,8 @@ fn dissect(whole: &Graph, part: &Part, order: &mut [u32]) {
     }
 }
 
-/// A small part by minimum degree, its neighbours in the separators around it counted with it
-/// though they are eliminated later.
+/// Orders a small part by minimum degree. Neighbors in the surrounding separators count, though they are
+/// eliminated later.
 fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
     let mut around: Vec<u32> = part.iter().flat_map(|&v| whole.of(v)).copied().collect();
     around.sort_unstable();
@@ -120,7 +120,7 @@ fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
         pivot.copy_from_slice(&joined[v * words..(v + 1) * words]);
         let neighbours = (0..part.len()).filter(|&u| pivot[u / 64] >> (u % 64) & 1 == 1);
         for u in neighbours {
-            // What an eliminated vertex was joined to becomes a clique.
+            // The neighbors of an eliminated vertex become a clique.
             let row = &mut joined[u * words..(u + 1) * words];
             row.iter_mut().zip(&pivot).for_each(|(word, new)| *word |= new);
             row[u / 64] &= !(1 << (u % 64));
@@ -130,7 +130,7 @@ fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
     }
 }
 
-/// A separator, or where there are several components, a deal of them that cuts none.
+/// A separator, or, where there are several components, a division of them that cuts none.
 fn split(graph: &Graph) -> Vec<u8> {
     let mut met = vec![false; graph.size()];
     let mut queue = vec![0];

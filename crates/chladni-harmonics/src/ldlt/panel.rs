@@ -1,5 +1,5 @@
-//! How the values of L lie: panels of eight rows, column after column, so that a solve reads
-//! one line of cache for eight products.
+//! The memory layout of L: panels of eight rows, column after column, so that a solve reads one cache line
+//! for eight products.
 
 /// Rows of a panel; the last one of a block may have fewer.
 pub(super) const PANEL: usize = 8;

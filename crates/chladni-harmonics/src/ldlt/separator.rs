@@ -148,7 +148,7 @@ impl Level {
         best.map_or_else(|| vec![LEFT; n], |(_, part)| part)
     }
 
-    /// Left is what is reached first from `seed`, up to half of the weight.
+    /// Left is what a breadth-first search from `seed` reaches first, up to half of the weight.
     fn grown(&self, seed: u32) -> Vec<u8> {
         let n = self.graph.size();
         let mut part = vec![RIGHT; n];
@@ -224,7 +224,7 @@ impl Moves<'_> {
         u64::from(self.level.vertex_weights[v as usize])
     }
 
-    /// What moving v out of the separator to `side` wins: itself, less those it pulls in.
+    /// The gain of moving v out of the separator to `side`: its weight, less those it pulls in.
     fn gain(&self, part: &[u8], v: u32, side: u8) -> i64 {
         let pulled = self.level.graph.of(v).iter().filter(|&&u| part[u as usize] == 1 - side);
         self.weight(v) as i64 - pulled.map(|&u| self.weight(u) as i64).sum::<i64>()

@@ -87,8 +87,8 @@ pub(super) fn parts<'a>(
     (diagonal, below, &symbolic.rows[node.rows_start..node.rows_start + node.below])
 }
 
-/// Calls a function for a panel of 1 to 7 rows with their number known to the compiler, so that
-/// they stay in registers.
+/// Calls a function for a panel of 1 to 7 rows with their number as a constant, so that they stay in
+/// registers.
 macro_rules! sized {
     ($size:expr, $function:ident($($argument:expr),*)) => {
         match $size {
@@ -121,7 +121,7 @@ fn products<L: Lanes, const R: usize>(lanes: L, panel: &[f64], x: &[Row]) -> [L:
 #[inline(always)]
 fn subtract_transposed<L: Lanes, const R: usize>(lanes: L, panel: &[f64], x: &[L::V; R], own: &mut [Row]) {
     for (l, own) in panel.as_chunks::<R>().0.iter().zip(own) {
-        // Two sums, as one would wait for itself.
+        // Two sums, because a single one would wait for its own result.
         let mut sum = [lanes.load(own), lanes.splat(0.0)];
         for r in 0..R {
             sum[r % 2] = lanes.mul_sub_from(lanes.splat(l[r]), x[r], sum[r % 2]);

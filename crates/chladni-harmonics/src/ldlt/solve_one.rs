@@ -1,5 +1,5 @@
-//! Solving with a single right-hand side, where every value of L is used once and reading it is
-//! all the time there is.
+//! Solving with a single right-hand side, where every value of L is used once, so that reading L takes all
+//! the time.
 
 use super::panel::{PANEL, diagonal_len};
 use super::solve::{parts, reorder};
@@ -97,7 +97,7 @@ impl Kernel for SolveOne<'_> {
 fn products<L: Lanes>(lanes: L, panel: &[f64], size: usize, x: &[f64]) -> [f64; PANEL] {
     let mut sums = [0.0; PANEL];
     if size == PANEL {
-        // Two sums, as one would wait for itself.
+        // Two sums, because a single one would wait for its own result.
         let mut lane = [lanes.splat(0.0); 2];
         let columns = panel.as_chunks::<PANEL>().0;
         let (pairs, last) = columns.as_chunks::<2>();

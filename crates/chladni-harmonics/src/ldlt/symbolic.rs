@@ -268,8 +268,7 @@ fn column_counts(lower: &Rows, parent: &[u32]) -> Vec<u32> {
     count
 }
 
-/// What a supernode costs a solve besides its stored values, in values: merging two is worth
-/// this many stored zeros.
+/// The overhead of a supernode in a solve, in stored values: merging two is worth this many stored zeros.
 const OVERHEAD: usize = 32;
 
 /// A group of columns that are eliminated together.
@@ -279,9 +278,9 @@ struct Group {
     parent: u32,
 }
 
-/// An order of the columns of a postordered tree and its cut into supernodes, as (first, end):
-/// columns with equal rows, and a supernode with its parent wherever the stored zeros that
-/// come of it cost less than a supernode of its own (Ashcraft & Grimes 1989).
+/// An order of the columns of a postordered tree and its cut into supernodes, as (first, end): columns with
+/// equal rows, and a supernode with its parent wherever the extra stored zeros cost less than a separate
+/// supernode (Ashcraft & Grimes 1989).
 fn supernodes(parent: &[u32], counts: &[u32]) -> (Vec<u32>, Vec<(usize, usize)>) {
     let n = parent.len();
     let mut groups: Vec<Group> = Vec::new();
@@ -305,7 +304,7 @@ fn supernodes(parent: &[u32], counts: &[u32]) -> (Vec<u32>, Vec<(usize, usize)>)
             children[of_column[up as usize] as usize].push(g as u32);
         }
     }
-    // Children come before parents, so that each child is as large as it will get.
+    // Children come before parents, so that each child is already complete.
     for g in 0..groups.len() {
         let mut own = std::mem::take(&mut children[g]);
         own.sort_by_key(|&c| std::cmp::Reverse(groups[c as usize].below));

@@ -62,7 +62,8 @@ pub(super) fn mirrored(
     Ok((scores, rotations))
 }
 
-/// The rotation of each group of repeated eigenvalues that the geometry alone chooses, where no mirror has a say.
+/// The rotation of each group of repeated eigenvalues, chosen by the geometry alone because there is no
+/// mirror.
 pub(super) fn unmirrored(
     body: &Body,
     settings: &SymmetrySettings,
@@ -118,7 +119,7 @@ fn classify(
         .collect();
     let inner =
         |f: &[f64], g: &[f64]| -> f64 { f.iter().zip(g).zip(&basis.mass).map(|((f, g), a)| a * f * g).sum() };
-    // ‖H_k∘T‖ falls below 1 where the mirror misses; it must not count as asymmetry.
+    // ‖H_k∘T‖ falls below 1 where the mirror image misses the shape; that must not count as asymmetry.
     let norms: Vec<f64> = images.iter().map(|h| inner(h, h).sqrt().max(f64::MIN_POSITIVE)).collect();
     let mut matrix = vec![vec![0.0; size]; size];
     for i in 0..size {
@@ -142,8 +143,8 @@ fn classify(
     (scores, Some(Rotation { first: group.start, mix }))
 }
 
-/// Columns of `mix` that belong to one class are still any of many; the geometry chooses, as it does among
-/// the harmonics of one eigenvalue.
+/// Columns of `mix` that belong to one class are still an arbitrary basis; the geometry fixes it, as for the
+/// harmonics of one eigenvalue.
 fn choose_within_classes(
     body: &Body,
     group: &Range<usize>,

@@ -50,7 +50,7 @@ pub enum SymmetryMethod {
 pub struct SymmetrySettings {
     /// n_k: how many non-constant harmonics the extrema and signatures are taken of.
     pub signature_harmonics: usize,
-    /// c: for how many of them a vertex must be an extremum; lowered until 8 remain.
+    /// c: for how many of them a vertex must be an extremum; lowered until 8 vertices remain.
     pub least_extrema: usize,
     /// Neighbouring eigenvalues whose relative gap is below this count as repeated.
     pub cluster_gap: f64,
@@ -59,8 +59,8 @@ pub struct SymmetrySettings {
     /// A mirror plane may miss the shape by at most this share of its bounding box's diagonal
     /// (root mean square over the best nine tenths of the vertices).
     pub plane_tolerance: f64,
-    /// By the paper's vote alone, even where there is a mirror plane: symmetric where more pairs say so
-    /// than speak against it, antisymmetric otherwise.
+    /// Uses the paper's vote alone, even where there is a mirror plane: symmetric where a majority of pairs
+    /// says so, antisymmetric otherwise.
     pub by_vote: bool,
 }
 

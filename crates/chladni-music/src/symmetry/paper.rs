@@ -69,8 +69,8 @@ impl Extrema {
     }
 }
 
-/// The harmonics of one eigenvalue, as the test looks at them: one as it is; of several the length
-/// of the row of their values, which does not depend on the choice of them.
+/// The harmonics of one eigenvalue as the test sees them: a single one as it is; of several, the norm of
+/// their values at a vertex, which does not depend on the choice of basis.
 struct Tone<'a> {
     harmonics: Range<usize>,
     values: Cow<'a, [f64]>,
@@ -82,7 +82,7 @@ impl Tone<'_> {
         let h = &self.values;
         let least = ring.iter().all(|&w| h[w as usize] > h[v]);
         let most = ring.iter().all(|&w| h[w as usize] < h[v]);
-        // Where the length of a row is least nothing in particular need be.
+        // For several harmonics, a minimum of the norm means nothing.
         !ring.is_empty() && (most || (least && self.harmonics.len() == 1))
     }
 }
@@ -122,8 +122,7 @@ fn pairs(vertices: &[u32], tones: &[Tone<'_>]) -> Vec<[u32; 2]> {
         .collect();
     let mut pairs: Vec<[u32; 2]> = Vec::new();
     for (i, &j) in nearest.iter().enumerate() {
-        // Nearest of each other: the paper asks only for "closest", which lets one odd vertex
-        // pair with anything.
+        // Mutually nearest: the paper asks only for "closest", which lets one odd vertex pair with anything.
         if let Some(j) = j
             && i < j
             && nearest[j] == Some(i)
