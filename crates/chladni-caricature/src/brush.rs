@@ -1,25 +1,25 @@
-//! What a brush covers: the part of the shape, as it is seen, that is near enough along the surface.
+//! What a brush covers: the part of the displayed shape within its radius along the surface.
 
 use chladni_mesh::MirrorPlane;
 
 use crate::{Surface, SurfacePoint};
 use chladni_mesh::surface::vec3::{Vec3, dot, sub};
 
-/// The shape as somebody sees it.
+/// The shape as displayed, and the viewpoint.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
-    /// Its triangles, and where it lies at rest.
+    /// Its triangles and rest positions.
     pub surface: &'a Surface,
-    /// Its N vertices where they are seen, moved by layers; working frame.
+    /// Its N displayed vertices, moved by layers; working frame.
     pub positions: &'a [[f32; 3]],
-    /// From where it is seen, far away where the view is parallel; `None` is from all sides at once.
+    /// The eye, far away for a parallel view; `None` ignores visibility.
     pub eye: Option<[f64; 3]>,
 }
 
 /// A round brush.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brush {
-    /// Radius along the surface as it is seen, working frame.
+    /// Radius along the displayed surface, working frame.
     pub radius: f64,
     /// Covers the mirrored place too. The plane is one of the shape at rest.
     pub mirror: Option<MirrorPlane>,
@@ -42,7 +42,7 @@ impl Seen<'_> {
         self.positions[v as usize].map(f64::from)
     }
 
-    /// How far triangle `t` faces `eye`: positive where its front is seen.
+    /// How much triangle `t` faces `eye`: positive if its front is visible.
     fn facing(&self, t: u32, eye: Vec3) -> f64 {
         let [a, b, c] = self.surface.triangles[t as usize].map(|v| self.at(v));
         dot(chladni_mesh::surface::vec3::cross(sub(b, a), sub(c, a)), sub(eye, a))
@@ -50,10 +50,10 @@ impl Seen<'_> {
 }
 
 impl Brush {
-    /// What the brush covers when it is pressed on `seen` at `at`: all that lies within its radius
-    /// along the surface, over triangles that show the eye the same side as the one at `at`. So it
-    /// goes neither through the shape nor around its edge to where nobody sees. Nothing where there
-    /// is no such triangle or the positions belong to another shape.
+    /// What the brush covers when it is pressed on `seen` at `at`: all that lies within its radius along the
+    /// surface, over triangles that show the eye the same side as the one at `at`. So it passes neither
+    /// through the shape nor around its edge onto the hidden side. Empty if there is no such triangle or the
+    /// positions belong to another shape.
     pub fn reach(&self, seen: &Seen<'_>, at: &SurfacePoint) -> Reach {
         let mut reach = self.press(seen, at);
         let twin = self.mirror.and_then(|plane| {
@@ -159,12 +159,12 @@ mod tests {
             let in_a_ball = |v: usize| distance(ear.positions[v], at) <= 0.3;
             assert!((front..2 * front).any(in_a_ball), "a ball goes through");
         }
-        // From all sides at once it goes around the rim, but not through.
+        // Without an eye it goes around the rim, but not through.
         let around = reach(&ear, [0.7, 0.0, 0.02], 0.3, None).vertices();
         assert!(around.iter().any(|v| *v as usize >= front));
         let middle = reach(&ear, [0.0, 0.0, 0.02], 0.3, None).vertices();
         assert!(middle.iter().all(|v| (*v as usize) < front));
-        // Whoever looks at the back paints the back.
+        // Seen from behind, it paints the back.
         let below = Some([0.2, 0.1, -5.0]);
         let back = reach(&ear, [0.0, 0.0, -0.02], 0.3, below).vertices();
         assert!(back.len() > 40 && back.iter().all(|v| *v as usize >= front));

@@ -1,4 +1,4 @@
-//! The same recipe on another shape: what names vertices or places of the old one is carried over.
+//! The same recipe on another shape: everything that names vertices or places of the old one is carried over.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use chladni_mesh::surface::vec3::{Vec3, distance};
 pub struct Carried {
     /// The project; its `shape` is still the old one's name.
     pub project: Project,
-    /// How well the two shapes were matched, where they had to be.
+    /// How well the two shapes were matched, if they had to be.
     pub report: Option<MatchReport>,
 }
 
@@ -63,7 +63,7 @@ impl Project {
             let region = Region { painted, ..layer.region.clone() };
             Ok(Layer { template, region, matching, ..layer.clone() })
         })?;
-        // How this shape stands says nothing of how another does.
+        // This shape's orientation says nothing about another's.
         project.stands = None;
         Ok(Carried { project, report: way.map(|way| way.report) })
     }
@@ -76,7 +76,7 @@ fn moved(sphere: &Sphere, from: &Frame, to: &Frame) -> Sphere {
     }
 }
 
-/// Where each vertex of the new mesh lies on the old one.
+/// For each vertex of the new mesh, its place on the old one.
 struct Way {
     on_old: Vec<SurfacePoint>,
     /// The points of `on_old`, in the old file's coordinates.
@@ -135,8 +135,8 @@ impl Way {
         Ok(carried.into())
     }
 
-    /// Landmarks whose end on the old mesh moves to the new vertex that lies nearest to it. Of two
-    /// that meet in one vertex the first stays.
+    /// Landmarks whose end on the old mesh moves to the new vertex that lies nearest to it. If two move to
+    /// the same vertex, the first is kept.
     fn landmarks(&self, from: &TriMesh, landmarks: &[Landmark]) -> Vec<Landmark> {
         let mut carried: Vec<Landmark> = Vec::with_capacity(landmarks.len());
         for landmark in landmarks {

@@ -13,15 +13,15 @@ use crate::Surface;
 
 /// Finds triangles of a surface that pass through others, wherever its vertices are moved to.
 ///
-/// A tree of boxes over the triangles is made once, of the surface at rest; each search only fits
-/// its boxes to the vertices, in linear time.
+/// A tree of boxes over the triangles is built once, for the surface at rest; each search only refits its
+/// boxes to the vertices, in linear time.
 #[derive(Clone, Debug)]
 pub struct Crossings {
     surface: Arc<Surface>,
     tree: BoxTree,
 }
 
-/// Triangles between two looks at whether to stop.
+/// Triangles between two checks for cancellation.
 const PIECE: usize = 1024;
 
 impl Crossings {
@@ -45,7 +45,7 @@ impl Crossings {
     pub fn triangles(&self, positions: &[Vec3], task: &Task) -> Result<Vec<u32>, Cancelled> {
         let mut tree = self.tree.clone();
         tree.fit(|t| bounds(&self.surface, t, positions));
-        // A mark per triangle: of a crumpled surface the pairs would fill any memory.
+        // A mark per triangle: on a crumpled surface a list of pairs could fill the memory.
         let crossed: Vec<AtomicBool> = tree.order().iter().map(|_| AtomicBool::new(false)).collect();
         let slots: Vec<usize> = (0..crossed.len()).collect();
         slots.par_chunks(PIECE).try_for_each(|slots| {
@@ -68,7 +68,7 @@ impl Crossings {
             }
             let there = tree.order()[later];
             let marks = [here, there].map(|t| &crossed[t as usize]);
-            // Read too early, a mark only costs another test.
+            // A mark that is read too early only costs another test.
             if marks.iter().all(|mark| mark.load(Relaxed)) {
                 return limit;
             }

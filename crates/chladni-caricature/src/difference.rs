@@ -25,13 +25,13 @@ impl Model {
     /// All three, in the order of the paper.
     pub const ALL: [Self; 3] = [Self::Coordinate, Self::Normal, Self::Distance];
 
-    /// The strongest exaggeration that the paper uses with it: what the distance model bears tears the others.
+    /// The strongest exaggeration that the paper uses with it; the distance model's would tear the shape in
+    /// the others.
     pub fn strongest_usual_mu(self) -> f64 {
         if self == Self::Distance { -8.0 } else { -2.4 }
     }
 
-    /// The μ that the paper's results name for it: −8 for the distance model, for the others the weak
-    /// end of −0.8 … −2.4.
+    /// The μ of the paper's results: −8 for the distance model, for the others the weak end of −0.8 … −2.4.
     pub fn paper_mu(self) -> f64 {
         if self == Self::Distance { -8.0 } else { -0.8 }
     }
@@ -188,7 +188,7 @@ pub struct Difference {
     psi: OnceLock<Psi>,
 }
 
-/// The scales of a difference, as one model sees it: all together have the energy Σ_v a(v) ‖X(v)‖².
+/// The scales of a difference, as one model sees it; the sum of their squares is the energy Σ_v a(v) ‖X(v)‖².
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amplitudes {
     /// ‖X̃_k‖, K.
@@ -231,7 +231,7 @@ impl Difference {
         })
     }
 
-    /// Transforms all that the three models need and that is not there yet, in one pass.
+    /// Computes all missing transforms that the three models need, in one pass.
     pub fn prepare(&self) {
         self.xi_spectrum();
         self.psi();
@@ -246,7 +246,7 @@ impl Difference {
         })
     }
 
-    /// ξ̃_k, K. Where the base's transform is not there yet, it comes in the same pass.
+    /// ξ̃_k, K. If the base's transform is missing, it is computed in the same pass.
     pub fn xi_spectrum(&self) -> &[f64] {
         let basis = &self.base.basis;
         let (k, xi) = (basis.harmonics(), self.xi());
@@ -269,10 +269,10 @@ impl Difference {
 
     fn minimise_distance(&self) -> Psi {
         let (x, d) = (self.base.spectrum(), self.delta_spectrum());
-        // Where λ = 0 a harmonic is constant on each piece of the shape. Its amplitude tells where
-        // the piece lies, not what it looks like: of a single piece it is the distance between two
-        // kinds of centroid, and a filter of it a translation along whatever that happens to be.
-        // So every piece keeps its place.
+        // Where λ = 0 a harmonic is constant on each piece of the shape. Its amplitude says where the piece
+        // lies, not what it looks like: for a single piece it is the distance between two kinds of centroid,
+        // and filtering it would translate the piece in that arbitrary direction. So every piece keeps its
+        // place.
         let waves = self.base.basis.eigenvalues.iter().map(|lambda| *lambda > 0.0);
         let squares: Vec<f64> =
             x.iter().zip(waves).map(|(x, waves)| if waves { dot(*x, *x) } else { 0.0 }).collect();
@@ -285,7 +285,7 @@ impl Difference {
         // Σ a⟨dx, dx^δ⟩ = Σ a⟨x, x^δ⟩ − Σ_k⟨x̃_k, x̃^δ_k⟩ (Parseval), so that neither residual
         // has to be formed.
         let mass = &self.base.basis.mass;
-        // One after the other: parallel sums would differ in their last bits from run to run.
+        // Sequentially: parallel sums would differ in their last bits from run to run.
         let (mut xx, mut xd) = (0.0, 0.0);
         for ((x, d), a) in self.base.positions.iter().zip(&self.delta).zip(mass) {
             xx += a * dot(*x, *x);
@@ -343,7 +343,8 @@ impl Difference {
         }
     }
 
-    /// What a signal of energy `whole` has above K (Parseval); 0 where that is not to be told from rounding.
+    /// The amplitude above K of a signal of energy `whole` (Parseval); 0 where it cannot be told from
+    /// rounding.
     fn above(&self, whole: f64, harmonics: &[f64]) -> f64 {
         let above = whole - harmonics.iter().map(|c| c * c).sum::<f64>();
         let noise = whole * self.base.basis.certificate.max_orthogonality_error.max(1e-13) * 10.0;

@@ -52,8 +52,8 @@ pub enum CaricatureError {
         /// What went wrong.
         why: String,
     },
-    /// The match that a layer needs failed before, or its template cannot be read; the text is that
-    /// failure's and says which file.
+    /// The match that a layer needs failed before, or its template cannot be read; the text is that of the
+    /// failure and names the file.
     #[error("{0}")]
     Unmatched(String),
     /// What was painted or picked on one shape has no place on another.

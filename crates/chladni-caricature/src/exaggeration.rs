@@ -20,9 +20,9 @@ pub enum Field {
 /// How much of the whole signal X a field holds, and what its harmonics add:
 /// X filtered = whole·X + Σ_k H_k c_k.
 ///
-/// With dX = X − Σ_k H_k X̃_k the paper's Σ_k H_k Φ_k X̃_k + Φ_d dX is Φ_d X + Σ_k H_k (Φ_k − Φ_d) X̃_k.
-/// In this form no residual is ever formed, a flat curve reads no harmonic at all, and μ = 1
-/// gives the template to rounding whatever the precision of H.
+/// With dX = X − Σ_k H_k X̃_k the paper's Σ_k H_k Φ_k X̃_k + Φ_d dX is Φ_d X + Σ_k H_k (Φ_k − Φ_d) X̃_k. In
+/// this form no residual is ever formed, a constant curve reads no harmonic at all, and μ = 1 gives the
+/// template to within rounding whatever the precision of H.
 struct Split<const C: usize> {
     whole: f64,
     coefficients: Vec<[f64; C]>,

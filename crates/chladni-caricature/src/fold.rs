@@ -1,4 +1,4 @@
-//! The fold meter: triangles that a displacement turns over, and how far μ can go before it does.
+//! The fold meter: triangles that a displacement turns over, and how far μ can go before that happens.
 
 use rayon::prelude::*;
 
@@ -6,10 +6,10 @@ use crate::Surface;
 use chladni_mesh::surface::vec3::{Vec3, cross, dot, sub};
 use chladni_mesh::surface::{corners, doubled_area_normal};
 
-/// Triangles below this share of the largest area have no side that could be told.
+/// Triangles below this share of the largest area have no reliable normal.
 const NEGLIGIBLE_AREA: f64 = 1e-12;
 
-/// Triangles that one thread looks at in a row.
+/// Triangles per task.
 const PIECE: usize = 4096;
 
 /// The triangles whose normal points backwards, ⟨N, N'⟩ < 0, when vertices move from `base` to
@@ -41,8 +41,8 @@ pub fn flipped_triangles(surface: &Surface, base: &[Vec3], moved: &[Vec3]) -> Ve
     turned.filter(|(_, square)| *square > smallest).map(|(triangle, _)| triangle).collect()
 }
 
-/// The largest |s| with the sign of `direction` at which no more than `allowed` triangles of
-/// `base` + s·`displacement` are folded; `None` where that never happens.
+/// The largest |s| with the sign of `direction` at which no more than `allowed` triangles of `base` +
+/// s·`displacement` are folded; `None` if more never fold.
 ///
 /// ⟨N, N(s)⟩ is a quadratic in s for each triangle, so its first root is known in closed form
 /// and nothing is searched.
@@ -89,7 +89,7 @@ fn first_fold(base: &[Vec3], d: &[Vec3], t: [u32; 3], sign: f64, smallest: f64) 
     (inverse > 0.0).then(|| 1.0 / inverse).filter(|s| s.is_finite())
 }
 
-/// (2A)² below which a triangle of `base` is not looked at.
+/// (2A)² below which a triangle of `base` is ignored.
 fn smallest_square(surface: &Surface, base: &[Vec3]) -> f64 {
     let squares = surface.triangles.par_iter().map(|t| {
         let n = doubled_area_normal(corners(base, t));

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use crate::{Surface, SurfacePoint};
 use chladni_mesh::surface::vec3::{Vec3, distance};
 
-/// A vertex that waits at a distance; the heap's top is the nearest.
+/// A vertex in the queue with its distance; the top of the heap is the nearest.
 struct Front {
     distance: f64,
     vertex: u32,
@@ -118,12 +118,12 @@ impl Surface {
     }
 }
 
-/// What a march over the surface came by.
+/// What a march over the surface reached.
 #[derive(Debug, Default)]
 pub(crate) struct Marched {
     /// Vertices and their distances.
     pub distances: Vec<(u32, f64)>,
-    /// The triangles that it went through, ascending; all their corners have a distance.
+    /// The triangles that it passed through, ascending; all their corners have a distance.
     pub triangles: Vec<u32>,
 }
 

@@ -4,15 +4,15 @@ use crate::{Action, CaricatureError, LayerId, Project, Surface};
 
 /// A project with its past and its future.
 ///
-/// Each step keeps the whole project before it; layers are shared between steps, so that a step
-/// costs what it changed. That covers every action there is and will be.
+/// Each step keeps the whole project before it; layers are shared between steps, so a step costs only what it
+/// changed. This works for every action.
 #[derive(Clone, Debug)]
 pub struct History {
     project: Project,
     past: Vec<Step>,
     future: Vec<Step>,
     gesture: Option<(&'static str, Option<LayerId>)>,
-    /// What is on the disk; `None` where nothing is.
+    /// The saved state; `None` if it was never saved.
     saved: Option<Project>,
 }
 
@@ -32,7 +32,7 @@ impl History {
         Self { saved: Some(project.clone()), project, past: Vec::new(), future: Vec::new(), gesture: None }
     }
 
-    /// A project that lies in no file as it is, such as a recovered one: all of it is to be saved.
+    /// A project that differs from any file, such as a recovered one: it counts as modified.
     pub fn recovered(project: Project) -> Self {
         Self { saved: None, ..Self::new(project) }
     }
@@ -119,7 +119,7 @@ impl History {
         self.future.last().map(|s| s.label)
     }
 
-    /// Notes that the project as it is now is on the disk.
+    /// Marks the present state as saved.
     pub fn mark_saved(&mut self) {
         self.saved = Some(self.project.clone());
     }

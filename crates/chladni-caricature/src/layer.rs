@@ -23,8 +23,8 @@ pub struct Layer {
     pub template: Template,
     /// How the template's points are found; used by templates that are meshes.
     pub matching: MatchSettings,
-    /// How far the difference is filled in from its surroundings where the match is not to be trusted, from 0,
-    /// as it was found, to 1.
+    /// How far the difference is filled in from its surroundings where the match is not trusted: from 0, as
+    /// found, to 1.
     pub infill: f64,
     /// The representation of the difference.
     pub model: Model,
@@ -60,23 +60,23 @@ pub enum Template {
     Scaled(f64),
     /// The layer's own shape without its harmonics from k0 on: exaggerates its own detail.
     LowPass(usize),
-    /// The original shape under all layers: exaggerates what the layers below did.
+    /// The original shape below all layers: exaggerates what the layers below did.
     Original,
 }
 
-/// An ellipsoid or sphere as a person gives it, in the coordinates of the shape's file.
+/// An ellipsoid or sphere given by numbers, in the coordinates of the shape's file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GivenEllipsoid {
     /// Its centre.
     pub center: Vec3,
-    /// Half the length of each axis; positive. Of a sphere all are its radius.
+    /// Half the length of each axis; positive. All equal the radius for a sphere.
     pub semi_axes: Vec3,
     /// How far it is turned, in degrees, about x, then y, then z.
     pub turn_deg: Vec3,
 }
 
 impl GivenEllipsoid {
-    /// What it is to matching.
+    /// The same as matching takes it.
     ///
     /// # Errors
     /// Semi-axes that are not positive and finite, other numbers that are not finite.
@@ -131,7 +131,7 @@ impl std::fmt::Display for GivenEllipsoid {
 }
 
 impl Template {
-    /// Whether the one may stand in for the other while that is matched.
+    /// Whether one may replace the other while that is being matched.
     pub(crate) fn alike(&self, other: &Self) -> bool {
         self == other || matches!((self, other), (Self::Given(_), Self::Given(_)))
     }
@@ -225,7 +225,7 @@ impl From<Template> for String {
 pub const MAX_MU: f64 = 100.0;
 
 impl Layer {
-    /// A layer as a user expects a new one: coordinate-wise, μ = −0.5, everywhere, every scale.
+    /// A new layer with the defaults: coordinate model, μ = −0.5, everywhere, every scale.
     pub fn new(name: impl Into<String>, template: Template) -> Self {
         Self {
             name: name.into(),

@@ -34,11 +34,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not guaranteed: that a result has no folds or self-intersections (the fold meter counts
-//! triangles that turned over, [`furthest`] says where they begin, [`Crossings`] finds triangles
-//! that pass through others); that a strong layer keeps volume; that a region carried to another
-//! mesh lies where its painter would have put it ([`Carried::report`] tells how well the meshes
-//! match).
+//! Not guaranteed: that a result has no folds or self-intersections (the fold meter counts triangles that
+//! turned over, [`furthest`] says where they begin, [`Crossings`] finds triangles that pass through others);
+//! that a strong layer keeps volume; that a region carried to another mesh lies where its painter would have
+//! put it ([`Carried::report`] says how well the meshes match).
 
 #![warn(clippy::missing_errors_doc)]
 

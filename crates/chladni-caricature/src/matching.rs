@@ -21,24 +21,24 @@ pub struct MatchRequest {
     pub matching: MatchSettings,
 }
 
-/// A matched template. It knows nothing of harmonics, so that it outlives a change of their number.
+/// A matched template. It does not depend on the harmonics, so it survives a change of their number.
 #[derive(Clone, Debug)]
 pub struct Matched {
     /// x^r on the N operator vertices, working frame.
     pub points: Vec<Vec3>,
-    /// The same with what is not to be trusted filled in from its surroundings, and how much of the shape that
-    /// is; `None` where all of it is trusted.
+    /// The same with untrusted points filled in from their surroundings, and their share of the shape; `None`
+    /// if all points are trusted.
     pub infill: Option<(Vec<Vec3>, f64)>,
-    /// How good the match is; none where the template is not a mesh.
+    /// How good the match is; `None` if the template is not a mesh.
     pub report: Option<MatchReport>,
     /// How far to trust each of the n file vertices, in [0, 1].
     pub confidence: Vec<f64>,
-    /// How the shape stands if it stands as its template does; none where that is in doubt, too.
+    /// The shape's orientation if it stands as its template does; `None` if that is in doubt, too.
     pub stands: Option<Orientation>,
 }
 
 impl Matched {
-    /// x^r on `basis`, `infill` of the way (0 to 1) from the points as they were found to those filled in.
+    /// x^r on `basis`, interpolated by `infill` (0 to 1) from the points as found to those filled in.
     pub(crate) fn target(&self, basis: &Arc<Basis>, infill: f64) -> Result<Target, CaricatureError> {
         let points = match &self.infill {
             Some((filled, _)) if infill > 0.0 => {
@@ -152,7 +152,7 @@ impl MatchRequest {
     }
 }
 
-/// How a shape stands that was matched with `template`.
+/// The orientation of a shape that was matched with `template`.
 fn like_template(
     template: &TriMesh,
     matched: &Match,

@@ -62,8 +62,8 @@ fn from_1_to_2(table: &mut Table) {
 }
 
 /// In format 2 a scale curve ran over u, the share of the frequency of the last of K harmonics, and a region
-/// was smoothed below harmonic `cutoff`. Both become wavelengths by Weyl's law, which knows neither the
-/// shape nor its harmonics.
+/// was smoothed below harmonic `cutoff`. Both become wavelengths by Weyl's law, which needs neither the shape
+/// nor its harmonics.
 fn from_2_to_3(table: &mut Table) {
     let harmonics = table.get("shape").and_then(|shape| shape.get("harmonics")).and_then(Value::as_integer);
     let harmonics = harmonics.map_or(DEFAULT_HARMONICS as f64, |k| k.max(1) as f64);
@@ -76,7 +76,7 @@ fn from_2_to_3(table: &mut Table) {
             let cutoff = region.remove("cutoff").and_then(|cutoff| cutoff.as_integer());
             let wavelength = usual_wavelength(cutoff.unwrap_or(96).clamp(1, 90_000) as f64);
             region.insert("wavelength".into(), Value::Float(wavelength));
-            // A low-pass by harmonics that fell off like a Gaussian and rang a little; heat halves the same.
+            // A Gaussian low-pass by harmonics, which rang a little; heat halves the same wavelength.
             if region.get("roll_off").and_then(Value::as_str) == Some("gaussian") {
                 region.insert("roll_off".into(), Value::String("heat".into()));
             }
@@ -95,7 +95,7 @@ fn from_2_to_3(table: &mut Table) {
     }
 }
 
-/// Longer waves than this hardly any shape has, but for the constant, which stands at u = 0.
+/// Hardly any shape has longer waves than this, except the constant, at u = 0.
 const LONGEST: f64 = 2.5;
 
 /// The points of a curve over wavelengths that is within 0.005 of the one through `old` over u for all waves

@@ -34,8 +34,8 @@ pub enum PaintEdit {
     Set(Painted),
 }
 
-/// One press of the brush. It names the vertices that it covered on the shape as it was seen, so that
-/// it says the same whatever becomes of the layers below.
+/// One press of the brush. It lists the vertices that it covered on the displayed shape, so later changes to
+/// the layers below do not affect it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dab {
     /// The vertices under the brush, each < N.
@@ -48,8 +48,8 @@ pub struct Dab {
 }
 
 impl PaintEdit {
-    /// The region after this edit. A first dab or fill on a region that is everywhere starts from
-    /// an empty one, unless it erases: whoever paints wants to say where.
+    /// The region after this edit. A first dab or fill on a region that is everywhere starts from an empty
+    /// one, unless it erases: painting means choosing where.
     ///
     /// # Errors
     /// A region of another shape, an intensity outside [0, 1], a vertex that is not there.

@@ -3,24 +3,24 @@
 use chladni_harmonics::Basis;
 use rayon::prelude::*;
 
-/// Vertices that are looked at together.
+/// Vertices that are processed together.
 const BLOCK: usize = 512;
-/// From this many changed vertices of a block on, reading all of its stretch of a harmonic is
-/// quicker than picking them out.
+/// From this many changed vertices in a block, reading its whole stretch of a harmonic is faster than picking
+/// them out.
 const DENSE: usize = BLOCK / 8;
 
 /// χ̃01_k = Σ_v a(v) H_k(v) χ01(v) and the χ01 that it belongs to.
 ///
-/// Each addend is rounded to a whole number of 2⁻⁴⁴, so that sums below 2⁹ are exact (|χ̃01_k| is at
-/// most the root of the area). What is added and taken away in whatever order comes to the same
-/// bits: undoing a stroke, or loading the project again, gives the very same region.
+/// Each addend is rounded to a multiple of 2⁻⁴⁴, so sums below 2⁹ are exact (|χ̃01_k| is at most the root of
+/// the area). The order of additions and subtractions does not matter: undoing a stroke, or loading the
+/// project again, gives the same bits.
 #[derive(Debug, Default)]
 pub(crate) struct PaintedSpectrum {
     painted: Vec<f32>,
     spectrum: Vec<f64>,
 }
 
-/// Adding and subtracting it leaves a whole number of 2⁻⁴⁴.
+/// Adding and then subtracting it rounds to a multiple of 2⁻⁴⁴.
 const GRID: f64 = 1.5 * (1_u64 << (52 - 44)) as f64;
 
 fn rounded(x: f64) -> f64 {

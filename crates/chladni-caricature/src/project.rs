@@ -21,9 +21,9 @@ pub struct Project {
     pub shape: ShapeSource,
     /// K, the number of harmonics to solve for.
     pub harmonics: usize,
-    /// The format of the file that it was read from, where that was an older one.
+    /// The format of the file that it was read from, if an older one.
     pub(crate) older_format: Option<i64>,
-    /// How the shape stands in pictures; estimated where nobody has said.
+    /// How the shape stands in pictures; `None` is estimated.
     pub stands: Option<Orientation>,
     /// The operator whose harmonics they are. New layers of a project with the papers' own have the
     /// papers' settings.
@@ -89,7 +89,7 @@ pub enum Property {
     Matching(MatchSettings),
     /// How far doubtful places are filled in.
     Infill(f64),
-    /// Its model; μ comes along as far as it is usual with the new one.
+    /// Its model; μ is reduced to the new model's usual range.
     Model(Model),
     /// μ.
     Mu(f64),
@@ -119,7 +119,7 @@ impl Project {
         }
     }
 
-    /// What a person should know of a project that was read from a file of an older format.
+    /// A message to the user about a project that was read from an older format.
     pub fn taken_over(&self) -> Option<String> {
         let format = self.older_format?;
         Some(format!(
@@ -148,7 +148,7 @@ impl Project {
         LayerId(self.next_id)
     }
 
-    /// A layer with the settings to begin with here: the paper's in a project with the paper's Laplacian, and
+    /// A layer with this project's default settings: the paper's in a project with the paper's Laplacian, and
     /// the [`usual_curve`](Self::usual_curve).
     pub fn new_layer(&self, name: impl Into<String>, template: Template) -> Layer {
         let layer = match self.laplacian {
@@ -159,9 +159,9 @@ impl Project {
         Layer { curve, ..layer }
     }
 
-    /// The scale curve to begin with: every scale alike, but without the finest where a template mesh is
-    /// exaggerated (μ < 0) that was matched, because its match is rough there. In a project with the paper's
-    /// Laplacian every scale alike.
+    /// The default scale curve: all scales alike, but without the finest where a matched template mesh is
+    /// exaggerated (μ < 0), because the match is rough there. In a project with the paper's Laplacian, all
+    /// scales alike.
     pub fn usual_curve(&self, template: &Template, method: Method, mu: f64) -> ScaleCurve {
         let rough = template.is_mesh() && method != Method::Same && mu < 0.0;
         match self.laplacian {

@@ -1,4 +1,4 @@
-//! Project files: text that a person can read and change, and that is never half written.
+//! Project files: text that a person can read and edit, written completely or not at all.
 //!
 //! docs/caricature.md describes the format.
 
@@ -39,7 +39,7 @@ struct ShapeTable {
     source: String,
     #[serde(default = "default_harmonics")]
     harmonics: usize,
-    /// Only where somebody said how the shape stands.
+    /// Only if the orientation was set by hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     stands: Option<Orientation>,
     /// Only where it is the papers'.
@@ -65,7 +65,7 @@ struct LayerTable {
     enabled: bool,
     #[serde(default)]
     solo: bool,
-    /// Only what differs from the default of the program that wrote it has to be here.
+    /// May hold only what differs from the defaults of the program that wrote it.
     #[serde(default, rename = "match", skip_serializing_if = "toml::Table::is_empty")]
     matching: toml::Table,
     #[serde(default = "one")]
@@ -172,7 +172,7 @@ impl Project {
         let invalid = |why: String| CaricatureError::ProjectFile { path: path.into(), why };
         let table: toml::Table = text.parse().map_err(|e: toml::de::Error| invalid(one_line(&e, text)))?;
         let migrated = migrate(table, path)?;
-        // Parsing the text itself where it is up to date gives errors their line and column.
+        // A current text is parsed directly, so that errors have line and column.
         let (document, older_format): (Document, _) = match migrated {
             None => (toml::from_str(text).map_err(|e| invalid(one_line(&e, text)))?, None),
             Some((table, format)) => {
@@ -309,7 +309,7 @@ fn relative_text(file: &Path, folder: &Path) -> Result<String, String> {
     Ok(if is_file { text } else { format!("./{text}") })
 }
 
-/// `file` of a project in `folder` as an absolute path; by its names alone, as it was written.
+/// `file` of a project in `folder` as an absolute path, without asking the file system.
 fn resolved(file: &Path, folder: &Path) -> PathBuf {
     let joined = folder.join(file);
     std::path::absolute(&joined).map_or(joined, |path| tidy(&path))
@@ -327,7 +327,7 @@ fn relative(file: &Path, folder: &Path) -> Option<PathBuf> {
     Some(up.chain(file[shared..].iter().copied()).collect())
 }
 
-/// Takes `.` and `..` out of an absolute path by its names alone.
+/// Removes `.` and `..` from an absolute path without asking the file system.
 fn tidy(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {

@@ -1,8 +1,8 @@
-//! What is left of a session that did not end well.
+//! Recovery of a session that crashed.
 //!
-//! A running session keeps a copy of its project in a state folder, and holds a lock beside it.
-//! The system drops the lock when the process dies, however it dies; a copy without a held lock
-//! is what a crash left behind.
+//! A running session keeps a copy of its project in a state folder, and holds a lock beside it. The system
+//! releases the lock when the process dies, for whatever reason; a copy whose lock is free was left by a
+//! crash.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -36,8 +36,8 @@ pub struct Recovered {
 }
 
 impl Recovery {
-    /// Starts a session that keeps its copies in `folder`, which is made where it is not there.
-    /// `id` must differ between sessions that run at once: the process id will do.
+    /// Starts a session that keeps its copies in `folder`, which is created if missing. `id` must differ
+    /// between sessions that run at once, such as the process id.
     ///
     /// # Errors
     /// A folder that cannot be made or written.
@@ -72,7 +72,7 @@ impl Recovery {
 
     /// Drops the copy: everything is saved.
     pub fn clear(&self) {
-        // Where it cannot be removed it is offered for recovery once more, which loses nothing.
+        // If it cannot be removed, it is offered for recovery again, which does no harm.
         let _ = std::fs::remove_file(&self.copy);
     }
 
@@ -108,7 +108,7 @@ impl Recovered {
         Ok(Self { copy: copy.into(), original, modified, project })
     }
 
-    /// Removes the copy: it was recovered, or nobody wants it.
+    /// Removes the copy: it was recovered, or it is not wanted.
     pub fn discard(&self) {
         let _ = std::fs::remove_file(&self.copy);
         let _ = std::fs::remove_file(self.copy.with_extension("lock"));

@@ -46,13 +46,14 @@ pub struct Sphere {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Smoothing {
     /// The wavelength, as a share of the shape's [`size`](crate::size), above which harmonics are kept
-    /// (sharp), or whose harmonics are halved (heat): longer is softer. The paper's nχ harmonics
-    /// are a wavelength of about π/√nχ ([`usual_wavelength`](crate::usual_wavelength)); it uses 32, 96 and
-    /// 192 of 512. Of a shape in several pieces each keeps its constant harmonic.
+    /// (sharp), or whose harmonics are halved (heat): longer is softer. The paper's nχ harmonics are a
+    /// wavelength of about π/√nχ ([`usual_wavelength`](crate::usual_wavelength)); it uses 32, 96 and 192 of
+    /// 512. Each piece of a shape keeps its constant harmonic.
     pub wavelength: f64,
     /// The shape of the low-pass.
     pub roll_off: RollOff,
-    /// Cuts χ to [0, 1] after a sharp cut, which rings below 0 and above 1. Heat never leaves it.
+    /// Clamps χ to [0, 1] after a sharp cutoff, which rings below 0 and above 1. Heat never leaves that
+    /// range.
     pub clamp: bool,
 }
 
@@ -63,7 +64,7 @@ impl Default for Smoothing {
     }
 }
 
-/// How a low-pass ends.
+/// The shape of a low-pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RollOff {
@@ -105,7 +106,7 @@ impl PartialEq for Painted {
         match (self, other) {
             (Self::Everywhere, Self::Everywhere) => true,
             (Self::Spheres(a), Self::Spheres(b)) => a == b,
-            // Windows compare projects every frame; equal values are nearly always shared.
+            // The window compares projects every frame; equal values are nearly always the same allocation.
             (Self::Vertices(a), Self::Vertices(b)) => Arc::ptr_eq(a, b) || a == b,
             _ => false,
         }
@@ -129,8 +130,8 @@ fn spheres_to_vertices(spheres: &[Sphere], file_positions: &[Vec3]) -> Arc<[f32]
 }
 
 impl Smoothing {
-    /// χ of a painted signal with one value per operator vertex of `body`. A [`Stack`](crate::Stack)
-    /// keeps what this makes anew each time.
+    /// χ of a painted signal with one value per operator vertex of `body`. This computes everything each
+    /// time; a [`Stack`](crate::Stack) caches it.
     ///
     /// # Errors
     /// A signal of another number of values; a surface on which no heat flows.

@@ -7,7 +7,7 @@ use crate::CaricatureError;
 use crate::wavelength::{parse_wavelength, wavelengths};
 
 /// Φ_k and Φ_d: a gain over the wavelength, as a share of the shape's [`size`](crate::size), and a gain for
-/// all that is finer than the last harmonic.
+/// all detail finer than the last harmonic.
 ///
 /// The curve passes through its points and is monotone between neighbours (Fritsch & Carlson
 /// 1980, over the logarithm of the wavelength), so it never overshoots what was drawn; beyond the outermost
@@ -41,7 +41,7 @@ impl ScaleCurve {
         Self { points: vec![[Self::BROADEST, gain], [Self::FINEST, gain]], residual: gain }
     }
 
-    /// All but the finest: what a match of two meshes leaves rough lies there.
+    /// All but the finest scales, where a match of two meshes is rough.
     pub fn smooth() -> Self {
         Self { points: vec![[0.28, 1.0], [0.14, 0.0]], residual: 0.0 }
     }
@@ -149,8 +149,8 @@ pub(crate) fn monotone(points: impl Iterator<Item = [f64; 2]> + Clone, x: f64) -
     )
 }
 
-/// The weighted harmonic mean of the slopes to both neighbours, and level at extrema and ends, which keeps
-/// the curve monotone between points.
+/// The weighted harmonic mean of the slopes to both neighbors, or 0 at extrema and ends, which keeps the
+/// curve monotone between points.
 fn tangent(before: Option<[f64; 2]>, here: [f64; 2], after: Option<[f64; 2]>) -> f64 {
     let (Some(before), Some(after)) = (before, after) else { return 0.0 };
     let (w0, w1) = (here[0] - before[0], after[0] - here[0]);
@@ -236,7 +236,7 @@ mod tests {
         assert_eq!(curve.points, vec![[2.0, 0.0], [0.5, 2.0], [0.1, 1.0]]);
         assert_eq!(curve.residual, 0.25);
         assert_eq!("broad".parse::<ScaleCurve>().unwrap(), ScaleCurve::broad());
-        // As it was typed before wavelengths, too.
+        // Including the syntax from before wavelengths.
         let refused =
             ["", "loud", "0:1,0.4:2,1:0,d:0", "50%:1,50%:2", "50%:9", "400%:1", "50%:x", "20%:1,50%:1"];
         for bad in refused {

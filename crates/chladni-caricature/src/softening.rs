@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use chladni_harmonics::{Body, HarmonicsError, HeatFlow, HeatStep};
 
-/// The heat steps that the layers of a stack ask for. Layers of equal softness share a factorisation.
+/// The heat steps that the layers of a stack ask for. Layers of equal softness share a factorization.
 #[derive(Debug)]
 pub(crate) struct Softening {
     flow: Arc<SharedFlow>,
@@ -12,7 +12,7 @@ pub(crate) struct Softening {
     steps: Vec<(f64, Arc<HeatStep>)>,
 }
 
-/// A Laplacian that is made when it is first asked for, by whoever asks first.
+/// A Laplacian that is built on first use.
 #[derive(Debug)]
 struct SharedFlow {
     body: Arc<Body>,
@@ -25,7 +25,7 @@ impl SharedFlow {
     }
 }
 
-/// A factorisation of 50,000 vertices takes some 25 MB; a softness that is dragged makes many.
+/// A factorization of 50,000 vertices takes about 25 MB; dragging the softness makes many.
 const MAX_STEPS: usize = 4;
 
 impl Softening {
@@ -33,18 +33,18 @@ impl Softening {
         Self { flow: Arc::new(SharedFlow { body, flow: OnceLock::new() }), steps: Vec::new() }
     }
 
-    /// For the same shape with other harmonics, of which heat knows nothing.
+    /// For the same shape with other harmonics, on which heat does not depend.
     pub(crate) fn with_harmonics_of(&self, body: Arc<Body>) -> Self {
         let flow = self.flow.flow.clone();
         Self { flow: Arc::new(SharedFlow { body, flow }), steps: self.steps.clone() }
     }
 
-    /// What takes time before the first region can be softened, to be done elsewhere. Whoever asks
-    /// for a step meanwhile waits for it.
+    /// The slow preparation before the first region can be softened, to be run on another thread. A step that
+    /// is asked for meanwhile waits for it.
     pub(crate) fn preparation(&self) -> impl FnOnce() + Send + 'static {
         let flow = self.flow.clone();
         move || {
-            // An error is told by the first step that is asked for.
+            // An error is reported by the first step that is asked for.
             let _ = flow.get();
         }
     }

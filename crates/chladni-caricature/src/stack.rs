@@ -22,8 +22,8 @@ use chladni_mesh::surface::vec3::{Vec3, add};
 
 /// Evaluates projects on one body, and remembers what it computed.
 ///
-/// Basis and correspondences never change; a layer whose inputs are the same as the last time
-/// costs nothing, so that a change to layer i is paid for from i upwards only.
+/// Basis and correspondences never change; a layer whose inputs have not changed costs nothing, so a change
+/// to layer i is paid for only from i up.
 #[derive(Debug)]
 pub struct Stack {
     body: Arc<Body>,
@@ -54,8 +54,8 @@ struct LayerMemo {
     signals: Memo<Same<Difference>, Signals>,
 }
 
-/// From this many matches on the oldest that no layer asks for is dropped: moving landmarks makes
-/// many, of a megabyte or two each.
+/// Beyond this many matches the oldest that no layer uses is dropped: moving landmarks makes many, of a
+/// megabyte or two each.
 const MAX_MATCHES: usize = 32;
 
 type Mask = Option<Arc<[f32]>>;
@@ -64,7 +64,7 @@ type FieldMemo = Memo<(Same<Difference>, ScaleCurve), Arc<Field>>;
 type DisplacementMemo = Memo<(Same<Field>, f64, Option<Same<[f32]>>), Arc<Vec<Vec3>>>;
 type ResultMemo = Memo<(Same<Base>, Same<Vec<Vec3>>), Arc<Base>>;
 
-/// What a project looks like.
+/// The result of evaluating a project.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
     /// The layers, lowest first.
@@ -97,7 +97,7 @@ pub struct EvaluatedLayer {
 pub enum LayerState {
     /// It does.
     Acts,
-    /// It does, with the last match of its template: the match that it asks for now is
+    /// It does, with the previous match of its template: the match that it asks for now is
     /// [`missing`](Stack::missing), as while landmarks are moved.
     Outdated,
     /// It is switched off, or others are soloed.
@@ -123,8 +123,8 @@ impl Stack {
         Ok(Self { body, surface, file_positions, original, matches, layers, softening, all_models_of })
     }
 
-    /// A stack on the same shape with another number of harmonics. Matches know nothing of harmonics and
-    /// stay.
+    /// A stack on the same shape with another number of harmonics. Matches do not depend on harmonics and are
+    /// kept.
     ///
     /// # Errors
     /// A body of another shape.
@@ -149,9 +149,9 @@ impl Stack {
         &self.original
     }
 
-    /// What has to be done once before regions can be softened, half a second for 50,000 vertices: a
-    /// window does it on another thread while the brush is taken up. [`evaluate`](Self::evaluate)
-    /// waits for it, or does it where nobody did.
+    /// The preparation before regions can be softened, half a second for 50,000 vertices: a window runs it on
+    /// another thread as soon as the brush is chosen. [`evaluate`](Self::evaluate) waits for it, or does it
+    /// if needed.
     pub fn brush_preparation(&self) -> impl FnOnce() + Send + 'static {
         self.softening.preparation()
     }
@@ -232,8 +232,8 @@ impl Stack {
         Evaluation { layers, result: base }
     }
 
-    /// From now on the layer is to be seen in all three models: they are then evaluated together,
-    /// in the same passes over H as the one that acts.
+    /// Announces that the layer will be shown in all three models: they are then evaluated together, in the
+    /// same passes over H as the active one.
     pub fn prepare_models_of(&mut self, layer: Option<LayerId>) {
         self.all_models_of = layer;
     }
@@ -324,7 +324,7 @@ impl LayerMemo {
         Ok(Some(Acting { outdated, mask, difference, displacement, result }))
     }
 
-    /// The template's points, and whether they are of an older match than the one asked for.
+    /// The template's points, and whether they come from an older match than the one asked for.
     fn target(
         &mut self,
         scene: &Scene<'_>,

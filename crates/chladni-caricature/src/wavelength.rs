@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use chladni_harmonics::Basis;
 
-/// The size that wavelengths are a share of: √(A/π), the diameter of the ball with as much surface, in
-/// the working frame. Neither the number of harmonics nor how the shape is turned enters.
+/// The size that wavelengths are a share of: √(A/π), the diameter of the ball with as much surface, in the
+/// working frame. It depends neither on the number of harmonics nor on the shape's rotation.
 pub fn size(basis: &Basis) -> f64 {
     (basis.mass.iter().sum::<f64>() / PI).sqrt()
 }

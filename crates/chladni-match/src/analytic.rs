@@ -30,7 +30,7 @@ impl Ellipsoid {
         let area = surface.area();
         let (moments, axes) = symmetric_eigen(surface.second_moments());
         let axes = axes.map(DVec3::from_array);
-        // A flat shape still needs a body: no axis under a hundredth of the diagonal.
+        // A flat shape still needs some thickness: no axis under a hundredth of the diagonal.
         let start = moments.map(|m| (3.0 * m.max(0.0) / area).sqrt().max(0.01));
         let local: Vec<(DVec3, f64)> = surface
             .points
@@ -81,10 +81,10 @@ impl Ellipsoid {
         Ok(ellipsoid)
     }
 
-    /// The turn that [`given`](Self::given) takes for axes such as these, in degrees.
+    /// The angles, in degrees, for which [`given`](Self::given) makes these axes.
     pub fn turn_deg(&self) -> [f64; 3] {
         let mut axes = DMat3::from_cols_array_2d(&self.axes);
-        // An axis and its opposite are the same axis; only a right-handed frame is a turn.
+        // An axis and its opposite are the same axis; only a right-handed frame is a rotation.
         if axes.determinant() < 0.0 {
             axes.z_axis = -axes.z_axis;
         }
@@ -120,8 +120,8 @@ impl Ellipsoid {
     }
 }
 
-/// Gauss–Newton for centre and semi-axes in the principal frame. A step that does not lower the
-/// sum is halved; when none does, the present values stand.
+/// Gauss–Newton for centre and semi-axes in the principal frame. A step that does not lower the sum is
+/// halved; if none does, the present values are kept.
 fn refine(points: &[(DVec3, f64)], start: [f64; 3]) -> (DVec3, [f64; 3]) {
     let cost = |c: DVec3, s: [f64; 3]| -> f64 {
         points.iter().map(|(p, w)| w * (1.0 - ((*p - c) / DVec3::from_array(s)).length()).powi(2)).sum()

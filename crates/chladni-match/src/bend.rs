@@ -31,12 +31,12 @@ const LEVELS: [Coarseness; 3] = [
 
 /// Vertices whose distances are minimised.
 const DATA_VERTICES: usize = 6000;
-/// How strongly a map is drawn to the identity where nothing is known.
+/// How strongly a map is drawn to the identity where there is no data.
 const IDENTITY_WEIGHT: f64 = 1e-3;
 /// Cosine below which two normals are taken to belong to different sides.
 const NORMAL_LIMIT: f64 = 0.4;
 
-/// What a vertex is drawn to: a point in the shape's coordinates and a weight in [0, 1].
+/// The target of a vertex: a point in the shape's coordinates and a weight in [0, 1].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pull {
     pub vertex: u32,
@@ -85,11 +85,11 @@ fn data_vertices(shape: &UnitSurface, seed: u64) -> Vec<u32> {
     if n <= DATA_VERTICES {
         return (0..n as u32).collect();
     }
-    // The node set of a fine graph is as even a choice as there is.
+    // The nodes of a fine graph are evenly spread.
     Graph::nodes_only(shape, DATA_VERTICES, seed ^ 1)
 }
 
-/// Where each data vertex is drawn to; weight 0 is left out.
+/// The target of each data vertex; a weight of 0 means none.
 pub(crate) fn pulls(
     shape: &UnitSurface,
     partners: &Partners,
@@ -232,8 +232,8 @@ fn solve(
 
 /// The solution of a symmetric positive definite system of which `lower` is the lower triangle.
 ///
-/// On one thread: faer's parallel factorization waits by spinning, which costs more than it gains
-/// at this size, and everything where other work shares the processor.
+/// On one thread: faer's parallel factorization waits by spinning, which costs more than it gains at this
+/// size, and far more where other work shares the processor.
 fn solved(lower: &SparseColMat<usize, f64>, mut right: faer::Mat<f64>) -> Option<faer::Mat<f64>> {
     let (side, par) = (faer::Side::Lower, faer::Par::Seq);
     let symbolic =

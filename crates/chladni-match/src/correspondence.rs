@@ -109,7 +109,7 @@ fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError
     if shape.triangles == template.triangles {
         return Ok(());
     }
-    // From the smallest corner on, the way round kept; in order.
+    // Each rotated so that the smallest corner comes first, orientation kept; then sorted.
     let sorted = |mesh: &TriMesh| {
         let mut triangles: Vec<[u32; 3]> = mesh
             .triangles

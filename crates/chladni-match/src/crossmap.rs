@@ -102,7 +102,7 @@ impl Domain<'_> {
     }
 }
 
-/// The map led by `landmarks`, three or more; `scale` is that of the pose where it is not to be fitted.
+/// The map led by `landmarks`, three or more; `scale` is that of the pose if it is not fitted.
 pub(crate) fn crossmap(
     shape: &UnitSurface,
     template: &UnitSurface,
@@ -119,7 +119,7 @@ pub(crate) fn crossmap(
         return Err(MatchError::TooFewLandmarks(pins.len()));
     }
     let users = pins.len();
-    // Where both are open, opening goes on opening.
+    // If both surfaces are open, their largest holes are matched with each other.
     pins.extend(s.largest_hole.zip(t.largest_hole));
     let mut x = onto_sphere(&s, Side::Shape, task)?;
     let sphere = onto_sphere(&t, Side::Template, task)?;
@@ -226,7 +226,7 @@ fn assemble(
     let trust: Vec<f64> = (0..on_surface)
         .map(|v| if filled(v) { 0.1 } else { 1.0 } * (trust[v].0 / f64::max(trust[v].1, 1.0)).min(1.0))
         .collect();
-    // What is hardly alike, such as a neck that fills a hole, should not tilt the head.
+    // Very distorted parts, such as a neck that fills a hole, should not tilt the head.
     let pose = fit_pairs_at(
         (0..on_surface).map(|v| {
             let vertex = s.surface_vertex[v] as usize;

@@ -1,4 +1,4 @@
-//! A coarse look-up of the nearest sample of a surface, for the first look at many poses.
+//! A coarse lookup of the nearest sample of a surface, for a first test of many poses.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! A smooth flow of the sphere that carries landmarks to where they belong.
+//! A smooth flow of the sphere that carries landmarks onto their partners.
 
 use chladni_task::Task;
 use faer::linalg::solvers::Solve;
@@ -21,7 +21,7 @@ pub(crate) fn carry(x: &mut [DVec3], from: &[DVec3], to: &[DVec3], task: &Task) 
     let mut at = from.to_vec();
     let stage = task.stage("carrying landmarks", (WIDTHS.len() * STEPS) as u64);
     for (pass, width) in WIDTHS.into_iter().enumerate() {
-        // Wide fields do most of the way, narrow ones the rest.
+        // Wide fields cover most of the way, narrow ones the rest.
         let share = if pass + 1 == WIDTHS.len() { 1.0 } else { 0.7 };
         for step in 0..STEPS {
             task.check()?;

@@ -14,7 +14,7 @@ use crate::surface::UnitSurface;
 /// Nodes whose maps a vertex blends.
 const BLENDED: usize = 6;
 
-/// Nodes, who is near whom, and how vertices follow them.
+/// Nodes, their neighbors, and how vertices follow them.
 #[derive(Clone, Debug)]
 pub(crate) struct Graph {
     /// Vertices that are nodes, at least `spacing` apart along the surface.

@@ -14,7 +14,7 @@ use crate::samples::Sample;
 use crate::small_system::solve_small;
 use crate::surface::UnitSurface;
 
-/// A surface to align, what is sampled of it, and its coarse look-up.
+/// A surface to align, its samples, and its coarse lookup.
 pub(crate) struct Sampled<'a> {
     pub surface: &'a UnitSurface,
     pub samples: Vec<Sample>,
@@ -47,7 +47,7 @@ impl Sampled<'_> {
                 })
             }
             Look::Exact => {
-                // The nearest point is no farther than any sample: a bound that spares most boxes.
+                // The nearest point is no farther than any sample: a bound that prunes most boxes.
                 let bound = self.field.near(query).map(|(_, s)| s.point.distance(query) + 1e-9);
                 let at = self.surface.closest(query, bound.map_or(reach, |b| b.min(reach)))?;
                 (!self.surface.on_boundary(&at.on)).then(|| Near {
@@ -66,11 +66,11 @@ pub(crate) struct Pair<'a> {
     pub template: Sampled<'a>,
     /// Landmarks as (shape point, template point), each surface's own coordinates.
     pub landmarks: &'a [(DVec3, DVec3)],
-    /// s of every pose, where it is not to be fitted.
+    /// s of every pose, if it is not fitted.
     pub scale: Option<f64>,
 }
 
-/// How closely to look for the nearest point.
+/// How precisely to find the nearest point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Look {
     /// A sample nearby, from the [`Field`].
@@ -101,7 +101,7 @@ struct Link {
     normal_p: DVec3,
 }
 
-/// Normals farther apart than this are different sides of a thing (cos 70°).
+/// Normals farther apart than this belong to different sides (cos 70°).
 const NORMAL_LIMIT: f64 = 0.34;
 
 fn links(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Vec<Link> {
@@ -168,7 +168,7 @@ fn improve(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Optio
     if links.len() + pair.landmarks.len() < 4 {
         return None;
     }
-    // Everything turns and grows about the middle of the linked points.
+    // Rotation and scale are about the centroid of the linked points.
     let center = links.iter().map(|l| l.p).sum::<DVec3>() / links.len().max(1) as f64;
     let mut system = System { matrix: [[0.0; 7]; 7], right: [0.0; 7] };
     let mut total = 0.0;
@@ -243,6 +243,6 @@ pub(crate) fn misfit(pair: &Pair, pose: &Similarity, samples: usize, c: f64, loo
     };
     let forth = mean(&pair.shape, &pair.template, &back, r.transpose(), pose.scale);
     let home = mean(&pair.template, &pair.shape, pose, r, 1.0);
-    // Of a template that shows more than the shape, only a part can be near: the shape counts more.
+    // If the template covers more than the shape, only a part of it can be near: so the shape counts more.
     (0.65 * forth + 0.35 * home) * (1.0 - relief.value().max(0.0))
 }

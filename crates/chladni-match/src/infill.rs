@@ -1,4 +1,4 @@
-//! Where a match is not to be trusted: the difference as its surroundings continue it.
+//! Fills in the difference from its surroundings where a match is not trusted.
 
 use chladni_mesh::TriMesh;
 use glam::DVec3;
@@ -7,10 +7,10 @@ use crate::laplacian::Laplacian;
 use crate::surface::UnitSurface;
 use crate::{Correspondence, MatchError, Side};
 
-/// From this confidence down a point counts for nothing, and from the other up for all.
+/// Up to this confidence a point has no weight; from the other on it has full weight.
 const DOUBTED: f64 = 0.25;
 const TRUSTED: f64 = 0.5;
-/// The length over which a point of middling trust and its surroundings weigh alike, in diagonals.
+/// The length at which a point of medium trust and its surroundings have equal weight, in diagonals.
 const LENGTH: f64 = 0.02;
 
 /// The points of a correspondence, with those that are not to be trusted filled in.
@@ -18,14 +18,14 @@ const LENGTH: f64 = 0.02;
 pub struct Infill {
     /// x^r(v), n points in the shape file's coordinates.
     pub target: Vec<[f64; 3]>,
-    /// The share of the shape's area that was filled in, weighted by how far.
+    /// The share of the shape's area that was filled in, weighted by the degree of filling.
     pub share: f64,
 }
 
-/// Fills in the difference x^r − x where `found` is not to be trusted: what the template has no partner for,
-/// such as hair, and what lies beyond its edge, such as a neck that it lacks. There the difference goes on
-/// from its surroundings as smoothly as it can (it is harmonic); a piece of the shape without any trusted
-/// point stays where it is. From confidence ½ up nothing changes, and `None` says that this is everywhere.
+/// Fills in the difference x^r − x where `found` is not trusted: parts without a partner on the template,
+/// such as hair, and parts beyond its edge, such as a neck that it lacks. There the difference continues its
+/// surroundings as smoothly as possible (it is harmonic); a piece of the shape without any trusted point
+/// stays where it is. From confidence ½ up nothing changes; `None` if that is everywhere.
 ///
 /// # Errors
 /// A shape without a surface, or a correspondence for another number of vertices.
@@ -75,7 +75,7 @@ fn fill(surface: &UnitSurface, trust: &[f64], delta: &mut [DVec3]) {
     for &v in &free {
         let (t, area) = (trust[v as usize], surface.areas[v as usize]);
         let weight = area * (t / (1.0 - t)).min(1e3);
-        // The last keeps pieces that nothing holds in place.
+        // The last term keeps pieces in place that nothing else holds.
         weights.push(weight + 1e-7 * area);
         let held = all.row(v as usize).iter().filter(|(u, _)| trust[*u as usize] >= 1.0);
         let pull: DVec3 = held.map(|(u, s)| delta[*u as usize] * *s).sum();

@@ -1,4 +1,4 @@
-//! The way from two meshes to a correspondence and its report.
+//! From two meshes to a correspondence and its report.
 
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::Closest;
@@ -43,7 +43,8 @@ pub struct MatchSettings {
     pub landmarks: Vec<Landmark>,
     /// Seed of all sampling.
     pub seed: u64,
-    /// Whether the template's size is fitted to the shape's, or kept: then sizes differ as features do.
+    /// Whether the template's size is fitted to the shape's, or kept, so that a difference in size counts as
+    /// a feature.
     pub scaling: Scaling,
 }
 
@@ -105,7 +106,7 @@ pub fn match_shapes(
     Ok(Match { correspondence, report })
 }
 
-/// What to say of a template that is kept at its own size, `times` that of the shape.
+/// The warning about a template that is kept at its own size, `times` that of the shape.
 fn unlike_sizes(times: f64) -> Option<String> {
     let (times, than) = if times < 1.0 { (1.0 / times, "smaller") } else { (times, "larger") };
     (times > 3.0).then(|| {
@@ -115,8 +116,8 @@ fn unlike_sizes(times: f64) -> Option<String> {
     })
 }
 
-/// The closest point of the aligned template for each vertex, seen from where it was laid;
-/// without folds, as far as possible, where `unfolded` says so.
+/// The closest point of the aligned template for each fitted vertex; with folds removed as far as possible if
+/// `unfolded` is set.
 fn closest_points(
     shape_mesh: &TriMesh,
     shape: &UnitSurface,

@@ -14,7 +14,7 @@ use crate::surface::{UnitSurface, triangle_tree};
 /// Another component must be this much nearer than the partner.
 const NEARER: f64 = 0.3;
 
-/// A template whose components know the shape's.
+/// A template with the partners of the shape's components.
 pub(crate) struct Partners<'a> {
     pub template: &'a UnitSurface,
     /// For each component of the shape its partner; empty where the template is one piece.
@@ -30,13 +30,13 @@ struct Tree {
 }
 
 impl<'a> Partners<'a> {
-    /// Every point of the template is anybody's.
+    /// Without partners: every vertex may use all of the template.
     pub fn none(template: &'a UnitSurface) -> Self {
         Self { template, partner: Vec::new(), trees: HashMap::new() }
     }
 
-    /// The component that most of a component's area has nearest to it, where that is at least
-    /// half, with the shape's vertices where they are `laid` in its own coordinates.
+    /// The partner of each component: the one nearest to most of its area, if that is at least half, with the
+    /// shape's vertices at their positions `laid`, in its own coordinates.
     pub fn by_vote(
         shape: &UnitSurface,
         template: &'a UnitSurface,
@@ -97,7 +97,7 @@ impl<'a> Partners<'a> {
     }
 }
 
-/// The shape's vertices, as they are `laid`, and the ways they look, in the template's coordinates.
+/// The shape's fitted vertices `laid` and their normals, in the template's coordinates.
 pub(crate) fn in_template(
     shape: &UnitSurface,
     pose: &Similarity,

@@ -13,7 +13,7 @@ use crate::similarity::fit_pairs_at;
 use crate::surface::UnitSurface;
 use crate::{MatchError, Similarity};
 
-/// The pose that fits best and how clear that is.
+/// The pose that fits best and how clear the choice is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pose {
     /// Template to shape, both in surface coordinates.
@@ -45,7 +45,7 @@ const fn sieve(
     Sieve { keep, schedule, judge }
 }
 
-/// Candidates are thinned out as the look at each gets closer.
+/// The fewer candidates remain, the more precisely each is tested.
 const SIEVES: [Sieve; 4] = [
     sieve(600, Look::Coarse, 150, 6, (0.15, 0.08), 0.3, (250, 0.06)),
     sieve(100, Look::Coarse, 500, 12, (0.08, 0.04), 0.2, (600, 0.04)),

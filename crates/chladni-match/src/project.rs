@@ -11,8 +11,8 @@ use crate::{Correspondence, MatchError, Side, Similarity};
 /// Residual at which confidence has fallen to 1/e, as a share of the shape's diagonal.
 pub(crate) const CONFIDENCE_REACH: f64 = 0.05;
 
-/// The nearest template point of each fitted position whose normal looks the same way; the
-/// nearest of any where there is none close by.
+/// The nearest template point of each fitted position whose normal points the same way; the nearest of all if
+/// there is none close by.
 ///
 /// Opposite sides of a thin sheet (an ear, a lip) are nearer than their normals allow: where
 /// the nearest point faces away, the query is moved outwards along its own normal once.
@@ -38,7 +38,7 @@ pub(crate) fn confidence(template: &UnitSurface, at: &Closest, normal: DVec3, sc
     let near = (-(distance / CONFIDENCE_REACH).powi(2)).exp();
     let facing = template.smooth_normal(&at.on).dot(normal).max(0.0);
     let edge = if template.on_boundary(&at.on) { 0.25 } else { 1.0 };
-    // The product of two unit normals may be a rounding above 1.
+    // Rounding may push the product of two unit normals above 1.
     (near * facing * edge).min(1.0)
 }
 

@@ -40,7 +40,7 @@ pub struct MatchReport {
 
 /// A runner-up within this share of its own misfit is a near tie.
 const TIE: f64 = 0.1;
-/// And so is one that fits this well: between perfect fits the better one is chance.
+/// So is one that fits this well: which of two perfect fits is better is chance.
 const PERFECT: f64 = 0.003;
 
 impl MatchReport {

@@ -31,7 +31,7 @@ impl Relief {
                 for other in samples {
                     let d = other.point - s.point;
                     let d2 = d.length_squared();
-                    // The far side of a thin sheet is no surroundings.
+                    // The far side of a thin sheet does not count as surroundings.
                     if d2 >= widest || other.normal.dot(s.normal) < -0.2 {
                         continue;
                     }

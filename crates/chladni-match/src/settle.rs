@@ -9,8 +9,8 @@ use crate::{MatchError, Similarity};
 use chladni_task::Task;
 use glam::DVec3;
 
-/// Draws the bent shape onto the aligned template, smoothing over ever shorter lengths
-/// (shares of the diagonal). What the template does not have stays where the bending put it.
+/// Draws the bent shape onto the aligned template, smoothing over ever shorter lengths (shares of the
+/// diagonal). Parts that the template lacks stay where the bending put them.
 pub(crate) fn settle(
     shape: &UnitSurface,
     partners: &Partners,
@@ -32,7 +32,7 @@ pub(crate) fn settle(
             w[v] = shape.areas[v] * pull.weight;
             b[v] = (pull.to - bent[v]) * w[v];
         }
-        // A touch of weight everywhere keeps loose components in place.
+        // A small weight everywhere keeps loose components in place.
         for v in 0..bent.len() {
             w[v] += 1e-3 * shape.areas[v];
         }

@@ -113,9 +113,9 @@ impl Similarity {
         fit_pairs(pairs, scaling)
     }
 
-    /// [`fit`](Self::fit) that is not led astray by wrong pairs: iteratively reweighted with
-    /// Tukey's biweight on a scale estimated from the median residual, starting from the best
-    /// of the fits to random triples (`seed`). Up to half of the pairs may be wrong.
+    /// [`fit`](Self::fit) that is robust against wrong pairs: iteratively reweighted with Tukey's biweight on
+    /// a scale estimated from the median residual, starting from the best of the fits to random triples
+    /// (`seed`). Up to half of the pairs may be wrong.
     ///
     /// # Errors
     /// As [`fit`](Self::fit).
@@ -139,7 +139,7 @@ impl Similarity {
         for _ in 0..200 {
             let triple: [usize; 3] = std::array::from_fn(|_| rng.random_range(0..n));
             let (a, b) = (triple.map(|i| from[i]), triple.map(|i| to[i]));
-            // A triple in one line has no fit; another one will.
+            // A collinear triple has no fit; another one will.
             let Ok(candidate) = Self::fit(&a, &b, None, scaling) else { continue };
             let median = median(&mut residuals(&candidate));
             if median < best_median {

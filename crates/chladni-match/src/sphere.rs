@@ -31,8 +31,8 @@ pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Ve
         normalize_area(&mut x, &closed.triangles);
         stage.advance(1);
         let (folds, uneven) = (folded(&x, closed).len(), unevenness(&x, &mass));
-        // The limit is a sphere only up to Möbius maps, and the discrete flow drifts along
-        // them: what counts is the roundest surface that its centre sees without folds.
+        // The limit is a sphere only up to Möbius maps, and the discrete flow drifts along them: so keep the
+        // roundest surface without folds as seen from its center.
         if (folds, uneven) < (best.0, best.1) {
             best = (folds, uneven, x.clone());
             stale = 0;

@@ -6,8 +6,7 @@ use crate::Rows;
 
 /// What a file says about the look of a mesh, kept for drawing and for the export.
 ///
-/// Normals are not kept: they are computed, and those of a file would be wrong as soon as the
-/// shape moves.
+/// A file's normals are not kept: they would be wrong as soon as the shape moves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Appearance {
     /// The faces as the file stores them: row f holds the corners of face f. `None` where all
@@ -68,7 +67,7 @@ impl Material {
 pub struct Texture {
     /// The name that the mesh's file has for it, a relative path in most formats.
     pub name: String,
-    /// PNG or JPEG bytes; empty where the file they lie in was not read.
+    /// PNG or JPEG bytes; empty if the picture's file was not read.
     pub bytes: Arc<[u8]>,
 }
 

@@ -11,7 +11,7 @@ pub fn symmetric_eigen<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64
     (order.map(|i| a[i][i]), order.map(|i| std::array::from_fn(|r| v[r][i])))
 }
 
-/// As [`symmetric_eigen`], of a matrix whose rows are as many as they are long, of whatever size.
+/// As [`symmetric_eigen`], of a square matrix of any size.
 pub fn symmetric_eigen_of(mut a: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
     let n = a.len();
     let mut v = vec![vec![0.0; n]; n];
@@ -22,7 +22,7 @@ pub fn symmetric_eigen_of(mut a: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
     (order.iter().map(|&i| a[i][i]).collect(), order.iter().map(vector).collect())
 }
 
-/// Makes `a` diagonal, and `v`, which is 0, the matrix whose columns are its eigenvectors.
+/// Makes `a` diagonal, and turns `v`, which must be 0, into the matrix whose columns are its eigenvectors.
 fn diagonalize<R: AsRef<[f64]> + AsMut<[f64]>>(a: &mut [R], v: &mut [R]) {
     let n = a.len();
     for i in 0..n {

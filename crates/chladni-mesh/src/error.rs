@@ -20,7 +20,7 @@ pub enum MeshError {
     /// The system would not read or write the file.
     #[error("{0}")]
     Io(io::Error),
-    /// Neither the name nor the content tells a format that is known.
+    /// Neither the name nor the content is that of a known format.
     #[error("{0}")]
     UnknownFormat(String),
     /// The bytes are not what their format demands.
@@ -41,7 +41,7 @@ pub enum MeshError {
     Unwritable {
         /// The format asked for.
         format: Format,
-        /// What stands against it.
+        /// Why not.
         reason: String,
     },
     /// A name that no sample has.
@@ -50,7 +50,7 @@ pub enum MeshError {
     /// An empty text where a file or a sample is to be named.
     #[error("no shape is named: write a path or sample:NAME")]
     NoName,
-    /// A text that names no direction.
+    /// A text that does not name a direction.
     #[error("`{0}` is no direction: axes are x, y, z, -x, -y and -z")]
     Direction(String),
 }
@@ -76,7 +76,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// A fault inside a reader, which does not know yet what it is called from.
+/// A fault inside a reader, before the file or format is known.
 #[derive(Debug)]
 pub(crate) struct Fault {
     pub at: Place,

@@ -36,7 +36,7 @@ impl fmt::Display for Format {
 }
 
 impl Format {
-    /// The format that a file extension (without its dot) promises.
+    /// The format of a file extension (without its dot).
     pub fn from_extension(extension: &str) -> Option<Self> {
         Some(match extension.to_ascii_lowercase().as_str() {
             "obj" => Self::Obj,
@@ -50,7 +50,7 @@ impl Format {
         })
     }
 
-    /// The format that the first bytes give away. OBJ and text in general do not.
+    /// The format recognized by the first bytes. OBJ and text in general cannot be.
     pub fn from_content(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(b"glTF") {
             return Some(Self::Glb);
@@ -70,8 +70,8 @@ impl Format {
         }
     }
 
-    /// The format of a file by its extension and content. Where the two disagree the content
-    /// is right: formats are told apart by their first bytes, names by people. An error is why there is none.
+    /// The format of a file by its extension and content. If the two disagree, the content decides. The error
+    /// says why no format was found.
     pub(crate) fn of(extension: Option<&str>, bytes: &[u8]) -> Result<Self, String> {
         if bytes.starts_with(b"# vtk DataFile") {
             return Err("legacy VTK is not read; save it as PLY or OBJ".into());
@@ -88,8 +88,8 @@ impl Format {
 
 const KNOWN: &str = "known are obj, ply, off, stl, gltf, glb, mesh";
 
-/// Whether the triangle count at byte 80 fits the length: the one sign of a binary STL, whose
-/// header may say anything, `solid` included.
+/// Whether the triangle count at byte 80 fits the length: the only sign of a binary STL, whose header may
+/// contain anything, even `solid`.
 pub(crate) fn is_binary_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|c| <[u8; 4]>::try_from(c).ok()).map(u32::from_le_bytes);
     count.is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))

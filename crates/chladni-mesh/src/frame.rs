@@ -13,8 +13,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of `mesh`: its area-weighted centroid goes to the origin and its farthest
-    /// coordinate to ±1. A mesh of no extent keeps scale 1.
+    /// The frame of `mesh`: its area-weighted centroid goes to the origin and its farthest coordinate to ±1.
+    /// A mesh without extent keeps scale 1.
     pub fn of(mesh: &TriMesh) -> Self {
         // Offsets from a vertex keep the sums accurate where the mesh lies far from the origin.
         let Some(&origin) = mesh.positions.first() else { return Self { center: [0.0; 3], scale: 1.0 } };

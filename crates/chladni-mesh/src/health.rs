@@ -19,7 +19,7 @@ pub struct HealthReport {
     pub triangles: usize,
     /// Faces in the file, whatever their number of corners.
     pub polygons: usize,
-    /// How the faces hang together, as stored.
+    /// How the faces are connected, as stored.
     #[serde(flatten)]
     pub topology: Topology,
     /// Triangles (of the fans) of no area at all, repeated corners included.
@@ -45,8 +45,7 @@ pub struct HealthReport {
     pub welded: Welded,
 }
 
-/// How faces hang together: polygons as they are, not their fans, whose diagonals may fall on
-/// other edges.
+/// How faces are connected: polygons as stored, not their fans, whose diagonals may fall on other edges.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Topology {
     /// Pieces that share no vertex.
@@ -70,7 +69,7 @@ pub struct Welded {
     pub vertices: usize,
     /// Triangles with three different corners.
     pub triangles: usize,
-    /// How they hang together.
+    /// How they are connected.
     #[serde(flatten)]
     pub topology: Topology,
 }
@@ -165,7 +164,7 @@ fn duplicate_triangles(triangles: &[[u32; 3]]) -> usize {
     sorted.windows(2).filter(|pair| pair[0] == pair[1]).count()
 }
 
-/// Signed volume of a closed surface, summed about its first vertex to keep the digits.
+/// Signed volume of a closed surface, summed about its first vertex for accuracy.
 fn volume(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     let origin = positions.first().copied().unwrap_or_default();
     let cone = |t: &[u32; 3]| {
@@ -223,7 +222,7 @@ impl Topology {
     }
 }
 
-/// Vertices whose faces do not hang together by edges at that vertex.
+/// Vertices whose faces are not all connected through edges at that vertex.
 fn split_vertices<'a>(
     vertex_count: usize,
     faces: impl Iterator<Item = &'a [u32]> + Clone,

@@ -9,7 +9,7 @@ pub struct TriMesh {
     pub positions: Vec<[f64; 3]>,
     /// m triangles of vertex indices < n; polygons are triangulated as a fan from their first corner.
     pub triangles: Vec<[u32; 3]>,
-    /// All that is seen but not felt: polygons, UVs, materials, colours.
+    /// What affects only the look: polygons, UVs, materials, colors.
     pub appearance: Appearance,
 }
 

@@ -9,7 +9,7 @@ use crate::surface::vec3::{Vec3, add, dot, length, scaled, sub, unit};
 use crate::surface::{closest_on_triangle, corners, doubled_area_normal, mixed};
 use crate::{Rows, vertex_triangles};
 
-/// The plane {p : normal · p = offset}, and how far it is from a mirror of the shape.
+/// The plane {p : normal · p = offset}, and how far the shape is from being symmetric in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MirrorPlane {
     /// Unit normal; its largest component is positive.
@@ -34,12 +34,12 @@ pub type OnSurface = ([u32; 3], [f64; 3]);
 /// A distance squared, a point, and the point that its mirror image comes to lie on.
 type Pair = (f64, Vec3, Vec3);
 
-/// Vertices that judge the candidates.
+/// Vertices on which candidates are tested.
 const JUDGES: usize = 600;
 /// Vertices that the plane is refined on in the end, and that its misfit is measured on.
 const FINAL_JUDGES: usize = 6000;
-/// Directions over the half sphere that are tried besides those that the shape suggests. None is
-/// farther than 13° from any normal, near enough to be refined to it.
+/// Directions over the half sphere that are tried besides those that the shape suggests. Every normal is
+/// within 13° of one of them, near enough for refinement.
 const DIRECTIONS: usize = 64;
 /// Candidates that are refined.
 const FINALISTS: usize = 6;
@@ -77,9 +77,9 @@ impl<'a> MirrorSearch<'a> {
         Some(Self { positions, triangles, tree, around, diagonal: diagonal.max(f64::MIN_POSITIVE) })
     }
 
-    /// The plane in which the shape comes closest to its mirror image, whichever way it stands. A
-    /// shape without symmetry gets a plane, too, with a misfit that tells. `hints` are further
-    /// normals to try, of any length.
+    /// The plane in which the shape comes closest to its mirror image, whichever way it stands. A shape
+    /// without symmetry gets a plane, too, with a large misfit. `hints` are further normals to try, of any
+    /// length.
     ///
     /// Where several planes fit about as well (a box, an eight-armed octopus), it is the one whose
     /// normal is nearest to x, what a viewer calls left and right.
@@ -268,7 +268,7 @@ mod tests {
         let direction = sub(turned([1.0, 0.0, 0.0]), turned([0.0; 3]));
         assert!(found.misfit < 1e-3, "{found:?}");
         assert!(dot(found.normal, direction).abs() > 0.9999, "{found:?} for {direction:?}");
-        // Along a coordinate axis none comes near: what a search among three planes finds.
+        // No plane across a coordinate axis comes close, so a search among those three would fail.
         for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
             let offset = dot(axis, search.centroid());
             let across = MirrorPlane { normal: axis, offset, misfit: 0.0 };

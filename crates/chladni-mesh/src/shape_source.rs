@@ -29,7 +29,7 @@ impl ShapeSource {
         }
     }
 
-    /// The NAME of `sample:NAME`; `None` where `name` is a path. Samples of sound are written so, too.
+    /// The NAME of `sample:NAME`; `None` if `name` is a path. Sound samples use the same syntax.
     pub fn sample_name(name: &Path) -> Option<&str> {
         name.to_str()?.strip_prefix(SAMPLE)
     }

@@ -419,9 +419,10 @@ impl Playing {
     }
 }
 
-/// M for each octave of harmonics: where a full-scale band that drives one of them at the mapping's largest
-/// |a| moves it by the calibrated share of the box, or as steeply as goes with that, whichever comes
-/// first. Choir and harmonics in use do not enter, so that they mute without making the rest louder.
+/// M for each octave of harmonics: with it, a full-scale band that drives one of them at the mapping's
+/// largest amplification moves it by the calibrated share of the box, or by the matching steepness,
+/// whichever comes first. Choir and harmonics in use are ignored, so that muting some does not make the
+/// rest louder.
 fn calibrate(targets: &[u32], amplification: &[f32], dancer: &Dancer, playing: Playing) -> Vec<f32> {
     let wanted = Reach {
         displacement: playing.calibration * dancer.box_diagonal,

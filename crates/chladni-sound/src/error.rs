@@ -1,4 +1,4 @@
-//! What can go wrong with sound, said once.
+//! What can go wrong with sound.
 
 use std::io;
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ pub enum SoundError {
         /// What the reader said.
         reason: String,
     },
-    /// The container is known, what is in it is not decoded here.
+    /// The container is known, but its codec is not supported.
     #[error("{name}: holds {codec} sound, which is not supported: {advice}")]
     UnsupportedCodec {
         /// The file, as the caller named it.
@@ -33,13 +33,13 @@ pub enum SoundError {
         /// What the user can do.
         advice: &'static str,
     },
-    /// The file is well-formed as far as can be told and holds not one sample.
+    /// The file seems well-formed but holds no samples.
     #[error("{name}: holds no sound")]
     Empty {
         /// The file, as the caller named it.
         name: String,
     },
-    /// The file promises what it does not keep.
+    /// The file's content contradicts its headers.
     #[error("{name}: damaged: {what}")]
     Damaged {
         /// The file, as the caller named it.
@@ -47,7 +47,7 @@ pub enum SoundError {
         /// What is wrong.
         what: String,
     },
-    /// A sampling rate that no sound has.
+    /// An implausible sampling rate.
     #[error("{name}: a sampling rate of {rate_hz} Hz is outside {min} to {max} Hz", min = crate::MIN_RATE_HZ, max = crate::MAX_RATE_HZ)]
     Rate {
         /// The file, as the caller named it.

@@ -5,8 +5,7 @@ pub(crate) type Frame = [f32; 2];
 
 /// The longest window that is asked for.
 const LONGEST_WINDOW: usize = 1 << 16;
-/// A ring that is written ahead of what is heard, and two seconds that were heard: a listener may
-/// come late.
+/// The part that is written ahead of what is heard, and two seconds that were heard, for late readers.
 const KEPT_SECS: usize = 3;
 
 /// The last frames of a stream, by their number.
@@ -60,7 +59,7 @@ mod tests {
             for n in 0..5 * second {
                 history.push([n as f32, -(n as f32)]);
             }
-            // What is heard is a ring behind what was written last.
+            // What is heard is up to a ring's length behind the newest frame.
             let (mut left, mut right) = (vec![0.0; 2 * second], vec![0.0; 2 * second]);
             history.window(4 * second as i64, &mut left, &mut right);
             let first = 2 * second;

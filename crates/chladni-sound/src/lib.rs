@@ -45,9 +45,9 @@ pub use player::{
 pub use spectrum::{FrontEnd, Hop, Level, SongSpectrum, Spectrum, SpectrumAnalyser, SpectrumSettings};
 pub use tune::{TUNE_BPM, TUNE_RATE_HZ, sample_tune, sample_tune_beats_secs};
 
-/// The lowest sampling rate taken for real.
+/// The lowest sampling rate that is accepted.
 pub const MIN_RATE_HZ: u32 = 1_000;
-/// The highest sampling rate taken for real.
+/// The highest sampling rate that is accepted.
 pub const MAX_RATE_HZ: u32 = 768_000;
 
 fn check_rate(name: &str, rate_hz: u32) -> Result<(), SoundError> {

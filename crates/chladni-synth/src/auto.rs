@@ -13,11 +13,11 @@ pub enum Backend {
     Auto,
     /// The CPU.
     Cpu,
-    /// The GPU, even if it is a processor in disguise.
+    /// The GPU, even if it is a software device.
     Gpu,
 }
 
-/// That the CPU has taken over, and why; to be shown to the user once.
+/// Notice that the CPU has taken over, and why; to be shown to the user once.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("synthesizing on the CPU: {reason}")]
 pub struct Fallback {
@@ -25,11 +25,11 @@ pub struct Fallback {
     pub reason: SynthError,
 }
 
-/// A synthesizer for drawing: its frames are on the device whichever backend made them.
+/// A synthesizer for drawing: its frames are on the device, whichever backend made them.
 ///
-/// When the device has no room or fails, the same frame is made on the CPU and all further
-/// ones are too; [`AutoSynthesizer::take_fallback`] tells once. A lost device can draw
-/// nothing, so frames are then only in [`AutoSynthesizer::cpu`].
+/// When the device has no room or fails, the same frame is made on the CPU and all further ones are too;
+/// [`AutoSynthesizer::take_fallback`] reports it once. A lost device can draw nothing, so frames are then
+/// only in [`AutoSynthesizer::cpu`].
 #[derive(Debug)]
 pub struct AutoSynthesizer {
     context: GpuContext,
@@ -88,12 +88,12 @@ impl AutoSynthesizer {
         }
     }
 
-    /// That the CPU has taken over: `Some` once after it has.
+    /// `Some` once after the CPU has taken over.
     pub fn take_fallback(&mut self) -> Option<Fallback> {
         self.fallback.take()
     }
 
-    /// Goes on with the CPU and whatever `model` is.
+    /// Continues on the CPU with `model`.
     fn fall_back(&mut self, reason: SynthError, model: SynthModel) {
         self.fallback = Some(Fallback { reason });
         self.engine = Engine::cpu(&self.context, model);
@@ -158,8 +158,8 @@ impl Synthesizer for AutoSynthesizer {
         }
     }
 
-    /// Falls back only between frames: where the device fails here, the positions are gone
-    /// with it, and the error says so.
+    /// Falls back only between frames: if the device fails here, the positions are lost with it, and the
+    /// error says so.
     fn synthesize_normals(&mut self, settings: &FrameSettings) -> Result<(), SynthError> {
         self.engine.synthesizer().synthesize_normals(settings)?;
         self.show()

@@ -1,4 +1,4 @@
-//! What a synthesizer refuses, and why.
+//! Errors of a synthesizer.
 
 /// Why a model could not be built or a frame not be synthesized.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

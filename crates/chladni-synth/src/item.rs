@@ -1,4 +1,4 @@
-//! What is asked of a synthesizer: items, each a sum of terms of the one formula.
+//! The input of a synthesizer: items, each a sum of terms of the one formula.
 
 use std::sync::Arc;
 

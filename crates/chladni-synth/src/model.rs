@@ -8,8 +8,8 @@ use crate::normals::{Rings, area_weighted_normals};
 use crate::packed_basis::PackedBasis;
 use crate::{Item, SynthError, exact};
 
-/// A shape made ready for synthesis: rest positions and normals, rings of triangles around
-/// vertices, and the basis packed for fast reading. Cloning is cheap.
+/// A shape prepared for synthesis: rest positions and normals, rings of triangles around vertices, and the
+/// basis packed for fast reading. Cloning is cheap.
 #[derive(Clone, Debug)]
 pub struct SynthModel {
     pub(crate) rest_positions: Arc<[[f32; 3]]>,

@@ -2,7 +2,7 @@
 
 use crate::{Coefficients, Item, Residual, SynthError, Term};
 
-/// What is wrong with a term, before it is known where the term stands.
+/// What is wrong with a term, without its place.
 #[derive(Debug)]
 pub(crate) enum TermFault {
     TooMany { found: usize, harmonics: usize },

@@ -2,7 +2,7 @@
 
 use crate::{Item, SynthError, SynthModel};
 
-/// What holds for all items of a frame.
+/// Settings for all items of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameSettings {
     /// The weight of the rest normal in the drawn normal, in [0, 1]: 0 is the exact normal of

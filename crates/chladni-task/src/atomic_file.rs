@@ -14,12 +14,10 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 
 /// Lets `write` fill a temporary file beside `path`, flushes it to the disk and renames it.
 ///
-/// If `write` fails or the process dies, `path` keeps what it held before. Where it is a link, the
-/// file that it leads to is replaced; on Unix a file keeps who may read it. The folder of
-/// `path` must exist.
+/// If `write` fails or the process dies, `path` is unchanged. If it is a link, its target is replaced; on
+/// Unix the file keeps its permissions. The folder of `path` must exist.
 ///
-/// # Errors
-/// What creating, writing or renaming the file, or `write`, says.
+/// # Errors Errors of creating, writing or renaming the file, or of `write`.
 pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
@@ -40,7 +38,7 @@ pub fn write_atomic_with(
     Ok(())
 }
 
-/// The end of the links at `path`; `path` itself where there is none, or no end.
+/// The final target of the links at `path`; `path` itself if it is not a link or the links form a loop.
 fn where_it_leads(path: &Path) -> PathBuf {
     let mut end = path.to_owned();
     for _ in 0..40 {
@@ -66,14 +64,14 @@ pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<tempfile::Named
     builder.prefix(".chladni-").suffix(ending);
     #[cfg(unix)]
     {
-        // A temporary file is private (0600) by default; what a user saves is theirs to share.
+        // A temporary file is private (0600) by default; a saved file should have the usual permissions.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder).map_err(without_path)
 }
 
-/// The usual errors without the temporary file's name: whoever asked knows `path`.
+/// The usual errors without the temporary file's name: the caller knows `path`.
 fn without_path(error: io::Error) -> io::Error {
     use io::ErrorKind::{NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem, StorageFull};
     match error.kind() {
@@ -124,7 +122,7 @@ mod tests {
         assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(std::fs::read(&file).unwrap(), b"new");
         assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
-        // A link to nothing is where the file is wanted.
+        // The file is created at the missing target of a link.
         symlink("elsewhere/q.chladni", folder.path().join("q")).unwrap();
         write_atomic(&folder.path().join("q"), b"first").unwrap();
         assert_eq!(std::fs::read(folder.path().join("q")).unwrap(), b"first");

@@ -1,5 +1,5 @@
-//! Long work that can be watched, stopped, and never leaves half a file behind; files that are read
-//! whole and never without a bound.
+//! Long work that reports progress, can be stopped, and never leaves a half-written file behind; files that
+//! are read whole, up to a size limit.
 //!
 //! ```
 //! use chladni_task::Task;

@@ -42,7 +42,7 @@ struct Shared {
 }
 
 impl Task {
-    /// A task that nobody has cancelled yet.
+    /// A task that is not cancelled.
     pub fn new() -> Self {
         Self::default()
     }
@@ -73,7 +73,7 @@ impl Task {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 
-    /// A snapshot for whoever draws the progress bar.
+    /// A snapshot, such as for a progress bar.
     pub fn progress(&self) -> Progress {
         Progress {
             stage: self.shared.stage.lock().unwrap_or_else(PoisonError::into_inner).clone(),

@@ -1,4 +1,4 @@
-//! Files that are read whole, and never without a bound.
+//! Files that are read whole, up to a size limit.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -43,7 +43,7 @@ pub fn read_text_file(path: &Path, most_bytes: u64) -> io::Result<String> {
 /// # Errors
 /// As [`read_file`].
 pub fn open_file(path: &Path) -> io::Result<File> {
-    // Before it is opened: opening a pipe waits for somebody who writes.
+    // Checked before opening, because opening a pipe waits for a writer.
     let found = std::fs::metadata(path)?;
     if found.is_dir() {
         return Err(io::Error::from(io::ErrorKind::IsADirectory));

@@ -3,7 +3,8 @@
 //!
 //! # A walk through the rooms
 //!
-//! A mesh is read as its file holds it ([`mesh`]), and becomes a body with harmonics ([`harmonics`]):
+//! A mesh is read exactly as its file stores it ([`mesh`]), and becomes a body with harmonics
+//! ([`harmonics`]):
 //!
 //! ```
 //! use chladni::harmonics::{BasisSettings, Body};

@@ -20,7 +20,7 @@ fn project(shape: &str, harmonics: usize) -> Result<(Project, [LayerId; 2]), Err
     Ok((project, [lower, upper]))
 }
 
-/// Times all that a person does over and over.
+/// Times all actions that a user repeats often.
 pub fn rehearse(shape: &str, harmonics: usize, time: &mut Timer<'_>) -> Result<(), Error> {
     let (project, [lower, upper]) = project(shape, harmonics)?;
     let gpu = Gpu::headless()?;

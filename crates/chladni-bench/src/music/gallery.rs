@@ -12,7 +12,7 @@ use chladni_program::work::{Error, bands_of, source};
 
 /// S.
 pub const ITEMS: usize = 12;
-/// Frames a second at which movement is looked at.
+/// Frames a second at which movement is measured.
 const RATE_HZ: f64 = 10.0;
 /// How much of each song.
 const SECS: f64 = 20.0;
@@ -97,7 +97,7 @@ pub fn folds(ready: &Ready) -> Result<Vec<Folds>, Error> {
                 ] {
                     all_bands = all_bands.max(worst(left, right, mid, side)?);
                 }
-                // Bands that drive the same harmonic do the same.
+                // Bands that drive the same harmonic have the same effect.
                 let targets = shown.mapping.targets(bands, HARMONICS);
                 for band in (0..bands).filter(|&b| !targets[..b].contains(&targets[b])) {
                     let mut one = silence.clone();
@@ -112,7 +112,7 @@ pub fn folds(ready: &Ready) -> Result<Vec<Folds>, Error> {
     Ok(rows)
 }
 
-/// Movement in the form to begin with.
+/// Movement in the default form.
 pub fn movement(ready: &Ready, songs: &[Song]) -> Result<Vec<Movement>, Error> {
     let mut rows = Vec::new();
     for (gallery, instrument) in galleries(ready, Form::default())? {
@@ -129,7 +129,7 @@ pub fn movement(ready: &Ready, songs: &[Song]) -> Result<Vec<Movement>, Error> {
     Ok(rows)
 }
 
-/// Songs that are files or `sample:tune`, as much of them as is danced to.
+/// Songs that are files or `sample:tune`, as much of each as is used.
 pub fn songs(names: &[String], terminal: &Terminal) -> Result<Vec<Song>, Error> {
     names.iter().map(|name| source::song(name, 0.0, Some(SECS), terminal)).collect()
 }

@@ -36,7 +36,7 @@ impl Ready {
         Ok(Self { name: name.to_owned(), body, dancer })
     }
 
-    /// What `mapping` does to it.
+    /// The displacements by `mapping`.
     pub fn displacements(
         &self,
         mapping: &Mapping,

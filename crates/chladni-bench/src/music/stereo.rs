@@ -37,7 +37,7 @@ pub fn stereo(ready: &Ready) -> Result<Vec<Stereo>, Error> {
                 let (mut energy, mut outwards, mut area) = ([0.0; 2], [0.0; 2], [0.0; 2]);
                 let vertices = ready.body.positions.iter().zip(&normals).zip(&ready.body.basis.mass);
                 for (d, ((x, n), a)) in moved.iter().zip(vertices) {
-                    // What lies in the middle belongs to both halves.
+                    // Vertices in the middle belong to both halves.
                     let right = if x[0].abs() < 1e-6 { 0.5 } else { f64::from(u8::from(x[0] > 0.0)) };
                     for (half, share) in [1.0 - right, right].into_iter().enumerate() {
                         energy[half] += share * a * d.iter().map(|c| c * c).sum::<f64>();

@@ -1,4 +1,4 @@
-//! The device's own clock, without what it takes to ask it for work.
+//! The device's own clock, which excludes the time to submit work.
 
 use chladni_view::Gpu;
 use eframe::wgpu;
@@ -55,7 +55,7 @@ impl DeviceClock {
         after.resolve_query_set(&self.stamps, 0..2, &self.resolved, 0);
         after.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, BYTES);
         queue.submit([after.finish()]);
-        // Waiting calls this; a failure shows as a range that is not mapped.
+        // Called while waiting; on failure the range is not mapped.
         self.readable.map_async(wgpu::MapMode::Read, .., |_| {});
         wait(&self.gpu)?;
         let ticks = {

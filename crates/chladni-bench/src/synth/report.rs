@@ -17,7 +17,7 @@ pub struct Measured {
     device: String,
     synthesis_ms: f64,
     normals_ms: f64,
-    /// Null where nothing can draw. Includes the upload of a frame made on the CPU.
+    /// Null if nothing was drawn. Includes the upload of a frame made on the CPU.
     draw_ms: Option<f64>,
     /// Of synthesis and normals.
     fps: f64,

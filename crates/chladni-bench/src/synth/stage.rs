@@ -21,7 +21,8 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Opens the device. Drawn is as films and windows are: with one sample a pixel where the processor draws.
+    /// Opens the device. Drawing is as in films and windows: with one sample a pixel where the processor
+    /// draws.
     pub fn new() -> Result<Self, Error> {
         let gpu = Gpu::headless()?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());

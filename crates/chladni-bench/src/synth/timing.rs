@@ -1,4 +1,4 @@
-//! How long a frame takes: by the clock on the wall, and on a device by its own.
+//! How long a frame takes: by the wall clock, and on a device by its own clock.
 
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,7 @@ use chladni_program::work::Error;
 /// Frames measured: at least so many, and for at least so long.
 const FRAMES: usize = 3;
 const PATIENCE: Duration = Duration::from_millis(250);
-/// What is slower than this is measured once: a software device draws the largest shapes for seconds.
+/// Anything slower than this is measured once: a software device takes seconds to draw the largest shapes.
 const SLOW: Duration = Duration::from_secs(1);
 
 /// The median time of `work` in seconds, after one run that warms up.

@@ -1,4 +1,4 @@
-//! From items to a picture that is there.
+//! From items to a finished picture.
 
 use std::time::Instant;
 

@@ -99,12 +99,12 @@ impl Krylov {
     /// coefficients as the next diagonal block of T. Returns the length of each column inside, or `None`
     /// where orthogonality has been lost.
     ///
-    /// In exact arithmetic the last two blocks are all there is to take out. Rounding brings
-    /// the older ones back, in each step by θ times more along the Ritz vectors of the largest
-    /// |θ|. So every second step takes those out (selective orthogonalisation, Parlett & Scott
-    /// 1979), or all of the space, which is done as seldom as the loss it finds permits: T and
-    /// its eigenvalues are accurate while that is below the root of the rounding unit (Simon
-    /// 1984). Both are taken out of the newest two blocks, for one reading of what is taken.
+    /// In exact arithmetic only the last two blocks have a component to remove. Rounding reintroduces the
+    /// older ones, growing by θ in each step along the Ritz vectors of the largest θ in magnitude. So every
+    /// second step orthogonalizes against those (selective orthogonalization, Parlett & Scott 1979), or
+    /// against the whole space, which is done as rarely as the measured loss permits: T and its eigenvalues
+    /// are accurate while the loss is below the root of the rounding unit (Simon 1984). Both treat the
+    /// newest two blocks together, so that what they read is read once.
     pub fn orthogonalize(
         &mut self,
         problem: &Problem,

@@ -10,9 +10,9 @@ use crate::surface::{corners, doubled_area_normal};
 /// A surface as points of equal area, centred at its centroid and scaled to a diagonal of 1.
 pub(super) struct Cloud {
     pub points: Vec<Vec3>,
-    /// Outward as far as that can be told.
+    /// Outward as far as can be determined.
     pub normals: Vec<Vec3>,
-    /// Vertices, thinned out where there are very many: tips that no point may fall on.
+    /// Vertices, thinned out if there are very many: they include tips that the points may miss.
     pub vertices: Vec<Vec3>,
     /// The surface's area.
     pub area: f64,
@@ -21,7 +21,7 @@ pub(super) struct Cloud {
     tree: ImmutableKdTree<f64, 3>,
 }
 
-/// So many vertices are looked at.
+/// At most this many vertices are used.
 const MOST_VERTICES: usize = 6000;
 
 impl Cloud {
@@ -84,7 +84,7 @@ impl Cloud {
         (i, length(sub(self.points[i], p)))
     }
 
-    /// From the lowest to the highest along `direction`.
+    /// The lowest and the highest coordinate along `direction`.
     pub fn span(&self, direction: Vec3) -> (f64, f64) {
         self.vertices.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
             let x = dot(*p, direction);
@@ -92,7 +92,7 @@ impl Cloud {
         })
     }
 
-    /// How much the surface bends within `radius` of each point: 1 less the length of the mean normal.
+    /// How much the surface bends within `radius` of each point: 1 minus the length of the mean normal.
     pub fn roughness(&self, radius: f64) -> Vec<f64> {
         let key = |p: Vec3| p.map(|c| (c / radius).floor() as i32);
         let mut cells: HashMap<[i32; 3], Vec<usize>> = HashMap::new();

@@ -1,5 +1,5 @@
-//! The orientation that the surface speaks for: candidates from the mirror plane, the file's axes, the
-//! bases and the likeness to a head, judged together.
+//! The most likely orientation, judged from the surface: candidates come from the mirror plane, the file's
+//! axes, the bases and the likeness to a head.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,10 +12,10 @@ use super::{Axis, Orientation};
 use crate::surface::vec3::{Vec3, cross, dot, length, scaled, sub, unit};
 use crate::{MirrorPlane, MirrorSearch, TriMesh, weld};
 
-/// What speaks most for an orientation.
+/// The strongest evidence for an orientation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Evidence {
-    /// Somebody said so.
+    /// It was given.
     Told,
     /// It looks like a human head.
     Head,
@@ -43,7 +43,7 @@ impl Evidence {
     }
 }
 
-/// What is known of an orientation before the surface is asked.
+/// What is known of an orientation before the surface is examined.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Known {
     /// Where up is.
@@ -65,22 +65,22 @@ pub struct Estimate {
     pub mirror: Option<MirrorPlane>,
 }
 
-/// Points that a surface is judged by.
+/// Points by which a surface is judged.
 const POINTS: usize = 6000;
-/// A plane that misses by more, as a share of the diagonal, is no mirror.
+/// A plane with a larger misfit, as a share of the diagonal, is not a mirror plane.
 const NO_MIRROR: f64 = 0.02;
 /// Directions nearer than this are taken for the same.
 const SAME_RAD: f64 = 22.0 * PI / 180.0;
 /// A direction so near to an axis of the file is that axis.
 const SNAP_RAD: f64 = 10.0 * PI / 180.0;
-/// Misfits at which a likeness counts fully and no more.
+/// Misfits up to which a likeness counts fully, and from which it does not count.
 const LIKE: (f64, f64) = (0.038, 0.043);
-/// A candidate whose misfit is so much larger is not like a head any more.
+/// A candidate whose misfit is larger by this much no longer counts as head-like.
 const LESS_LIKE: f64 = 0.006;
 /// Below this lead over another orientation a person should look.
 const CLEAR_LEAD: f64 = 0.5;
 
-/// What speaks for a candidate, in units that can be added; in the order of [`KINDS`].
+/// The evidence for a candidate, in units that can be added; in the order of [`KINDS`].
 type Votes = [f64; 5];
 const KINDS: [Evidence; 5] =
     [Evidence::Head, Evidence::Base, Evidence::Opening, Evidence::Detail, Evidence::Custom];
@@ -139,21 +139,21 @@ impl Estimate {
         };
         let rival = judged.iter().find(|(_, _, other)| orientation.angle_to(other) > 2.0 * SAME_RAD);
         let lead = rival.map_or(f64::INFINITY, |(sum, _, _)| best - sum);
-        // What sets it apart from its rival, not what they share.
+        // The evidence that distinguishes it from its rival, not what they share.
         let apart = |i: usize| votes[i] - rival.map_or(0.0, |(_, votes, _)| votes[i]);
         let strongest = (0..votes.len()).max_by(|i, j| apart(*i).total_cmp(&apart(*j))).unwrap_or(4);
         Ok(Self { orientation, in_doubt: lead < CLEAR_LEAD, evidence: KINDS[strongest], mirror })
     }
 }
 
-/// Where nothing can be told.
+/// When nothing can be determined.
 fn by_custom(known: Known) -> Orientation {
     let all = frames(&Axis::ALL.map(Axis::direction)).into_iter().filter(|frame| agrees(frame, known));
     let like = all.max_by(|a, b| custom(a).total_cmp(&custom(b)));
     like.unwrap_or_default()
 }
 
-/// A surface that is asked.
+/// A surface under examination.
 struct Witness<'a> {
     cloud: &'a Cloud,
     /// Normal of its mirror plane, where it has one.
@@ -168,7 +168,7 @@ struct Witness<'a> {
 impl<'a> Witness<'a> {
     fn of(cloud: &'a Cloud, mirror: Option<MirrorPlane>) -> Self {
         let side = mirror.map(|plane| snapped(plane.normal));
-        // The cloud is centred, and a mirror keeps the centre.
+        // The cloud is centered, and a mirror keeps the center.
         let heads = side.map_or_else(Vec::new, |side| likenesses(cloud, side, 0.0));
         let opening = opening(cloud);
         Self {
@@ -193,7 +193,7 @@ impl<'a> Witness<'a> {
         };
         let level = |v: Vec3| unit(sub(v, scaled(side, dot(v, side))));
         let lies_in = |v: &Vec3| dot(*v, side).abs() < SNAP_RAD.sin();
-        // A known front has its up across it, and the other way round.
+        // Up must be perpendicular to a known front, and the other way round.
         let told = known.up.or(known.front.map(|front| cross(side, unit(front)))).map(level);
         if let Some(told) = told.filter(|told| length(*told) > 0.5) {
             ups.extend([told, scaled(told, -1.0)]);
@@ -204,7 +204,7 @@ impl<'a> Witness<'a> {
         } else {
             ups.extend(self.firmest(side));
         }
-        // A file need not follow its axes.
+        // A shape need not be aligned with its file's axes.
         let near = |v: Vec3, ups: &[Vec3]| ups.iter().any(|up| angle(*up, v) < SAME_RAD);
         if told.is_none() {
             for head in self.heads.iter().filter(|head| head.misfit < LIKE.0).take(3) {
@@ -270,7 +270,7 @@ impl<'a> Witness<'a> {
         4.0 * counts * self.heads.iter().filter_map(alike).fold(0.0, f64::max)
     }
 
-    /// How firmly it stands, tilted a little if need be.
+    /// How firmly it stands, tilted a little if needed.
     fn base(&self, candidate: &Orientation) -> f64 {
         let tilts = match self.side {
             Some(side) => vec![side],
@@ -283,7 +283,7 @@ impl<'a> Witness<'a> {
                 firmest = firmest.max(base(self.cloud, down).firmness());
             }
         }
-        // What is open was cut off somewhere, and lies on whatever is flat.
+        // An open shape was cut off somewhere and may seem to stand on any flat side.
         4.0 * firmest * if self.opening.is_some() { 0.3 } else { 1.0 }
     }
 

@@ -1,4 +1,4 @@
-//! What a surface tells about how it stands, each on a scale of its own.
+//! Evidence from a surface about how it stands, each kind on its own scale.
 
 use super::cloud::Cloud;
 use crate::surface::vec3::{Vec3, cross, dot, length, scaled, unit};
@@ -8,7 +8,7 @@ use crate::surface::vec3::{Vec3, cross, dot, length, scaled, unit};
 pub(super) struct Base {
     /// Area that touches the ground, as a share of the shape's outline seen from there.
     pub contact: f64,
-    /// Area between what touches the ground, as a share of the same; 0 where it would topple.
+    /// Area of the convex hull of what touches the ground, as a share of the same; 0 where it would topple.
     pub support: f64,
 }
 
@@ -82,8 +82,8 @@ pub(super) fn detail(cloud: &Cloud, roughness: &[f64], up: Vec3, front: Vec3) ->
     (front, up)
 }
 
-/// How much farther the shape reaches out over its base in front than behind, as a share of its
-/// length: heads are carried in front of the feet, and muzzles in front of the neck.
+/// How much farther the shape extends beyond its base in front than behind, as a share of its length: heads
+/// are in front of the feet, and muzzles in front of the neck.
 pub(super) fn overhang(cloud: &Cloud, up: Vec3, front: Vec3) -> f64 {
     let (bottom, top) = cloud.span(up);
     let ground = bottom + 0.06 * (top - bottom);

@@ -1,4 +1,5 @@
-//! How like a human head a shape looks, from each side: the plain sample head, laid into its mirror plane.
+//! How much a shape looks like a human head, from each side: the plain sample head is fitted to it in its
+//! mirror plane.
 
 use std::sync::OnceLock;
 
@@ -8,7 +9,7 @@ use super::cloud::Cloud;
 use crate::samples::coarse_template;
 use crate::surface::vec3::{Vec3, add, dot, scaled, sub};
 
-/// Where the sample head came to lie.
+/// The pose of the sample head.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Likeness {
     pub up: Vec3,
@@ -23,7 +24,7 @@ struct Model {
     normals: Vec<Vec3>,
 }
 
-/// Of each look: how many of the best poses get it, the steps taken, and the model's points.
+/// For each pass: how many of the best poses it refines, its steps, and the model's points.
 const LOOKS: [(usize, usize, usize); 3] = [(usize::MAX, 5, 120), (20, 16, 300), (8, 12, 1000)];
 const MOST_POINTS: usize = 1000;
 /// Directions of up that are tried.
@@ -43,7 +44,7 @@ fn model() -> Option<&'static Model> {
             };
             let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
             let (middle, height) = (scaled(add(low, high), 0.5), high[1] - low[1]);
-            // Neighbours in the list are neighbours on the head: take them from all over it.
+            // Neighbors in the list are neighbors on the head, so take every n-th.
             let count = kept().count();
             let stride = (0.618 * count as f64) as usize | 1;
             let kept: Vec<(Vec3, Vec3)> =

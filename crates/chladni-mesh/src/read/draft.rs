@@ -66,8 +66,8 @@ impl Draft {
         }
     }
 
-    /// Ends a face made of what was pushed to `corners` (and `corner_uvs`) since the last end.
-    /// A face of one or two corners is dropped. Returns whether it was kept.
+    /// Ends a face, which consists of what was pushed to `corners` (and `corner_uvs`) since the last end. A
+    /// face of one or two corners is dropped. Returns whether it was kept.
     pub fn end_face(&mut self) -> bool {
         let start = self.ends.last().map_or(0, |&end| end as usize);
         let count = self.corners.len() - start;
@@ -92,7 +92,7 @@ impl Draft {
         start..self.ends[f] as usize
     }
 
-    /// The triangles of a strip, every second one turned round; a negative index begins anew.
+    /// The triangles of a strip, every second one flipped; a negative index starts a new strip.
     pub fn push_strip(
         &mut self,
         strip: impl Iterator<Item = Result<Option<u32>, Fault>>,

@@ -12,7 +12,7 @@ use crate::error::Fault;
 use crate::read::{Loaded, Mended};
 use crate::{CornerUvs, Format, Material, MeshError, Texture};
 
-/// Instances of a mesh cost nothing in the file; this many vertices is where that ends.
+/// Instances of a mesh cost nothing in the file; this limits the vertices they may add up to.
 const MOST_VERTICES: usize = 1 << 24;
 
 /// Reads triangles, strips and fans, with or without indices, of all meshes that the scene's
@@ -187,8 +187,8 @@ impl Scene<'_> {
         Some(texture)
     }
 
-    /// Visits the scene's nodes, parents first, with a stack of its own: a file decides how
-    /// deep they are nested.
+    /// Visits the scene's nodes, parents first, with an explicit stack, because a file may nest them to any
+    /// depth.
     fn walk(&mut self) -> Result<(), Fault> {
         let nodes = &self.root.nodes;
         if nodes.is_empty() {
@@ -390,8 +390,8 @@ impl Scene<'_> {
         Ok(())
     }
 
-    /// Makes one vertex of all that carry the same id, in the order of the ids. Where another
-    /// program has moved some of them apart, or the ids are none, all stays as it is.
+    /// Merges vertices with the same id, in the order of the ids. If another program has moved some of them
+    /// apart, or the ids are invalid, nothing changes.
     fn rejoin(&mut self, start: usize, first_corner: usize, ids: &[f64]) {
         let stored = &self.stored[start..];
         let mut first: Vec<Option<u32>> = vec![None; stored.len()];

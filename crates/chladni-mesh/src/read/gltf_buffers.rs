@@ -6,7 +6,7 @@ use super::Beside;
 use super::gltf_json::{Accessor, Root};
 use crate::error::Fault;
 
-/// An accessor without data of its own holds zeros; this many are believed.
+/// An accessor without data holds zeros; at most this many are accepted.
 const MOST_ZEROS: usize = 1 << 24;
 
 pub(crate) struct Buffers<'a> {

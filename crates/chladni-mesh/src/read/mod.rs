@@ -44,7 +44,7 @@ impl Loaded {
     }
 }
 
-/// Something in a file that was put right or left out.
+/// Something in a file that was repaired or left out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Mended {
     /// The content is of another format than the name says.
@@ -96,10 +96,10 @@ pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Loaded, MeshError> {
     read_beside(bytes, format, &|_| Err("only the mesh itself was given".into()))
 }
 
-/// What is read of one file at most: text of a mesh of fifty million vertices.
+/// The largest file that is read: text of a mesh of fifty million vertices.
 const MOST_BYTES: u64 = 8 << 30;
 
-/// Reads the mesh file at `path`; its format is told by extension and content.
+/// Reads the mesh file at `path`; its format is determined by extension and content.
 ///
 /// # Errors
 /// Those of [`read_mesh`], of the file system, and [`MeshError::UnknownFormat`], each inside a

@@ -11,8 +11,8 @@ use crate::appearance::linear_from_srgb;
 use crate::read::Mended;
 use crate::{Material, Texture};
 
-/// Reads library `name` into the materials that the faces of `draft` use. What cannot be read
-/// is done without and told.
+/// Reads library `name` into the materials that the faces of `draft` use. Unreadable parts are skipped and
+/// reported.
 pub(crate) fn read_into(draft: &mut Draft, name: &str, beside: &Beside<'_>) {
     let bytes = match beside(name) {
         Ok(bytes) => bytes,

@@ -8,9 +8,9 @@ use crate::CornerUvs;
 use crate::error::Fault;
 use crate::read::Mended;
 
-/// Reads `v` (with colours), `vt`, `f` with positive or negative indices, `usemtl`, `mtllib` and
-/// lines joined by a backslash. Vertices keep the order of the file whatever materials and
-/// groups say. Normals, groups, lines, points and free-form surfaces are left out.
+/// Reads `v` (with colours), `vt`, `f` with positive or negative indices, `usemtl`, `mtllib` and lines joined
+/// by a backslash. Vertices keep the order of the file, regardless of materials and groups. Normals, groups,
+/// lines, points and free-form surfaces are left out.
 pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
     let mut obj = Obj::default();
     let mut joined = Vec::new();

@@ -115,7 +115,8 @@ fn read_binary(bytes: &[u8], body: usize, vertex: OffVertex) -> Result<Draft, Fa
             "binary OFF is read without colours, normals and texture coordinates only",
         ));
     }
-    // Byte order and whether faces carry colours show only in what makes the file come out even.
+    // Byte order and whether faces have colors can only be found by trying which combination matches the
+    // file's length.
     let variants = [(true, false), (false, false), (true, true), (false, true)];
     let mut first_fault = None;
     for (little_endian, colors) in variants {

@@ -89,7 +89,7 @@ impl Source<'_> {
         }
     }
 
-    /// No more values than this can follow.
+    /// An upper bound on the number of values that follow.
     fn at_most(&self) -> usize {
         match self {
             Self::Ascii(words) => words.at_most(),
@@ -97,8 +97,8 @@ impl Source<'_> {
         }
     }
 
-    /// In ascii a row is a line: what stands on it beyond the properties is dropped. Returns
-    /// whether anything did.
+    /// In ascii a row is a line: anything on it after the properties is dropped. Returns whether there was
+    /// any.
     fn end_row(&mut self) -> bool {
         match self {
             Self::Ascii(words) => words.end_line(),
@@ -208,7 +208,7 @@ impl Ply<'_> {
     }
 
     fn index(&self, value: f64) -> Result<u32, Fault> {
-        // Not a number and fractions land on −1, which no vertex has.
+        // NaN and fractions become −1, which is never a valid index.
         let index = if value.fract() == 0.0 { value as i64 } else { -1 };
         vertex_index(index, self.vertices, |reason| self.source.fault(reason))
     }

@@ -49,7 +49,7 @@ impl Scalar {
         }
     }
 
-    /// What a colour channel of this type holds at full intensity.
+    /// The value of a color channel of this type at full intensity.
     pub fn full_scale(self) -> f64 {
         match self {
             Self::F32 | Self::F64 => 1.0,
@@ -95,13 +95,13 @@ pub(crate) struct Element {
 }
 
 impl Element {
-    /// Rows that take bytes: none where the element has no property, whatever it promises.
+    /// Rows that take bytes: 0 if the element has no property, whatever its stated count.
     pub fn rows(&self) -> usize {
         if self.properties.is_empty() { 0 } else { self.count }
     }
 }
 
-/// What stands before `end_header`.
+/// The header, up to `end_header`.
 pub(crate) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,

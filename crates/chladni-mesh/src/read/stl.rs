@@ -12,7 +12,7 @@ use crate::read::Mended;
 /// number of solids. Normals, names and attribute bytes are left out.
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     let solid = bytes.trim_ascii_start().starts_with(b"solid");
-    // A truncated binary file may begin with "solid" too; zeros never stand in text.
+    // A truncated binary file may begin with "solid" too, but text never contains zeros.
     if is_binary_stl(bytes) || !solid || bytes.iter().take(512).any(|&b| b == 0) {
         read_binary(bytes)
     } else {
@@ -79,7 +79,7 @@ fn read_ascii(bytes: &[u8]) -> Result<Draft, Fault> {
         match word {
             b"solid" | b"endsolid" => {
                 in_solid = word == b"solid";
-                // A name of any words follows, up to the end of the line.
+                // A name of any number of words follows, up to the end of the line.
                 while words.peek().is_some() && words.line() == line {
                     words.next();
                 }
@@ -102,7 +102,7 @@ fn read_ascii(bytes: &[u8]) -> Result<Draft, Fault> {
             }
             b"normal" => {
                 for _ in 0..3 {
-                    // The normal is left out, even where it is none.
+                    // The normal is ignored, even if invalid.
                     let word = words.next().unwrap_or_default();
                     number::<f64>(word, words.line(), "a normal")?;
                 }

@@ -2,8 +2,8 @@
 
 use crate::error::Fault;
 
-/// The lines of a text file that hold something, each with its number from 1. What follows
-/// `comment` on a line is dropped; a backslash at the end joins the next line where `joins`.
+/// The nonempty lines of a text file, each with its number from 1. What follows `comment` on a line is
+/// dropped; a backslash at the end joins the next line where `joins`.
 pub(crate) struct Lines<'a> {
     rest: &'a [u8],
     number: usize,
@@ -35,7 +35,7 @@ impl<'a> Lines<'a> {
         Some(line)
     }
 
-    /// The next line that holds something, into `joined` where it goes over several.
+    /// The next nonempty line; a line joined from several is put into `joined`.
     pub fn next<'b>(&mut self, joined: &'b mut Vec<u8>) -> Option<&'b [u8]>
     where
         'a: 'b,
@@ -74,7 +74,7 @@ pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|b| b.is_ascii_whitespace()).filter(|word| !word.is_empty())
 }
 
-/// All words of a text file, whatever lines they stand on.
+/// All words of a text file, across lines.
 pub(crate) struct Words<'a> {
     rest: &'a [u8],
     line: usize,
@@ -87,12 +87,12 @@ impl<'a> Words<'a> {
         Self { rest: bytes, line, comment }
     }
 
-    /// The line of the word that comes next, or where the file ends.
+    /// The line of the next word, or of the end of the file.
     pub fn line(&self) -> usize {
         self.line
     }
 
-    /// No more words than this can follow.
+    /// An upper bound on the number of words that follow.
     pub fn at_most(&self) -> usize {
         self.rest.len() / 2 + 1
     }

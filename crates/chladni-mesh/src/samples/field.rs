@@ -28,7 +28,7 @@ pub(crate) fn join(a: f64, b: f64, k: f64) -> f64 {
     a.min(b) - h * h * k / 4.0
 }
 
-/// What of `a` lies outside `b`, with the edge rounded over a width of about `k`.
+/// The part of `a` outside `b`, with the edge rounded over a width of about `k`.
 pub(crate) fn carve(a: f64, b: f64, k: f64) -> f64 {
     -join(-a, b, k)
 }

@@ -71,7 +71,7 @@ pub(crate) fn template() -> TriMesh {
     modelled(&PLAIN, CELL)
 }
 
-/// The sample template with a tenth of its vertices, made in a moment: what heads are told by.
+/// The sample template with a tenth of its vertices, quick to make: the model by which heads are recognized.
 pub(crate) fn coarse_template() -> TriMesh {
     modelled(&PLAIN, 3.0 * CELL)
 }

@@ -39,8 +39,8 @@ impl Grid {
     }
 }
 
-/// The surface where `half` is zero, and its mirror image: `half` is asked at x ≥ 0 only. The
-/// surface must lie inside the grid, and `half` must not change faster than twice the distance.
+/// The surface where `half` is zero, and its mirror image: `half` is evaluated at x ≥ 0 only. The surface
+/// must lie inside the grid, and `half` must not change faster than twice the distance.
 pub(crate) fn surface(half: impl Fn(Vec3) -> f64 + Sync, grid: &Grid) -> TriMesh {
     let field = |[x, y, z]: Vec3| half([x.abs(), y, z]);
     let mut samples = Samples::take(&field, grid);
@@ -134,7 +134,7 @@ impl Samples {
                 if is_simple(inside) {
                     continue;
                 }
-                // All equally near outside corners together, so that mirror images stay such.
+                // All equally near outside corners together, to keep the mirror symmetry.
                 let outside = |i: &usize| !inside[*i];
                 let nearest =
                     (0..8).filter(outside).map(|i| self.values[corners[i]]).fold(f64::MAX, f64::min);
@@ -209,8 +209,8 @@ fn cell_edges() -> impl Iterator<Item = [usize; 2]> {
     (0..3).flat_map(|axis| (0..8).filter(move |i| i >> axis & 1 == 0).map(move |i| [i, i | 1 << axis]))
 }
 
-/// Whether the corners inside hang together by edges, those outside too, and on no face two
-/// corners lie inside across from each other.
+/// Whether the inside corners are connected by edges, the outside corners too, and no face has two inside
+/// corners diagonally opposite.
 fn is_simple(inside: [bool; 8]) -> bool {
     let mut piece: [usize; 8] = std::array::from_fn(|i| i);
     for _ in 0..3 {

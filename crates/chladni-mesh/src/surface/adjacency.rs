@@ -1,4 +1,4 @@
-//! Who touches whom.
+//! Which vertices, edges and triangles touch.
 
 /// Rows of varying length in one array: row `v` is `items[starts[v]..starts[v + 1]]`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -128,7 +128,7 @@ pub fn components(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut count = 0;
     let mut number = vec![0; vertex_count];
     for v in 0..vertex_count as u32 {
-        // The root is the least of its members, so that it has its number before they ask for it.
+        // The root is the smallest member, so it is numbered before the others.
         let root = pieces.root(v);
         if root == v {
             number[v as usize] = count;

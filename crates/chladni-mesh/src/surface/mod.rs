@@ -1,4 +1,4 @@
-//! The geometry of triangles over shared vertices, for whoever computes on them.
+//! The geometry of triangles over shared vertices.
 //!
 //! Positions are `[f64; 3]` in any unit, triangles are corners < the number of positions. Where a triangle names
 //! a vertex that is not there, these functions panic; readers never return such a mesh.

@@ -44,7 +44,7 @@ pub fn vertex_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
 }
 
 /// [`vertex_normals`], to the last bit, on all threads: `around` is the surface's
-/// [`vertex_triangles`](super::vertex_triangles), for whoever computes normals of many poses.
+/// [`vertex_triangles`](super::vertex_triangles), for computing normals of many poses.
 ///
 /// # Panics
 /// If a triangle names a vertex that is not there, or `around` is of another surface.

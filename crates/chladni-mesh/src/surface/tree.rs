@@ -1,9 +1,9 @@
-//! Trees of boxes: what is near a point, on a ray, or in the way of a triangle.
+//! Trees of boxes: they find what is near a point, on a ray, or crossing a triangle.
 
 use super::vec3::{Vec3, add, dot, sub};
 use super::{SurfacePoint, closest_on_triangle};
 
-/// An upright box.
+/// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Its lower corner.
@@ -13,7 +13,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box that holds nothing.
+    /// The empty box.
     pub const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
     /// The least box around points.
@@ -71,7 +71,7 @@ pub struct BoxTree {
 }
 
 impl BoxTree {
-    /// The tree of the items with these `centers`, whose boxes `bounds` tells.
+    /// The tree of the items with these `centers`, whose boxes `bounds` gives.
     pub fn new(centers: &[Vec3], bounds: impl Fn(u32) -> Bounds) -> Self {
         let mut order: Vec<u32> = (0..centers.len() as u32).collect();
         let mut nodes = Vec::with_capacity(2 * centers.len() / LEAF + 1);
@@ -83,12 +83,12 @@ impl BoxTree {
         tree
     }
 
-    /// The items in the order of the leaves: [`search`](Self::search) names places in it.
+    /// The items in the order of the leaves: [`search`](Self::search) gives positions in it.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
 
-    /// Fits every box to the items where they are now.
+    /// Refits every box to the items' present bounds.
     pub fn fit(&mut self, bounds: impl Fn(u32) -> Bounds) {
         // Children come after their parent.
         for i in (0..self.nodes.len()).rev() {
@@ -104,8 +104,8 @@ impl BoxTree {
 
     /// Visits the leaves whose boxes are `nearer` than a limit, the nearer of two children first.
     ///
-    /// `nearness` of a box is a lower bound for everything in it, in any measure; [`f64::INFINITY`] leaves it out.
-    /// `visit` is given a place in [`order`](Self::order) and the limit, and returns the limit from then on.
+    /// `nearness` of a box is a lower bound for everything in it, in any measure; [`f64::INFINITY`] skips it.
+    /// `visit` gets a position in [`order`](Self::order) and the limit, and returns the new limit.
     pub fn search(
         &self,
         mut limit: f64,

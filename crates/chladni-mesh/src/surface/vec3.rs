@@ -38,7 +38,7 @@ pub fn distance(a: Vec3, b: Vec3) -> f64 {
     length(sub(a, b))
 }
 
-/// `a` at length 1, or zero where it has no length that f64 can square.
+/// `a` scaled to length 1, or zero if its squared length is zero or not finite in f64.
 pub fn unit(a: Vec3) -> Vec3 {
     let l = length(a);
     if l > 1e-150 { scaled(a, 1.0 / l) } else { [0.0; 3] }

@@ -33,7 +33,7 @@ pub fn weld(mesh: &TriMesh) -> Weld {
     for &v in triangles.iter().flatten() {
         used[v as usize] = true;
     }
-    // A place is named after its first vertex, so one pass in file order numbers all of them.
+    // A position is identified by its first vertex, so one pass in file order numbers all of them.
     let mut row = vec![u32::MAX; mesh.positions.len()];
     let mut positions = Vec::new();
     for (v, &p) in mesh.positions.iter().enumerate() {

@@ -20,11 +20,11 @@ pub struct MorphTarget {
 
 const FORMAT: Format = Format::Glb;
 
-/// Writes `mesh` as GLB: one mesh, one primitive per material, one morph target per entry of
-/// `targets`, all at weight 0, with smooth normals at rest and in every target. Coordinates are
-/// rounded to `f32`, polygons become triangles. A vertex with several texture coordinates is
-/// stored several times, the first time at its own index, and told together by an attribute
-/// `_VERTEX`, so that reading the file back gives the same vertices.
+/// Writes `mesh` as GLB: one mesh, one primitive per material, one morph target per entry of `targets`, all
+/// at weight 0, with smooth normals at rest and in every target. Coordinates are rounded to `f32`, polygons
+/// become triangles. A vertex with several texture coordinates is stored several times, the first time at its
+/// own index; an attribute `_VERTEX` identifies the copies, so that reading the file back gives the same
+/// vertices.
 ///
 /// # Errors
 /// [`MeshError::Unwritable`] where coordinates do not fit `f32`, a target has not n

@@ -21,7 +21,7 @@ pub(crate) fn write(mesh: &TriMesh, library: &str) -> Vec<u8> {
         p.iter().for_each(|&x| push_number(&mut text, x));
         if let Some(color) = look.colors.as_ref().and_then(|colors| colors.get(v)) {
             for &c in &color[..3] {
-                // f32 holds linear light to about seven digits; six of sRGB are what it says.
+                // f32 holds linear light to about seven digits, which gives six in sRGB.
                 let _ = write!(text, " {}", (srgb_from_linear(f64::from(c)) * 1e6).round() / 1e6);
             }
         }
@@ -62,10 +62,9 @@ struct Names {
     none: String,
 }
 
-/// The names of `materials`, each different and such as a reader takes them: OBJ tells materials
-/// apart by their names alone.
+/// The names of `materials`, all different and readable: OBJ distinguishes materials only by their names.
 fn names(materials: &[Material]) -> Names {
-    // How often a name was wanted; one that was never wanted is free.
+    // How often each name was asked for; one that never was is free.
     let mut wanted: HashMap<String, usize> = HashMap::new();
     let mut free = |name: &str| {
         let plain = name.replace(['\n', '\r', '#'], " ");
@@ -134,7 +133,7 @@ fn push_material(text: &mut String, name: &str, material: &Material, picture: Op
     text.push('\n');
 }
 
-/// Puts a picture beside `path` unless the same is there already; returns its name.
+/// Puts a picture beside `path` unless an identical one is there already; returns its name.
 fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<String, MeshError> {
     // What follows a # in a library is a comment.
     let own = Path::new(&name.replace('\\', "/").replace('#', "_"))

@@ -117,8 +117,7 @@ impl BeatFollower {
         self.moment_at(self.now_secs())
     }
 
-    /// Tempo, phase and confidence at a time, at or after what was heard: the beat goes on as it
-    /// was.
+    /// Tempo, phase and confidence at a time, at or after what was heard: the beat is extrapolated.
     pub fn moment_at(&self, secs: f64) -> BeatMoment {
         if self.best.period == 0 {
             return BeatMoment::default();
@@ -144,7 +143,7 @@ impl BeatFollower {
         self.speed = (self.speed / 2.0).max(0.25);
     }
 
-    /// A tap by hand at a time: the phase is believed at once, the tempo from the second tap on.
+    /// A tap by hand at a time: it sets the phase at once, and from the second tap on the tempo.
     pub fn tap(&mut self, secs: f64) {
         let gap = self.taps.add(secs);
         self.speed = 1.0;
@@ -175,7 +174,7 @@ impl BeatFollower {
         (self.frames_heard.saturating_sub(1) % period as u64) as usize
     }
 
-    /// One frame: walk on, perhaps change tempo at a beat, weigh by what was heard.
+    /// One frame: advance, perhaps change tempo at a beat, weight by what was heard.
     fn step(&mut self, onset: Onset) {
         let z = self.normaliser.next(onset);
         let t = self.frames_heard;
@@ -216,7 +215,7 @@ impl BeatFollower {
         let count = self.belief.len() as f32;
         if sum > 0.0 && sum.is_finite() {
             let scale = 1.0 / sum;
-            // What has become impossible may become possible again.
+            // Keep every state possible, so that it can recover.
             let least = 1e-9 / count;
             for b in &mut self.belief {
                 *b = (*b * scale).max(least);
@@ -275,7 +274,7 @@ impl BeatFollower {
 }
 
 impl Taps {
-    /// The time between taps once there are two; a pause of 2 s begins anew.
+    /// The time between taps once there are two; a pause of 2 s starts over.
     fn add(&mut self, secs: f64) -> Option<f64> {
         let last = self.count.checked_sub(1).map(|i| self.secs[i]);
         if last.is_some_and(|last| !(0.0..2.0).contains(&(secs - last))) {

@@ -1,12 +1,12 @@
-//! The bar pointer: every tempo and every place within a beat that the music may be at.
+//! The bar pointer: all tempi and all positions within a beat that the music may be at.
 //!
-//! A pointer walks through a beat of `period` frames one frame at a time and may change its
-//! period only when a beat begins (N. Whiteley, A. T. Cemgil and S. Godsill, ISMIR 2006, in the
-//! form of F. Krebs, S. Böck and G. Widmer, "An efficient state-space model for joint tempo and
-//! meter tracking", ISMIR 2015). What is heard is not a network's beat activation as there but onset
-//! strength, so that its log-likelihood is a product: what was heard, less its mean, times
-//! what a beat at this place makes one expect, less its mean. Random onsets then favour no tempo, a beat
-//! without an onset counts against, and so does an onset where none belongs.
+//! A pointer walks through a beat of `period` frames one frame at a time and may change its period only when
+//! a beat begins (N. Whiteley, A. T. Cemgil and S. Godsill, ISMIR 2006, in the form of F. Krebs, S. Böck and
+//! G. Widmer, "An efficient state-space model for joint tempo and meter tracking", ISMIR 2015). The
+//! observation is not a network's beat activation as there but onset strength, so its log-likelihood is a
+//! product: the observed strength, less its mean, times the strength expected at this position, less its
+//! mean. Random onsets then favor no tempo, while a beat without an onset and an onset off the beat both
+//! count against a path.
 
 use super::onset::{ONSET_RATE_HZ, Onset};
 
@@ -14,7 +14,7 @@ pub(super) const SLOWEST_BPM: f64 = 42.0;
 pub(super) const FASTEST_BPM: f64 = 216.0;
 /// Expected onsets around a beat: a Gaussian of this many frames (20 ms).
 const BEAT_WIDTH: f64 = 2.0;
-/// What is expected halfway between two beats, as a share of what a beat makes.
+/// The strength expected halfway between two beats, as a share of that on a beat.
 const OFFBEAT: f64 = 0.17;
 /// The same two thirds of the way, where the second note of a shuffle is.
 const SHUFFLE: f64 = 0.1;
@@ -23,8 +23,8 @@ const TEMPO_STIFFNESS: f64 = 90.0;
 /// Preferred tempo and its spread in octaves (as D. Ellis 2007, narrower).
 const PREFERRED_BPM: f64 = 118.0;
 const SPREAD_OCTAVES: f64 = 0.8;
-/// What a beat costs, in the units of what onsets bring: the slower of two tempi that explain
-/// the same onsets is the simpler.
+/// The cost of a beat, in the units of the log-likelihood: of two tempi that explain the same onsets the
+/// slower is simpler.
 const BEAT_COST: f64 = 4.0;
 /// How much an onset one standard deviation above the mean says, in nats.
 const TRUST: f64 = 0.6;
@@ -38,10 +38,10 @@ pub(super) struct Tempo {
     pub first: usize,
 }
 
-/// All tempi, what each place expects, and what changes of tempo cost.
+/// All tempi, the onset strength expected at each position, and the costs of tempo changes.
 pub(super) struct Meter {
     pub tempi: Vec<Tempo>,
-    /// For each state what is expected to be heard there, weighted by how likely the tempo is.
+    /// For each state the expected onset strength, weighted by how likely the tempo is.
     pub expected: Vec<f32>,
     /// Log-probability of going from tempo j (row) to tempo i, less the cost of the beat that begins.
     pub change: Vec<f32>,
@@ -87,15 +87,15 @@ fn preference(period: usize) -> f64 {
     (-0.5 * ((bpm / PREFERRED_BPM).log2() / SPREAD_OCTAVES).powi(2)).exp()
 }
 
-/// The weight of what begins in the bass beside what begins in all bands.
+/// The weight of onsets in the bass relative to those in all bands.
 const BASS: f32 = 0.5;
 
 fn mix(all: f32, bass: f32) -> f32 {
     (all + BASS * bass) / (1.0 + BASS * BASS).sqrt()
 }
 
-/// Brings onset strength to mean 0 and deviation about 1 over the last seconds, all bands and
-/// the bass each by itself, and mixes the two.
+/// Normalizes onset strength to mean 0 and deviation about 1 over the last seconds, separately for all bands
+/// and the bass, and mixes the two.
 #[derive(Clone, Copy)]
 pub(super) struct Normaliser {
     all: Level,
@@ -111,7 +111,7 @@ impl Normaliser {
         mix(self.all.next(onset.all), self.bass.next(onset.bass))
     }
 
-    /// The whole at once, with as much memory of what follows as of what came before.
+    /// All onsets at once, normalized over what follows as much as over what came before.
     pub fn both_ways(onsets: &[Onset]) -> Vec<f32> {
         let part = |of: fn(&Onset) -> f32| Level::both_ways(&onsets.iter().map(of).collect::<Vec<_>>());
         let (all, bass) = (part(|onset| onset.all), part(|onset| onset.bass));

@@ -1,10 +1,10 @@
 //! Onset strength: how much new sound begins at each moment.
 //!
-//! Spectral flux over logarithmic bands with a maximum filter, so that a vibrato that wanders into
-//! the next band is no onset: SuperFlux (S. Böck and G. Widmer, "Maximum filter vibrato suppression
-//! for onset detection", DAFx 2013). Unlike there, magnitudes are taken relative to a slow
-//! follower of the level, so that a quiet master has the same onsets, and both channels are heard. What
-//! begins in the bass is told apart: a drum there is more often on the beat than a cymbal.
+//! Spectral flux over logarithmic bands with a maximum filter, so that a vibrato that moves into the next
+//! band does not count as an onset: SuperFlux (S. Böck and G. Widmer, "Maximum filter vibrato suppression for
+//! onset detection", DAFx 2013). Unlike there, magnitudes are taken relative to a slow follower of the level,
+//! so that a quiet master has the same onsets, and both channels are used. Onsets in the bass are kept apart:
+//! a drum is more often on the beat than a cymbal.
 
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
@@ -23,7 +23,7 @@ const HIGHEST_HZ: f64 = 17_000.0;
 const BASS_HZ: f64 = 250.0;
 /// Compression: a band 20 dB below the level counts as ln 2, so that what is loud counts more.
 const COMPRESSION: f32 = 10.0;
-/// The level sinks by 1/e in this time.
+/// The level falls to 1/e in this time.
 const LEVEL_SECS: f64 = 10.0;
 /// Amplitude of the loudest band below which all is noise (−90 dB).
 const FLOOR: f32 = 3e-5;
@@ -54,7 +54,7 @@ pub struct OnsetDetector {
     /// How many of them are the bass.
     bass: usize,
     channels: [Channel; 2],
-    /// Frame number (in samples) of the first sample that is kept.
+    /// Number (in samples) of the first sample that is kept.
     kept_from: i64,
     frames_done: u64,
     level: f32,
@@ -123,7 +123,7 @@ impl OnsetDetector {
             }
             out.push(self.frame(start));
             self.frames_done += 1;
-            // Moving the rest to the front now and then is cheaper than after every frame.
+            // Moving the rest to the front occasionally is cheaper than after every frame.
             if start > 8 * n {
                 for channel in &mut self.channels {
                     channel.samples.drain(..start);
@@ -164,7 +164,7 @@ impl OnsetDetector {
     }
 }
 
-/// Sum over some bands of what is new against the loudest of three neighbours `LAG` frames ago.
+/// Sum over some bands of the rise above the loudest of three neighbors `LAG` frames ago.
 fn flux(past: &[Vec<f32>; LAG + 1], scale: f32, bands: std::ops::Range<usize>) -> f32 {
     let (before, now) = (&past[0], &past[LAG]);
     let last = now.len().saturating_sub(1);

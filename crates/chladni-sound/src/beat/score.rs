@@ -11,8 +11,8 @@ pub struct BeatScore {
     pub f_measure: f64,
 }
 
-/// Pairs found and true beats (both ascending, in seconds) one to one within ±`window_secs`;
-/// 0.07 is the field's custom.
+/// Pairs found and true beats (both ascending, in seconds) one to one within ±`window_secs`; 0.07 is
+/// customary.
 pub fn beat_score(found: &[f64], truth: &[f64], window_secs: f64) -> BeatScore {
     let (mut i, mut j, mut hits) = (0, 0, 0usize);
     while i < found.len() && j < truth.len() {

@@ -29,7 +29,7 @@ impl Beats {
     }
 }
 
-/// The most likely beats, all of the song being known: the best path of the bar pointer (Viterbi).
+/// The most likely beats, given the whole song: the best path of the bar pointer (Viterbi).
 pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let onsets = onsets(song, task)?;
     let heard = Normaliser::both_ways(&onsets);
@@ -41,8 +41,8 @@ pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     Ok(Beats::new(beats_secs, confidence))
 }
 
-/// The beats as a listener who does not know what comes announces them: what
-/// [`BeatFollower`] says while the song is played to it in blocks of 10 ms.
+/// The beats without knowledge of the future: what [`BeatFollower`] announces while the song is played to it
+/// in blocks of 10 ms.
 pub fn track_beats_causally(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let mut follower = BeatFollower::new(song.rate_hz)?;
     let block = (song.rate_hz / 100) as usize;
@@ -67,7 +67,7 @@ fn onsets(song: &Song, task: &Task) -> Result<Vec<Onset>, SoundError> {
         detector.push(left, right, &mut onsets);
         stage.advance(left.len() as u64);
     }
-    // Silence behind the end gives the last values their window.
+    // Silence after the end completes the window of the last values.
     let silence = vec![0.0; (detector.latency_secs() * f64::from(song.rate_hz)) as usize + 1];
     detector.push(&silence, &silence, &mut onsets);
     Ok(onsets)
@@ -77,8 +77,8 @@ fn onsets(song: &Song, task: &Task) -> Result<Vec<Onset>, SoundError> {
 fn best_path(meter: &Meter, heard: &[f32], task: &Task) -> Result<Vec<usize>, Cancelled> {
     let stage = task.stage("tracking beats", heard.len() as u64);
     let count = meter.tempi.len();
-    // The places of a tempo are a ring: walking on moves its start, not its values. Place p of
-    // tempo i at frame t is at ring index (p − t) mod period.
+    // The positions of a tempo form a ring: advancing moves its start, not its values. Position p of tempo i
+    // at frame t is at ring index (p − t) mod period.
     let mut score = vec![0.0f32; meter.expected.len()];
     let mut came_from = vec![0u16; heard.len() * count];
     let mut arriving = vec![0.0f32; count];
@@ -88,7 +88,7 @@ fn best_path(meter: &Meter, heard: &[f32], task: &Task) -> Result<Vec<usize>, Ca
             stage.advance(1024);
         }
         let begin = |i: usize| meter.tempi[i].first + ring(0, t, meter.tempi[i].period);
-        // What was at the last place of each tempo now begins a beat.
+        // Paths at the last position of each tempo now begin a beat.
         for (i, value) in arriving.iter_mut().enumerate() {
             *value = score[begin(i)];
         }
@@ -152,7 +152,7 @@ fn peak_near(heard: &[f32], frame: usize) -> f32 {
     heard[range].iter().fold(0.0f32, |a, &b| a.max(b))
 }
 
-/// Beats before the first onset and after the last are only a habit: cut off.
+/// Beats before the first onset and after the last are mere extrapolation: cut off.
 fn within_the_music<'a>(beats: &'a [usize], heard: &[f32]) -> &'a [usize] {
     let strengths: Vec<f32> = beats.iter().map(|&f| peak_near(heard, f)).collect();
     let mean = strengths.iter().sum::<f32>() / strengths.len().max(1) as f32;
@@ -163,11 +163,11 @@ fn within_the_music<'a>(beats: &'a [usize], heard: &[f32]) -> &'a [usize] {
     }
 }
 
-/// What lies halfway between beats is as strong as the beats, to this share: nothing groups the
+/// If the pulses halfway between beats are at least this strong relative to the beats, nothing groups the
 /// pulses in pairs.
 const UNGROUPED: f32 = 0.95;
 
-/// The beats, or twice as many where those between them cannot be told from them.
+/// The beats, or twice as many if the pulses between them are as strong.
 fn at_the_pulse(beats: &[usize], heard: &[f32]) -> Vec<usize> {
     let between: Vec<usize> = beats.windows(2).map(|w| (w[0] + w[1]).div_ceil(2)).collect();
     let strength = |frames: &[usize]| frames.iter().map(|&f| peak_near(heard, f)).sum::<f32>();
@@ -184,8 +184,8 @@ fn tempo_of_frames(beats: &[usize]) -> f64 {
     tempo_of(&beats.iter().map(|&frame| frame as f64 / ONSET_RATE_HZ).collect::<Vec<_>>())
 }
 
-/// Mean strength of the beats over the mean of as many strongest moments, less what a beat by
-/// chance would have.
+/// Mean strength of the beats over the mean of equally many strongest moments, both less the average
+/// strength.
 fn agreement(strengths: impl ExactSizeIterator<Item = f32>, heard: &[f32]) -> f64 {
     let count = strengths.len();
     if count < 2 {
@@ -201,7 +201,7 @@ fn agreement(strengths: impl ExactSizeIterator<Item = f32>, heard: &[f32]) -> f6
     if best <= 0.0 { 0.0 } else { f64::from(((mean / best - CHANCE) / (1.0 - CHANCE)).clamp(0.0, 1.0)) }
 }
 
-/// The onset's own place near a beat, between frames: the centre of what is above the mean.
+/// The onset's exact time near a beat, between frames: the centroid of what is above the mean.
 fn refined(heard: &[f32], frame: usize) -> f64 {
     let (mut sum, mut moment) = (0.0, 0.0);
     for f in frame.saturating_sub(2)..(frame + 3).min(heard.len()) {

@@ -55,7 +55,7 @@ enum Feed {
     Own,
 }
 
-/// The end of a capture into which the program itself writes. Dropping it is the device's loss.
+/// The end of a capture into which the program itself writes. Dropping it acts like losing the device.
 pub struct CaptureFeed {
     inlet: Inlet,
 }
@@ -169,12 +169,12 @@ impl Capture {
         self.level
     }
 
-    /// The device is gone: start anew.
+    /// Whether the device is gone, so that a new capture must be started.
     pub fn is_lost(&self) -> bool {
         self.health.lost.load(Ordering::Acquire)
     }
 
-    /// Frames that came while nobody took any.
+    /// Frames that were dropped because they were not taken in time.
     pub fn dropped_frames(&self) -> u64 {
         self.health.dropped.load(Ordering::Relaxed)
     }

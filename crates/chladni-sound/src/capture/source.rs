@@ -22,7 +22,7 @@ pub enum CaptureKind {
 /// Something that can be listened to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaptureSource {
-    /// What a person reads.
+    /// Its name for display.
     pub name: String,
     /// Room or machine.
     pub kind: CaptureKind,
@@ -60,8 +60,8 @@ pub fn capture_sources() -> Result<Vec<CaptureSource>, SoundError> {
     Ok(sources)
 }
 
-/// ALSA lists its plugins that convert or discard samples among the inputs; nothing can be heard
-/// through them that their slave does not offer.
+/// Whether it is one of the ALSA plugins that convert or discard samples, which are listed among the inputs
+/// but offer nothing that their own source does not.
 fn is_converter(device: &cpal::Device) -> bool {
     const CONVERTERS: [&str; 11] = [
         "null",
@@ -120,7 +120,7 @@ where
     let take = move |data: &[T], _: &cpal::InputCallbackInfo| {
         for frame in data.chunks_exact(channels) {
             let left = cpal::Sample::to_sample::<f32>(frame[0]);
-            // One channel is heard on both sides.
+            // A single channel goes to both sides.
             let right = frame.get(1).map_or(left, |&right| cpal::Sample::to_sample::<f32>(right));
             inlet.push([left, right]);
         }

@@ -104,7 +104,7 @@ fn gains_at(position: Position) -> [f32; 2] {
     } else if position.intersects(Position::FRONT_CENTER | Position::BOTTOM_FRONT_CENTER) {
         [MINUS_3_DB, MINUS_3_DB]
     } else {
-        // What is behind or above the middle: half the power of a surround to each side.
+        // Center channels behind or above: half the power of a surround to each side.
         [0.5, 0.5]
     }
 }

@@ -13,8 +13,8 @@ pub use resample::StereoResampler;
 pub use song::{Song, SongOptions};
 pub use wav::{WavSample, wav_bytes, write_wav};
 
-/// Endings of the files that are decoded, without dots: what a file dialog offers. What a file is, its first
-/// bytes decide.
+/// Extensions of the files that are decoded, without dots, for file dialogs. The format itself is recognized
+/// by a file's first bytes.
 pub const SONG_EXTENSIONS: [&str; 17] = [
     "wav", "wave", "flac", "mp3", "ogg", "oga", "opus", "m4a", "m4b", "mp4", "aac", "aiff", "aif", "aifc",
     "mka", "mkv", "webm",

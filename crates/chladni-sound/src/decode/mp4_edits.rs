@@ -1,4 +1,4 @@
-//! Which part of an MP4 sound track is to be heard.
+//! Which part of an MP4 sound track is audible.
 //!
 //! AAC encoders put one or two frames of priming before the sound. The container says how
 //! many in an edit list (ISO/IEC 14496-12 §8.6.6), and Apple's programs also in a comment

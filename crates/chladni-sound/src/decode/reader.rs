@@ -26,17 +26,17 @@ const MAX_FAILURES_IN_A_ROW: u32 = 256;
 /// Decoders carry state (overlap, bit reservoir) from packet to packet: a seek decodes this
 /// much before its target and drops it.
 const PREROLL_SECS: f64 = 0.15;
-/// A difference of less than this between what a header states and what there is says nothing.
+/// A smaller difference between the length in the header and the actual one is ignored.
 const MISSED_SECS: f64 = 0.1;
-/// Every MP3 decoder is this many frames late (ISO/IEC 11172-3: polyphase filters and overlap).
-/// A LAME tag states the encoder's share as well; without one only this much is certain, and
-/// what is left before the sound is the encoder's own delay, 576 frames for LAME.
+/// Every MP3 decoder has this delay in frames (ISO/IEC 11172-3: polyphase filters and overlap). A LAME tag
+/// states the encoder's share as well; without one only this much is certain, and what is left before the
+/// sound is the encoder's own delay, 576 frames for LAME.
 const MP3_DECODER_DELAY: u64 = 529;
 
 /// Decodes a sound file block by block: WAV, AIFF, FLAC, MP3, Ogg Vorbis, Opus, M4A (AAC-LC, ALAC) and
-/// Matroska with any of these codecs. Mono is heard on both sides, more than two channels are
-/// mixed down (ITU-R BS.775), encoder padding is cut off where the file says how long it is. Seeking is exact to the frame
-/// (in Matroska, whose clock is coarse, to 1 ms).
+/// Matroska with any of these codecs. Mono is played on both sides, more than two channels are mixed down
+/// (ITU-R BS.775), encoder padding is cut off where the file says how long it is. Seeking is exact to the
+/// frame (in Matroska, whose clock is coarse, to 1 ms).
 ///
 /// Memory use does not depend on the song's length.
 pub struct SongReader {
@@ -87,7 +87,7 @@ impl SongReader {
         let audible = if mp4 { mp4_edits::audible_part(source.as_mut()) } else { None };
         rewind(name, source.as_mut())?;
         let stream = MediaSourceStream::new(source, Default::default());
-        // No hint: the name of a file may lie, its first bytes do so less often.
+        // No hint: a file's first bytes are more reliable than its name.
         let format = symphonia::default::get_probe()
             .probe(&Hint::new(), stream, FormatOptions::default(), MetadataOptions::default())
             .map_err(|error| unrecognised(name, &start, &error))?;
@@ -143,7 +143,7 @@ impl SongReader {
         format!("{container}/{}", self.decoder.codec_info().short_name)
     }
 
-    /// Length in frames as the header states it: a promise, not a count.
+    /// Length in frames as stated in the header, which may be wrong.
     pub fn total_frames(&self) -> Option<u64> {
         self.audible.frames.or(self.declared_frames)
     }
@@ -178,8 +178,7 @@ impl SongReader {
         self.pending = false;
         let target = frame.saturating_add(self.audible.skip);
         let preroll = (PREROLL_SECS * f64::from(self.rate_hz)) as u64;
-        // Some containers refuse to seek to their end or to seek at all; then reading on from the
-        // start still gets there.
+        // Some containers refuse to seek to their end or to seek at all; then read on from the start.
         let reached = self.seek_container(target.saturating_sub(preroll)) || self.seek_container(0);
         if !reached {
             let what = "cannot be rewound".to_owned();
@@ -304,8 +303,8 @@ impl SongReader {
         Ok(true)
     }
 
-    /// Some containers step over what they cannot read without a word: the header tells. That of an
-    /// MP3 may be an estimate.
+    /// Some container readers skip damage silently; the length in the header reveals it. An MP3's may be an
+    /// estimate.
     fn count_missing(&mut self) {
         let known = self.decoder.codec_params().codec != well_known::CODEC_ID_MP3;
         let stated = self.total_frames().filter(|_| known).unwrap_or(0);
@@ -331,7 +330,7 @@ static CODECS: LazyLock<CodecRegistry> = LazyLock::new(|| {
 });
 
 struct OpenedTrack {
-    /// What is to be heard of what the codec gives, as far as the track says so.
+    /// The audible part of the decoded frames, as far as the track states it.
     audible: Audible,
     track_id: u32,
     time_base: Option<TimeBase>,
@@ -399,7 +398,7 @@ fn codec_name(id: AudioCodecId) -> Option<String> {
     names.iter().find(|(known, _)| *known == id).map(|(_, name)| (*name).to_owned())
 }
 
-/// The first bytes of a source: enough to say what a file is that cannot be read.
+/// Looks at the first bytes of an unreadable source, to say what kind of file it is.
 fn look_at_start(name: &str, source: &mut dyn MediaSource) -> Result<Vec<u8>, SoundError> {
     let mut start = Vec::new();
     (&mut *source)

@@ -57,10 +57,10 @@ impl StereoResampler {
         self.drain(out)
     }
 
-    /// Ends the stream: appends what was still on its way. The resampler is then as new.
+    /// Ends the stream: appends the remaining frames. The resampler is then as new.
     pub fn finish(&mut self, out: &mut Vec<f32>) -> Result<(), SoundError> {
         let due = (self.frames_in * u64::from(self.to_hz)).div_ceil(u64::from(self.from_hz));
-        // The transform spans at most two seconds of input: that much silence pushes all out.
+        // The transform spans at most two seconds of input: that much silence flushes it.
         let mut chunks_left = 8 + 2 * self.from_hz as usize / CHUNK_FRAMES;
         while self.fft.is_some() && self.frames_out < due && chunks_left > 0 {
             chunks_left -= 1;
@@ -73,7 +73,7 @@ impl StereoResampler {
         Ok(())
     }
 
-    /// Forgets all that came before, as after a seek.
+    /// Resets the stream, as after a seek.
     pub fn reset(&mut self) {
         self.waiting.clear();
         self.frames_in = 0;

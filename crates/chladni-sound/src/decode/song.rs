@@ -44,8 +44,7 @@ impl Song {
         Self::read(&mut SongReader::open(path)?, &SongOptions::default(), &Task::new())
     }
 
-    /// Reads what `options` ask for from `reader`, which then knows of
-    /// [`damage`](SongReader::damage).
+    /// Reads the part given by `options` from `reader`, which then reports [`damage`](SongReader::damage).
     pub fn read(reader: &mut SongReader, options: &SongOptions, task: &Task) -> Result<Self, SoundError> {
         let positive = |secs: f64| secs.is_finite() && secs >= 0.0;
         if !positive(options.start_secs) || options.duration_secs.is_some_and(|d| !positive(d)) {
@@ -101,8 +100,8 @@ impl Song {
         if self.rate_hz == 0 { 0.0 } else { self.frames() as f64 / f64::from(self.rate_hz) }
     }
 
-    /// Copies the `left.len()` frames that end just before frame `end` into `left` and `right`;
-    /// what lies outside the song is silence.
+    /// Copies the `left.len()` frames that end just before frame `end` into `left` and `right`, with silence
+    /// outside the song.
     pub fn window_ending_at(&self, end: i64, left: &mut [f32], right: &mut [f32]) {
         let start = end - left.len() as i64;
         for (channel, window) in [(&self.left, left), (&self.right, right)] {

@@ -1,4 +1,4 @@
-//! Stereo WAV files out.
+//! Writing stereo WAV files.
 
 use std::io::{self, Write};
 use std::path::Path;

@@ -1,9 +1,9 @@
-//! What the audio callback tells the rest of the program, without a lock.
+//! What the audio callback shares with the rest of the program, without a lock.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Shared by the callback (the only writer of the anchor) and everybody who asks for the time.
+/// Shared by the callback (the only writer of the anchor) and all readers of the time.
 pub(super) struct Clock {
     origin: Instant,
     /// Odd while the anchor is being written (a sequence lock).
@@ -13,16 +13,16 @@ pub(super) struct Clock {
     /// When the anchor's frame is heard, in nanoseconds after `origin`.
     anchor_nanos: AtomicU64,
     consumed: AtomicU64,
-    /// Where the sound began that has not paused since: nothing before it is still to be heard.
+    /// Start of the sound since the last pause: nothing before it is still to be heard.
     run_begin: AtomicU64,
     /// Frames before this one are to be thrown away unheard.
     flush_before: AtomicU64,
     underruns: AtomicU64,
-    /// Frames that the device has asked for, heard or not.
+    /// Frames requested by the device, heard or not.
     asked: AtomicU64,
     last_callback_nanos: AtomicU64,
     paused: AtomicBool,
-    /// The engine has written all there is: silence is no underrun.
+    /// The engine has written everything: silence is not an underrun.
     drained: AtomicBool,
     lost: AtomicBool,
     volume: AtomicU32,
@@ -87,8 +87,8 @@ impl Clock {
         let since_secs = (self.nanos(now) as f64 - nanos as f64) * 1e-9;
         let heard = frame as f64 + since_secs * f64::from(rate_hz);
         let flushed = self.flush_before.load(Ordering::Acquire);
-        // What a seek threw away is not waited for, nor again for what was heard before a pause;
-        // what was not taken cannot be heard.
+        // Frames flushed by a seek are skipped, frames heard before a pause are not heard again, and frames
+        // not yet taken cannot be heard.
         heard.min(consumed as f64).max(if frame >= flushed { run_begin as f64 } else { flushed as f64 })
     }
 

@@ -13,21 +13,21 @@ use crate::{SongReader, SoundError, StereoResampler};
 
 /// How far ahead of the device the ring is filled.
 const AHEAD_SECS: f64 = 0.4;
-/// How often the engine looks after the ring.
+/// How often the engine refills the ring.
 const STEP: Duration = Duration::from_millis(5);
-/// So many songs may begin before the engine looks at its commands again: one of a few samples
-/// that repeats would take all its time.
+/// Songs that may begin before the engine checks its commands again: a repeated song of a few samples would
+/// take all its time.
 const MOST_STARTS: usize = 8;
 /// Pauses between attempts to find a device again: doubled up to the longest.
 const FIRST_RETRY: Duration = Duration::from_secs(1);
 const LONGEST_RETRY: Duration = Duration::from_secs(16);
 
-/// What a player has to say.
+/// An event of a player.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PlayerEvent {
     /// This song of the playlist begins to be decoded.
     SongStarted(usize),
-    /// This song could not be played and was left out.
+    /// This song could not be played and was skipped.
     SongFailed {
         /// Its number in the playlist.
         song: usize,
@@ -45,7 +45,7 @@ pub enum PlayerEvent {
     Finished,
     /// Sound comes from this device now.
     DeviceOpened(String),
-    /// There is no device (any more): time passes in silence until one is there.
+    /// There is no device (any more): time passes in silence until one is found.
     DeviceLost(String),
 }
 
@@ -63,7 +63,7 @@ pub(super) enum Command {
     Quit,
 }
 
-/// A song on its way into the ring.
+/// A song being written into the ring.
 struct Decoding {
     reader: SongReader,
     resampler: StereoResampler,
@@ -160,7 +160,7 @@ impl Engine {
         }
     }
 
-    /// Another list around the song that plays; where that song is gone, the one in its place plays.
+    /// Changes the list around the song that plays; if that song is gone, the one in its place plays.
     fn set_songs(&mut self, songs: Vec<PathBuf>) {
         let places = self.list.places_in(&songs);
         self.shared.timeline().stretches.renumber(&places);
@@ -182,13 +182,13 @@ impl Engine {
         Some(Stretch { song_secs, ..stretch })
     }
 
-    /// The same, where something of the songs is still to be heard.
+    /// The same, if part of the songs is still to be heard.
     fn place(&self) -> Option<Stretch> {
         let taken = self.shared.clock.consumed().max(self.shared.clock.flushed_before());
         if self.song.is_some() || taken < self.written { self.heard() } else { None }
     }
 
-    /// The song after or before is that of the song that is heard: the next may be in the ring already.
+    /// Next and previous refer to the song that is heard: the ring may already hold the next one.
     fn back_to_heard(&mut self) {
         let heard = self.heard().map(|heard| heard.song);
         self.list.current = heard.filter(|&song| song < self.list.songs.len()).unwrap_or(self.list.current);
@@ -203,7 +203,7 @@ impl Engine {
         self.shared.clock.set_paused(!playing);
     }
 
-    /// Begins a song at a time, at once: what waits in the ring is thrown away.
+    /// Starts a song at a time, at once: the ring is flushed.
     fn start(&mut self, song: Option<usize>, secs: f64, playing: bool) {
         self.shared.clock.flush_before(self.written);
         self.song = None;
@@ -214,7 +214,7 @@ impl Engine {
         self.set_playing(playing && self.song.is_some());
     }
 
-    /// Opens a song, or the next that can be opened; writes where it lies in the ring.
+    /// Opens a song, or the next that can be opened, and records its place in the ring.
     fn open_song(&mut self, first: usize, secs: f64) {
         let mut secs = secs;
         self.list.current = first;
@@ -244,10 +244,10 @@ impl Engine {
         }
     }
 
-    /// Decodes until the ring is as full as it is to be.
+    /// Decodes until the ring is filled as far as intended.
     fn fill(&mut self) {
         let target = (AHEAD_SECS * f64::from(self.output.rate_hz)) as u64;
-        // A flush may not have been carried out yet: what it will drop does not count.
+        // Frames that a pending flush will drop do not count.
         let clock = Arc::clone(&self.shared.clock);
         let taken = || clock.consumed().max(clock.flushed_before());
         let mut starts = 0;
@@ -320,10 +320,10 @@ impl Engine {
         }
     }
 
-    /// Tries the device and goes on where the song is; in silence where there is none.
+    /// Tries the device and continues at the song's position; in silence if there is none.
     fn reopen(&mut self) {
         let was_silent = self.output.device.is_none();
-        // First of all: some devices are there for one stream only.
+        // Close the old stream first: some devices allow only one.
         let place = if was_silent { None } else { self.change_output(Output::silence(), None) };
         match Output::device(self.device.as_deref(), &self.shared.clock) {
             Ok(output) => {
@@ -336,7 +336,7 @@ impl Engine {
                 self.go_on_at(place);
             }
             Err(error) => {
-                // A silence that was there before goes on undisturbed.
+                // If it was silent before, it stays so without interruption.
                 if !was_silent {
                     self.tell(PlayerEvent::DeviceLost(error.to_string()));
                     self.go_on_at(place);
@@ -364,10 +364,10 @@ impl Engine {
         self.retry_at = Some(Instant::now() + self.retry_after);
     }
 
-    /// An empty ring, and time that stands still at what was heard last, or else at `place`: it is
-    /// returned.
+    /// Starts an empty ring, with time standing still at what was heard last, or else at `place`; returns
+    /// that position.
     fn change_output(&mut self, output: Output, place: Option<Stretch>) -> Option<Stretch> {
-        // The old one goes here, and with it whatever else writes the clock.
+        // The old output is dropped here, and with it the other writer of the clock.
         self.output = output;
         let place = self.place().or(place);
         self.written = 0;
@@ -391,7 +391,7 @@ impl Engine {
     }
 
     fn tell(&self, event: PlayerEvent) {
-        // Nobody may be listening.
+        // There may be no receiver.
         let _ = self.events.send(event);
     }
 }

@@ -112,7 +112,7 @@ pub struct Player {
 }
 
 impl Player {
-    /// Starts the thread. That there is no device is no error: an event says so.
+    /// Starts the thread. A missing device is not an error: an event reports it.
     pub fn start(settings: PlayerSettings) -> Result<Self, SoundError> {
         let clock = Arc::new(Clock::new());
         clock.set_volume(settings.volume.clamp(0.0, 1.0));
@@ -142,20 +142,20 @@ impl Player {
         self.send(Command::PlayList(songs));
     }
 
-    /// Changes the playlist around the song that plays; where that song is not in it any more,
-    /// the one in its place plays.
+    /// Changes the playlist around the song that plays; if that song is no longer in it, the one in its place
+    /// plays.
     pub fn set_songs(&self, songs: Vec<PathBuf>) {
         self.send(Command::Songs(songs));
     }
 
-    /// Goes on after a pause, or begins again after the end.
+    /// Continues after a pause, or starts again after the end.
     pub fn play(&self) {
         self.send(Command::Play);
     }
 
-    /// Stands still.
+    /// Pauses.
     pub fn pause(&self) {
-        // At once, not when the engine next looks.
+        // Takes effect at once, not when the engine next checks.
         self.shared.clock.set_paused(true);
         self.send(Command::Pause);
     }
@@ -190,7 +190,7 @@ impl Player {
         self.shared.clock.set_volume(if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 0.0 });
     }
 
-    /// Another device by its id, `None` for the system's default; the song goes on.
+    /// Another device by its id, `None` for the system's default; the song continues.
     pub fn set_device(&self, device: Option<String>) {
         self.send(Command::Device(device));
     }

@@ -1,5 +1,5 @@
-//! Playing: a thread that decodes, a ring without locks, a device, and a position that is
-//! that of the sample being heard.
+//! Playback: a decoding thread, a lock-free ring buffer, a device, and the position of the sample being
+//! heard.
 
 mod clock;
 mod engine;

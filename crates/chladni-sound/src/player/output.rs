@@ -13,8 +13,8 @@ use crate::history::Frame;
 
 /// Frames per second where there is no device to ask.
 const SILENT_RATE_HZ: u32 = 48_000;
-/// Frames asked of the device at once: about 43 ms, of which two or so wait. The position allows
-/// for them; a busy machine needs them.
+/// Frames per device buffer: about 43 ms, of which two or so are queued. The position accounts for this
+/// latency, which a busy machine needs.
 const BUFFER_FRAMES: u32 = 2048;
 /// The ring holds this much.
 const RING_SECS: f64 = 1.0;
@@ -46,7 +46,7 @@ pub fn output_devices() -> Result<Vec<OutputDevice>, SoundError> {
     Ok(devices)
 }
 
-/// The open end of a ring and what empties it.
+/// The writing end of a ring and what empties it.
 pub(super) struct Output {
     pub rate_hz: u32,
     pub producer: Producer<Frame>,
@@ -69,8 +69,7 @@ enum Sink {
 }
 
 impl Output {
-    /// Opens a device by its id, or the system's default. It leaves the clock as it is until it
-    /// is given samples.
+    /// Opens a device by its id, or the system's default. The clock is unchanged until it gets samples.
     pub fn device(id: Option<&str>, clock: &Arc<Clock>) -> Result<Self, SoundError> {
         let failed = |what: String| SoundError::Device { what };
         let host = cpal::default_host();
@@ -125,7 +124,7 @@ impl Output {
         })
     }
 
-    /// Nobody hears it, but time passes.
+    /// Silence in real time.
     pub fn silence() -> Self {
         let (producer, consumer) = ring(SILENT_RATE_HZ);
         let now = Instant::now();
@@ -133,7 +132,7 @@ impl Output {
         Self { rate_hz: SILENT_RATE_HZ, producer, device: None, opened: now, sink }
     }
 
-    /// Silence takes what would have been played by now. A device does that by itself.
+    /// Takes the frames that would have been played by now, if silent. A device does that by itself.
     pub fn advance(&mut self, clock: &Clock, now: Instant) {
         let Sink::Silence { consumer, last, owed } = &mut self.sink else { return };
         *owed += (now - *last).as_secs_f64() * f64::from(self.rate_hz);
@@ -147,7 +146,7 @@ impl Output {
         if let Ok(chunk) = consumer.read_chunk(take) {
             chunk.commit_all();
         }
-        // What was not there to take is not owed: a pause in the song, not a leap.
+        // Missing frames are not made up for: the song pauses rather than jumps.
         *owed = if consumer.is_empty() { owed.fract() } else { *owed - take as f64 };
         let consumed = consumed + take as u64;
         clock.anchor(consumed, now, consumed, consumed);
@@ -230,7 +229,7 @@ fn stream<T: SizedSample + FromSample<f32>>(
             return;
         }
         run_begin = None;
-        // Before the first sample the clock may still be another output's.
+        // Before the first sample the clock may still belong to another output.
         if first > 0 && first != clock.consumed() {
             clock.anchor(first, now, first, first);
         }
@@ -243,7 +242,7 @@ fn stream<T: SizedSample + FromSample<f32>>(
     device.build_output_stream(config, play, on_error, Some(Duration::from_secs(2)))
 }
 
-/// One channel gets the middle; more than two are silent beyond the second.
+/// A single channel gets the middle; channels beyond the second are silent.
 fn write_frame<T: SizedSample + FromSample<f32>>(frame: &mut [T], left: f32, right: f32) {
     let (left, right) = (left.clamp(-1.0, 1.0), right.clamp(-1.0, 1.0));
     match frame {

@@ -1,4 +1,4 @@
-//! The playlist, and which stretch of the ring is which stretch of which song.
+//! The playlist, and which stretch of the ring holds which stretch of which song.
 
 use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ impl Playlist {
     /// Where each song lies in another list: in its old place if it is still there, else in the
     /// first place of the same file.
     pub fn places_in(&self, songs: &[PathBuf]) -> Vec<Option<usize>> {
-        // A list may be long, and the sound waits for this.
+        // A hash map, because a list may be long and the sound waits for this.
         let first: HashMap<&PathBuf, usize> = (0..songs.len()).rev().map(|i| (&songs[i], i)).collect();
         let place = |(i, old): (usize, &PathBuf)| match songs.get(i) {
             Some(same) if same == old => Some(i),
@@ -67,7 +67,7 @@ impl Stretches {
         self.list.clear();
     }
 
-    /// Songs have moved to other places of the list; what is gone keeps its number until it ends.
+    /// Renumbers songs that have moved in the list; a removed one keeps its number until it ends.
     pub fn renumber(&mut self, places: &[Option<usize>]) {
         for stretch in &mut self.list {
             stretch.song = places.get(stretch.song).copied().flatten().unwrap_or(stretch.song);
@@ -75,7 +75,7 @@ impl Stretches {
     }
 
     pub fn begin(&mut self, stretch: Stretch) {
-        // What begins at the same frame replaces what was never heard.
+        // A stretch that begins at the same frame replaces one that was never heard.
         while self.list.back().is_some_and(|last| last.ring_frame >= stretch.ring_frame) {
             self.list.pop_back();
         }

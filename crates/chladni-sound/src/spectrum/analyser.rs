@@ -11,7 +11,7 @@ use crate::SoundError;
 /// The interval for which the decay w is stated, in seconds: the paper analyses every 50 ms.
 const DECAY_INTERVAL_SECS: f64 = 0.05;
 
-/// What a [`SpectrumAnalyser`] is to do.
+/// The settings of a [`SpectrumAnalyser`].
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SpectrumSettings {
     /// Rate of the samples, in Hz.
@@ -26,10 +26,10 @@ pub struct SpectrumSettings {
     pub high_hz: f32,
     /// How the bands lie between the two.
     pub front_end: FrontEnd,
-    /// Decay w in [0, 1): how much of the spectrum of 50 ms ago is left.
+    /// Decay w in [0, 1): the share of the spectrum that remains after 50 ms.
     pub decay: f32,
-    /// What the side is multiplied by at most; it is weak in most music. At automatic level less where it is
-    /// not, so that its loudest band is 1 as well.
+    /// The largest gain of the side, which is weak in most music. At automatic level the gain is lower where
+    /// the side is strong, so that its loudest band is 1.
     pub side_gain: f32,
     /// Automatic or fixed level.
     pub level: Level,
@@ -103,10 +103,10 @@ impl Spectrum {
         Self { mid: silence.clone(), side: silence.clone(), left: silence, right, side_gain: 1.0 }
     }
 
-    /// Goes over to `other` by `weight` in [0, 1], in squares, so that the four stay those of one pair of
-    /// channels. Of another number of bands nothing is taken.
+    /// Blends toward `other` by `weight` in [0, 1], in squares, so that the four stay those of one pair of
+    /// channels. Ignores another number of bands.
     pub fn mix(&mut self, other: &Self, weight: f32) {
-        // The side that other settings have amplified otherwise.
+        // Converts a side with another gain.
         let gain = if other.side_gain > 0.0 { self.side_gain / other.side_gain } else { 1.0 };
         for (own, other, gain) in [
             (&mut self.mid, &other.mid, 1.0),
@@ -124,11 +124,11 @@ impl Spectrum {
     }
 }
 
-/// What is left of one band: squares of its four amplitudes over its total amplitude √(|L|² + |R|²).
+/// The decaying state of one band: squares of its four amplitudes over its total amplitude √(|L|² + |R|²).
 ///
-/// The decay is linear in these, so that their sum follows the total amplitude as the paper's f
-/// follows its own, and the four stay those of one pair of channels: |S|² + |U|² = ½ (|L|² + |R|²)
-/// of whatever moments are mixed, which magnitudes that follow each for itself do not.
+/// The decay is linear in these, so that their sum follows the total amplitude as the paper's f follows its
+/// own, and the four stay those of one pair of channels: |S|² + |U|² = ½ (|L|² + |R|²) for any mixture of
+/// moments. Magnitudes that decay separately would not have this property.
 #[derive(Clone, Copy, Debug, Default)]
 struct Followed {
     left: f32,
@@ -163,8 +163,8 @@ impl Followed {
     }
 }
 
-/// Turns windows of samples into spectra. What it returns is a function of the samples and times
-/// it was given and of nothing else, so that an offline render shows what was seen live.
+/// Turns windows of samples into spectra. Its output is a function only of the samples and times it was
+/// given, so that an offline render shows what was seen live.
 ///
 /// [`analyse`](Self::analyse) allocates nothing.
 pub struct SpectrumAnalyser {
@@ -256,8 +256,8 @@ impl SpectrumAnalyser {
         self.leveller = Leveller::new(self.settings.bands);
     }
 
-    /// How much later than a click the decay lets its spectrum be strongest, in seconds: a window
-    /// placed so much later than the moment that is heard brings both together.
+    /// The delay, in seconds, from a click to the peak of its spectrum, caused by the decay: a window placed
+    /// this much later than the moment being heard compensates for it.
     pub fn lag_secs(&self) -> f64 {
         self.lag_secs
     }
@@ -345,7 +345,7 @@ fn lag_secs(settings: &SpectrumSettings) -> f64 {
     for step in 0..2 * STEPS {
         let heard = (std::f64::consts::PI * f64::from(step) / f64::from(2 * STEPS)).sin().powi(2);
         followed = left * followed + (1.0 - left) * heard;
-        // It is strongest where the falling window meets it.
+        // The response peaks where it meets the falling window.
         if step > STEPS && followed >= heard {
             return f64::from(step - STEPS) * step_secs;
         }

@@ -1,32 +1,31 @@
-//! One loudness for loud and quiet masters, for bass and treble, for the middle and the side.
+//! Automatic level: evens out loud and quiet masters, bass and treble, middle and side.
 
 /// How the spectrum is brought to a common level.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// The loudest band of the last two seconds is 1, and softer ones are lifted by most of what they
-    /// lack (docs/sound.md, "Level").
+    /// The loudest band of the last two seconds is 1, and softer bands are raised by most of the difference
+    /// (docs/sound.md, "Level").
     Auto,
     /// Amplitudes are multiplied by this.
     Fixed(f32),
 }
 
-/// The level never falls below this amplitude of a band (−74 dB): the noise before a song is not to
-/// be blown up to the size of music.
+/// The level never falls below this amplitude of a band (−74 dB), so that the noise before a song is not
+/// amplified to the level of music.
 const FLOOR: f32 = 2e-4;
 /// The loudest moment is remembered this long: a bar of slow music.
 const MEMORY_SECS: f64 = 2.0;
 /// The memory is kept in slots of an eighth of a second.
 const SLOTS: usize = 16;
-/// Once the loudest moment is forgotten the level sinks with this time constant, in decibels.
+/// Once the loudest moment is forgotten, the level falls with this time constant, in decibels.
 const RELEASE_SECS: f64 = 0.3;
 
-/// How much of what a band lacks beside the loudest is made up for, in decibels of decibels.
+/// The share of a band's difference from the loudest, in decibels, that is compensated.
 const LIFT: f32 = 0.8;
-/// Bands softer than this beside the loudest (−60 dB) are not lifted further: hiss is not music.
+/// Bands softer than this relative to the loudest (−60 dB) are not lifted further: hiss is not music.
 const SOFTEST: f32 = 1e-3;
-/// What a band lacks is followed at once where it gets louder, and with this time constant, in decibels,
-/// where it gets softer.
+/// A band's level rises at once, and falls with this time constant, in decibels.
 const BAND_RELEASE_SECS: f64 = 4.0;
 /// Levelled amplitudes are raised to this power: what is 10 dB softer than its band's level shows as 7 dB.
 const COMPRESSION: f32 = 0.7;
@@ -56,15 +55,15 @@ impl Leveller {
         }
     }
 
-    /// What the side is multiplied by: `most`, or what brings its `loudest` levelled band of the last two
-    /// seconds to 1 if that is less.
+    /// The gain of the side: `most`, or, if less, the gain that brings its `loudest` leveled band of the last
+    /// two seconds to 1.
     pub fn side_gain(&mut self, loudest: f32, most: f32, dt_secs: f64) -> f32 {
         most.min(1.0 / self.side.follow(loudest, dt_secs))
     }
 }
 
-/// Follows the level: up at once, down in decibels towards the loudest of the last 2 s.
-/// All of it scales with the sound, so that a master 40 dB quieter gives the same result.
+/// Follows the level: up at once, down in decibels toward the loudest of the last 2 s. It scales with the
+/// sound, so a master 40 dB quieter gives the same result.
 struct LevelFollower {
     slots: [f32; SLOTS],
     slot: usize,

@@ -1,4 +1,4 @@
-//! What the ear hears at one moment: amplitudes of bands of the middle and of the side.
+//! The spectrum at one moment: amplitudes of bands of the middle and of the side.
 
 mod analyser;
 mod bands;

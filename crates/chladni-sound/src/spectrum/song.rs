@@ -1,31 +1,31 @@
-//! The spectrum at any time of a song that is known as a whole.
+//! The spectrum at any time of a fully known song.
 
 use std::sync::Arc;
 
 use super::{Spectrum, SpectrumAnalyser, SpectrumSettings};
 use crate::{Song, SoundError};
 
-/// The song is analysed so often: a power of two, so that the times of all hops are exact; three times in
-/// the shortest silence that a strobe of five flashes a second leaves under a window.
+/// Analyses per second: a power of two, so that the times of all hops are exact; enough for three in the
+/// shortest silence under a window that a strobe of five flashes a second leaves.
 const HOPS_PER_SEC: f64 = 128.0;
-/// Level and decay have heard so much before the moment that a stretch begins at: as long as the level of
-/// a band takes to follow. More would be heard as a pause in the frames at each leap.
+/// Hops that level and decay hear before the start of a stretch: as long as a band's level takes to follow.
+/// More would delay a frame noticeably at each jump.
 const WARM_HOPS: i64 = 512;
 
-/// What a listener of [`SongSpectrum::at_after`] is given.
+/// What the callback of [`SongSpectrum::at_after`] gets.
 #[derive(Clone, Copy, Debug)]
 pub enum Hop<'a> {
-    /// All that was heard is forgotten.
+    /// Everything heard before is to be forgotten.
     Beginning,
     /// The next spectrum, [`SongSpectrum::HOP_SECS`] after the one before.
     Heard(&'a Spectrum),
 }
 
-/// What a song sounds like at any time of a stretch of it, level and decay included.
+/// The spectrum at any time of a stretch of a song, level and decay included.
 ///
-/// It is a function of the song, the settings, the time at which the stretch begins and the time asked for,
-/// and of nothing else: not of how often or in which order it is asked. So a window and a film at any rate
-/// hear the same, bit for bit.
+/// It is a function only of the song, the settings, the time at which the stretch begins and the time asked
+/// for, not of how often or in which order it is called. So a window and a film at any rate hear the same,
+/// bit for bit.
 pub struct SongSpectrum {
     song: Arc<Song>,
     analyser: SpectrumAnalyser,
@@ -47,7 +47,7 @@ impl SongSpectrum {
     pub fn new(song: Arc<Song>, settings: SpectrumSettings, from_secs: f64) -> Result<Self, SoundError> {
         let analyser = SpectrumAnalyser::new(settings)?;
         let window = vec![0.0; analyser.window_frames()];
-        // Before the song there is only silence, which a window reaches into.
+        // Before the song there is only silence, which a window may overlap.
         let first_hop = (hop_at(from_secs) - WARM_HOPS).max(-32);
         let silence = analyser.spectrum().clone();
         Ok(Self {
@@ -73,15 +73,15 @@ impl SongSpectrum {
         self.analyser.bands_hz()
     }
 
-    /// The spectrum at `secs` of the song. Going on costs little; going back begins anew.
+    /// The spectrum at `secs` of the song. Going forward costs little; going back starts over.
     pub fn at(&mut self, secs: f64) -> &Spectrum {
         self.at_after(secs, |_| ());
         &self.now
     }
 
-    /// The same for whoever listens to all that comes before it: `hops` is given every hop up to the one that
-    /// follows `secs`, in order, and a beginning where the song is heard anew. Returns how long before `secs` the
-    /// hop before it lies, in seconds.
+    /// The same, with a callback for everything before it: `hops` gets every hop up to the one after `secs`,
+    /// in order, and a beginning whenever the song is heard from a new start. Returns the time from the last
+    /// hop before `secs` to `secs`, in seconds.
     pub fn at_after(&mut self, secs: f64, mut hops: impl FnMut(Hop<'_>)) -> f32 {
         let secs = if secs.is_finite() { secs } else { 0.0 };
         let hop = hop_at(secs).max(self.first_hop);
@@ -108,8 +108,8 @@ impl SongSpectrum {
         &self.now
     }
 
-    /// One hop on. The window lies around its moment, later by what the decay holds back, so that shape and
-    /// sound meet.
+    /// Advances by one hop. The window is centered on its moment plus the delay of the decay, so that shape
+    /// and sound are in step.
     fn step(&mut self) {
         self.hop += 1;
         std::mem::swap(&mut self.before, &mut self.after);

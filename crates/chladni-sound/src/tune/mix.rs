@@ -30,7 +30,7 @@ impl Mix {
         }
     }
 
-    /// The mix behind a soft limiter: tanh bends what is loud and never reaches 1.
+    /// The mix after a soft limiter: tanh compresses loud samples and never reaches 1.
     pub fn finish(mut self) -> Song {
         for sample in self.song.left.iter_mut().chain(&mut self.song.right) {
             *sample = 0.95 * (1.25 * *sample).tanh();

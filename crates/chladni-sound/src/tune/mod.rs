@@ -1,7 +1,7 @@
 //! A short stereo piece composed in code, with beats that are known exactly.
 //!
-//! Two voices call and answer, one on the left and one on the right; drums, bass and chords are
-//! in the middle. It is what the samples, the demo and many tests listen to.
+//! Two voices call and answer, one on the left and one on the right; drums, bass and chords are in the
+//! middle. The samples, the demo and many tests use it.
 
 mod mix;
 mod voices;
@@ -49,7 +49,7 @@ pub fn sample_tune() -> Song {
         drums(&mut mix, &mut noise, bar);
         bass(&mut mix, bar);
         chord(&mut mix, bar);
-        // The voices begin once the rhythm stands: calls in odd bars, answers in even ones.
+        // The voices begin once the rhythm is established: calls in odd bars, answers in even ones.
         if bar.is_multiple_of(2) {
             melody(&mut mix, bar, CALLS[bar / 2], -0.85, voices::pluck);
         } else {
@@ -121,8 +121,8 @@ fn melody(mix: &mut Mix, bar: usize, notes: &[(f64, u8, f64)], pan: f32, voice: 
         let secs = beats * 60.0 / TUNE_BPM;
         let rate_hz = TUNE_RATE_HZ as f32;
         let frames = ((secs + 0.6) * f64::from(TUNE_RATE_HZ)) as usize;
-        // Ten partials are computed once and heard three times: an echo three quarters of a beat
-        // later, on the same side, and its own.
+        // Ten partials are computed once and used three times: for the note, its echo three quarters of a
+        // beat later on the same side, and the echo's echo.
         let note: Vec<f32> = (0..frames).map(|n| voice(n as f32 / rate_hz, hz, secs as f32)).collect();
         for (delay, gain) in [(0.0, 0.34), (0.75, 0.11), (1.5, 0.04)] {
             mix.add(place_secs(bar, beat + delay), secs + 0.6, pan, gain, |t| {

@@ -19,7 +19,7 @@ use rows::DisjointRows;
 /// Vertices per task of the normals.
 const NORMALS_CHUNK: usize = 4096;
 
-/// Tasks per thread of the product: enough that a thread that was interrupted is helped out.
+/// Tasks per thread of the product: enough for others to take over the work of an interrupted thread.
 const TASKS_PER_THREAD: usize = 8;
 
 /// One value per vertex of a panel.
@@ -33,7 +33,7 @@ pub struct CpuSynthesizer {
     path: CpuPath,
     plan: Plan,
     items: usize,
-    /// S·N, and one that belongs to no item.
+    /// S·N, and one extra.
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     /// Per task, the columns of one panel.
@@ -124,7 +124,7 @@ impl Synthesizer for CpuSynthesizer {
 
         let tasks = (rayon::current_num_threads() * TASKS_PER_THREAD).clamp(1, basis.panels().max(1));
         let panels_per_task = basis.panels().div_ceil(tasks);
-        // A term without columns does not exist, but an item without terms does.
+        // Every term has columns, but an item may have no terms.
         let columns = plan.columns().max(1);
         scratch.resize(tasks * columns, [0.0; PANEL]);
         let rows = DisjointRows::new(positions, vertices);

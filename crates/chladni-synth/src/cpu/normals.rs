@@ -67,7 +67,7 @@ mod sse2 {
     #[target_feature(enable = "sse2")]
     pub(super) fn ring_sum(positions: &[f32], ring: &[[u32; 2]], v: usize) -> [f32; 3] {
         let at = |v: usize| {
-            // The fourth lane belongs to the next vertex and is never looked at.
+            // The fourth lane belongs to the next vertex and is ignored.
             let lanes: &[f32] = &positions[3 * v..3 * v + 4];
             // SAFETY: four floats, as the slice before it has checked.
             unsafe { _mm_loadu_ps(lanes.as_ptr()) }
@@ -101,7 +101,7 @@ fn blend(sum: [f32; 3], rest: [f32; 3], blending: f32) -> [f32; 3] {
     unit(mean).unwrap_or(exact)
 }
 
-/// The direction of `v`; `None` where it has none that f32 can tell.
+/// The direction of `v`; `None` if it is too short for f32.
 #[inline(always)]
 fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
     let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();

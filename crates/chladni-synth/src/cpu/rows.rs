@@ -7,7 +7,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// S rows of N positions each, lent out by ranges of vertices that never overlap.
+/// S rows of N positions each, claimed by ranges of vertices that never overlap.
 pub(super) struct DisjointRows<'a> {
     start: *mut [f32; 3],
     len: usize,

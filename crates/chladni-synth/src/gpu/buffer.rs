@@ -2,7 +2,7 @@
 
 use crate::SynthError;
 
-/// The fewest bytes of a buffer: none can be bound that is smaller than what a shader names.
+/// The smallest buffer in bytes: a buffer smaller than the shader's type cannot be bound.
 const SMALLEST: u64 = 64;
 
 /// A buffer that is replaced by a larger one when a frame needs it.

@@ -1,4 +1,4 @@
-//! Errors of a device as errors.
+//! Device errors as `Result`s instead of panics.
 
 use crate::SynthError;
 

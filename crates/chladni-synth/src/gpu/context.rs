@@ -1,4 +1,4 @@
-//! What all synthesizers of one device share: the pipelines, and word of the device's loss.
+//! What all synthesizers of one device share: the pipelines, and whether the device was lost.
 
 use std::sync::{Arc, OnceLock};
 
@@ -7,13 +7,13 @@ use super::checked::checked;
 use super::pipelines::Pipelines;
 use crate::SynthError;
 
-/// Storage buffers of the shader that has most.
+/// The largest number of storage buffers in any shader.
 const STORAGE_BUFFERS: u32 = 7;
 
 /// Threads of a workgroup, in every shader.
 pub(super) const WORKGROUP: u32 = 64;
 
-/// A device made ready for synthesis. Cloning is cheap; make one per device.
+/// A device prepared for synthesis. Cloning is cheap; make one per device.
 #[derive(Clone, Debug)]
 pub struct GpuContext {
     pub(crate) device: wgpu::Device,
@@ -23,14 +23,14 @@ pub struct GpuContext {
 }
 
 impl GpuContext {
-    /// A context. `loss` is the device's own, from whoever opened it. Whether the device can compute
-    /// shows when a [`GpuSynthesizer`](crate::GpuSynthesizer) is made.
+    /// A context. `loss` is the device's own, from the code that opened it. Whether the device can compute is
+    /// checked when a [`GpuSynthesizer`](crate::GpuSynthesizer) is made.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, loss: &DeviceLoss) -> Self {
         let pipelines = Arc::default();
         Self { device: device.clone(), queue: queue.clone(), pipelines, loss: loss.clone() }
     }
 
-    /// The pipelines; the first call compiles them, so that nobody waits who uses the CPU.
+    /// The pipelines; the first call compiles them, so that the CPU backend never waits for it.
     ///
     /// Fails if the device has no compute shaders of the size needed, or refuses ours.
     pub(super) fn pipelines(&self) -> Result<&Pipelines, SynthError> {
@@ -47,7 +47,7 @@ impl GpuContext {
         Ok(self.pipelines.get_or_init(|| made))
     }
 
-    /// Why the device was lost; `None` while it is there.
+    /// Why the device was lost; `None` while it works.
     pub fn lost(&self) -> Option<&str> {
         self.loss.reason()
     }
@@ -58,7 +58,7 @@ impl GpuContext {
         format!("{} ({})", info.name, info.backend)
     }
 
-    /// Whether the device is a processor in disguise, on which the CPU backend is faster.
+    /// Whether the device is a software device, on which the CPU backend is faster.
     pub fn is_software(&self) -> bool {
         self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
     }

@@ -1,4 +1,4 @@
-//! Where a frame lies on the device, for whoever draws it.
+//! Where a frame is stored on the device, for drawing.
 
 use super::buffer::GrowingBuffer;
 use crate::{CpuSynthesizer, SynthError, Synthesizer};
@@ -62,7 +62,7 @@ impl DeviceFrameBuffers {
         (self.items, self.vertices) = (narrow(items)?, narrow(vertices)?);
         let bytes = u64::from(self.items).checked_mul(u64::from(self.vertices) * VERTEX_BYTES);
         let bytes = bytes.ok_or_else(too_large)?;
-        // Both, whatever the first one says.
+        // Both, even if the first one is new.
         Ok(self.positions.reserve(bytes)? | self.normals.reserve(bytes)?)
     }
 }

@@ -1,9 +1,9 @@
-//! Word of a device's loss.
+//! Detecting the loss of a device.
 
 use std::sync::{Arc, OnceLock};
 
-/// Whether a device was lost, and why. A device has one callback for it: whoever opens the device
-/// takes that once, with [`watch`](Self::watch), and hands clones of this to all who need to know.
+/// Whether a device was lost, and why. A device has only one callback for it: the code that opens the device
+/// registers it once, with [`watch`](Self::watch), and hands out clones of this.
 #[derive(Clone, Debug, Default)]
 pub struct DeviceLoss(Arc<OnceLock<String>>);
 
@@ -14,13 +14,13 @@ impl DeviceLoss {
         let word = Arc::clone(&loss.0);
         device.set_device_lost_callback(move |reason, message| {
             let why = if message.is_empty() { format!("{reason:?}").to_lowercase() } else { message };
-            // Only the first word of it counts.
+            // Only the first report counts.
             let _ = word.set(why);
         });
         loss
     }
 
-    /// Why the device was lost; `None` while it is there. Known only once the driver says so.
+    /// Why the device was lost; `None` while it works. Known only once the driver reports it.
     pub fn reason(&self) -> Option<&str> {
         self.0.get().map(String::as_str)
     }

@@ -1,4 +1,4 @@
-//! Synthesis on the graphics device, and where its frames lie.
+//! Synthesis on the graphics device, and where its frames are stored.
 
 mod buffer;
 mod checked;

@@ -2,7 +2,7 @@
 
 use crate::packed_basis::PANEL;
 
-/// What one thread sums in registers: some columns of a few neighbouring vertices.
+/// What one thread sums in registers: some columns of a few neighboring vertices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tile {
     /// A multiple of four.
@@ -11,7 +11,7 @@ pub(super) struct Tile {
     vertices: usize,
 }
 
-/// Ascending. Few columns take more vertices, so that a thread has enough to do for each value it asks for.
+/// Ascending. Tiles with few columns have more vertices, so that a thread has enough work per value it reads.
 pub(super) const TILES: [Tile; 9] = [
     Tile { columns: 4, vertices: 4 },
     Tile { columns: 8, vertices: 4 },
@@ -34,7 +34,7 @@ pub enum Tiles {
 }
 
 impl Tiles {
-    /// Columns of these of [`TILES`].
+    /// The columns of the [`TILES`] in use.
     pub(super) fn widths(self) -> &'static [usize] {
         match self {
             Self::Narrow => &[4, 8, 12],
@@ -43,8 +43,8 @@ impl Tiles {
     }
 }
 
-/// Harmonics whose values are all asked for before the first is used; a multiple of four. The memory of a
-/// graphics card answers late, and small shapes have too few threads to wait in turns.
+/// Harmonics whose values are all requested before the first is used; a multiple of four. The memory of a
+/// graphics card has a long latency, and small shapes have too few threads to hide it.
 pub(super) const BATCH: usize = 8;
 
 impl Tile {
@@ -53,7 +53,7 @@ impl Tile {
         PANEL / self.vertices
     }
 
-    /// The shader. Sums are variables and not an array, which stays in registers only where the driver
+    /// The shader. Sums are separate variables, because an array stays in registers only if the driver
     /// unrolls every loop over it.
     pub fn source(&self) -> String {
         let Self { columns, vertices } = *self;

@@ -41,7 +41,7 @@ impl Signal {
 
 #[derive(Debug)]
 struct Slot {
-    /// Held so that its address stays its own.
+    /// Held so that its address is not reused.
     signal: Signal,
     first: usize,
     in_use: bool,

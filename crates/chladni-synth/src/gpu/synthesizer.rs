@@ -17,7 +17,7 @@ use crate::{FrameSettings, Item, SynthError, SynthModel, Synthesizer};
 /// In place of a signal's first scalar where there is no signal.
 const NONE: u32 = u32::MAX;
 
-/// What the product shader multiplies values of the basis by.
+/// The factor by which the product shader multiplies values of the basis.
 const SHIFT: f64 = 65536.0;
 
 /// `Frame` of product.wgsl.
@@ -80,7 +80,7 @@ impl GpuSynthesizer {
     /// # Errors
     /// A device that is lost or out of memory, or whose limits are too small.
     pub fn new(context: &GpuContext, model: SynthModel) -> Result<Self, SynthError> {
-        // A processor in disguise has too few registers for the wide tiles, and a cache for the basis.
+        // A software device has too few registers for the wide tiles, and holds the basis in its cache.
         let tiles = if context.is_software() { Tiles::Narrow } else { Tiles::Wide };
         Self::with_tiles(context, model, tiles)
     }
@@ -133,7 +133,7 @@ impl GpuSynthesizer {
         let Self { plan, shape, model, active_list, .. } = self;
         active_list.clear();
         active_list.extend(&plan.active);
-        // Padding has no weight: any harmonic will do.
+        // Padding has zero weight: any harmonic will do.
         active_list.resize(plan.rows, 0);
         let queue = &self.context.queue;
         let columns = 4 * (plan.columns() * shape.padded_vertices) as u64;

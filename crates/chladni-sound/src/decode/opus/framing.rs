@@ -1,4 +1,4 @@
-//! The packets of several Opus streams in one: all but the last state their own length.
+//! Splits a packet of several Opus streams: all but the last state their own length.
 
 /// The first packet of `data`, which is self-delimited (RFC 6716, appendix B), as a packet on its
 /// own into `packet`, and what follows it. `None` where `data` is damaged.
@@ -7,8 +7,7 @@ pub(super) fn split_off<'a>(data: &'a [u8], packet: &mut Vec<u8>) -> Option<&'a 
     let (&toc, mut rest) = data.split_first()?;
     packet.push(toc);
     let payload = match toc & 3 {
-        // One frame, or two of the same length: only the length that a packet on its own leaves
-        // out is taken away.
+        // One frame, or two of the same length: only remove the length, which a packet on its own omits.
         0 => length(&mut rest)?.0,
         1 => 2 * length(&mut rest)?.0,
         2 => {

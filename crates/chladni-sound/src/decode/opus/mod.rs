@@ -142,7 +142,7 @@ impl OpusDecoder {
                 data = framing::split_off(data, &mut self.packet)?;
                 &self.packet
             };
-            // To the decoder nothing at all is a lost packet, which it would invent a sound for.
+            // The decoder takes an empty packet for a lost one and would conceal it with invented sound.
             if packet.is_empty() {
                 return None;
             }

@@ -61,7 +61,7 @@ impl CpuPath {
 
     /// Computes `product` into the columns of one block.
     ///
-    /// The path must be an available one, which `CpuSynthesizer` sees to.
+    /// The path must be available, which `CpuSynthesizer` ensures.
     pub(super) fn product(self, product: &Product<'_>, out: &mut [Lanes]) {
         debug_assert_eq!(product.coefficients.len(), product.active.len() * out.len());
         match self {
