@@ -1,4 +1,4 @@
-//! Where the viewer of the dance stands.
+//! The viewpoint of the dance.
 
 use chladni_mesh::Orientation;
 use chladni_music::Viewpoint;
