@@ -31,7 +31,7 @@ pub(super) struct Slice {
     pub expected: usize,
     /// How many eigenvalues lie below each end, if counted.
     pub ends: Option<(usize, usize)>,
-    /// The last slice: it goes on until it knows λ_K and a gap above it.
+    /// The last slice: it continues until it knows λ_K and a gap above it.
     pub top: bool,
 }
 

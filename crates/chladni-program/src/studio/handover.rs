@@ -17,7 +17,7 @@ pub struct Left {
     pub current: Option<usize>,
     /// Why the device was lost.
     pub why: String,
-    /// The clock of the window; the next one's goes on from here.
+    /// The clock of the window; the next one's continues from here.
     pub at_secs: f64,
 }
 

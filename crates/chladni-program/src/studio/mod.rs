@@ -67,7 +67,7 @@ pub struct Studio {
     gpu: RenderState,
     loss: DeviceLoss,
     handover: Handover,
-    /// Seconds on the clock when the window opened; it goes on with what another one has begun.
+    /// Seconds on the clock when the window opened, if it continues another window.
     inherited_secs: Option<f64>,
     folders: Folders,
     chooser: Box<dyn Chooser>,

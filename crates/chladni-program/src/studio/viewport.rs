@@ -21,7 +21,7 @@ pub fn gpu_of(state: &RenderState) -> Gpu {
     Gpu::shared(state.device.clone(), state.queue.clone())
 }
 
-/// An arrow key turns as far as a drag of so many pixels.
+/// An arrow key turns as far as a drag of this many pixels.
 const KEY_DRAG: f32 = 25.0;
 
 /// After this time without a change a picture is drawn in full quality.

@@ -31,7 +31,7 @@ pub struct ShowClock {
 }
 
 impl ShowClock {
-    /// A clock that goes on from `at_secs`.
+    /// A clock that continues from `at_secs`.
     pub fn from(at_secs: f64) -> Self {
         Self { at_secs, ..Self::default() }
     }
@@ -41,7 +41,8 @@ impl ShowClock {
         self.at_secs
     }
 
-    /// Goes on to what plays `now_secs` by any clock that goes on; the stretch that begins with it, if one does.
+    /// Advances to what plays at `now_secs` by any steadily running clock; returns the stretch that begins
+    /// there, if one does.
     pub fn follow(&mut self, now_secs: f64, playing: Playing) -> Option<Stretch> {
         let dt_secs = (now_secs - self.now_secs.unwrap_or(now_secs)).max(0.0);
         self.now_secs = Some(now_secs);

@@ -167,9 +167,9 @@ pub enum Warning {
     FewerHarmonics {
         /// Of the shape.
         name: String,
-        /// That can be used; so many harmonics there are.
+        /// Usable vertices, which is also the number of harmonics.
         vertices: usize,
-        /// For so many.
+        /// The number of harmonics asked for.
         asked: usize,
     },
     /// A layer's region holds no vertex of a shape, which reaches from `from` to `to`.

@@ -166,7 +166,7 @@ impl Hearing {
         self.stretches.iter().map(|(stretch, _)| *stretch)
     }
 
-    /// What was heard before, in order: a show that goes on.
+    /// Continues a show: the stretches heard before, in order.
     pub fn go_on(&mut self, stretches: &[Stretch]) {
         self.stretches = stretches.iter().map(|stretch| (*stretch, 0.0)).collect();
         (self.ear, self.fade) = (None, None);

@@ -11,7 +11,7 @@ pub trait Watcher {
     /// What long work reports to; cancelling it stops the work.
     fn task(&self) -> &Task;
 
-    /// Work goes on, but not quite as asked.
+    /// Work continues, but not quite as asked.
     fn warn(&self, warning: Warning);
 
     /// Does a `part` of the work that may take long and is called `label`.

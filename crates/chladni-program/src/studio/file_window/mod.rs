@@ -109,7 +109,7 @@ impl FileWindow {
 
     fn go_ahead(&mut self, ctx: &egui::Context) {
         (self.said, self.replaces) = (None, false);
-        // Enter takes the focus away from the field; whoever is not done types on.
+        // Enter takes the focus from the field; give it back so that the user can type on.
         self.begun = false;
         match self.browser.go_ahead() {
             Verdict::Done(files) => {

@@ -5,7 +5,7 @@ use chladni_synth::{Coefficients, Item, Term};
 use meshopt::{SimplifyOptions, simplify_decoder};
 use std::collections::HashSet;
 
-/// A level of detail has a vertex for so many pixels of its cell, of which a shape fills about a third:
+/// A level of detail has one vertex per this many pixels of its cell, of which a shape fills about a third:
 /// edges of five or six pixels.
 const PIXELS_OF_VERTEX: usize = 50;
 /// So many for each harmonic up to the finest that is seen: four in a wave's length, as the length of the
@@ -64,7 +64,7 @@ pub fn harmonics_seen(item: &Item) -> usize {
     item.terms.iter().map(of_term).max().unwrap_or(0)
 }
 
-/// How many vertices a shape needs that moves by so many harmonics in a cell of so many pixels.
+/// How many vertices a shape needs that moves by `harmonics` in a cell of `pixels`.
 pub fn vertices_needed(harmonics: usize, pixels: usize) -> usize {
     (pixels / PIXELS_OF_VERTEX).max(VERTICES_OF_HARMONIC * harmonics)
 }

@@ -82,7 +82,7 @@ impl Session {
             }
         }
         let (body, warnings) = outcome?;
-        // Matches do not depend on harmonics: those that are there stay, and one that runs goes on.
+        // Matches do not depend on harmonics: finished ones are kept, and a running one continues.
         self.stack = self.stack.with_harmonics_of(Arc::new(body))?;
         self.brush = None;
         self.crossings = CrossingMeter::default();
