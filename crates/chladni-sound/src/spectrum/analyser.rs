@@ -166,7 +166,7 @@ impl Followed {
 /// Turns windows of samples into spectra. Its output is a function only of the samples and times it was
 /// given, so that an offline render shows what was seen live.
 ///
-/// [`analyse`](Self::analyze) allocates nothing.
+/// [`analyse`](Self::analyse) allocates nothing.
 pub struct SpectrumAnalyser {
     settings: SpectrumSettings,
     bands: Bands,
@@ -234,7 +234,7 @@ impl SpectrumAnalyser {
         &self.settings
     }
 
-    /// How many frames [`analyse`](Self::analyze) looks at.
+    /// How many frames [`analyse`](Self::analyse) looks at.
     pub fn window_frames(&self) -> usize {
         self.settings.window_frames
     }
