@@ -30,8 +30,8 @@ pub struct Brush {
 pub struct Reach {
     /// The brush's radius.
     pub radius: f64,
-    /// Vertices within the radius and their neighbours, ascending, each with its distance from the
-    /// brush's centre along the surface.
+    /// Vertices within the radius and their neighbors, ascending, each with its distance from the
+    /// brush's center along the surface.
     pub distances: Vec<(u32, f64)>,
     /// The triangles over these vertices that the brush lies on, ascending: where its ring is drawn.
     pub triangles: Vec<u32>,

@@ -197,7 +197,7 @@ pub struct Amplitudes {
     pub residual: f64,
 }
 
-/// The distance-minimising filter.
+/// The distance-minimizing filter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Psi {
     /// ψ_k, K; 0 where λ_k = 0 and where the shape has no amplitude of its own.

@@ -12,7 +12,7 @@ const NEGLIGIBLE_AREA: f64 = 1e-12;
 /// Triangles per task.
 const PIECE: usize = 4096;
 
-/// The triangles whose normal points backwards, ⟨N, N'⟩ < 0, when vertices move from `base` to
+/// The triangles whose normal points backward, ⟨N, N'⟩ < 0, when vertices move from `base` to
 /// `moved` (N each), ascending. Triangles without area in `base` are not counted.
 ///
 /// A part that a layer truly rotates by more than 90° counts as folded too.

@@ -49,7 +49,7 @@ impl Surface {
 
     /// How far the vertices around `start` are from it along the surface, with every vertex where
     /// `at` puts it and only triangles that `passes` allows: those within `radius`, nearest first,
-    /// then their neighbours beyond it. Empty where there is no such triangle.
+    /// then their neighbors beyond it. Empty where there is no such triangle.
     ///
     /// Fast marching (Kimmel & Sethian 1998) with each front edge unfolded about a virtual
     /// source: exact on flat parts, within a few percent elsewhere, and never shorter than the

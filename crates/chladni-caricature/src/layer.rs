@@ -67,7 +67,7 @@ pub enum Template {
 /// An ellipsoid or sphere given by numbers, in the coordinates of the shape's file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GivenEllipsoid {
-    /// Its centre.
+    /// Its center.
     pub center: Vec3,
     /// Half the length of each axis; positive. All equal the radius for a sphere.
     pub semi_axes: Vec3,

@@ -22,9 +22,9 @@ pub enum PaintEdit {
         /// The value that the component takes, in [0, 1].
         intensity: f32,
     },
-    /// Each vertex takes the largest value among its neighbours.
+    /// Each vertex takes the largest value among its neighbors.
     Grow,
-    /// Each vertex takes the smallest value among its neighbours.
+    /// Each vertex takes the smallest value among its neighbors.
     Shrink,
     /// χ01 becomes 1 − χ01.
     Invert,

@@ -36,7 +36,7 @@ pub enum Painted {
 /// A ball in the coordinates of the shape's file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sphere {
-    /// Centre, in file units.
+    /// Center, in file units.
     pub center: Vec3,
     /// Radius, in file units; positive.
     pub radius: f64,

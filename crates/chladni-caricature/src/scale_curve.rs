@@ -9,7 +9,7 @@ use crate::wavelength::{parse_wavelength, wavelengths};
 /// Φ_k and Φ_d: a gain over the wavelength, as a share of the shape's [`size`](crate::size), and a gain for
 /// all detail finer than the last harmonic.
 ///
-/// The curve passes through its points and is monotone between neighbours (Fritsch & Carlson
+/// The curve passes through its points and is monotone between neighbors (Fritsch & Carlson
 /// 1980, over the logarithm of the wavelength), so it never overshoots what was drawn; beyond the outermost
 /// points it is constant. Gains run from 0 (drop) over 1 (as is) to [`MAX_GAIN`](Self::MAX_GAIN). It means the
 /// same whatever the number of harmonics, and the same on another mesh.
@@ -128,11 +128,11 @@ impl ScaleCurve {
     }
 }
 
-/// The value at `x` of the curve through `points`, whose x ascend, that is monotone between neighbours and
+/// The value at `x` of the curve through `points`, whose x ascend, that is monotone between neighbors and
 /// constant beyond the outermost; `None` without points.
 pub(crate) fn monotone(points: impl Iterator<Item = [f64; 2]> + Clone, x: f64) -> Option<f64> {
     let right = points.clone().take_while(|p| p[0] <= x).count();
-    // The neighbours, and theirs.
+    // The neighbors, and theirs.
     let from = right.saturating_sub(2);
     let mut near = [None; 4];
     points.skip(from).zip(&mut near[from + 2 - right..]).for_each(|(p, place)| *place = Some(p));

@@ -68,7 +68,7 @@ impl Certificate {
     }
 }
 
-/// The first K generalised eigenpairs S h = λ M h of a shape.
+/// The first K generalized eigenpairs S h = λ M h of a shape.
 ///
 /// Vertices are the N operator vertices: welded and referenced. Units are those of the
 /// frame it was solved in; see [`Body`](crate::Body).

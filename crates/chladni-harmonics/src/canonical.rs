@@ -2,7 +2,7 @@
 //! the processor and the number of threads, does not matter.
 //!
 //! The sign of an eigenvector is arbitrary, and those of one eigenvalue may be rotated among each other. The
-//! rotation is the one that diagonalises a fixed function of position; the sign is positive at the outermost
+//! rotation is the one that diagonalizes a fixed function of position; the sign is positive at the outermost
 //! of a harmonic's peaks along a fixed direction.
 
 use faer::{Mat, MatRef, Par};

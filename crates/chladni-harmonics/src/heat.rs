@@ -15,8 +15,8 @@ pub struct HeatFlow {
     mass: Vec<f64>,
 }
 
-/// An extra mass of every vertex, as a share of its diagonal: it keeps the matrix definite where a step is so
-/// long, or a piece so small, that the vertex's own mass is lost in rounding.
+/// An extra mass of every vertex, as a share of its diagonal: where a step is so long, or a piece so small,
+/// that the vertex's own mass is lost in rounding, the piece is still leveled.
 const LEAST_MASS: f64 = 4e-15;
 
 /// One implicit Euler step of length t: u = (M + tS)⁻¹ M f, factored once for any number of f.

@@ -78,7 +78,7 @@ pub struct SolveProfile {
     pub factor: f64,
     /// Triangular solves.
     pub solve: f64,
-    /// Orthogonalisation of the Krylov blocks.
+    /// Orthogonalization of the Krylov blocks.
     pub orthogonalize: f64,
     /// Multiplications and additions in it, 2·n per pair of columns and product.
     pub orthogonalize_flops: u64,

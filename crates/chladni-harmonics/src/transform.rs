@@ -137,7 +137,7 @@ impl Basis {
     }
 }
 
-/// Σ_i h[i] f_c[i] for every channel, in four lanes that the compiler can vectorise.
+/// Σ_i h[i] f_c[i] for every channel, in four lanes that the compiler can vectorize.
 fn dot<const C: usize>(h: &[f64], channels: &[[f64; BLOCK]; C]) -> [f64; C] {
     let mut lanes = [[0.0; 4]; C];
     let quads = h.len() / 4;

@@ -10,7 +10,7 @@ use crate::{Correspondence, MatchError, Side};
 /// An ellipsoid in the shape file's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Ellipsoid {
-    /// Its centre.
+    /// Its center.
     pub center: [f64; 3],
     /// Orthonormal directions of its axes.
     pub axes: [[f64; 3]; 3],
@@ -19,9 +19,9 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// The ellipsoid nearest to a surface: principal axes of the area, then centre and
+    /// The ellipsoid nearest to a surface: principal axes of the area, then center and
     /// semi-axes by Gauss–Newton on Σ a(v) (1 − ‖(x − c)/s‖)² from the moments' start.
-    /// An ellipsoid's own mesh gives that ellipsoid back up to its discretisation.
+    /// An ellipsoid's own mesh gives that ellipsoid back up to its discretization.
     ///
     /// # Errors
     /// A mesh without a surface.
@@ -60,7 +60,7 @@ impl Ellipsoid {
     /// A given sphere.
     ///
     /// # Errors
-    /// A radius that is not positive and finite, a centre that is not finite.
+    /// A radius that is not positive and finite, a center that is not finite.
     pub fn sphere(center: [f64; 3], radius: f64) -> Result<Self, MatchError> {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let ellipsoid = Self { center, axes, semi_axes: [radius; 3] };
@@ -68,7 +68,7 @@ impl Ellipsoid {
         Ok(ellipsoid)
     }
 
-    /// A given ellipsoid: its centre, half the length of each axis, and how far it is turned, in degrees, about
+    /// A given ellipsoid: its center, half the length of each axis, and how far it is turned, in degrees, about
     /// x, then y, then z.
     ///
     /// # Errors
@@ -110,7 +110,7 @@ impl Ellipsoid {
         Ok(())
     }
 
-    /// The point where the ray from the centre through `p` leaves the ellipsoid; `None` at the centre.
+    /// The point where the ray from the center through `p` leaves the ellipsoid; `None` at the center.
     fn project(&self, p: DVec3) -> Option<DVec3> {
         let d = p - DVec3::from_array(self.center);
         let level: f64 =
@@ -120,7 +120,7 @@ impl Ellipsoid {
     }
 }
 
-/// Gauss–Newton for centre and semi-axes in the principal frame. A step that does not lower the sum is
+/// Gauss–Newton for center and semi-axes in the principal frame. A step that does not lower the sum is
 /// halved; if none does, the present values are kept.
 fn refine(points: &[(DVec3, f64)], start: [f64; 3]) -> (DVec3, [f64; 3]) {
     let cost = |c: DVec3, s: [f64; 3]| -> f64 {
@@ -174,10 +174,10 @@ fn refine(points: &[(DVec3, f64)], start: [f64; 3]) -> (DVec3, [f64; 3]) {
     (center, semi)
 }
 
-/// Each vertex ↔ the point of the ellipsoid on its ray from the centre.
+/// Each vertex ↔ the point of the ellipsoid on its ray from the center.
 ///
-/// The map is continuous everywhere but at the centre, and one to one on shapes that are
-/// star-shaped about it. A vertex at the centre goes to the end of the first axis with
+/// The map is continuous everywhere but at the center, and one to one on shapes that are
+/// star-shaped about it. A vertex at the center goes to the end of the first axis with
 /// confidence 0.
 ///
 /// # Errors

@@ -29,7 +29,7 @@ const LEVELS: [Coarseness; 3] = [
     Coarseness { nodes: 1500, iterations: 6, stiffness: (0.3, 0.05), reach: (0.04, 0.03) },
 ];
 
-/// Vertices whose distances are minimised.
+/// Vertices whose distances are minimized.
 const DATA_VERTICES: usize = 6000;
 /// How strongly a map is drawn to the identity where there is no data.
 const IDENTITY_WEIGHT: f64 = 1e-3;
@@ -147,7 +147,7 @@ impl Blocks {
     }
 }
 
-/// The maps that minimise
+/// The maps that minimize
 /// mean w‖y(v) − c(v)‖² + α mean‖map_i(g_j) − map_j(g_j)‖² + α h² mean‖A_i − A_j‖² + ε h²‖A − I‖².
 ///
 /// The three coordinates share one matrix; the unknowns are the differences from the identity.

@@ -14,7 +14,7 @@ pub(crate) struct Closed {
     pub points: Vec<DVec3>,
     /// Triangles of the surface, then those that fill holes.
     pub triangles: Vec<[u32; 3]>,
-    /// For each of `triangles` its neighbours across the edges opposite to its corners.
+    /// For each of `triangles` its neighbors across the edges opposite to its corners.
     pub across: Vec<[u32; 3]>,
     /// For each of `points` that belongs to the surface its vertex there.
     pub surface_vertex: Vec<u32>,

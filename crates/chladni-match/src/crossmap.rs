@@ -67,7 +67,7 @@ impl Domain<'_> {
         (0..3).map(|i| self.closed.points[corners[i] as usize] * at.weights[i]).sum()
     }
 
-    /// The place on the template's own surface: a point in a filled hole slides outwards, away
+    /// The place on the template's own surface: a point in a filled hole slides outward, away
     /// from the hole's middle, to the rim.
     fn land(&self, at: &SurfacePoint) -> SurfacePoint {
         if (at.triangle as usize) < self.closed.surface_triangle.len() {
@@ -145,7 +145,7 @@ pub(crate) fn crossmap(
     assemble(shape, template, &s, &domain, &places, scale)
 }
 
-/// Moves each vertex's image towards the cotangent mean of its neighbours' images in space,
+/// Moves each vertex's image toward the cotangent mean of its neighbors' images in space,
 /// never so that a triangle turns over on the sphere.
 fn relax(
     s: &Closed,

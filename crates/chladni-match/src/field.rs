@@ -9,7 +9,7 @@ const CELLS: usize = 40;
 /// Room around the samples, in diagonals.
 const MARGIN: f64 = 0.2;
 
-/// For each cell of a grid the sample nearest to its centre, by propagation from the cells that
+/// For each cell of a grid the sample nearest to its center, by propagation from the cells that
 /// hold samples: off by about a cell at most, which is the spacing of the samples themselves.
 #[derive(Clone, Debug)]
 pub(crate) struct Field {
@@ -44,7 +44,7 @@ impl Field {
         self.low + (DVec3::new(x as f64, y as f64, z as f64) + 0.5) / self.cells_per_length
     }
 
-    /// Breadth first from the occupied cells; a cell takes over a neighbour's sample where that is nearer.
+    /// Breadth first from the occupied cells; a cell takes over a neighbor's sample where that is nearer.
     fn propagate(&mut self) {
         let index = |[x, y, z]: [usize; 3]| (x * CELLS + y) * CELLS + z;
         let mut best = vec![f64::INFINITY; self.nearest.len()];

@@ -45,7 +45,7 @@ fn kernel(p: DVec3, q: DVec3, width: f64) -> f64 {
     ((p.dot(q) - 1.0) / (width * width)).exp()
 }
 
-/// The tangent at `p` towards `q`, as long as the arc between them.
+/// The tangent at `p` toward `q`, as long as the arc between them.
 fn toward(p: DVec3, q: DVec3) -> DVec3 {
     let flat = q - p * p.dot(q);
     flat.normalize_or_zero() * p.angle_between(q)

@@ -64,7 +64,7 @@ pub fn infilled(shape: &TriMesh, found: &Correspondence) -> Result<Option<Infill
     Ok(Some(Infill { target: target.collect(), share: doubted / surface.area() }))
 }
 
-/// Minimises Σ W ‖d − x^δ‖² + ℓ² ‖∇d‖² over the points that are not wholly trusted, W = a t/(1 − t): what is
+/// Minimizes Σ W ‖d − x^δ‖² + ℓ² ‖∇d‖² over the points that are not wholly trusted, W = a t/(1 − t): what is
 /// trusted stays, and without trust nothing but smoothness counts.
 fn fill(surface: &UnitSurface, trust: &[f64], delta: &mut [DVec3]) {
     let all = Laplacian::new(&surface.points, &surface.triangles);

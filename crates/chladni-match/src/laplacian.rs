@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// S as neighbour lists, for products.
+/// S as neighbor lists, for products.
 pub(crate) struct Laplacian {
     start: Vec<u32>,
     entries: Vec<(u32, f64)>,
@@ -12,7 +12,7 @@ pub(crate) struct Laplacian {
 
 impl Laplacian {
     /// Cotangent weights ½(cot β + cot β′), kept above 0 so that each value of a harmonic
-    /// function is a mean of its neighbours.
+    /// function is a mean of its neighbors.
     pub fn new(points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
         let mut halves: Vec<(u32, u32, f64)> = Vec::with_capacity(6 * triangles.len());
         for t in triangles {
@@ -42,12 +42,12 @@ impl Laplacian {
         Self { start, entries, diagonal }
     }
 
-    /// The neighbours of `v` and their weights.
+    /// The neighbors of `v` and their weights.
     pub fn row(&self, v: usize) -> &[(u32, f64)] {
         &self.entries[self.start[v] as usize..self.start[v + 1] as usize]
     }
 
-    /// The rows and columns of `kept` vertices, ascending; the diagonal still counts all neighbours.
+    /// The rows and columns of `kept` vertices, ascending; the diagonal still counts all neighbors.
     pub fn among(&self, kept: &[u32]) -> Self {
         let (mut start, mut entries) = (vec![0], Vec::new());
         for v in kept {

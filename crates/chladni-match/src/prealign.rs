@@ -195,7 +195,7 @@ fn places(samples: &[Sample]) -> Vec<DVec3> {
     chosen.into_iter().map(|p| p * 0.6).collect()
 }
 
-/// Rotations in the covering: neighbours are about 30° apart.
+/// Rotations in the covering: neighbors are about 30° apart.
 const ROTATIONS: usize = 500;
 
 /// Point i of n of an even covering of the rotations (Alexa, *Super-Fibonacci Spirals*, CVPR 2022).

@@ -15,7 +15,7 @@ pub(crate) const CONFIDENCE_REACH: f64 = 0.05;
 /// there is none close by.
 ///
 /// Opposite sides of a thin sheet (an ear, a lip) are nearer than their normals allow: where
-/// the nearest point faces away, the query is moved outwards along its own normal once.
+/// the nearest point faces away, the query is moved outward along its own normal once.
 pub(crate) fn nearest_facing(template: &UnitSurface, position: DVec3, normal: DVec3) -> Option<Closest> {
     let at = template.closest(position, f64::INFINITY)?;
     if template.smooth_normal(&at.on).dot(normal) > 0.0 {

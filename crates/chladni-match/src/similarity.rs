@@ -77,7 +77,7 @@ impl Similarity {
         [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
     }
 
-    /// The similarity that minimises Σ w ‖s R from + t − to‖² (Umeyama, PAMI 1991).
+    /// The similarity that minimizes Σ w ‖s R from + t − to‖² (Umeyama, PAMI 1991).
     ///
     /// R is found as the leading eigenvector of Horn's quaternion matrix (JOSA A 1987), which
     /// is the proper rotation of Umeyama's SVD solution. Weights are ≥ 0; none means all 1.

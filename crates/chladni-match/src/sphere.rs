@@ -14,7 +14,7 @@ use crate::{MatchError, Side};
 /// Steps of the flow at most.
 const STEPS: usize = 60;
 
-/// Unit vectors for the points of `closed`, every triangle facing outwards.
+/// Unit vectors for the points of `closed`, every triangle facing outward.
 pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Vec<DVec3>, MatchError> {
     let laplacian = Laplacian::new(&closed.points, &closed.triangles);
     let mut x = closed.points.clone();
@@ -68,7 +68,7 @@ fn unevenness(x: &[DVec3], mass: &[f64]) -> f64 {
     x.iter().zip(mass).map(|(p, m)| m * (p.length() - mean).abs()).sum::<f64>() / (total * mean)
 }
 
-/// Centred at the area centroid, with total area 1.
+/// Centered at the area centroid, with total area 1.
 fn normalize_area(x: &mut [DVec3], triangles: &[[u32; 3]]) {
     let mass = masses(x, triangles);
     let area: f64 = mass.iter().sum();
@@ -89,7 +89,7 @@ fn masses(x: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f64> {
     mass
 }
 
-/// Six times the signed volume of the triangle and the centre: positive where it faces outwards.
+/// Six times the signed volume of the triangle and the center: positive where it faces outward.
 pub(crate) fn orientation([a, b, c]: [DVec3; 3]) -> f64 {
     a.dot(b.cross(c))
 }
@@ -100,7 +100,7 @@ fn folded(x: &[DVec3], closed: &Closed) -> Vec<usize> {
         .collect()
 }
 
-/// Moves the vertices of folded triangles, and ever more around them, to the mean of their neighbours.
+/// Moves the vertices of folded triangles, and ever more around them, to the mean of their neighbors.
 fn untangle(x: &mut [DVec3], closed: &Closed, laplacian: &Laplacian) {
     let mut active = vec![false; x.len()];
     for _ in 0..100 {
@@ -116,7 +116,7 @@ fn untangle(x: &mut [DVec3], closed: &Closed, laplacian: &Laplacian) {
         }
         for _ in 0..10 {
             for v in (0..x.len()).filter(|v| active[*v]) {
-                // Equal weights: the mean of the neighbours lies among them.
+                // Equal weights: the mean of the neighbors lies among them.
                 let sum: DVec3 = laplacian.row(v).iter().map(|(w, _)| x[*w as usize]).sum();
                 x[v] = sum.try_normalize().unwrap_or(x[v]);
             }
@@ -124,7 +124,7 @@ fn untangle(x: &mut [DVec3], closed: &Closed, laplacian: &Laplacian) {
     }
 }
 
-/// The Möbius map that puts the surface's centre of area at the sphere's centre (Baden, Crane,
+/// The Möbius map that puts the surface's center of area at the sphere's center (Baden, Crane,
 /// Kazhdan, *Möbius Registration*, SGP 2018), by Newton steps through inversions.
 fn center(x: &mut [DVec3], closed: &Closed) {
     let area = masses(&closed.points, &closed.triangles);

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::{MatchError, Side};
 
-/// What all methods work on. Coordinates are centred at the area-weighted centroid and divided
+/// What all methods work on. Coordinates are centered at the area-weighted centroid and divided
 /// by the diagonal of the bounding box, so that lengths are shares of the diagonal.
 #[derive(Clone, Debug)]
 pub(crate) struct UnitSurface {
@@ -149,7 +149,7 @@ impl UnitSurface {
         self.triangle_areas.iter().sum()
     }
 
-    /// Area-weighted second moments about the centre.
+    /// Area-weighted second moments about the center.
     pub fn second_moments(&self) -> [[f64; 3]; 3] {
         let mut m = [[0.0; 3]; 3];
         for (t, area) in self.triangles.iter().zip(&self.triangle_areas) {

@@ -1,5 +1,5 @@
 //! Takes folds out of a projection: where triangles turned over, their vertices are spread
-//! between their neighbours on the template.
+//! between their neighbors on the template.
 
 use chladni_mesh::surface::Closest;
 use chladni_task::Task;
@@ -23,7 +23,7 @@ pub(crate) fn turned_over([x, y, z]: [DVec3; 3], up: DVec3) -> bool {
 }
 
 /// Moves the points of vertices at folds, and ever more around those that stay, to the mean of
-/// their neighbours' points, on the template and facing as the neighbours' do. Vertices in
+/// their neighbors' points, on the template and facing as the neighbors' do. Vertices in
 /// `fixed` stay. Each component of the shape keeps the state in which it had the fewest folds.
 pub(crate) fn unfold(
     shape: &UnitSurface,
@@ -64,7 +64,7 @@ pub(crate) fn unfold(
     Ok(())
 }
 
-/// The template's point closest to the mean of those of a vertex's neighbours.
+/// The template's point closest to the mean of those of a vertex's neighbors.
 fn between_neighbours(shape: &UnitSurface, partners: &Partners, at: &[Closest], v: u32) -> Option<Closest> {
     let (mut sum, mut looking) = (DVec3::ZERO, DVec3::ZERO);
     let neighbours = shape.neighbours(v as usize);

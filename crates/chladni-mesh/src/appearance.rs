@@ -12,7 +12,7 @@ pub struct Appearance {
     /// The faces as the file stores them: row f holds the corners of face f. `None` where all
     /// are triangles; then face f is triangle f.
     pub polygons: Option<Rows>,
-    /// One linear-light RGBA colour per vertex, each channel in [0, 1].
+    /// One linear-light RGBA color per vertex, each channel in [0, 1].
     pub colors: Option<Vec<[f32; 4]>>,
     /// Texture coordinates per corner of a face.
     pub uvs: Option<CornerUvs>,
@@ -37,7 +37,7 @@ impl CornerUvs {
     pub const NONE: u32 = u32::MAX;
 }
 
-/// How the faces that name it are coloured.
+/// How the faces that name it are colored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Its name; may be empty.

@@ -1,4 +1,4 @@
-//! The working frame: centred, uniformly scaled into [-1, 1]³.
+//! The working frame: centered, uniformly scaled into [-1, 1]³.
 
 use crate::TriMesh;
 
@@ -57,7 +57,7 @@ impl Frame {
         std::array::from_fn(|i| point[i] / self.scale + self.center[i])
     }
 
-    /// A displacement (no centre) of the working frame in the file's units.
+    /// A displacement (no center) of the working frame in the file's units.
     pub fn displacement_to_file(&self, displacement: [f64; 3]) -> [f64; 3] {
         displacement.map(|d| d / self.scale)
     }

@@ -10,7 +10,7 @@ use crate::{TriMesh, weld};
 
 /// Counts and measures of a mesh as its file stores it, and of what welding would change.
 ///
-/// Serialised with the names of the fields.
+/// Serialized with the names of the fields.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HealthReport {
     /// Vertices in the file, used or not.

@@ -53,7 +53,7 @@ impl TriMesh {
         self.triangle_corners().map(|(f, _)| material(f)).collect()
     }
 
-    /// The base colour texture of the first material that has one.
+    /// The base color texture of the first material that has one.
     pub fn base_color_texture(&self) -> Option<&Texture> {
         self.appearance.materials.iter().find_map(|material| material.base_color_texture.as_ref())
     }

@@ -187,7 +187,7 @@ impl<'a> MirrorSearch<'a> {
     }
 
     /// Iterated closest points over reflections: with p matched to q, the best normal is the
-    /// eigenvector of least eigenvalue of Σ (p qᵀ + q pᵀ), centred, and the plane passes through
+    /// eigenvector of least eigenvalue of Σ (p qᵀ + q pᵀ), centered, and the plane passes through
     /// the middle of the two centroids.
     fn refine(&self, plane: MirrorPlane, vertices: &[usize]) -> MirrorPlane {
         let mut best = MirrorPlane { misfit: self.misfit(&plane, vertices), ..plane };

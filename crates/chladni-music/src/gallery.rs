@@ -200,7 +200,7 @@ impl Gallery {
             .to_vec()
             .into_iter()
             .map(|item| {
-                // Drawn for locked places too, so that a lock does not change its neighbours.
+                // Drawn for locked places too, so that a lock does not change its neighbors.
                 let first = rng.random_range(0..parents.len());
                 let second = (first + rng.random_range(1..parents.len())) % parents.len();
                 let (p, q) = (&parents[first], &parents[second]);

@@ -95,7 +95,7 @@ impl Mapping {
         Ok(())
     }
 
-    /// t̄ on `bands` bands: itself where the count agrees, else linear between band centres.
+    /// t̄ on `bands` bands: itself where the count agrees, else linear between band centers.
     pub fn transfer_on(&self, bands: usize) -> Vec<f32> {
         resample(&self.transfer, bands)
     }
@@ -112,7 +112,7 @@ impl Mapping {
     }
 }
 
-/// Samples at cell centres, linear in between, constant beyond the outermost centres.
+/// Samples at cell centers, linear in between, constant beyond the outermost centers.
 fn resample(values: &[f32], count: usize) -> Vec<f32> {
     if values.len() == count {
         return values.to_vec();
@@ -128,7 +128,7 @@ fn resample(values: &[f32], count: usize) -> Vec<f32> {
         .collect()
 }
 
-/// t_ini(ω) = min{ k : ω/ω_max ≤ √(λ_k/λ_max) }, read at α·ω, normalised to [0, 1] (section 4d).
+/// t_ini(ω) = min{ k : ω/ω_max ≤ √(λ_k/λ_max) }, read at α·ω, normalized to [0, 1] (section 4d).
 ///
 /// Band b of `bands` stands at ω/ω_max = (b+1)/bands, so that the last one reaches λ_max.
 /// Only harmonics with λ_k > 0 count: a constant harmonic cannot move the shape in the filter

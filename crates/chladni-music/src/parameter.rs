@@ -103,7 +103,7 @@ impl Parameter {
         (self.row().1, self.row().2)
     }
 
-    /// The value to begin with.
+    /// The default value.
     pub fn initial(self) -> f32 {
         self.row().3
     }

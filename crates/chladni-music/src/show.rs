@@ -124,7 +124,7 @@ pub struct Viewpoint {
     pub pitch_rad: f32,
     /// The distance, in multiples of the smallest one that shows the whole shape.
     pub distance: f32,
-    /// How far the picture is shifted to the right and downwards, in heights of a cell.
+    /// How far the picture is shifted to the right and downward, in heights of a cell.
     pub shift: [f32; 2],
 }
 

@@ -45,7 +45,7 @@ impl Swing {
                 if turned { -1.0 } else { 1.0 }
             })
             .collect();
-        // ⟨H_k, (χ_L − χ_R) H_j⟩ ω_</ω_> with the neighbours of the other class.
+        // ⟨H_k, (χ_L − χ_R) H_j⟩ ω_</ω_> with the neighbors of the other class.
         let neighbours = |k: usize| k.saturating_sub(NEIGHBOURS).max(first)..(k + NEIGHBOURS + 1).min(count);
         let agreements: Vec<Vec<(usize, f64)>> = (0..count)
             .into_par_iter()

@@ -1,4 +1,4 @@
-//! The last look at a picture: a veil towards black or white where it would flash.
+//! The last look at a picture: a veil toward black or white where it would flash.
 
 use crate::{FlashLimiter, most_flashes_per_second};
 

@@ -1,5 +1,5 @@
-//! The program: commands for scripts ([`cli`]), the window for people ([`studio`]), and below both the
-//! [`work`] that they do.
+//! The program: commands for scripts ([`cli`]), the window for people ([`studio`]), and the [`work`] that
+//! both share.
 //!
 //! ```
 //! // Every command can be called the way a shell would call it.

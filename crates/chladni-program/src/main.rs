@@ -7,9 +7,9 @@ fn main() -> ExitCode {
     chladni_program::cli::main()
 }
 
-/// Mesa's device-selection layer looks for a Wayland session whenever Vulkan lists its devices, and
-/// where there is none libwayland prints an error that is not the user's. Nothing is selected by it
-/// without a session.
+/// Mesa's device-selection layer looks for a Wayland session whenever Vulkan lists its devices, and where
+/// there is none libwayland prints an error that does not concern the user. Without a session the layer
+/// selects nothing anyway.
 #[cfg(target_os = "linux")]
 fn silence_wayland_lookup() {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none_or(|folder| !std::path::Path::new(&folder).is_dir()) {

@@ -1,4 +1,4 @@
-//! The door between commands and the window: the one place that opens it.
+//! The link between commands and the window: the only place that opens it.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -63,8 +63,7 @@ pub fn open(files: Vec<PathBuf>, until: Until) -> Result<Option<Outcome>, Error>
 
 /// Opens the small window that asks for a file, with `request` as JSON, and returns the answer.
 ///
-/// # Errors
-/// [`Error::Input`] for a request that is none, [`Error::Other`] where the window cannot open.
+/// # Errors [`Error::Input`] for an invalid request, [`Error::Other`] where the window cannot open.
 pub fn choose_file(request: &str) -> Result<Vec<PathBuf>, Error> {
     studio::choose_file(serde_json::from_str(request).map_err(Error::input)?).map_err(Error::other)
 }

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Why a sound could not be read, written, analysed, played or captured.
+/// Why a sound could not be read, written, analyzed, played or captured.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SoundError {

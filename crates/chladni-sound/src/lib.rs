@@ -1,4 +1,4 @@
-//! The ears of the music instrument: decode, play, capture and analyse sound.
+//! The ears of the music instrument: decode, play, capture and analyze sound.
 //!
 //! ```
 //! use chladni_sound::{Spectrum, SpectrumAnalyser, SpectrumSettings};

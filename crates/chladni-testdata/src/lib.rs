@@ -1,5 +1,5 @@
 //! Where tests and benchmarks find real meshes and music, which are not part of the
-//! repository because their licences vary.
+//! repository because their licenses vary.
 //!
 //! ```
 //! // Tests that need real data return early where there is none.

@@ -12,7 +12,7 @@ use super::report::Times;
 use super::stage::{Scene, Stage, wait};
 use chladni_program::work::Error;
 
-/// Frames measured: at least so many, and for at least so long.
+/// Frames measured: at least this many, and for at least this long.
 const FRAMES: usize = 3;
 const PATIENCE: Duration = Duration::from_millis(250);
 /// Anything slower than this is measured once: a software device takes seconds to draw the largest shapes.

@@ -7,7 +7,7 @@ use super::found::{Entry, Found};
 #[derive(Debug)]
 pub(super) struct Known {
     pub entries: Vec<Entry>,
-    /// The first place at or after K where neighbouring eigenvalues differ.
+    /// The first place at or after K where neighboring eigenvalues differ.
     pub cluster_end: usize,
 }
 

@@ -13,7 +13,7 @@ const PER_SLICE: usize = 84;
 const KEPT: usize = 8;
 /// How far counts may be from equal shares if slices are to start where the counts were taken.
 const UNEVEN: f64 = 0.12;
-/// How far a count may be from the line between its neighbours, in slices, before eigenvalues are
+/// How far a count may be from the line between its neighbors, in slices, before eigenvalues are
 /// thought to come in clumps (0.02 to 0.09 on shapes found in the wild, 0.28 to 0.43 on spheres).
 const CLUMPED: f64 = 0.2;
 /// Counts taken side by side in each round; not the number of threads, on which the plan must
@@ -31,7 +31,7 @@ pub(super) struct Slice {
     pub expected: usize,
     /// How many eigenvalues lie below each end, if counted.
     pub ends: Option<(usize, usize)>,
-    /// The last slice: it goes on until it knows λ_K and a gap above it.
+    /// The last slice: it continues until it knows λ_K and a gap above it.
     pub top: bool,
 }
 
@@ -101,7 +101,7 @@ impl Counting {
         if b.0 > a.0 { a.1 + (b.1 - a.1) * (lambda - a.0) / (b.0 - a.0) } else { b.1 }
     }
 
-    /// How far a sample is from the line between its neighbours, at most.
+    /// How far a sample is from the line between its neighbors, at most.
     fn roughness(&self) -> f64 {
         let off = |w: &[(f64, f64)]| {
             (w[1].1 - w[0].1 - (w[2].1 - w[0].1) * (w[1].0 - w[0].0) / (w[2].0 - w[0].0)).abs()

@@ -56,7 +56,7 @@ impl Problem {
         }
     }
 
-    /// The problem of a pencil of which nothing is known.
+    /// The problem of a general pencil.
     pub(super) fn given(pencil: Pencil) -> Self {
         Self { zeros: 0, ..Self::of(pencil) }
     }

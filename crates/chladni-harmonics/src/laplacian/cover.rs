@@ -46,7 +46,7 @@ impl Cover {
     }
 
     /// The tufted cover (Sharp & Crane 2020, §3): every triangle twice, front and back; around
-    /// each edge, in the order of the dihedral angle, the facing sides of neighbours are glued.
+    /// each edge, in the order of the dihedral angle, the facing sides of neighbors are glued.
     fn tufted(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &Edges) -> Self {
         let m = triangles.len() as u32;
         // The back of (a, b, c) is (a, c, b); it follows all the fronts.
@@ -64,7 +64,7 @@ impl Cover {
             for i in 0..around.len() {
                 let (side, along) = around[i];
                 let (following, following_along) = around[(i + 1) % around.len()];
-                // With the edge as axis, a triangle that runs along it has its front towards
+                // With the edge as axis, a triangle that runs along it has its front toward
                 // growing angles, one that runs against it its back.
                 let growing = if along { side } else { back(side) };
                 let shrinking = if following_along { back(following) } else { following };

@@ -134,7 +134,7 @@ fn eigenvalues_agree_with_robust_laplacian() {
     }
 }
 
-/// The plain cotangent operator with barycentric mass is another discretisation of the same
+/// The plain cotangent operator with barycentric mass is another discretization of the same
 /// surface: on sound meshes the first eigenvalues agree to a few percent.
 #[test]
 fn eigenvalues_are_near_those_of_the_plain_cotangent_operator() {

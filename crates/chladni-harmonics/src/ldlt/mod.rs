@@ -1,4 +1,4 @@
-//! Sparse L D Lᵀ of A − σI for many shifts of one matrix: ordered and analysed once,
+//! Sparse L D Lᵀ of A − σI for many shifts of one matrix: ordered and analyzed once,
 //! factored by the multifrontal method, solved for blocks of right-hand sides.
 
 mod factor;

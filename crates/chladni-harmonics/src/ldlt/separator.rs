@@ -17,7 +17,7 @@ const LARGE: u64 = 3000;
 /// Rounds of improvement at each level.
 const PASSES: usize = 3;
 
-/// A graph as neighbour lists.
+/// A graph as neighbor lists.
 pub(super) struct Graph {
     pub starts: Vec<usize>,
     pub neighbors: Vec<u32>,
@@ -74,7 +74,7 @@ pub(super) fn separate(graph: &Graph) -> Vec<u8> {
 }
 
 impl Level {
-    /// Merges pairs of neighbours joined by heavy edges; and each vertex's place in the result.
+    /// Merges pairs of neighbors joined by heavy edges; and each vertex's place in the result.
     fn coarser(&self) -> (Self, Vec<u32>) {
         let n = self.graph.size();
         let heaviest = (self.total / (COARSEST as u64 / 2)).max(2);
@@ -184,7 +184,7 @@ impl Level {
         sums
     }
 
-    /// Makes the separator lighter by moving its vertices to a side, each pulling its neighbours
+    /// Makes the separator lighter by moving its vertices to a side, each pulling its neighbors
     /// of the other side into the separator, best moves first, also through worse states
     /// (Fiduccia & Mattheyses 1982). Sides stay in balance.
     fn improve(&self, part: &mut [u8]) {

@@ -7,7 +7,7 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use crate::surface::vec3::{Vec3, add, dot, length, scaled, sub};
 use crate::surface::{corners, doubled_area_normal};
 
-/// A surface as points of equal area, centred at its centroid and scaled to a diagonal of 1.
+/// A surface as points of equal area, centered at its centroid and scaled to a diagonal of 1.
 pub(super) struct Cloud {
     pub points: Vec<Vec3>,
     /// Outward as far as can be determined.

@@ -55,7 +55,7 @@ pub(super) fn is_shallow(cloud: &Cloud, direction: Vec3) -> bool {
     high - low < 0.9 * length(cloud.opening).sqrt()
 }
 
-/// How far towards `front` and `up` the detailed places lie, as shares of the shape's length in that
+/// How far toward `front` and `up` the detailed places lie, as shares of the shape's length in that
 /// direction. The edges of what the shape stands on are left out.
 pub(super) fn detail(cloud: &Cloud, roughness: &[f64], up: Vec3, front: Vec3) -> (f64, f64) {
     let (bottom, top) = cloud.span(up);

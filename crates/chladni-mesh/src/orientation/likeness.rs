@@ -174,7 +174,7 @@ impl Plane<'_> {
             spread += a[0] * a[0] + a[1] * a[1] + p[0] * p[0];
             across += p[0] * q[0];
         }
-        // The turn that maximises the trace of its transpose with c, in closed form.
+        // The turn that maximizes the trace of its transpose with c, in closed form.
         let f = pose.flip;
         let (x, y) = (c[0][0] + f * c[1][1], c[1][0] - f * c[0][1]);
         let best = x.hypot(y).max(f64::MIN_POSITIVE);

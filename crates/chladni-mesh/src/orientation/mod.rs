@@ -79,9 +79,9 @@ pub struct Orientation {
 }
 
 impl Orientation {
-    /// y is up and z comes towards the viewer: OBJ, glTF.
+    /// y is up and z comes toward the viewer: OBJ, glTF.
     pub const Y_UP: Self = Self { up: [0.0, 1.0, 0.0], front: [0.0, 0.0, 1.0] };
-    /// z is up and −y comes towards the viewer: Blender, CAD, most scanners.
+    /// z is up and −y comes toward the viewer: Blender, CAD, most scanners.
     pub const Z_UP: Self = Self { up: [0.0, 0.0, 1.0], front: [0.0, -1.0, 0.0] };
 
     /// `None` where the two are nearly parallel, or one is no direction. `up` is kept, `front` made

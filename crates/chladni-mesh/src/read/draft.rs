@@ -115,7 +115,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Sets colours given sRGB-encoded in [0, `full`], and mends those that are not numbers.
+    /// Sets colors given sRGB-encoded in [0, `full`], and mends those that are not numbers.
     pub fn set_srgb_colors(&mut self, colors: Vec<[f64; 4]>, full: [f64; 4]) {
         let mut mended = 0;
         let linear = |color: [f64; 4]| {

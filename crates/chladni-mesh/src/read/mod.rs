@@ -49,7 +49,7 @@ impl Loaded {
 pub enum Mended {
     /// The content is of another format than the name says.
     Misnamed(Format),
-    /// This many vertex colours were not numbers, or missing, and are white now.
+    /// This many vertex colors were not numbers, or missing, and are white now.
     Colors(usize),
     /// This many faces have fewer than three corners and were left out.
     ShortFaces(usize),

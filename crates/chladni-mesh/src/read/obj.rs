@@ -8,7 +8,7 @@ use crate::CornerUvs;
 use crate::error::Fault;
 use crate::read::Mended;
 
-/// Reads `v` (with colours), `vt`, `f` with positive or negative indices, `usemtl`, `mtllib` and lines joined
+/// Reads `v` (with colors), `vt`, `f` with positive or negative indices, `usemtl`, `mtllib` and lines joined
 /// by a backslash. Vertices keep the order of the file, regardless of materials and groups. Normals, groups,
 /// lines, points and free-form surfaces are left out.
 pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {

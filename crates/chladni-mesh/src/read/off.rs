@@ -8,7 +8,7 @@ use crate::format::{OffVertex, off_keyword};
 use crate::read::Mended;
 
 /// Reads `[ST][C][N]OFF` with comments anywhere, and `OFF BINARY` in either byte order (the
-/// format says big-endian, the programs that write it do not). Normals and face colours are
+/// format says big-endian, the programs that write it do not). Normals and face colors are
 /// left out.
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
     let mut lines = Lines::new(bytes, Some(b'#'), false);

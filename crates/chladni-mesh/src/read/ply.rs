@@ -11,9 +11,9 @@ use crate::error::Fault;
 use crate::read::Mended;
 use crate::{CornerUvs, Material, Texture};
 
-/// Reads vertices (with colours and texture coordinates), faces (with a list of texture
+/// Reads vertices (with colors and texture coordinates), faces (with a list of texture
 /// coordinates) and triangle strips with −1 between them. Other elements and properties, face
-/// colours among them, are left out.
+/// colors among them, are left out.
 pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
     let header = Header::read(bytes)?;
     let body = &bytes[header.length..];

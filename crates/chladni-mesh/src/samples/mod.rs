@@ -14,7 +14,7 @@ use crate::TriMesh;
 /// The names that [`sample`] knows.
 pub const SAMPLES: [&str; 3] = ["head", "template", "octopus"];
 
-/// A modelled shape by name: `head`, a bald man of character; `template`, a plain head in the
+/// A modeled shape by name: `head`, a bald man of character; `template`, a plain head in the
 /// same pose; `octopus`. Closed manifold meshes of genus 0 with 10,000 to 20,000 vertices, the
 /// same bits on every run of one machine. All mirror x, look along +z and stand along y.
 pub fn sample(name: &str) -> Option<TriMesh> {

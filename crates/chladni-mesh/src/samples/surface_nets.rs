@@ -239,7 +239,7 @@ fn quad_neighbors(count: usize, quads: &[[u32; 4]]) -> Vec<Vec<u32>> {
     neighbors
 }
 
-/// `p` half way to the middle of its neighbours along the surface, then back toward it.
+/// `p` half way to the middle of its neighbors along the surface, then back toward it.
 fn relaxed(
     field: &impl Fn(Vec3) -> f64,
     p: Vec3,

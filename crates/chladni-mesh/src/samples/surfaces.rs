@@ -23,7 +23,7 @@ pub fn icosphere(subdivisions: u32) -> TriMesh {
     for (one, golden) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
         positions.extend([[0.0, one, golden], [one, golden, 0.0], [golden, 0.0, one]].map(unit));
     }
-    // Neighbours are a golden edge apart; of the two orders the outward one is a face.
+    // Neighbors are a golden edge apart; of the two orders the outward one is a face.
     let edge = 2.0 / (g * 5.0_f64.sqrt()).sqrt();
     let near = |a: usize, b: usize| {
         let d: f64 = (0..3).map(|i| (positions[a][i] - positions[b][i]).powi(2)).sum();
@@ -95,7 +95,7 @@ pub fn uv_sphere(rings: u32, segments: u32) -> TriMesh {
 }
 
 /// The unit square [0, 1]² at z = 0 in `n`×`n` cells (at least 1), whose diagonals alternate so
-/// that no direction is favoured.
+/// that no direction is favored.
 pub fn grid_square(n: u32) -> TriMesh {
     let n = n.max(1);
     let at = |i: u32, j: u32| j * (n + 1) + i;

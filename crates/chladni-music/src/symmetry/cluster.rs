@@ -84,7 +84,7 @@ pub(super) fn unmirrored(
         .collect()
 }
 
-/// Runs of harmonics whose neighbouring eigenvalues differ by less than `gap`, relatively.
+/// Runs of harmonics whose neighboring eigenvalues differ by less than `gap`, relatively.
 /// The constant harmonics of a shape in several components are one such run.
 pub(crate) fn repeated(basis: &Basis, gap: f64) -> Vec<Range<usize>> {
     /// Larger groups are not repeated eigenvalues but a crowded spectrum.

@@ -52,7 +52,7 @@ pub struct SymmetrySettings {
     pub signature_harmonics: usize,
     /// c: for how many of them a vertex must be an extremum; lowered until 8 vertices remain.
     pub least_extrema: usize,
-    /// Neighbouring eigenvalues whose relative gap is below this count as repeated.
+    /// Neighboring eigenvalues whose relative gap is below this count as repeated.
     pub cluster_gap: f64,
     /// |⟨H, H∘T⟩| below this is undecided, (0, 1).
     pub decided: f64,

@@ -82,7 +82,7 @@ impl Caricature {
         }
     }
 
-    /// Before any work: can the results be written?
+    /// Checks, before any work, that the results can be written.
     fn check(&self) -> Result<(), Error> {
         format_of(&self.output)?;
         check_file(&self.output)?;
@@ -224,7 +224,7 @@ fn one(
     Ok(())
 }
 
-/// Tells of every acting layer how far it moves the shape and what it folds.
+/// Prints for every acting layer how far it moves the shape and what it folds.
 fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
     let Made { sculpture, stack, .. } = made;
     for layer in &sculpture.evaluation.layers {
@@ -258,7 +258,7 @@ fn format_of(path: &Path) -> Result<Format, Error> {
     }
 }
 
-/// The recipe for `mesh`, which is called `name`; warns where the two shapes hardly match.
+/// The recipe for `mesh`, which is called `name`; warns if the two shapes hardly match.
 fn carry(
     project: &Project,
     from: &TriMesh,

@@ -126,7 +126,7 @@ impl MatchShapes {
         [&self.output, &self.render].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
     }
 
-    /// Before any work: is what was asked for possible, and can it be written?
+    /// Checks, before any work, that the request is possible and the results can be written.
     fn check(&self) -> Result<(), Error> {
         let of_mesh = self.template.is_some() || self.landmarks.is_some() || self.rigid;
         if !matches!(self.method, How::Mesh(_)) && of_mesh {

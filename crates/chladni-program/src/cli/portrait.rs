@@ -31,7 +31,7 @@ impl Default for Portrait {
 }
 
 impl Portrait {
-    /// Before any work: can it be drawn so?
+    /// Checks, before any work, that it can be drawn.
     pub fn check(&self) -> Result<(), Error> {
         Stance::from(self.stance).check()
     }
@@ -153,7 +153,7 @@ fn panel_of(
     }
 }
 
-/// Both with the colours that the shape brought along.
+/// Both with the shape's own colors.
 fn before_and_after(
     Sculpture { mesh, body, evaluation }: &Sculpture,
     name: &str,

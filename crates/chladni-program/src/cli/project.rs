@@ -94,7 +94,7 @@ impl New {
         if self.harmonics == 0 {
             return Err(Error::input("the number of harmonics must be 1 or more"));
         }
-        // A project on a shape that cannot be read helps nobody.
+        // Refuse a shape that cannot be read before making a project on it.
         let stance = Stance::from(self.stance);
         stance.check()?;
         let mesh = source::mesh(&self.shape, terminal)?;
@@ -105,7 +105,7 @@ impl New {
         }
         project.laplacian = laplacian(self.paper);
         if self.paper {
-            // Told now rather than with the first layer.
+            // Reported now rather than with the first layer.
             Operator::with(&mesh, project.laplacian).map_err(|error| Error::from(error).of(&self.shape))?;
         }
         project.save(&self.output).map_err(Error::unsaved)?;

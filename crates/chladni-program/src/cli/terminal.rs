@@ -16,7 +16,7 @@ use crate::work::{Error, Warning, Watcher};
 /// Work shorter than this shows no progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Where a command speaks, and the task that its long work reports to.
+/// The output of a command, and the task to which its long work reports.
 pub struct Terminal {
     quiet: bool,
     task: Task,
@@ -35,7 +35,7 @@ impl Terminal {
         *RUNNING.lock().unwrap_or_else(PoisonError::into_inner) = Some(task.clone());
         static INSTALLED: AtomicBool = AtomicBool::new(false);
         if !INSTALLED.swap(true, Ordering::SeqCst) {
-            // Where the handler cannot be installed Ctrl-C ends the process, as everywhere.
+            // If the handler cannot be installed, Ctrl-C ends the process as usual.
             let _ = ctrlc::set_handler(|| {
                 let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
                 match running.as_ref() {
@@ -47,7 +47,7 @@ impl Terminal {
         Self { quiet, task, draw: Draw::Auto }
     }
 
-    /// The same, where `draw` is asked for.
+    /// The same, with another choice of who draws.
     pub fn drawing(self, draw: Draw) -> Self {
         Self { draw, ..self }
     }
@@ -64,7 +64,8 @@ impl Terminal {
 
     /// Prints one line of the result to standard output.
     ///
-    /// A reader who has had enough, such as `head`, is no failure: what remains to be done is done.
+    /// If the reader closes the pipe, as `head` does, that is not a failure: the remaining work is still
+    /// done.
     pub fn result(&self, line: impl Display) -> Result<(), Error> {
         match writeln!(std::io::stdout().lock(), "{line}") {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
@@ -77,14 +78,14 @@ impl Terminal {
         self.result(serde_json::to_string_pretty(value).map_err(Error::other)?)
     }
 
-    /// Tells of a file that now holds a result.
+    /// Reports a file that was written.
     pub fn wrote(&self, path: &Path) -> Result<(), Error> {
         self.result(format_args!("wrote {}", path.display()))
     }
 
     /// A line for the person at the terminal, on standard error.
     pub fn note(&self, line: impl Display) {
-        // A closed standard error leaves nobody to tell.
+        // If standard error is closed, there is nowhere to report it.
         let _ = writeln!(std::io::stderr().lock(), "{line}");
     }
 

@@ -1,4 +1,4 @@
-//! Asking the person for files.
+//! Asking the user for files.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -8,16 +8,16 @@ use super::file_window::{self, Purpose, Request};
 /// A kind of file: its name in a dialog and its extensions, without dots.
 pub type FileKind<'a> = (&'a str, &'a [&'a str]);
 
-/// Who is asked for files: the system's dialogs, or a test.
+/// The source of answers: the system's dialogs, or a test.
 pub trait Chooser {
-    /// A file to read, of any of `kinds`; `None` where the person thinks better of it.
+    /// A file to read, of any of `kinds`; `None` if the user cancels.
     fn open(&mut self, kinds: &[FileKind<'_>]) -> Option<PathBuf>;
 
     /// Several files to read.
     fn open_several(&mut self, kinds: &[FileKind<'_>]) -> Vec<PathBuf>;
 
-    /// A file to write, of any of `kinds`; `suggested` is a name, or a path, to start from. Has
-    /// the extension of the first kind where the person gave none.
+    /// A file to write, of any of `kinds`; `suggested` is a name, or a path, to start from. Has the extension
+    /// of the first kind if the user gave none.
     fn save(&mut self, kinds: &[FileKind<'_>], suggested: &Path) -> Option<PathBuf>;
 
     /// What went wrong since the last call: no dialog may have come up at all.
@@ -26,7 +26,7 @@ pub trait Chooser {
     }
 }
 
-/// A dialog that is gone sooner was never there: nobody reads and clicks as fast.
+/// A dialog that closes sooner never came up: nobody reads and clicks that fast.
 const TOO_FAST: Duration = Duration::from_millis(250);
 
 /// The dialogs of the system and, where none comes up, a file window of our own.
@@ -46,7 +46,8 @@ impl SystemDialogs {
             .fold(rfd::FileDialog::new(), |dialog, (name, extensions)| dialog.add_filter(*name, extensions))
     }
 
-    /// Asks the system, and ourselves where no answer came faster than a person can give one.
+    /// Asks the system, and uses our own window if the system's dialog ended without an answer faster than a
+    /// person could give one.
     fn ask(&mut self, request: Request, ask: impl FnOnce() -> Option<Vec<PathBuf>>) -> Option<Vec<PathBuf>> {
         if !self.missing {
             let start = Instant::now();

@@ -2,19 +2,19 @@
 
 use super::{Studio, theme};
 
-/// How far the person is on the way out.
+/// The state of closing the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Closing {
     /// Staying.
     #[default]
     No,
-    /// Asked what becomes of unsaved work.
+    /// Asked about unsaved work.
     Asked,
     /// Decided; the window is about to go.
     Yes,
 }
 
-/// What the person answered.
+/// The user's answer.
 enum Answer {
     Stay,
     Save,
@@ -43,7 +43,7 @@ impl Studio {
                 let saved = (0..self.rooms.len()).all(|index| {
                     self.with_room(ctx, index, |room, shared| room.save_all(shared)).unwrap_or(true)
                 });
-                // What could not be saved has said so; nothing is lost.
+                // Anything that could not be saved has shown an error; nothing is lost.
                 if saved { self.leave(ctx) } else { self.closing = Closing::No }
             }
         }

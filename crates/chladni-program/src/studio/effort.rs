@@ -1,4 +1,4 @@
-//! Moving pictures before fine ones: what is drawn with less effort while frames are late.
+//! Smooth movement before fine pictures: drawing quality is reduced while frames are late.
 
 use chladni_view::Samples;
 
@@ -6,17 +6,17 @@ use chladni_view::Samples;
 const LATE_SECS: f64 = 0.050;
 /// Frames that come faster than this leave room: a screen of 30 Hz shows none sooner.
 const EARLY_SECS: f64 = 0.036;
-/// The same where the processor draws, to whom pixels are only a part of the work: a smaller picture loses its
-/// smooth outlines, and gains a quarter of the time.
+/// The same where the processor draws, for which pixels are only part of the work: a smaller picture loses
+/// its smooth outlines and saves only a quarter of the time.
 const SOFTWARE_LATE_SECS: f64 = 0.075;
 const SOFTWARE_EARLY_SECS: f64 = 0.054;
-/// So many frames are looked at together, fewer where they are very late.
+/// Frames that are judged together, fewer if they are very late.
 const FRAMES: usize = 12;
-/// At least so many frames say something after [`LONG_SECS`].
+/// The fewest frames that are judged after [`LONG_SECS`].
 const FEWEST_FRAMES: usize = 4;
-/// After so long, fewer than [`FRAMES`] are looked at.
+/// After this time fewer than [`FRAMES`] are judged.
 const LONG_SECS: f64 = 2.0;
-/// After so long without trouble more is tried; twice as long after each time that it failed.
+/// After this time without late frames a higher quality is tried; the time doubles after each failed attempt.
 const PATIENCE_SECS: f64 = 6.0;
 
 /// What is drawn, from the best.
@@ -48,7 +48,7 @@ impl std::fmt::Display for Quality {
     }
 }
 
-/// The effort that this machine has room for.
+/// The quality that this machine can keep up with.
 #[derive(Clone, Debug)]
 pub struct Effort {
     first: usize,
@@ -64,7 +64,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Begins with what suits a device that draws with so many samples.
+    /// Begins with the quality that suits a device with this sample count.
     pub fn new(samples: Samples) -> Self {
         let software = samples == Samples::One;
         let first = usize::from(software);
@@ -91,7 +91,7 @@ impl Effort {
         self.step > self.first
     }
 
-    /// Nothing moves: the time until the next moving picture says nothing.
+    /// Nothing moves: the time until the next moving picture is not counted.
     pub fn rest(&mut self) {
         self.last_secs = None;
     }
@@ -112,7 +112,7 @@ impl Effort {
         self.frames_secs.clear();
         let calm_secs = now_secs - self.changed_secs;
         if usual_secs > self.late_secs && self.step + 1 < STEPS.len() {
-            // What had just been tried was too much.
+            // The quality that was just tried was too high.
             if self.tried && calm_secs < PATIENCE_SECS {
                 self.patience_secs *= 2.0;
             }

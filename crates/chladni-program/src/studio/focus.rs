@@ -1,4 +1,4 @@
-//! Where the keyboard is: a ring around the control that it acts on, which is scrolled into view.
+//! The keyboard focus: a ring around the focused control, which is scrolled into view.
 
 use egui::accesskit::{Action, ActionRequest, TreeId};
 use egui::{Event, Id, Key, Stroke, StrokeKind};

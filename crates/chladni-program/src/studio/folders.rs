@@ -1,8 +1,8 @@
-//! Where the window keeps what outlives it.
+//! Where the window keeps its persistent files.
 
 use std::path::PathBuf;
 
-/// Places on the disk; nothing is kept where there is none.
+/// Places on disk; `None` keeps nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Folders {
     /// The file of preferences and recent files.
@@ -16,7 +16,7 @@ pub struct Folders {
 }
 
 impl Folders {
-    /// The places of this user, as the system has them; none where it knows no home folder.
+    /// The user's folders as the system defines them; none if it knows no home folder.
     pub fn of_user() -> Self {
         let Some(user) = directories::ProjectDirs::from("", "", "chladni") else { return Self::default() };
         let state = user.state_dir().unwrap_or_else(|| user.data_local_dir());

@@ -1,4 +1,4 @@
-//! When the graphics device is lost, the window goes and what is open in it stays.
+//! When the graphics device is lost, the window closes and its contents are kept.
 //!
 //! A driver that restarts takes all that was on the card with it, and egui's painter cannot change devices. So
 //! the window closes, and another opens with the same rooms, which put themselves on its device.
@@ -9,19 +9,19 @@ use std::rc::Rc;
 use super::Studio;
 use super::room::Room;
 
-/// What a window leaves to the next one.
+/// What a window hands over to the next one.
 pub struct Left {
     /// The rooms, with all that is open in them.
     pub rooms: Vec<Box<dyn Room>>,
     /// The room that was on screen.
     pub current: Option<usize>,
-    /// What became of the device.
+    /// Why the device was lost.
     pub why: String,
-    /// The clock of the window; the next one's goes on from here.
+    /// The clock of the window; the next one's continues from here.
     pub at_secs: f64,
 }
 
-/// Where a window that has lost its device leaves what was open in it, and the next one finds it.
+/// Holds the contents of a window that has lost its device, for the next one.
 #[derive(Clone, Default)]
 pub struct Handover(Rc<RefCell<Option<Left>>>);
 

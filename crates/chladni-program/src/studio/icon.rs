@@ -44,7 +44,7 @@ impl egui::Plugin for Unspoken {
 }
 
 fn silence(node: &mut Node) {
-    // The lengths of a run's characters are told beside it.
+    // The lengths of a run's characters are stored beside it.
     if node.role() == Role::TextRun {
         return;
     }

@@ -1,4 +1,4 @@
-//! Long work beside the window: it reports progress, can be cancelled, and never blocks a frame.
+//! Long work in the background: it reports progress, can be cancelled, and never blocks a frame.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -24,14 +24,14 @@ impl<T: Send + 'static> Job<T> {
         let (task, (sender, result)) = (Task::new(), channel());
         let (worker, ctx) = (task.clone(), ctx.clone());
         std::thread::spawn(move || {
-            // Nobody listens any more when the window dropped the job; that is how it is abandoned.
+            // If the window has dropped the job, nobody receives the result.
             let _ = sender.send(work(&worker));
             ctx.request_repaint();
         });
         Self { label: label.into(), task, result }
     }
 
-    /// What came of it, handed out once; `None` while it goes on. [`Error::BrokeOff`] where the thread ended
+    /// Its result, returned once; `None` while it is running. [`Error::BrokeOff`] where the thread ended
     /// without a result.
     pub fn ended(&self) -> Option<Result<T, Error>> {
         match self.result.try_recv() {
@@ -53,7 +53,7 @@ impl<T> Job<T> {
         self.task.progress()
     }
 
-    /// Asks it to stop; its result then tells that it was cancelled.
+    /// Asks it to stop; its result then says that it was cancelled.
     pub fn cancel(&self) {
         self.task.cancel();
     }

@@ -1,4 +1,4 @@
-//! Every key of the window: the one table that handlers ask, tooltips name and F1 shows.
+//! Every key of the window: the one table used by handlers, tooltips and the F1 page.
 
 use egui::Key;
 

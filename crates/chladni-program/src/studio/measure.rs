@@ -1,4 +1,4 @@
-//! How the frames of the window came, and whether the sound went on beside them.
+//! Measures the window's frame times, and whether the sound kept up.
 
 use std::cell::RefCell;
 use std::time::Instant;
@@ -60,7 +60,7 @@ pub struct OnStage {
     pub drawn_vertices: usize,
 }
 
-/// What came of it.
+/// The result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameReport {
     /// From the first counted frame to the last.

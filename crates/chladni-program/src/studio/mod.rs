@@ -67,7 +67,7 @@ pub struct Studio {
     gpu: RenderState,
     loss: DeviceLoss,
     handover: Handover,
-    /// Seconds on the clock when the window opened; it goes on with what another one has begun.
+    /// Seconds on the clock when the window opened, if it continues another window.
     inherited_secs: Option<f64>,
     folders: Folders,
     chooser: Box<dyn Chooser>,
@@ -265,7 +265,7 @@ impl Studio {
         }
     }
 
-    /// What the last frame drew is on screen now; after an error there may never be anything.
+    /// The last frame is on screen now; after an error there may never be a picture.
     fn look_for_picture(&self, ctx: &egui::Context) {
         let Some(first_picture) = &self.first_picture else { return };
         match self.notices.first_error() {
@@ -353,7 +353,7 @@ impl eframe::App for Studio {
         self.handle_close(&ctx);
         self.hand_over(&ctx);
         if self.inherited_secs.is_some() {
-            // What began in the window before wakes that one when it is done.
+            // Jobs started in the previous window wake that one when they are done.
             ctx.request_repaint_after(Duration::from_millis(500));
         }
     }

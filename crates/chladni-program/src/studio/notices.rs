@@ -9,7 +9,7 @@ use super::icon::{self, Icon};
 use super::theme;
 use crate::work::Error;
 
-/// How long a message that is no error stays.
+/// How long a message stays that is not an error.
 const LINGER: Duration = Duration::from_secs(6);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +38,7 @@ impl Notices {
         self.push(Severity::Done, text.to_string());
     }
 
-    /// It went on, but not quite as asked.
+    /// Something was done, but not quite as asked.
     pub fn warn(&mut self, text: impl Display) {
         self.push(Severity::Warning, text.to_string());
     }
@@ -48,7 +48,7 @@ impl Notices {
         self.push(Severity::Error, text.to_string());
     }
 
-    /// Work was not done. Who stopped it knows; that is no error.
+    /// Work was not done. If the user cancelled it, that is not shown as an error.
     pub fn failed(&mut self, error: impl Into<Error>) {
         match error.into() {
             Error::Cancelled => self.done("Cancelled; no unfinished file is left."),

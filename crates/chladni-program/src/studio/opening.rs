@@ -1,4 +1,4 @@
-//! Opening the window: what with, and what goes on where its graphics device is lost.
+//! Opening the window: what it opens with, and how it continues after losing its graphics device.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use super::measure::{FirstPicture, Measure};
 /// Points of the window when it opens.
 pub(super) const WINDOW: [f32; 2] = [1320.0, 820.0];
 
-/// A device that is lost sooner than this after its window has opened will not do.
+/// If a device is lost sooner than this after its window has opened, give up.
 const SHORTEST: Duration = Duration::from_secs(10);
 
 /// Opens the window on the start screen, or on `files` where some are given, and returns when
@@ -83,7 +83,7 @@ pub struct PlayedFrame {
 
 /// What a window opens with.
 pub struct Opening {
-    /// Where it keeps what outlives it; nowhere by default.
+    /// Where it keeps its persistent files; nowhere by default.
     pub folders: Folders,
     /// Who is asked for files: by default the system's dialogs.
     pub chooser: Box<dyn Chooser>,
@@ -99,8 +99,8 @@ pub struct Opening {
     pub trace: Option<Trace>,
     /// What a window before it has left, and where it leaves what is open should its device be lost.
     pub handover: Handover,
-    /// Tells how long work takes where less is done on a slow machine. Tests hand in a clock of their own, so
-    /// that they see the same on every machine.
+    /// The clock that measures how long work takes, to reduce quality on a slow machine. Tests pass their own
+    /// clock, so that they behave the same on every machine.
     pub now: fn() -> Instant,
 }
 

@@ -15,13 +15,13 @@ use crate::work::source::sample_path;
 /// Pixels of a picture, twice its size on an ordinary screen.
 pub const SIZE: [u32; 2] = [328, 216];
 
-/// Pictures that are shown, and those that are on their way.
+/// Pictures that are shown, and those being loaded.
 pub struct Pictures {
     gpu: Gpu,
     folder: Option<PathBuf>,
     /// `None` where there is no picture.
     held: HashMap<String, Option<egui::TextureHandle>>,
-    /// One at a time: the start screen is no race.
+    /// One at a time: the start screen is not urgent.
     coming: Option<(String, Job<Option<Picture>>)>,
     keeping: Vec<Job<()>>,
 }

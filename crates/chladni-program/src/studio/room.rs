@@ -1,4 +1,4 @@
-//! What a workspace of the window is, and what all of them share.
+//! A workspace of the window, and what all of them share.
 
 use std::path::{Path, PathBuf};
 
@@ -92,7 +92,7 @@ pub struct Shared<'a> {
     pub settings: &'a mut Settings,
     /// Where things are kept.
     pub folders: &'a Folders,
-    /// Whom to ask for files.
+    /// The file dialogs.
     pub chooser: &'a mut dyn Chooser,
     /// How long work takes is measured by this clock.
     pub now: fn() -> std::time::Instant,

@@ -207,7 +207,7 @@ pub fn install(ctx: &egui::Context) {
     });
 }
 
-/// Grey levels of the surfaces; a touch of blue in the dark and of yellow in the light keeps them alive.
+/// Gray levels of the surfaces; a touch of blue in the dark and of yellow in the light keeps them alive.
 struct Surface {
     base: u8,
     panel: u8,

@@ -8,7 +8,7 @@ use egui::{EventFilter, Key, Modifiers, Role};
 use super::effort::{Effort, Quality};
 use super::keys::view as keys;
 
-/// Under this name egui keeps that a view was drawn.
+/// The key under which egui remembers that a view was drawn.
 const DRAWN: &str = "a 3D view was drawn";
 
 /// Whether any 3D view was drawn so far.
@@ -21,10 +21,10 @@ pub fn gpu_of(state: &RenderState) -> Gpu {
     Gpu::shared(state.device.clone(), state.queue.clone())
 }
 
-/// An arrow key turns as far as a drag of so many pixels.
+/// An arrow key turns as far as a drag of this many pixels.
 const KEY_DRAG: f32 = 25.0;
 
-/// After so long without a change a picture is drawn as finely as can be.
+/// After this time without a change a picture is drawn in full quality.
 const REST_SECS: f64 = 0.3;
 
 /// One canvas of the window and the renderer that draws on it.
@@ -107,8 +107,8 @@ impl Viewport {
         Ok(())
     }
 
-    /// As [`show`](Self::show), but leaves showing to [`paint`](Self::paint) and says nothing where
-    /// frames are late. True where a picture was drawn.
+    /// As [`show`](Self::show), but leaves showing to [`paint`](Self::paint) and gives no message when frames
+    /// are late. True if a picture was drawn.
     pub fn draw<'a>(
         &mut self,
         ui: &egui::Ui,
@@ -124,7 +124,8 @@ impl Viewport {
         let now_secs = ui.input(|input| input.time);
         let quality = if self.stale || resized || self.canvas.is_none() {
             self.effort.frame(now_secs);
-            // Whether the next one is late, or only long in coming, shows if it could come at once.
+            // The next frame is requested at once, so that a late frame can be told from one that was not
+            // needed.
             ui.ctx().request_repaint();
             self.moved_secs = (self.effort.quality() != Quality::STILL).then_some(now_secs);
             self.effort.quality()
@@ -188,7 +189,7 @@ impl Viewport {
         self.canvas.as_ref().map(|(canvas, _)| canvas)
     }
 
-    /// Sees to it that the canvas is as asked.
+    /// Makes the canvas match the request.
     fn fit(
         &mut self,
         state: &RenderState,

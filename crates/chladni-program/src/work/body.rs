@@ -5,8 +5,8 @@ use chladni_mesh::TriMesh;
 
 use super::{Error, Warning, Watcher};
 
-/// Where solved bases are kept: the folder named by `CHLADNI_CACHE`, else the user's own cache folder;
-/// `None`, and nothing is kept, where there is neither.
+/// Where solved bases are cached: the folder named by `CHLADNI_CACHE`, else the user's cache folder; `None`,
+/// without caching, if there is neither.
 pub fn basis_cache() -> Option<BasisCache> {
     match std::env::var_os("CHLADNI_CACHE") {
         Some(folder) if !folder.is_empty() => Some(BasisCache::new(folder)),

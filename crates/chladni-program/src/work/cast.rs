@@ -20,8 +20,7 @@ pub struct Cast {
 impl Cast {
     /// Reads a mesh, or a project and its shape.
     ///
-    /// # Errors
-    /// Whatever either file has against it.
+    /// # Errors Whatever is wrong with either file.
     pub fn open(path: &Path, watcher: &impl Watcher) -> Result<Self, Error> {
         let project = match formats::is_project(path) {
             true => Some(source::project(path, watcher)?),
@@ -48,7 +47,7 @@ impl Cast {
         stance.of(&self.name, &self.mesh, self.kept_stance(), None, watcher)
     }
 
-    /// The body with so many harmonics, and the voices by name, each at its full strength. A layer that cannot
+    /// The body with this many harmonics, and the voices by name, each at full strength. A layer that cannot
     /// act is an error, or `forgiven` with a warning.
     ///
     /// # Errors

@@ -1,12 +1,12 @@
-//! The time of a show, which songs, pauses and leaps within songs do not turn back.
+//! The time of a show, which songs, pauses and jumps within songs never turn back.
 
 use chladni_music::Stretch;
 
-/// Where a song has moved on by so much more than the clock, someone sought.
+/// If a song's position is ahead of the clock by more than this, the user has sought.
 const SEEK_SECS: f64 = 0.3;
-/// A position that has not moved for so long stands still.
+/// A position that has not moved for this long stands still.
 const STILL_SECS: f64 = 0.1;
-/// So near its end a song that stands still has ended: its silence goes on.
+/// A song that stands still this near its end has ended: its silence continues.
 const END_SECS: f64 = 0.05;
 
 /// What plays at one moment, as a player tells it.
@@ -31,7 +31,7 @@ pub struct ShowClock {
 }
 
 impl ShowClock {
-    /// A clock that goes on from `at_secs`.
+    /// A clock that continues from `at_secs`.
     pub fn from(at_secs: f64) -> Self {
         Self { at_secs, ..Self::default() }
     }
@@ -41,14 +41,15 @@ impl ShowClock {
         self.at_secs
     }
 
-    /// Goes on to what plays `now_secs` by any clock that goes on; the stretch that begins with it, if one does.
+    /// Advances to what plays at `now_secs` by any steadily running clock; returns the stretch that begins
+    /// there, if one does.
     pub fn follow(&mut self, now_secs: f64, playing: Playing) -> Option<Stretch> {
         let dt_secs = (now_secs - self.now_secs.unwrap_or(now_secs)).max(0.0);
         self.now_secs = Some(now_secs);
         let seen = self.seen.replace(playing);
         let step_secs = seen.map_or(0.0, |seen| playing.position_secs - seen.position_secs);
         let moved = playing.song.is_none() || step_secs != 0.0;
-        // What stood still for a moment, as between two blocks of a device, catches up.
+        // After standing still for a moment, as between two blocks of a device, the position catches up.
         let longest_step_secs = dt_secs + self.still_secs.min(SEEK_SECS) + SEEK_SECS;
         self.still_secs = if moved { 0.0 } else { self.still_secs + dt_secs };
         let position = playing.position_secs;

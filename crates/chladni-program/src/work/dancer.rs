@@ -1,4 +1,4 @@
-//! A body made ready to dance: its harmonics have symmetry classes.
+//! A body prepared to dance, with symmetry classes of its harmonics.
 
 use std::sync::Arc;
 

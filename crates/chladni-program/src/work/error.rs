@@ -1,4 +1,4 @@
-//! Why work failed, and what went otherwise than asked.
+//! Why work failed, and warnings about work that was not done quite as asked.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ type Cause = Box<dyn std::error::Error + Send + Sync>;
 /// Why work was not done. Its line says what, where and why.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Somebody stopped it.
+    /// It was cancelled.
     #[error("cancelled; no unfinished file is left")]
     Cancelled,
     /// What was asked for cannot be, for the reason given.
@@ -41,7 +41,7 @@ pub enum Error {
     Unwritten {
         /// The file.
         path: PathBuf,
-        /// What the system, or the format, has against it.
+        /// The reason given by the system or the format.
         why: Cause,
     },
     /// Work on a thread of its own ended without a result: a bug in that work.
@@ -97,7 +97,7 @@ impl Error {
         Self::Unsaved(Box::new(error.into()))
     }
 
-    /// The same error of what is called `name`; cancelling is nobody's.
+    /// The same error, attributed to `name`; cancelling is not attributed.
     pub fn of(self, name: impl Display) -> Self {
         match self {
             Self::Cancelled => Self::Cancelled,
@@ -105,12 +105,12 @@ impl Error {
         }
     }
 
-    /// Whether somebody stopped the work.
+    /// Whether the work was cancelled.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Cancelled)
     }
 
-    /// Whether a file, a shape or a wish is to blame, rather than the machine or the program.
+    /// Whether a file, a shape or a request is at fault, rather than the machine or the program.
     pub fn is_of_input(&self) -> bool {
         match self {
             Self::Of { error, .. } => error.is_of_input(),
@@ -137,7 +137,7 @@ impl From<Cancelled> for Error {
     }
 }
 
-/// Errors of engines that can be cancelled: that is one thing, whoever noticed it.
+/// Conversions of the engines' errors; cancelling becomes one variant, whichever engine reports it.
 macro_rules! from_engines {
     ($($engine:ident => $variant:ident),+) => {$(
         impl From<$engine> for Error {
@@ -160,16 +160,16 @@ from_engines! {
     ViewError => View
 }
 
-/// Something was mended or is not as asked, and work goes on.
+/// Something was repaired or is not as asked, and work continues.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
     /// The shape called `name` has too few vertices for the harmonics that were `asked` for.
     FewerHarmonics {
         /// Of the shape.
         name: String,
-        /// That can be used; so many harmonics there are.
+        /// Usable vertices, which is also the number of harmonics.
         vertices: usize,
-        /// For so many.
+        /// The number of harmonics asked for.
         asked: usize,
     },
     /// A layer's region holds no vertex of a shape, which reaches from `from` to `to`.

@@ -7,8 +7,8 @@ use chladni_music::FileRef;
 use super::{Error, Warning};
 use chladni_mesh::ShapeSource;
 
-/// How a show that lies in `folder` names `path`: as it is seen from there where it lies below, else whole.
-/// A sample by its name.
+/// How a show in `folder` names `path`: relative if it lies below the folder, else absolute. A sample by its
+/// name.
 pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
     if ShapeSource::sample_name(path).is_some() {
         return FileRef { path: path.to_string_lossy().into_owned(), blake3: None };
@@ -20,7 +20,7 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
     FileRef { path: named.to_string_lossy().into_owned(), blake3: hash(&whole) }
 }
 
-/// Where the file is that a show in `folder` names, and a warning where it is not the same as then.
+/// The path of a file that a show in `folder` names, and a warning if it has changed since.
 ///
 /// # Errors
 /// [`Error::Input`] where there is no such file.

@@ -20,7 +20,7 @@ pub enum Kind {
     Text,
     /// A song.
     Song,
-    /// A mesh, or what nobody knows: reading it says so.
+    /// A mesh, or an unknown format, which reading will report.
     Mesh,
 }
 

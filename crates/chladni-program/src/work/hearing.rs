@@ -8,9 +8,9 @@ use chladni_music::{
 };
 use chladni_sound::{Beats, FrontEnd, Hop, Song, SongSpectrum, SoundError, Spectrum, SpectrumSettings};
 
-/// A leap within a song, or to another one, takes so long to arrive at the shape.
+/// A jump within a song, or to another one, fades over this time.
 const FADE_SECS: f64 = 0.3;
-/// Leaps so long before all that is asked for are not followed.
+/// Jumps that happened this long before the earliest time asked for are ignored.
 const FORGOTTEN_SECS: f64 = 10.0;
 
 /// A song of the show that is known as a whole.
@@ -33,12 +33,12 @@ pub struct Heard<'a> {
     pub bands: Bands<'a>,
     /// The beat.
     pub beat: Beat,
-    /// Where a leap still fades: the beat before it, and how much of the leap is done, in [0, 1].
+    /// While a jump is fading: the beat before it, and how far the fade is, in [0, 1].
     pub fading: Option<(Beat, f32)>,
 }
 
-/// Follows a show stretch by stretch. Whoever tells it the same stretches and knobs at the same times hears
-/// the same, bit for bit, however often they ask.
+/// Follows a show stretch by stretch. The same stretches and knobs at the same times give the same result,
+/// bit for bit, however often it is called.
 #[derive(Default)]
 pub struct Hearing {
     songs: BTreeMap<usize, KnownSong>,
@@ -93,7 +93,7 @@ impl Tuning {
     }
 }
 
-/// What an analyzer of sound at `rate_hz` is to do.
+/// The settings of an analyzer of sound at `rate_hz`.
 pub fn spectrum_settings(rate_hz: u32, parameters: &Parameters) -> SpectrumSettings {
     Tuning::of(parameters).settings(rate_hz)
 }
@@ -166,7 +166,7 @@ impl Hearing {
         self.stretches.iter().map(|(stretch, _)| *stretch)
     }
 
-    /// What was heard before, in order: a show that goes on.
+    /// Continues a show: the stretches heard before, in order.
     pub fn go_on(&mut self, stretches: &[Stretch]) {
         self.stretches = stretches.iter().map(|stretch| (*stretch, 0.0)).collect();
         (self.ear, self.fade) = (None, None);
@@ -205,7 +205,7 @@ impl Hearing {
         }
     }
 
-    /// What is shown instead of silence fades out from `at_secs` on: sound that was heard in another way.
+    /// Fades out sound that was heard in another way, from `at_secs` on, so that the shape does not jump.
     pub fn fade_from(&mut self, at_secs: f64, from: Spectrum, ringing: Ringing, beat: Beat) {
         self.fade = Some(Fade { from, ringing, beat, since_secs: at_secs });
     }

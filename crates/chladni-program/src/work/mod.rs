@@ -1,6 +1,6 @@
 //! The work itself, for the window and the commands alike: from the name of a shape to its harmonics, a
-//! caricature, a dance and a film. Knows neither a window nor a command line, and prints nothing: a
-//! [`Watcher`] hears how it goes.
+//! caricature, a dance and a film. It depends neither on a window nor on a command line, and prints nothing:
+//! it reports to a [`Watcher`].
 
 pub mod body;
 mod cast;
@@ -34,5 +34,5 @@ pub use template::{matched, template_mesh};
 pub use theatre::{FIRST_VIEW, Look, Staged, Staging, dots, first_looks, look_named, reaction};
 pub use watcher::{Aside, Watcher};
 
-/// K where nobody says otherwise, in the window and on the command line.
+/// The default K, in the window and on the command line.
 pub const HARMONICS: usize = 512;

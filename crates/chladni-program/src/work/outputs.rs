@@ -1,11 +1,11 @@
-//! Where results go, looked at before the work: a folder that is not there is told at once, and
-//! not after minutes of computing.
+//! Checks where results go before the work: a missing folder is reported at once, not after minutes of
+//! computing.
 
 use std::path::Path;
 
 use super::Error;
 
-/// Can a file be written at `path`?
+/// Checks that a file can be written at `path`.
 ///
 /// # Errors
 /// [`Error::Input`] or [`Error::Unwritten`], with the path.
@@ -24,7 +24,7 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
     tempfile::tempfile_in(folder).map(drop).map_err(|error| Error::unwritten(path, error.kind().to_string()))
 }
 
-/// Can a picture be written at `path`? Pictures are PNG, so their names say so.
+/// Checks that a picture can be written at `path`, whose name must end in `.png`.
 ///
 /// # Errors
 /// As [`check_file`] does.

@@ -1,4 +1,4 @@
-//! The colors that a shape brings along: per vertex, or an image.
+//! A shape's own colors: per vertex, or an image.
 
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;

@@ -1,4 +1,4 @@
-//! A project evaluated on its shape, and the mesh that comes of it.
+//! A project evaluated on its shape, and the resulting mesh.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use chladni_task::write_atomic;
 
 use super::{Error, Warning, Watcher, matched};
 
-/// What a project makes of its shape. Later edits of the project do not change it.
+/// The result of a project on its shape. Later edits of the project do not change it.
 pub struct Sculpture {
     /// The shape as its file holds it.
     pub mesh: Arc<TriMesh>,
@@ -31,7 +31,7 @@ pub struct Made {
 }
 
 /// Matches what `project` asks for with `mesh`, which `body` was built from, and evaluates it. A layer that
-/// cannot act is an error, or, where others may go on without it, `forgiven` with a warning.
+/// cannot act is an error, or, if `forgiven`, a warning, and the others continue without it.
 ///
 /// # Errors
 /// [`Error::Caricature`] or [`Error::Input`] with the first layer that cannot act.

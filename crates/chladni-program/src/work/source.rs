@@ -16,7 +16,7 @@ pub fn sample_path(name: &str) -> PathBuf {
     ShapeSource::Sample(name.to_owned()).to_string().into()
 }
 
-/// A file by a name that holds whatever folder a project comes to lie in; samples keep theirs.
+/// An absolute path, valid in whatever folder a project is saved; samples keep their names.
 pub fn from_anywhere(path: &Path) -> PathBuf {
     let absolute =
         if ShapeSource::sample_name(path).is_some() { None } else { std::path::absolute(path).ok() };

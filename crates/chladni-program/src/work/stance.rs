@@ -1,10 +1,10 @@
-//! Which way a shape stands in pictures: told by a person or a project, else estimated.
+//! Which way a shape stands in pictures: given by the user or a project, else estimated.
 
 use chladni_mesh::{Axis, Estimate, Known, Orientation, TriMesh};
 
 use super::{Error, Warning, Watcher};
 
-/// What a person said of up and front; what is not said is estimated.
+/// Up and front as given by the user; what is not given is estimated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stance {
     /// The axis of the file that points up.
@@ -14,12 +14,12 @@ pub struct Stance {
 }
 
 impl Stance {
-    /// Whether anything was said.
+    /// Whether anything was given.
     pub fn is_told(&self) -> bool {
         self.up.is_some() || self.front.is_some()
     }
 
-    /// Before any work: can it be so?
+    /// Checks, before any work, that up and front are compatible.
     ///
     /// # Errors
     /// [`Error::Input`] where up and front lie on one line.
@@ -32,9 +32,8 @@ impl Stance {
         }
     }
 
-    /// How the mesh called `name` stands: as was said here, or else as `kept` says, or else as its
-    /// surface speaks for, or, where that is in doubt, as `matched` to a template does. Warns where it
-    /// stays in doubt.
+    /// How the mesh called `name` stands: as given here, else as `kept`, else as estimated from its surface,
+    /// or, if that is in doubt, as the template that it was `matched` with. Warns if it stays in doubt.
     ///
     /// # Errors
     /// As [`check`](Self::check) does, and [`Error::Cancelled`].

@@ -15,10 +15,10 @@ const FILL: f32 = 0.96;
 /// Between cells lies one part in so many of the picture's shorter side.
 const GAP: u32 = 100;
 
-/// Where the viewer stands before anybody moves.
+/// The initial viewpoint.
 pub const FIRST_VIEW: Viewpoint = Viewpoint { yaw_rad: 0.0, pitch_rad: 0.14, distance: 1.0, shift: [0.0; 2] };
 
-/// What the shapes are made of and what shines on them.
+/// Material, lights and background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// The shapes'.
@@ -29,7 +29,7 @@ pub struct Look {
     pub background: Background,
 }
 
-/// What shapes look like until somebody chooses otherwise.
+/// The default look.
 pub fn first_looks() -> Looks {
     let [material, lights, background] = ["pearl", "stage", "night"].map(str::to_owned);
     Looks { material, lights, background }
@@ -45,7 +45,7 @@ pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
     positions.step_by(step).map(dot).collect()
 }
 
-/// The look of those names; names that nobody knows any more fall back to the first look, and are returned.
+/// The look of those names; unknown names fall back to the default look and are returned.
 pub fn look_named(looks: &Looks) -> (Look, Vec<String>) {
     let (material, lights) = (Material::named(&looks.material), Lights::named(&looks.lights));
     let background = Background::named(&looks.background);
@@ -62,7 +62,7 @@ pub fn look_named(looks: &Looks) -> (Look, Vec<String>) {
     (look, missing.into_iter().flatten().cloned().collect())
 }
 
-/// What the beat does to the picture; where a leap in the song fades, so does what it changes.
+/// What the beat does to the picture; while a jump in the song fades, so does its effect.
 pub fn reaction(instrument: &Instrument, beat: Beat, fading: Option<(Beat, f32)>) -> Reaction {
     let of = |beat| react(beat, instrument.seed(), instrument.parameters());
     let to = of(beat);

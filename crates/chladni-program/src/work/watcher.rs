@@ -1,4 +1,4 @@
-//! Who watches work: a terminal, a window, or whoever asks afterwards.
+//! The observer of work: a terminal, a window, or a collector of warnings.
 
 use std::cell::RefCell;
 
@@ -6,12 +6,12 @@ use chladni_task::Task;
 
 use super::Warning;
 
-/// Hears how work goes, and may stop it.
+/// Observes work, and may stop it.
 pub trait Watcher {
     /// What long work reports to; cancelling it stops the work.
     fn task(&self) -> &Task;
 
-    /// Work goes on, but not quite as asked.
+    /// Work continues, but not quite as asked.
     fn warn(&self, warning: Warning);
 
     /// Does a `part` of the work that may take long and is called `label`.
@@ -20,7 +20,7 @@ pub trait Watcher {
     }
 }
 
-/// Keeps the warnings of work that is done beside the window, until they can be shown.
+/// Collects the warnings of background work until they can be shown.
 pub struct Aside<'a> {
     task: &'a Task,
     warnings: RefCell<Vec<Warning>>,
@@ -32,7 +32,7 @@ impl<'a> Aside<'a> {
         Self { task, warnings: RefCell::default() }
     }
 
-    /// What there was to warn of.
+    /// The collected warnings.
     pub fn warnings(self) -> Vec<Warning> {
         self.warnings.into_inner()
     }

@@ -22,7 +22,7 @@ pub struct BeatMoment {
 const DOUBT: f32 = 0.001_35;
 /// Beats are not announced closer together than this share of a beat.
 const SHORTEST_GAP: f64 = 0.6;
-/// A beat that is only recognised this long after it happened is still announced.
+/// A beat that is only recognized this long after it happened is still announced.
 const LATEST_SECS: f64 = 0.06;
 
 /// Follows the beat of a stream of samples: a forward filter over the bar pointer's states. What

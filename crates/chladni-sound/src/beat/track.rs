@@ -184,8 +184,8 @@ fn tempo_of_frames(beats: &[usize]) -> f64 {
     tempo_of(&beats.iter().map(|&frame| frame as f64 / ONSET_RATE_HZ).collect::<Vec<_>>())
 }
 
-/// Mean strength of the beats over the mean of equally many strongest moments, both less the average
-/// strength.
+/// Mean strength of the beats over the mean of equally many strongest peaks, rescaled so that beats at random
+/// get 0.
 fn agreement(strengths: impl ExactSizeIterator<Item = f32>, heard: &[f32]) -> f64 {
     let count = strengths.len();
     if count < 2 {

@@ -1,6 +1,6 @@
 //! Any number of channels to two.
 //!
-//! Gains follow ITU-R BS.775-3, annex 4 (centre and surrounds at −3 dB, low-frequency effects
+//! Gains follow ITU-R BS.775-3, annex 4 (center and surrounds at −3 dB, low-frequency effects
 //! left out), then the larger of the two sums is scaled to 1 so that the mix cannot clip
 //! where its source did not.
 

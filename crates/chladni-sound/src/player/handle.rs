@@ -224,7 +224,7 @@ impl Player {
     }
 
     /// Copies the samples around the one that is heard now, before volume: `ahead` frames of the
-    /// window lie after it (0: it ends there; half its length: it is centred). At
+    /// window lie after it (0: it ends there; half its length: it is centered). At
     /// [`PlayerStatus::rate_hz`]. Returns the position in seconds that belongs to it.
     pub fn heard_window(&self, ahead: usize, left: &mut [f32], right: &mut [f32]) -> f64 {
         let mut timeline = self.shared.timeline();

@@ -20,9 +20,9 @@ pub struct SpectrumSettings {
     pub window_frames: usize,
     /// Number of bands #ω, in [2, 4096].
     pub bands: usize,
-    /// Centre of the first band, in Hz.
+    /// Center of the first band, in Hz.
     pub low_hz: f32,
-    /// Centre of the last band, in Hz; lowered to 0.45 times the rate where it exceeds that.
+    /// Center of the last band, in Hz; lowered to 0.45 times the rate where it exceeds that.
     pub high_hz: f32,
     /// How the bands lie between the two.
     pub front_end: FrontEnd,
@@ -239,7 +239,7 @@ impl SpectrumAnalyser {
         self.settings.window_frames
     }
 
-    /// Centre of each band, in Hz.
+    /// Center of each band, in Hz.
     pub fn bands_hz(&self) -> &[f32] {
         &self.bands.centres_hz
     }
@@ -263,7 +263,7 @@ impl SpectrumAnalyser {
     }
 
     /// Analyses the last [`window_frames`](Self::window_frames) of `left` and `right` (fewer are
-    /// taken as preceded by silence), `dt_secs` after the window before. Let the window be centred
+    /// taken as preceded by silence), `dt_secs` after the window before. Let the window be centered
     /// on the playback position where the song is known ahead, and end there where it is not.
     ///
     /// Mid and side are combined as complex spectra, then magnitudes are taken. Then, for each band,

@@ -11,7 +11,7 @@ pub enum FrontEnd {
 }
 
 /// Half the width of a band in steps from band to band. At 2 the raised cosines of
-/// neighbours overlap by three quarters: a tone halfway between two bands is only 0.7 dB
+/// neighbors overlap by three quarters: a tone halfway between two bands is only 0.7 dB
 /// lower in both, so that nothing jumps as it glides.
 const HALF_WIDTH_STEPS: f64 = 2.0;
 /// Half the least width of a band in bins: a Hann window's main lobe is ±2 bins.
@@ -64,7 +64,7 @@ impl Bands {
     }
 
     /// One band: raised-cosine weights around `centre`, scaled so that a sine of amplitude 1
-    /// at the centre gives 1.
+    /// at the center gives 1.
     fn push(&mut self, centre: f64, below: f64, above: f64, last_bin: usize) {
         // Bin 0 holds the mean, which is not sound.
         let first = ((centre - below).ceil().max(1.0) as usize).min(last_bin);

@@ -27,7 +27,7 @@ const LIFT: f32 = 0.8;
 const SOFTEST: f32 = 1e-3;
 /// A band's level rises at once, and falls with this time constant, in decibels.
 const BAND_RELEASE_SECS: f64 = 4.0;
-/// Levelled amplitudes are raised to this power: what is 10 dB softer than its band's level shows as 7 dB.
+/// Leveled amplitudes are raised to this power: what is 10 dB softer than its band's level shows as 7 dB.
 const COMPRESSION: f32 = 0.7;
 
 /// The gain of each band and of the side.

@@ -68,7 +68,7 @@ impl SongSpectrum {
         self.analyser.settings()
     }
 
-    /// Centre of each band, in Hz.
+    /// Center of each band, in Hz.
     pub fn bands_hz(&self) -> &[f32] {
         self.analyser.bands_hz()
     }

@@ -86,7 +86,7 @@ fn drums(mix: &mut Mix, noise: &mut Noise, bar: usize) {
         for (half, gain, decay_secs) in [(0.0, 0.12, 0.03), (0.5, 0.16, 0.06)] {
             let at = place_secs(bar, beat as f64 + half);
             mix.add(at, 0.3, 0.0, gain, |t| {
-                // The difference of neighbours leaves only the treble of the noise.
+                // The difference of neighbors leaves only the treble of the noise.
                 let now = noise.next();
                 let hiss = now - std::mem::replace(&mut before, now);
                 hiss * (-t / decay_secs).exp()

@@ -1,4 +1,5 @@
-//! Templates that are no mesh, by their numbers: the shape itself scaled or smoothed, given ellipsoids.
+//! Editing the numbers of templates that are not meshes: the shape itself scaled or smoothed, and given
+//! ellipsoids.
 
 use chladni_caricature::{GivenEllipsoid, LayerId, Property, Template, wavelengths};
 use chladni_match::Ellipsoid;
@@ -8,7 +9,7 @@ use super::edits::Edits;
 use super::session::Session;
 use crate::studio::theme;
 
-/// What a shape is scaled to, and below which harmonic it is kept, where that is chosen first.
+/// The initial numbers of the scaled and the smoothed template.
 const SCALED: Template = Template::Scaled(0.9);
 const SMOOTHED: Template = Template::LowPass(20);
 

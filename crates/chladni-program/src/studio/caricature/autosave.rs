@@ -1,4 +1,4 @@
-//! Keeps a recovery copy of the open project, beside the window, so that a crash loses seconds.
+//! Keeps a recovery copy of the open project in the background, so that a crash loses only seconds of work.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -25,7 +25,7 @@ pub struct Autosave {
 enum Order {
     Keep(Box<Project>, Option<PathBuf>),
     Clear,
-    /// This recovered copy is kept in ours by now.
+    /// Our own copy now includes this recovered one.
     Discard(Box<Recovered>),
     Finish,
 }
@@ -81,14 +81,14 @@ impl Autosave {
         error
     }
 
-    /// The window closes well: nothing is left to recover.
+    /// The window closes normally: nothing is left to recover.
     pub fn finish(self) {
         self.order(Order::Finish);
     }
 
     fn order(&self, order: Order) {
         if let Some(orders) = &self.orders {
-            // A thread that is gone has reported why.
+            // If the thread has ended, it has reported why.
             let _ = orders.send(order);
         }
     }
@@ -98,7 +98,7 @@ impl Drop for Autosave {
     fn drop(&mut self) {
         self.orders = None;
         if let Some(thread) = self.thread.take() {
-            // It ends by itself as soon as its orders are done; a panic there has nothing to add.
+            // It ends by itself once its orders are done; a panic there adds no information.
             let _ = thread.join();
         }
     }

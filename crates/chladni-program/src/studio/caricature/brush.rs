@@ -90,7 +90,7 @@ impl BrushTool {
         }
     }
 
-    /// Turns a drag on the shape into dabs of what was ringed.
+    /// Turns a drag on the shape into dabs of what the ring enclosed.
     pub fn paint(
         &mut self,
         ui: &Ui,
@@ -121,8 +121,7 @@ impl BrushTool {
     }
 }
 
-/// How far a mirror may miss the shape, as a share of its bounding box's diagonal, before painting
-/// by it is a surprise.
+/// The largest misfit of a mirror plane, as a share of the bounding box's diagonal, without a warning.
 const MIRROR_TOLERANCE: f64 = 0.015;
 
 /// How well the shape's mirror plane fits.

@@ -1,4 +1,4 @@
-//! What stands in the middle of the room: the toolbar and the stage.
+//! The middle of the room: the toolbar and the stage.
 
 use chladni_caricature::{Brush, Model, Property};
 use eframe::egui_wgpu::RenderState;
@@ -40,7 +40,7 @@ impl CaricatureRoom {
                 return nothing_open(ui);
             };
             stage.stand(session.stands());
-            // Pictures of layers wait until the hand rests.
+            // Thumbnails wait until no button is pressed.
             if !ui.input(|input| input.pointer.any_down()) {
                 match self.thumbnails.update(shared.gpu, stage, session) {
                     Ok(true) => shared.ctx.request_repaint(),

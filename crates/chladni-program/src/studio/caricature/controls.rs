@@ -28,12 +28,12 @@ pub struct Measured<'a> {
     pub crossings: Option<crossings::Count>,
 }
 
-/// What the panel asks of the room besides edits of the layer.
+/// Requests of the panel besides edits of the layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wish {
     /// Move μ to the last value with no more folds than it may have.
     AsFarAsItGoes,
-    /// Show on the shape, or no more.
+    /// Show on the shape, or stop showing.
     SeeWhere(Quantity),
 }
 
@@ -233,7 +233,7 @@ fn crossings(ui: &mut Ui, count: Option<crossings::Count>) -> Option<Wish> {
     meter(ui, now <= from_the_start, &text, &tip).then_some(Wish::SeeWhere(Quantity::Crossings))
 }
 
-/// A line that says whether all is well; true when clicked.
+/// A line of green or red status; true when clicked.
 fn meter(ui: &mut Ui, good: bool, text: &str, tip: &str) -> bool {
     let palette = theme::palette(ui);
     let (mark, color) =

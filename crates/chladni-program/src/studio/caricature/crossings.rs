@@ -1,4 +1,4 @@
-//! Where the result passes through itself, counted beside the window whenever the hand rests.
+//! Where the result passes through itself, counted in the background whenever the user pauses.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use chladni_task::{Cancelled, Task};
 use crate::studio::job::Job;
 use crate::work::Error;
 
-/// What is known of the result, and the search that goes on.
+/// The known crossings of the result, and the running search.
 #[derive(Default)]
 pub struct CrossingMeter {
     searcher: Option<Searcher>,
@@ -18,18 +18,18 @@ pub struct CrossingMeter {
     found: Option<Vec<u32>>,
 }
 
-/// What a search brings back, itself for the next one included.
+/// The result of a search, with the searcher for reuse.
 type Found = (Searcher, Vec<u32>);
 
 /// What outlives one search.
 #[derive(Clone)]
 struct Searcher {
     tree: Arc<Crossings>,
-    /// Triangles that crossed in the shape as it came.
+    /// Triangles that cross in the original shape.
     from_the_start: usize,
 }
 
-/// What the panel tells.
+/// What the panel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Count {
     /// Triangles of the result that pass through others.
@@ -41,8 +41,8 @@ pub struct Count {
 }
 
 impl CrossingMeter {
-    /// Takes in what was found and, while `resting`, searches a result that has not been; true
-    /// where something may look different.
+    /// Takes finished results and, while `resting`, starts a search of a new result; true if something may
+    /// look different.
     pub fn pump(
         &mut self,
         ctx: &egui::Context,
@@ -54,7 +54,7 @@ impl CrossingMeter {
         match self.running.as_ref().map(Job::ended) {
             None => {}
             Some(None) if resting && self.is_searched(&evaluation.result) => return Ok(false),
-            // The hand moves on and needs all threads: dropped, the search stops.
+            // The user continues and needs all threads: dropping the search stops it.
             Some(None | Some(Err(Error::Cancelled))) => (self.running, self.searched) = (None, None),
             Some(Some(Ok((searcher, found)))) => {
                 (self.searcher, self.found) = (Some(searcher), Some(found));

@@ -100,7 +100,7 @@ fn percent(wavelength: f64) -> String {
     if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 
-/// Its points in words; of one that was drawn freely only some.
+/// Its points in words; only some if it was drawn freely.
 fn told(curve: &ScaleCurve) -> String {
     let step = curve.points.len().div_ceil(8).max(1);
     let points = curve.points.iter().step_by(step);
@@ -190,7 +190,7 @@ fn paint(ui: &Ui, rect: Rect, plot: Plot, curve: &ScaleCurve, spectrum: &Spectru
         let y = height_of(plot.curve, gain);
         painter.hline(plot.curve.x_range(), y, faint);
         painter.hline(plot.residual.x_range(), y, faint);
-        // Gains stand left of the plot, under no line.
+        // Gains are written left of the plot, not over lines.
         let at = pos2(rect.left() + 5.0, y);
         painter.text(at, egui::Align2::LEFT_CENTER, format!("×{gain:.0}"), font.clone(), palette.weak);
     }
@@ -229,7 +229,7 @@ fn percent_tick(wavelength: f64) -> String {
     format!("{:.0}%", 100.0 * wavelength)
 }
 
-/// The curve: strong where there are harmonics, weak where only more of them would reach.
+/// The curve: strong where there are harmonics, faint where there would be only with more of them.
 fn paint_curve(
     ui: &Ui,
     painter: &egui::Painter,
@@ -261,8 +261,8 @@ fn paint_curve(
     }
 }
 
-/// The energy of each band of wavelengths on a scale of decibels, since differences fall off by orders of
-/// magnitude, and what the curve makes of it over that. The residual is one band more.
+/// The energy of each band of wavelengths in decibels, since differences fall off by orders of magnitude,
+/// before and after the curve. The residual is an extra band.
 fn paint_bars(
     painter: &egui::Painter,
     plot: Plot,
@@ -297,14 +297,14 @@ fn paint_bars(
     bar(plot.residual.x_range().shrink(3.0), residual);
 }
 
-/// How high a bar stands, from 0 to 1: 60 dB below the strongest is the bottom, and 12 dB above it, which is
-/// as far as the curve amplifies, the top.
+/// The height of a bar, from 0 to 1: from 60 dB below the strongest to 12 dB above it, the most that the
+/// curve amplifies.
 fn bar_height(energy: f64) -> f64 {
     let decibels = 10.0 * energy.log10();
     if decibels.is_finite() { ((decibels + 60.0) / 72.0).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Where a wavelength stands on the axis, which is logarithmic: 0 is the broadest, 1 the finest.
+/// The position of a wavelength on the logarithmic axis: 0 is the broadest, 1 the finest.
 fn share_of_axis(wavelength: f64) -> f64 {
     let octaves = (ScaleCurve::BROADEST / ScaleCurve::FINEST).log2();
     ((ScaleCurve::BROADEST / wavelength).log2() / octaves).clamp(0.0, 1.0)
@@ -315,7 +315,7 @@ fn wave_at(share: f64) -> f64 {
     wavelength.clamp(ScaleCurve::FINEST, ScaleCurve::BROADEST)
 }
 
-/// Gains stand at their roots: as it is in the middle, four times at the top.
+/// Gains are drawn at their square roots: 1 in the middle, 4 at the top.
 fn height_of(plot: Rect, gain: f64) -> f32 {
     plot.bottom() - plot.height() * (gain / TOP).clamp(0.0, 1.0).sqrt() as f32
 }

@@ -1,4 +1,4 @@
-//! What the panels ask of the project: the window never changes it itself.
+//! Edits of the project that the panels request: the window never changes it directly.
 
 use chladni_caricature::{Action, LayerId, Property};
 

@@ -1,4 +1,4 @@
-//! Opening, saving, and never losing work: the room's traffic with project files.
+//! Opening and saving project files without losing work.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -77,13 +77,13 @@ impl CaricatureRoom {
         self.start(Candidate { templates, ..candidate }, shared);
     }
 
-    /// Tells why nothing was opened.
+    /// Reports why nothing was opened.
     pub(super) fn refuse(&mut self, why: Error, shared: &mut Shared<'_>) {
         self.refused = true;
         shared.notices.failed(why);
     }
 
-    /// Asks for another shape and takes the layers there.
+    /// Asks for another shape and carries the layers over to it.
     pub(super) fn change_shape(&mut self, shared: &mut Shared<'_>) {
         let Some(session) = &self.session else { return };
         let Some(path) = shared.chooser.open(&[("Meshes", &MESHES)]) else { return };
@@ -126,7 +126,7 @@ impl CaricatureRoom {
         self.take_templates(meshes, shared);
     }
 
-    /// Makes a layer against each of `meshes`, in the project that is on its way where one is.
+    /// Makes a layer against each of `meshes`, in the project being loaded if there is one.
     fn take_templates(&mut self, meshes: Vec<PathBuf>, shared: &mut Shared<'_>) {
         if let Some(candidate) = &mut self.candidate {
             candidate.templates.extend(meshes);
@@ -150,8 +150,7 @@ impl CaricatureRoom {
         }
     }
 
-    /// Saves the project, asking for a name where it has none or another is wanted; true where it
-    /// is on the disk now.
+    /// Saves the project, asking for a name if it has none or another is wanted; true if it was saved.
     pub(super) fn save(&mut self, ask: bool, shared: &mut Shared<'_>) -> bool {
         let Some(session) = &mut self.session else { return true };
         let known = session.path.clone().filter(|_| !ask);
@@ -198,7 +197,7 @@ impl CaricatureRoom {
         self.session.as_ref().is_some_and(worth)
     }
 
-    /// Asks what becomes of unsaved work when another project is opened.
+    /// Asks what to do with unsaved work when another project is opened.
     pub(super) fn ask_to_replace(&mut self, shared: &mut Shared<'_>) {
         if self.candidate.is_none() {
             return;
@@ -225,7 +224,7 @@ impl CaricatureRoom {
         }
     }
 
-    /// Offers what a crash left behind; true where the person wants it back.
+    /// Offers to recover work after a crash; true if the user accepts.
     pub(super) fn offer_recovery(&mut self, shared: &mut Shared<'_>) -> bool {
         let Some(recovered) = self.offer.show(shared) else { return false };
         let project = recovered.project.clone();

@@ -1,4 +1,4 @@
-//! The foot of the layer panel: how large the shape is, and what its harmonics are worth.
+//! The foot of the layer panel: the shape's size, and its harmonics with their certificate.
 
 use chladni_caricature::Action;
 use chladni_harmonics::{Basis, Certificate, Laplacian};

@@ -49,7 +49,7 @@ impl Quantity {
     ];
 }
 
-/// The choice of the user, and whether the stage shows it already.
+/// The user's choice, and whether the stage shows it already.
 #[derive(Debug)]
 pub struct Heat {
     quantity: Quantity,
@@ -86,7 +86,7 @@ impl Heat {
         self.stale = true;
     }
 
-    /// Which harmonic is shown where one is.
+    /// The harmonic to show.
     pub fn harmonic(&self) -> usize {
         self.harmonic
     }
@@ -97,7 +97,7 @@ impl Heat {
         (self.quantity, self.harmonic, self.map) = (quantity, harmonic, map);
     }
 
-    /// Shows `quantity`, or the material again where it is shown already.
+    /// Shows `quantity`, or the material if it is shown already.
     pub fn toggle(&mut self, quantity: Quantity) {
         let next = if self.quantity == quantity { Quantity::None } else { quantity };
         self.choose(next, self.harmonic, self.map);
@@ -202,8 +202,8 @@ impl Heat {
     }
 }
 
-/// 1 at the corners of `some` of the triangles, less on two rings around them, so that single
-/// triangles of a fine mesh are seen, and 0 elsewhere.
+/// 1 at the corners of `some` of the triangles, less on two rings around them, so that single triangles of a
+/// fine mesh are visible, and 0 elsewhere.
 fn marked(triangles: &[[u32; 3]], some: impl Iterator<Item = u32>, vertices: usize) -> Vec<f32> {
     let mut values = vec![0.0_f32; vertices];
     for corner in some.filter_map(|triangle| triangles.get(triangle as usize)).flatten() {

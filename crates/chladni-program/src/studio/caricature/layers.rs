@@ -58,7 +58,7 @@ impl LayerList {
             if let Some(dragged) = row.dnd_release_payload::<LayerId>() {
                 dropped = Some((*dragged, index));
             } else if let Some(dragged) = row.dnd_hover_payload::<LayerId>() {
-                // What comes from above goes below this row.
+                // A layer dragged from above goes below this row.
                 let from_above = project.layers()[index..].iter().any(|(id, _)| id == &*dragged);
                 let y = if from_above { row.rect.bottom() + 3.0 } else { row.rect.top() - 3.0 };
                 let line = egui::Stroke::new(2.0, theme::palette(ui).accent);
@@ -149,7 +149,7 @@ impl LayerList {
         response.on_hover_text("Click to edit, double-click to rename, drag to reorder, right-click for more")
     }
 
-    /// Whether a mesh was asked for since this was last asked, to compare with.
+    /// Whether the user asked for a template mesh since the last call.
     pub fn takes_mesh(&mut self) -> bool {
         std::mem::take(&mut self.wants_mesh)
     }

@@ -1,4 +1,4 @@
-//! A project that is to be opened, and what reading it brings back.
+//! A project to be opened, and the result of loading it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use chladni_task::Task;
 
 use crate::work::{Aside, Error, OwnLook, Warning, Watcher, body, source};
 
-/// A project that is to take the place of the open one.
+/// A project that will replace the open one.
 pub struct Candidate {
     /// The document.
     pub project: Project,
@@ -26,17 +26,17 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// A project that lies nowhere yet.
+    /// A project that is not in a file yet.
     pub fn new(project: Project) -> Self {
         Self { project, path: None, recovered: None, made_on: None, templates: Vec::new() }
     }
 }
 
-/// What loading brings back.
+/// The result of loading.
 pub struct Loaded {
     pub project: Project,
     pub path: Option<PathBuf>,
-    /// Whether no file holds the project as it is.
+    /// Whether the project differs from any file.
     pub new: bool,
     /// The recovery copy that the project comes from.
     pub recovered: Option<Recovered>,
@@ -50,8 +50,8 @@ pub struct Loaded {
     pub warnings: Vec<Warning>,
 }
 
-/// Loads the shape of a project and its harmonics. The mesh is sent to `read` as soon as it is
-/// there: solving may take much longer.
+/// Loads the shape of a project and its harmonics. The mesh is sent to `read` as soon as it is loaded:
+/// solving may take much longer.
 pub fn load(
     candidate: Candidate,
     read: &Sender<(Arc<TriMesh>, Orientation)>,
@@ -65,7 +65,7 @@ pub fn load(
         aside.warn(Warning::Told(format!("This is {told}.")));
     }
     let stands = Estimate::of(&mesh, Known::default(), task)?;
-    // Whoever does not look any more misses nothing.
+    // There may be no receiver any more.
     let _ = read.send((Arc::clone(&mesh), project.stands.unwrap_or(stands.orientation)));
     let new = recovered.is_some() || made_on.is_some();
     if let Some(from) = made_on {

@@ -17,8 +17,8 @@ use crate::work::formats::MESHES;
 
 /// Draws the panel for the selected layer.
 ///
-/// `picking` says whether landmarks are picked, and is toggled by a button. True where somebody wants to see
-/// on the shape how far the match is trusted.
+/// `picking` says whether landmarks are picked, and is toggled by a button. True if the user wants to see the
+/// match's confidence on the shape.
 pub fn show(
     ui: &mut Ui,
     session: &mut Session,
@@ -67,7 +67,7 @@ fn template(
         ui.add_space(theme::GAP_SMALL);
     }
     analytic::show(ui, session, id, &layer.template, edits);
-    // A match that runs is shown in the place of the report, so that nothing jumps about.
+    // A running match is shown in place of the report, so that the layout does not jump.
     if let Some(running) = session.running_match() {
         job::show_progress(ui, running);
     } else if let Some(matched) = session.selected_match()
@@ -79,7 +79,7 @@ fn template(
     false
 }
 
-/// What becomes of places that the match is not to be trusted at; true where somebody wants to see them.
+/// How far places where the match is not trusted are filled in; true if the user wants to see them.
 fn infill(ui: &mut Ui, id: LayerId, layer: &Layer, matched: &Matched, edits: &mut Edits) -> bool {
     let Some((_, share)) = matched.infill else { return false };
     let tip = "Where the match is not trusted, such as hair, holes and the cut of a neck, the difference goes on \

@@ -66,7 +66,7 @@ pub struct CaricatureRoom {
     /// The shape that is being loaded, to be seen before its harmonics are there.
     preview: Option<Preview>,
     session: Option<Session>,
-    /// Waits until it is known what becomes of unsaved work.
+    /// Waits until the user has decided about unsaved work.
     candidate: Option<Candidate>,
     export: Export,
     offer: Offer,
@@ -86,7 +86,7 @@ pub struct CaricatureRoom {
     heat: Heat,
     look: Portrayal,
     stale: bool,
-    /// Opening failed: the sample does not push itself forward.
+    /// Opening failed: do not open the sample automatically.
     refused: bool,
 }
 
@@ -167,7 +167,7 @@ impl Room for CaricatureRoom {
             Ok(stage) => self.stage = stage,
             Err(error) => shared.notices.failed(error),
         }
-        // Half a pair is lost, and what is picked is in the project.
+        // Only half a pair is lost; complete landmarks are in the project.
         if self.picking.take().is_some()
             && let Some(session) = &self.session
         {
@@ -183,7 +183,7 @@ impl Room for CaricatureRoom {
 }
 
 impl CaricatureRoom {
-    /// Takes in what jobs have finished.
+    /// Takes the results of finished jobs.
     fn poll(&mut self, shared: &mut Shared<'_>) {
         if let Some(loaded) = self.loading.as_ref().and_then(Job::ended) {
             (self.loading, self.preview) = (None, None);
@@ -242,7 +242,7 @@ impl CaricatureRoom {
     }
 
     fn panels(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, edits: &mut Edits) {
-        // What is on its way takes the place of what is open: no edit may be lost in between.
+        // The project being loaded will replace the open one: no edit may be lost in between.
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         let mut wants_mesh = false;
         egui::Panel::left("layers").resizable(false).exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {

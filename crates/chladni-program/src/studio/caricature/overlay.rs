@@ -1,4 +1,4 @@
-//! What lies behind and over the shapes on the stage: the ground, names, the bar of a heat map.
+//! What is drawn behind and over the shapes on the stage: the background, names, the legend of a heat map.
 
 use chladni_view::{Background, Rect, Scale};
 use egui::Ui;

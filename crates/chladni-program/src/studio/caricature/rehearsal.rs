@@ -1,5 +1,5 @@
-//! The caricature room without its window: all that happens between an action and the figures that
-//! are drawn next, so that it can be timed.
+//! The caricature room without its window: everything between an action and the figures drawn next, so that
+//! it can be timed.
 
 use std::sync::mpsc::channel;
 
@@ -47,7 +47,7 @@ impl Rehearsal {
         Ok(Self { session, stage, heat: Heat::default(), look: Portrayal::default(), gpu: gpu.clone() })
     }
 
-    /// Does what the person does in one frame and brings the figures of the next one up to date.
+    /// Applies the user's actions of one frame and updates the figures of the next one.
     pub fn act(&mut self, actions: Vec<Action>) -> Result<(), Error> {
         let models_of = self.session.selected.filter(|_| self.look.show == Show::Models);
         self.session.stack.prepare_models_of(models_of);

@@ -1,4 +1,4 @@
-//! A picture of the stage that no later edit changes: for exports and thumbnails.
+//! A snapshot of the stage, independent of later edits, for exports and thumbnails.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use chladni_view::{
 
 use super::look::Portrayal;
 
-/// What gives figures their color, whoever owns it.
+/// What gives figures their color, with shared ownership.
 #[derive(Clone, Debug)]
 pub enum Coat {
     /// The material's own.

@@ -1,4 +1,4 @@
-//! A small picture of what each layer makes of the shape.
+//! Thumbnails: a small picture of each layer's result.
 
 use std::collections::HashMap;
 use std::sync::Arc;

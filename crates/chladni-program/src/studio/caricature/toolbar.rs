@@ -51,7 +51,7 @@ impl CaricatureRoom {
         if ui.button(icon::label(Icon::Share, "Export")).on_hover_text(EXPORT.tooltip(&ctx)).clicked() {
             self.export();
         }
-        // What is on its way takes the place of what is open.
+        // The project being loaded will replace the open one.
         let loading = self.loading.is_some();
         let Some(session) = &mut self.session else { return };
         for (back, mark, shortcut, label) in [
@@ -85,7 +85,7 @@ impl CaricatureRoom {
             (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
         let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);
         let choice =
-            // As high as all that it offers, which no scroll bar would tell of.
+            // High enough for all choices, because no scroll bar would show that there are more.
             egui::ComboBox::from_id_salt("heat").width(136.0).height(480.0).selected_text(name).show_ui(ui, |ui| {
                 let has_own = self.stage.as_ref().is_some_and(Stage::has_own_look);
                 for (choice, name) in Quantity::ALL.into_iter().filter(|q| q.0 != Quantity::Own || has_own) {
@@ -122,7 +122,7 @@ impl CaricatureRoom {
         self.stance_menu(ui);
     }
 
-    /// Which way is up, where the estimate is not what a person sees.
+    /// Sets which way is up, in case the estimate is wrong.
     fn stance_menu(&mut self, ui: &mut Ui) {
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         let (now, told) = (session.stands(), session.project().stands);

@@ -1,4 +1,4 @@
-//! What the file window knows: a folder, what is typed, and what comes of it.
+//! The state of the file window: a folder, the typed text, and the result.
 
 use std::fs::DirEntry;
 use std::io;
@@ -47,14 +47,14 @@ pub struct Listing {
     pub is_cut: bool,
 }
 
-/// What comes of going ahead.
+/// The outcome of confirming.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// These are the files.
     Done(Vec<PathBuf>),
-    /// It was a folder, which is shown now.
+    /// It was a folder, which is now shown.
     Entered,
-    /// The file is there already: go ahead once more to replace it.
+    /// The file exists: confirm once more to replace it.
     Replaces(PathBuf),
     /// Why not.
     Refused(String),
@@ -68,8 +68,8 @@ pub const MAX_ENTRIES: usize = 5000;
 pub struct Browser {
     request: Request,
     folder: PathBuf,
-    /// What is typed: a name, or a path from the folder, from `~` or from the root. Whoever changes
-    /// it says so: see [`Self::retyped`].
+    /// What is typed: a name, or a path from the folder, from `~` or from the root. After changing it, call
+    /// [`Self::retyped`].
     pub typed: String,
     /// Names that were picked in the list.
     picked: Vec<String>,
@@ -139,7 +139,7 @@ impl Browser {
                 return None;
             }
             let kind = found.file_type().ok()?;
-            // Of links, what they lead to.
+            // Follow links.
             let is_folder = kind.is_dir() || (kind.is_symlink() && found.path().is_dir());
             (is_folder || self.fits(&name)).then_some(Entry { name, is_folder })
         };
@@ -157,7 +157,7 @@ impl Browser {
         extensions.any(|known| known.eq_ignore_ascii_case(extension))
     }
 
-    /// Something else is typed: it alone counts, and nothing that was agreed to before.
+    /// The typed text has changed: it alone counts, and an earlier confirmation is void.
     pub fn retyped(&mut self) {
         self.picked.clear();
         self.agreed_to_replace = None;
@@ -217,7 +217,7 @@ impl Browser {
         self.retyped();
     }
 
-    /// Goes ahead with what is typed and picked.
+    /// Confirms what is typed and picked.
     pub fn go_ahead(&mut self) -> Verdict {
         if self.picked.len() > 1 {
             return Verdict::Done(self.picked.iter().map(|name| self.folder.join(name)).collect());

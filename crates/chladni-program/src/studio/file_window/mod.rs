@@ -1,6 +1,6 @@
 //! A small window that asks for a file, for systems whose own dialog does not come up.
 //!
-//! It runs as a process of its own, as such dialogs do: whoever asks waits for its answer.
+//! It runs as a separate process, as such dialogs do: the caller waits for its answer.
 
 mod browser;
 
@@ -26,7 +26,7 @@ use browser::{Browser, Entry, MAX_ENTRIES, Verdict};
 /// The name of the command that opens the window; see `ask`.
 pub const COMMAND: &str = "choose-file";
 
-/// Asks in a process of its own and waits; empty where the person thinks better of it.
+/// Asks in a separate process and waits; empty if the user cancels.
 pub fn ask(request: &Request) -> io::Result<Vec<PathBuf>> {
     let question = serde_json::to_string(request)?;
     let mut command = Command::new(std::env::current_exe()?);
@@ -51,7 +51,7 @@ pub fn open(request: Request) -> Result<Vec<PathBuf>, StudioError> {
         "chladni-files",
         options,
         Box::new(move |creation| {
-            // Preferences that cannot be read are told of in the window that asks.
+            // Unreadable preferences are reported in the main window.
             let settings = Folders::of_user().settings.and_then(|path| Settings::load(&path).ok());
             Ok(Box::new(FileWindow::new(&creation.egui_ctx, request, &settings.unwrap_or_default(), given)))
         }),
@@ -109,7 +109,7 @@ impl FileWindow {
 
     fn go_ahead(&mut self, ctx: &egui::Context) {
         (self.said, self.replaces) = (None, false);
-        // Enter takes the focus away from the field; whoever is not done types on.
+        // Enter takes the focus from the field; give it back so that the user can type on.
         self.begun = false;
         match self.browser.go_ahead() {
             Verdict::Done(files) => {
@@ -156,7 +156,7 @@ impl FileWindow {
             let before = self.browser.typed.clone();
             self.browser.complete();
             if self.browser.typed == before {
-                // Nothing more to complete: Tab goes on, as everywhere.
+                // Nothing more to complete: Tab moves on, as usual.
                 shown.response.surrender_focus();
                 ui.memory_mut(|memory| memory.move_focus(egui::FocusDirection::Next));
             }

@@ -14,7 +14,7 @@ use crate::studio::theme;
 /// Height of the plots with their head.
 const BENCH: f32 = 230.0;
 const HEAD: f32 = 38.0;
-/// A narrower bench has icons without names.
+/// A narrower bench shows icons without names.
 const WIDE: f32 = 1040.0;
 
 /// Divides the room's middle into the picture and the bench below it.
@@ -24,7 +24,7 @@ pub fn split(rect: Rect) -> (Rect, Rect) {
     (picture, Rect::from_min_max(pos2(rect.left(), edge), rect.max))
 }
 
-/// What is being drawn and not yet done: t or a of one item, until the pointer is released.
+/// An unfinished stroke: t or a of one item, until the pointer is released.
 #[derive(Clone, Debug)]
 pub struct Draft {
     /// The mapping with the curve as it is now.

@@ -5,13 +5,13 @@ use chladni_synth::{Coefficients, Item, Term};
 use meshopt::{SimplifyOptions, simplify_decoder};
 use std::collections::HashSet;
 
-/// A level of detail has a vertex for so many pixels of its cell, of which a shape fills about a third:
+/// A level of detail has one vertex per this many pixels of its cell, of which a shape fills about a third:
 /// edges of five or six pixels.
 const PIXELS_OF_VERTEX: usize = 50;
 /// So many for each harmonic up to the finest that is seen: four in a wave's length, as the length of the
 /// k-th wave squared is π/k of the surface (Weyl's law).
 const VERTICES_OF_HARMONIC: usize = 5;
-/// Displacements below this (the shape's area is one) are not seen in a cell: a third of a pixel.
+/// Displacements below this (the shape's area is one) are invisible in a cell: a third of a pixel.
 const SEEN: f32 = 0.002;
 
 /// A shape over the vertices of a larger one.
@@ -26,7 +26,7 @@ pub struct Detail {
 /// Shapes of about so many vertices each, `wanted` being in falling order; what is drawn through them
 /// moves exactly as the whole does.
 ///
-/// One vertex after the other goes into a neighbor, the one that moves the surface least first (quadric
+/// Vertices are collapsed into neighbors one by one, the one that changes the surface least first (quadric
 /// error metric: Garland and Heckbert 1997), with triangles kept even, as shapes bend where they are flat at
 /// rest. A shape that cannot become as small as wanted ends with fewer details.
 pub fn details(positions: &[[f32; 3]], triangles: &[[u32; 3]], wanted: &[usize]) -> Vec<Detail> {
@@ -47,7 +47,7 @@ pub fn details(positions: &[[f32; 3]], triangles: &[[u32; 3]], wanted: &[usize])
     details
 }
 
-/// How many harmonics of `item` are needed for all that is seen of it in a cell.
+/// How many harmonics of `item` are needed for all visible movement in a cell.
 pub fn harmonics_seen(item: &Item) -> usize {
     let seen = |squares: &mut dyn DoubleEndedIterator<Item = f32>, count: usize| {
         let mut above = 0.0;
@@ -64,7 +64,7 @@ pub fn harmonics_seen(item: &Item) -> usize {
     item.terms.iter().map(of_term).max().unwrap_or(0)
 }
 
-/// How many vertices a shape needs that moves by so many harmonics in a cell of so many pixels.
+/// How many vertices a shape needs that moves by `harmonics` in a cell of `pixels`.
 pub fn vertices_needed(harmonics: usize, pixels: usize) -> usize {
     (pixels / PIXELS_OF_VERTEX).max(VERTICES_OF_HARMONIC * harmonics)
 }

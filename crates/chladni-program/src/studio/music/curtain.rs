@@ -1,4 +1,4 @@
-//! The stage's curtain: nothing but the dance, on the screen it was given.
+//! The stage in the window: nothing but the dance, on the chosen screen.
 
 use egui::{Align2, Color32, FontId, Ui, ViewportCommand};
 

@@ -1,4 +1,4 @@
-//! Films of what dances: what of it, how large and how fast is asked; they are made beside the window.
+//! Films of what dances: the form that asks for subject, size and rate; they are made in the background.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -41,7 +41,7 @@ pub struct Filming {
     running: Option<Job<Made>>,
 }
 
-/// A film, and what went otherwise than asked.
+/// A film, and its warnings.
 struct Made {
     path: PathBuf,
     warnings: Vec<Warning>,
@@ -52,7 +52,7 @@ struct Made {
 enum What {
     /// What dances now, for a whole song.
     AsItIs,
-    /// All that was done since the show began.
+    /// All actions since the show began.
     TheShow,
 }
 
@@ -133,7 +133,7 @@ impl Filming {
         Ok(())
     }
 
-    /// Tells what came of it.
+    /// Reports the result.
     pub fn poll(&mut self, shared: &mut Shared<'_>) {
         match self.running.as_ref().and_then(Job::ended) {
             None => return,
@@ -250,7 +250,7 @@ fn as_it_is(mut show: Show, view: View, favourites: usize) -> Show {
     match view {
         View::CloseUp(item) => now(Action::Perform { item }),
         _ if favourites > 0 => {
-            // In turn: also where nobody has asked the beat to step.
+            // In turn, even if the beat was not set to step.
             now(Action::Switch { switch: Switch::BeatSteps, on: true });
             now(Action::PerformFavourites { first: 0 });
         }

@@ -1,5 +1,5 @@
-//! A look at the picture that is about to be shown: how bright it is. Nobody waits for it: until it is
-//! known, the picture before stays.
+//! Measures the brightness of the picture about to be shown, without blocking: until it is known, the
+//! previous picture stays.
 
 use std::sync::{Arc, OnceLock};
 
@@ -10,12 +10,12 @@ use egui::Color32;
 
 use crate::work::Error;
 
-/// So many rows of the picture are fetched, spread evenly; all of a lower picture.
+/// Rows of the picture that are fetched, spread evenly; all rows of a lower picture.
 const ROWS: u32 = 96;
 /// Every fourth pixel of a row is counted.
 const STEP: usize = 4;
 
-/// A buffer that rows of a canvas come back through, and what was seen in it.
+/// A buffer for reading back rows of a canvas, and the histogram of the last rows.
 #[derive(Default)]
 pub struct Glimpse {
     buffer: Option<wgpu::Buffer>,
@@ -80,7 +80,7 @@ impl Glimpse {
         self.coming.is_some()
     }
 
-    /// Looks, without waiting, whether the rows have come; true once they were counted.
+    /// Checks, without waiting, whether the rows have arrived; true once they were counted.
     pub fn look(&mut self, gpu: &Gpu) -> Result<bool, Error> {
         let Some(coming) = &self.coming else { return Ok(false) };
         gpu.device.poll(wgpu::PollType::Poll).map_err(Error::other)?;

@@ -44,7 +44,7 @@ impl Harmonics {
         &self.body.triangles
     }
 
-    /// What was put on the device is gone with it.
+    /// Forgets everything on a lost device.
     pub fn forget_device(&mut self) {
         (self.drawn, self.shown) = (None, None);
     }

@@ -1,4 +1,4 @@
-//! Shapes and caricatures, made ready to dance.
+//! Preparing shapes and caricatures to dance.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ const LEVEL_RATIO: f64 = 1.5;
 /// How a shape is made ready.
 #[derive(Clone, Copy, Debug)]
 pub struct Means {
-    /// So many harmonics dance at most.
+    /// The largest number of harmonics.
     pub harmonics: usize,
     /// The processor draws: small pictures of large shapes show fewer triangles.
     pub coarsely: bool,
@@ -35,15 +35,15 @@ pub struct Ready {
     pub voices: Vec<(String, Term)>,
     /// The shape with fewer vertices for small pictures, from fine to coarse, where all would be too many.
     pub details: Vec<Detail>,
-    /// What was mended in the file, what the harmonics are worth less than usual, and what could not act.
+    /// Warnings: what was repaired in the file, how the harmonics are less exact than usual, and which layers
+    /// cannot act.
     pub warnings: Vec<Warning>,
 }
 
 /// Loads a shape, or a caricature's project, whose shape is the body and whose acting layers are voices: with
 /// its harmonics and their symmetry classes.
 ///
-/// # Errors
-/// Whatever the file or the shape has against it.
+/// # Errors Whatever is wrong with the file or the shape.
 pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     let aside = Aside::new(task);
     let cast = Cast::open(path, &aside)?;
@@ -64,7 +64,7 @@ pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
 
 fn details(body: &Body) -> Vec<Detail> {
     let sizes = std::iter::successors(Some(FEWEST_VERTICES as f64), |size| Some(LEVEL_RATIO * size));
-    // A detail that saves little is none.
+    // Skip levels that save little.
     let most = body.positions.len() as f64 / LEVEL_RATIO;
     let mut wanted: Vec<usize> = sizes.take_while(|size| *size <= most).map(|size| size as usize).collect();
     wanted.reverse();

@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, listening: &mut Listening) {
     });
 }
 
-/// Mid grows upwards and side downwards from one line.
+/// Mid grows upward and side downward from one line.
 fn spectrum(ui: &Ui, rect: Rect, listening: &Listening) {
     let palette = theme::palette(ui);
     let painter = ui.painter_at(rect);

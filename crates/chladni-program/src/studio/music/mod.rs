@@ -57,7 +57,7 @@ use crate::work::Error;
 use crate::work::formats::{self, Kind, SONGS, TEXT};
 use crate::work::source::sample_path;
 
-/// So often a room at rest looks for sound and controllers.
+/// How often a room at rest checks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
 
 /// The room: one body, one gallery, one playlist.
@@ -334,7 +334,7 @@ impl MusicRoom {
         }
     }
 
-    /// Tells what went wrong and does not try the same again by itself.
+    /// Reports what went wrong, and does not retry automatically.
     fn refuse(&mut self, why: Error, shared: &mut Shared<'_>) {
         (self.loading, self.coming) = (None, None);
         self.refused |= self.concert.is_none();
@@ -357,7 +357,7 @@ impl MusicRoom {
     }
 }
 
-/// What the room offers where the first shape could not be opened.
+/// What the room offers if the first shape could not be opened.
 fn nothing_dances(ui: &mut Ui, wishes: &mut Vec<Wish>) {
     ui.vertical_centered(|ui| {
         ui.add_space(ui.available_height() * 0.4);

@@ -1,4 +1,4 @@
-//! Frames before detail: fewer harmonics where the machine does not keep up, more where it does.
+//! Frame rate before detail: fewer harmonics if the machine does not keep up, more if it does.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use std::time::Duration;
 const BUDGET_SECS: f64 = 0.020;
 /// With less than this there is room for more.
 const ROOM_SECS: f64 = 0.008;
-/// So many frames are looked at together.
+/// Frames that are averaged.
 const FRAMES: u32 = 24;
 /// Fewer harmonics than this are never used.
 const FEWEST: u32 = 32;
@@ -31,8 +31,8 @@ impl Pace {
         self.mean_secs
     }
 
-    /// Counts a frame that took so long until it is drawn, of a body of `all` harmonics. Says so
-    /// when the number in use has changed.
+    /// Counts a frame that took this long before drawing, of a body of `all` harmonics. Returns a message
+    /// when the number in use changes.
     pub fn frame(&mut self, took: Duration, all: usize) -> Option<String> {
         self.count(took.as_secs_f64(), all as u32)
     }

@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::work::{Look, first_looks, look_named};
 
-/// Looks, the stage's screen, and what turns what. Names that are not known any more fall back
-/// to the first look.
+/// Looks, the stage's screen, and what turns what. Unknown names fall back to the first look.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {

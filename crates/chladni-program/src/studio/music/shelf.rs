@@ -33,7 +33,7 @@ struct Form {
 }
 
 impl Shelf {
-    /// Reads the folder when it is first needed; a file that is no preset is told and left alone.
+    /// Reads the folder when it is first needed; a file that is not a preset is reported and left alone.
     pub fn ready(&mut self, folder: Option<&Path>, notices: &mut Notices) {
         if self.read {
             return;

@@ -1,4 +1,4 @@
-//! Presets and shows: opened, gone on with and saved.
+//! Opening, continuing and saving presets and shows.
 
 use std::path::{Path, PathBuf};
 
@@ -64,7 +64,7 @@ impl MusicRoom {
         }
     }
 
-    /// Goes on with a show on the shape that dances.
+    /// Continues a show on the shape that dances.
     pub(super) fn go_on_with(&mut self, path: &Path, show: &Show, shared: &mut Shared<'_>) {
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
         if let Err(why) = concert.replay(show) {
@@ -94,14 +94,14 @@ impl MusicRoom {
     }
 }
 
-/// Whether a text that is neither a preset nor a show was rather meant as the latter.
+/// Whether a text that is neither a valid preset nor a valid show was probably meant as a show.
 fn is_like_a_show(path: &Path) -> bool {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("actions") || table.contains_key("size"))
 }
 
-/// A preset goes where nothing is lost that was chosen or loved: the last such place. The
-/// generation before stays as it was; the knobs are those of the preset.
+/// Puts a preset in the last place whose item is neither chosen nor a favourite. The previous generation is
+/// kept; the knobs are set to those of the preset.
 pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<(), Error> {
     let instrument = concert.instrument();
     let items = instrument.gallery().items();
@@ -119,7 +119,7 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     Ok(())
 }
 
-/// All that was done so far, to be saved in `folder`.
+/// The show so far, to be saved in `folder`.
 pub fn the_show(
     concert: &Concert,
     listening: &Listening,

@@ -17,7 +17,7 @@ use crate::studio::theme;
 /// Width of the word before the volume.
 const VOLUME: f32 = 64.0;
 
-/// What hears and what plays, as the system was last asked.
+/// Input and output devices, as last listed by the system.
 type Found = (Vec<CaptureSource>, Vec<OutputDevice>);
 
 /// The devices that were found when last looked for.
@@ -79,7 +79,7 @@ fn sound(ui: &mut Ui, listening: &mut Listening, devices: &Devices, preferences:
     let chosen = listening.device().map(str::to_owned);
     let system = (None, "The system's own".to_owned());
     let rows = devices.outputs.iter().map(|device| (Some(device.id.clone()), device.name.clone()));
-    // What was chosen once and is not there now can still be seen, and left.
+    // A chosen device that is missing now is still listed, so that it can be changed.
     let gone = chosen.clone().filter(|id| !devices.outputs.iter().any(|device| device.id == *id));
     let gone = gone.map(|id| (Some(id.clone()), format!("{id} (not there now)")));
     let mut wanted = None;

@@ -1,4 +1,4 @@
-//! Whether anything on screen moves: what rests is neither deformed nor drawn again.
+//! Whether anything on screen moves: a still picture is neither deformed nor drawn again.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -6,8 +6,8 @@ use chladni_synth::{Coefficients, Item, Residual, Term};
 
 use crate::work::Staged;
 
-/// Differences of coefficients below this (the shape's area is one) move nothing that is seen: what a decay
-/// lets fade away comes to rest.
+/// Differences of coefficients below this (the shape's area is one) are invisible, so that a decaying
+/// movement comes to rest.
 const FINEST: f32 = 1e-5;
 
 /// All that a picture of the gallery depends on.

@@ -1,4 +1,4 @@
-//! Songs of the playlist, read as a whole beside the window: first their samples, then their beats.
+//! Songs of the playlist, read as a whole in the background: first their samples, then their beats.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ pub enum Learned {
     Song(Arc<Song>),
     /// Its beats.
     Beats(Beats),
-    /// Nothing, and why, where the player does not tell the same.
+    /// Nothing, and why, unless the player reports the same.
     Nothing(Option<String>),
 }
 

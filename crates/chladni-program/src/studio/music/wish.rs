@@ -6,7 +6,7 @@ use chladni_music::{Action, ItemId, Preset};
 
 use super::view::View;
 
-/// One wish; the room fulfils it after the frame's panels are drawn.
+/// One wish; the room fulfills it after the frame's panels are drawn.
 #[derive(Clone, Debug)]
 pub enum Wish {
     /// An action of the instrument.

@@ -1,4 +1,4 @@
-//! How a dance begins, and what is done to it then.
+//! How a dance begins, and the actions that follow.
 
 use chladni_music::{
     Action, Dancer, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter, Preset, Show,
@@ -9,7 +9,7 @@ use crate::work::Error;
 /// A show that is repeated, or else a preset, a gallery or one dance of it.
 #[derive(Clone, Debug, Default)]
 pub struct Beginning {
-    /// Is repeated; the next three then say nothing.
+    /// The show to repeat; the next three are then ignored.
     pub show: Option<Box<Show>>,
     /// The dance that is on stage.
     pub preset: Option<Preset>,

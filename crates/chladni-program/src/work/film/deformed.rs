@@ -1,4 +1,4 @@
-//! Who deforms the shapes of a film, beside whoever draws them.
+//! What deforms the shapes of a film, on the CPU or on the drawing device.
 
 use std::time::Instant;
 

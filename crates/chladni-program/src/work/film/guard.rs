@@ -3,7 +3,7 @@
 use chladni_music::{FlashCount, FlashGuard, Histogram, Veil};
 use chladni_view::Picture;
 
-/// About so many pixels of a frame are looked at.
+/// The approximate number of pixels of a frame that are examined.
 const PIXELS: usize = 100_000;
 
 /// Keeps the mean relative luminance of the frames within what is safe.
@@ -61,7 +61,7 @@ impl FrameGuard {
     }
 }
 
-/// About one of so many pixels is looked at. Coprime to the width: it falls into no columns.
+/// Step between examined pixels, coprime to the width, so that they do not line up in columns.
 fn step(pixels: usize, width: usize) -> usize {
     let coprime = |step: &usize| {
         let (mut a, mut b) = (*step, width);

@@ -53,7 +53,7 @@ pub struct Film {
     pub start_secs: f64,
     /// How much of it is filmed; all unless said.
     pub duration_secs: Option<f64>,
-    /// What becomes of it.
+    /// What is written of it.
     pub output: Output,
 }
 
@@ -87,7 +87,7 @@ pub struct Output {
 }
 
 impl Film {
-    /// `body` dances to all of `song` as `beginning` says, looking as nobody has chosen otherwise.
+    /// `body` dances to all of `song` as `beginning` says, with the default look.
     pub fn new(body: String, song: String, beginning: Beginning, output: Output) -> Self {
         Self {
             body,
@@ -130,14 +130,13 @@ impl Film {
 
 /// Makes a film.
 ///
-/// # Errors
-/// Whatever its body, its songs or its files have against it. No unfinished film is left.
+/// # Errors Whatever is wrong with its body, its songs or its files. No unfinished film is left.
 pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let began = Instant::now();
     wanted.check()?;
     let output = wanted.output;
     let cast = Cast::open(Path::new(&wanted.body), watcher)?;
-    // Which half hears the left channel goes by it, whether pictures are made or not.
+    // The orientation decides which half hears the left channel, so it is needed even without pictures.
     let stands = cast.stands(wanted.stance, watcher)?;
     let range = (wanted.start_secs, wanted.duration_secs);
     let mut songs = Songs::open(&wanted.songs, wanted.heard, wanted.show_secs, range, watcher)?;
@@ -233,7 +232,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
 }
 
 impl Film {
-    /// Before any work: can it be made at all?
+    /// Checks, before any work, that it can be made.
     fn check(&self) -> Result<(), Error> {
         self.output.check()?;
         self.stance.check()?;
@@ -248,7 +247,7 @@ impl Film {
 }
 
 impl Output {
-    /// A film in HD, 30 frames a second, drawn by whoever there is.
+    /// A film in HD, 30 frames a second, drawn by whatever device there is.
     pub fn to(film: PathBuf) -> Self {
         Self {
             film: Some(film),
@@ -266,7 +265,7 @@ impl Output {
         }
     }
 
-    /// Before any work: can it be written at all?
+    /// Checks, before any work, that it can be written.
     fn check(&self) -> Result<(), Error> {
         if let Some(path) = self.film.as_deref().filter(|_| !self.is_folder) {
             let format = FilmFormat::of(path).map_err(Error::input)?;

@@ -18,7 +18,7 @@ use super::guard::FrameGuard;
 use super::record::Recording;
 use crate::work::{Error, Hearing, Look, Staging, dots};
 
-/// Who computes and draws; where nothing is said, what suits the device.
+/// What computes and draws; by default what suits the device.
 #[derive(Clone, Copy, Default)]
 pub struct Means {
     pub draw: Draw,
@@ -41,7 +41,7 @@ impl Means {
     }
 }
 
-/// What came of it.
+/// The result.
 #[derive(Default)]
 pub struct Done {
     pub recording: Recording,
@@ -49,7 +49,7 @@ pub struct Done {
     pub largest_displacement: Option<f32>,
     /// Who drew, and how; none where nothing was drawn.
     pub drawn: Option<Drawn>,
-    /// What went otherwise than asked.
+    /// Warnings.
     pub warnings: Vec<String>,
     pub most_flashes: usize,
     pub damped_frames: usize,
@@ -62,7 +62,7 @@ pub struct Drawn {
     pub samples: Samples,
     /// The processor's instructions, or the device.
     pub synthesis: String,
-    /// A graphics device that is a processor in disguise.
+    /// Whether the graphics device is a software device.
     pub software: bool,
 }
 
@@ -124,7 +124,7 @@ impl Performance {
         self.flashes_allowed = true;
     }
 
-    /// Does what was done and hears what was heard up to a time of the show, in order.
+    /// Replays actions and sound in order, up to a time of the show.
     fn go_to(&mut self, at_secs: f64) -> Result<(), Error> {
         loop {
             let begins = self.heard.peek().map(|stretch| stretch.at_secs).filter(|begins| *begins <= at_secs);

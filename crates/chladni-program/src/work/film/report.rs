@@ -1,4 +1,4 @@
-//! What came of a film, and where the time went.
+//! The result of a film, and where the time went.
 
 use chladni_view::Samples;
 use serde::Serialize;

@@ -7,7 +7,7 @@ use chladni_sound::{Beats, Song, StereoResampler, track_beats};
 
 use crate::work::{Error, Hearing, KnownSong, Watcher, read_beats, source};
 
-/// Rate of a sound that no song gives one.
+/// Sampling rate of a film's sound without any song.
 const SILENT_RATE_HZ: u32 = 44_100;
 
 /// All songs of a show that its film needs.
@@ -35,7 +35,7 @@ impl Songs {
         let (start_secs, wanted_secs) = range;
         let end_secs = wanted_secs.map_or(f64::INFINITY, |secs| start_secs + secs);
         let ends = heard.iter().skip(1).map(|next| next.at_secs).chain([f64::INFINITY]);
-        // A leap fades from what was heard before it.
+        // A jump fades from what was heard before it.
         let reached = heard
             .iter()
             .zip(ends)

@@ -24,7 +24,7 @@ use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::{Aside, Error, template_mesh};
 
-/// How near a landmark the pointer takes hold of it, in window points.
+/// How near a landmark the pointer must be to grab it, in window points.
 const GRIP: f32 = 12.0;
 
 /// Colors that people with any color vision can tell apart (Okabe & Ito 2008), repeated.
@@ -68,7 +68,7 @@ pub struct Picking {
     shown_match: Option<Arc<Matched>>,
 }
 
-/// What the person did on one of the shapes.
+/// What the user did on one of the shapes.
 enum Gesture {
     Pick(u32),
     Hold(usize, u32),
@@ -94,7 +94,7 @@ impl Picking {
             let mesh = template_mesh(&wanted, &Aside::new(task))?;
             let mesh = mesh.ok_or_else(|| Error::Input(format!("{wanted} is no mesh")))?;
             let found = Estimate::of(&mesh, Known::default(), task)?;
-            // Shapes that belong together are mostly in the same axes.
+            // Shapes that belong together mostly use the same axes.
             Ok((mesh, if found.in_doubt { beside } else { found.orientation }))
         });
         Some(Ok(Self {

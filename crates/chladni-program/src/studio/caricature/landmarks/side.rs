@@ -8,7 +8,7 @@ use chladni_view::{
 
 /// A mesh with the vertices of its file, in its own working frame.
 pub struct Side {
-    /// Who looks at it.
+    /// The camera.
     pub camera: Camera,
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -21,7 +21,7 @@ pub struct Side {
 }
 
 impl Side {
-    /// Puts `mesh`, which stands so, on the device.
+    /// Puts `mesh`, with its orientation, on the device.
     pub fn new(gpu: &Gpu, mesh: &TriMesh, stands: Orientation) -> Result<Self, ViewError> {
         let frame = Frame::of(mesh);
         let positions: Vec<[f32; 3]> =
@@ -57,7 +57,7 @@ impl Side {
     /// Moves the camera so that all of it is seen in a cell of this aspect, once.
     pub fn fit(&mut self, aspect: f32) {
         if !self.fitted {
-            // What no triangle uses is not seen.
+            // Vertices that no triangle uses are not visible.
             let seen = self.triangles.iter().flatten().map(|v| self.positions[*v as usize]);
             self.camera.fit(seen, aspect, 0.82);
             self.fitted = true;

@@ -1,4 +1,4 @@
-//! Matching and solving beside the window.
+//! Matching and solving in the background.
 
 use std::sync::Arc;
 
@@ -14,15 +14,15 @@ use super::Session;
 use crate::studio::job::Job;
 use crate::work::{Aside, Error, Warning, body, matched};
 
-/// A shape with its harmonics, and what a person should know of them.
+/// A shape with its harmonics and the warnings about them.
 pub type Solved = (Body, Vec<Warning>);
 
-/// What came of a match; why it failed is shown with its layer.
+/// The result of a match; a failure is shown with its layer.
 pub type Found = Result<Matched, CaricatureError>;
 
 impl Session {
-    /// Starts the next match that a layer waits for, and takes in one that is done. Returns
-    /// why a match failed, and whether to look again.
+    /// Starts the next match that a layer waits for, and takes a finished one. Returns why a match failed,
+    /// and whether to redraw.
     pub fn pump_matches(&mut self, ctx: &egui::Context) -> (Option<Warning>, bool) {
         let mut message = None;
         let mut changed = false;
@@ -31,7 +31,7 @@ impl Session {
         {
             let request = request.clone();
             let result = outcome.unwrap_or_else(|why| Err(CaricatureError::Unmatched(why.to_string())));
-            // Who stopped it knows.
+            // No message if the user stopped it.
             let failed = result.as_ref().err().filter(|why| !matches!(why, CaricatureError::Cancelled(_)));
             message = failed.map(|why| Warning::Told(why.to_string()));
             if let Ok(Matched { stands: Some(stands), .. }) = &result
@@ -46,7 +46,7 @@ impl Session {
         }
         let missing = self.stack.missing(self.history.project());
         if self.matching.as_ref().is_some_and(|(running, _)| !missing.contains(running)) {
-            // Landmarks have moved on, or the layer is gone: nobody waits for it.
+            // Landmarks have changed, or the layer is gone: the match is no longer needed.
             self.matching = None;
         }
         if self.matching.is_none()
@@ -57,8 +57,8 @@ impl Session {
         (message, changed)
     }
 
-    /// Solves for other harmonics where the project asks for them, and takes them in.
-    /// Where they have come, what a person should know of them; an error says why they did not.
+    /// Solves for other harmonics where the project asks for them, and takes them in. Returns the warnings
+    /// when they have arrived; an error says why they did not.
     pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<Option<Vec<Warning>>, Error> {
         let (harmonics, laplacian) = (self.project().harmonics, self.project().laplacian);
         if self.asked != (harmonics, laplacian) {
@@ -82,7 +82,7 @@ impl Session {
             }
         }
         let (body, warnings) = outcome?;
-        // Matches do not depend on harmonics: those that are there stay, and one that runs goes on.
+        // Matches do not depend on harmonics: finished ones are kept, and a running one continues.
         self.stack = self.stack.with_harmonics_of(Arc::new(body))?;
         self.brush = None;
         self.crossings = CrossingMeter::default();
@@ -104,7 +104,7 @@ impl Session {
     fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Found> {
         let (shape, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
         let name = template_name(&request.template);
-        // What is wrong with a match is told beside its quality.
+        // Warnings of a match are shown beside its quality.
         let work = move |task: &Task| Ok(matched(&request, &shape, &body, &Aside::new(task)));
         Job::start(format!("Matching {name}"), ctx, work)
     }

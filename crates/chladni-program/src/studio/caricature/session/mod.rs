@@ -42,12 +42,12 @@ pub struct Session {
     pub crossings: CrossingMeter,
     matching: Option<(MatchRequest, Job<Found>)>,
     mirror: Arc<OnceLock<Option<MirrorPlane>>>,
-    /// Makes ready what a brush needs, from the moment when it is taken up.
+    /// Prepares what a brush needs, from the moment when it is chosen.
     brush: Option<Job<()>>,
     /// The harmonics that were asked for last.
     asked: (usize, Laplacian),
     solving: Option<Job<Solved>>,
-    /// What the surface says of how it stands; a matched template may know better.
+    /// The orientation estimated from the surface; a matched template may know better.
     stands: Estimate,
 }
 
@@ -82,7 +82,7 @@ impl Session {
         session
     }
 
-    /// Makes ready, beside the window, what the first stroke of a brush needs.
+    /// Prepares, in the background, what the first stroke of a brush needs.
     pub fn prepare_brush(&mut self, ctx: &egui::Context) {
         if self.brush.is_some() {
             return;
@@ -96,8 +96,7 @@ impl Session {
         }));
     }
 
-    /// The plane in which the shape comes closest to its mirror image; waits for it where it is
-    /// being looked for.
+    /// The plane in which the shape comes closest to its mirror image; waits if the search is still running.
     pub fn mirror(&self) -> Option<MirrorPlane> {
         *self.mirror.get_or_init(|| own_mirror(self.stack.surface(), &Task::new()))
     }
@@ -112,7 +111,7 @@ impl Session {
         self.project().stands.unwrap_or(self.stands.orientation)
     }
 
-    /// Whether a person should say how it stands.
+    /// Whether the user should say how it stands.
     pub fn stands_in_doubt(&self) -> bool {
         self.project().stands.is_none() && self.stands.in_doubt
     }
@@ -206,7 +205,7 @@ impl Session {
         let surface = self.stack.surface();
         let allowed = (may_fold * surface.triangles.len() as f64) as usize;
         let reach = furthest(surface, &evaluated.base.positions, &unit, mu.signum(), allowed)?;
-        // A hair before the next fold.
+        // Just before the next fold.
         Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
     }
 
@@ -261,7 +260,7 @@ impl Session {
     }
 }
 
-/// `None` where the shape has no extent, and where nobody waits for it any more.
+/// `None` if the shape has no extent, or the search was cancelled.
 fn own_mirror(surface: &Surface, task: &Task) -> Option<MirrorPlane> {
     MirrorSearch::of(&surface.positions, &surface.triangles)?.best(&[], task).ok().flatten()
 }

@@ -46,19 +46,20 @@ pub enum Coating {
     Marks(Vec<f32>),
 }
 
-/// What painted places look like, sRGB: far from clay for eyes of every kind.
+/// Color of painted places, sRGB: distinct from clay with any color vision.
 const PAINTED: [u8; 3] = [52, 122, 190];
 /// What the brush's ring looks like, sRGB.
 const RING: [u8; 3] = [236, 170, 70];
 /// What marked places look like, sRGB.
 const MARKED: [u8; 3] = [214, 40, 30];
 
-/// What came of drawing the stage.
+/// The result of drawing the stage.
 pub struct StageResponse {
     /// Clicks and drags on it.
     pub response: egui::Response,
-    /// What a brush passed over since the last frame where it is dragged, so close together that its
-    /// dabs overlap however quick the hand or slow the frames; then what it is on, which is ringed.
+    /// The places that a dragged brush passed over since the last frame, so close together that the dabs
+    /// overlap however fast the hand or slow the frames; the last one is where it is now, where the ring is
+    /// drawn.
     pub presses: Vec<Press>,
     /// The figure in whose cell the pointer is.
     pub figure: Option<usize>,
@@ -85,7 +86,7 @@ pub struct Stage {
     brushed: Option<[f32; 2]>,
     ring: BrushRing,
     fitted: bool,
-    /// Somebody came nearer or looked aside since all was shown: nothing is brought back unasked.
+    /// The user has moved the camera since all was shown: it is not moved automatically.
     by_hand: bool,
     /// What is shown may reach farther than before.
     grown: bool,
@@ -243,7 +244,7 @@ impl Stage {
         self.fitted = false;
     }
 
-    /// Turns the view where the shape stands otherwise than was thought.
+    /// Turns the view when the shape's orientation changes.
     pub fn stand(&mut self, stands: Orientation) {
         if self.camera.stands != stands {
             self.camera.stands = stands;
@@ -251,8 +252,8 @@ impl Stage {
         }
     }
 
-    /// Brings all that is shown into view: fitted where it was asked for, else by going back where it
-    /// grew beyond the edges and nobody has chosen where to stand.
+    /// Brings everything shown into view: fitted on request, else by moving back if it grew beyond the edges
+    /// and the user has not moved the camera.
     fn frame(&mut self, figures: &[usize], aspect: f32) {
         let shown = figures.iter().flat_map(|figure| self.poses[*figure].0.iter().copied());
         if !self.fitted {

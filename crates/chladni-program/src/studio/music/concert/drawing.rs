@@ -1,4 +1,4 @@
-//! The picture of all items, which is shown once it is known how bright it is.
+//! The picture of all items, which is shown once its brightness is known.
 
 use chladni_music::{Reaction, Switch, Veil};
 use chladni_view::{Figure, Gpu, ItemBuffers, Rect, Topology};
@@ -57,8 +57,8 @@ impl Concert {
             self.viewport.paint(ui, rect);
             return Ok(());
         }
-        // The picture is shown once it is known how bright it is; until then the one before is, and no other
-        // one is begun.
+        // The picture is shown once its brightness is known; until then the previous one is shown, and no new
+        // one is started.
         if self.glimpse.look(self.viewport.gpu())? {
             self.viewport.keep();
             self.judged = true;

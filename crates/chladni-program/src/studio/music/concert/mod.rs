@@ -42,7 +42,7 @@ const FIRST_SEED: u64 = 2012;
 /// Everything that moves on screen.
 pub struct Concert {
     instrument: Instrument,
-    /// So many lines of its log are in a file.
+    /// The number of log lines that are saved.
     saved: usize,
     ensemble: Ensemble,
     synthesizer: AutoSynthesizer,
@@ -61,7 +61,7 @@ pub struct Concert {
     /// The last picture; `None` where something else was shown.
     shown: Option<StillPicture>,
     moving: bool,
-    /// How bright the picture is that was kept is known.
+    /// The brightness of the kept picture is known.
     judged: bool,
     seconds: f64,
     moment: Moment,
@@ -124,7 +124,7 @@ impl Concert {
         })
     }
 
-    /// Goes on on another device, with the same dances.
+    /// Continues on another device, with the same dances.
     pub fn change_device(&mut self, state: &RenderState) -> Result<(), Error> {
         let viewport = Viewport::new(state);
         let (gpu, vertices) = (viewport.gpu(), self.staging.rest().len());
@@ -154,7 +154,7 @@ impl Concert {
         &self.voice_names
     }
 
-    /// Who deforms the shapes, and how they are drawn, in words.
+    /// What deforms the shapes, and how they are drawn, in words.
     pub fn means(&self) -> String {
         format!("Deformed by {}. Drawn with {}.", self.synthesizer.device_name(), self.viewport.drawn())
     }
@@ -174,8 +174,8 @@ impl Concert {
         (self.staging.rest().len(), self.drawn_vertices)
     }
 
-    /// Does what the user asked, at the moment that is heard. A stage that would open and close
-    /// so often that the window flashes is refused.
+    /// Applies an action at the moment being heard. Refuses to open or close the stage so often that the
+    /// window would flash.
     pub fn act(&mut self, action: Action) -> Result<(), Error> {
         let opens = matches!(action, Action::Perform { .. } | Action::PerformFavourites { .. });
         let curtain = if self.on_stage() { action == Action::LeaveStage } else { opens };
@@ -202,7 +202,7 @@ impl Concert {
         self.viewpoint
     }
 
-    /// Counts the beats of all that was done anew.
+    /// Recomputes the beats of all logged actions.
     pub fn count_beats(&mut self, beats: impl Fn(f64) -> f64) -> Result<(), Error> {
         self.instrument = self.instrument.with_beats(beats)?;
         Ok(())
@@ -219,7 +219,7 @@ impl Concert {
         Ok(())
     }
 
-    /// Does on this body all that was done on another.
+    /// Replays on this body all actions made on another.
     pub fn go_on_from(&mut self, before: &Self) -> Result<(), Error> {
         self.replay(&Show::of(&before.instrument))?;
         self.saved = before.saved;
@@ -227,12 +227,12 @@ impl Concert {
         Ok(())
     }
 
-    /// All that was done is in a file now.
+    /// Marks all actions as saved.
     pub fn mark_saved(&mut self) {
         self.saved = self.instrument.log().len();
     }
 
-    /// Whether dances that were marked, named or drawn by hand are in no file.
+    /// Whether there are favourites, names or hand-drawn curves that are not saved.
     pub fn has_unsaved_work(&self) -> bool {
         let by_hand = |action: &Action| {
             matches!(
@@ -324,7 +324,7 @@ impl Concert {
                 shared.notices.warn(told);
             }
         }
-        // Once, and then the processor goes on.
+        // Reported once; then the processor continues.
         if let Some(fallback) = self.synthesizer.take_fallback() {
             shared.notices.warn(fallback.to_string());
         }

@@ -1,4 +1,4 @@
-//! Where the viewer of the dance stands.
+//! The viewpoint of the dance.
 
 use chladni_mesh::Orientation;
 use chladni_music::Viewpoint;
@@ -8,7 +8,7 @@ use egui::Ui;
 use crate::studio::keys;
 use crate::studio::viewport;
 
-/// A camera that stands at a viewpoint of a picture whose size nobody knows yet.
+/// A camera at a viewpoint, for a picture whose size is not known yet.
 pub fn camera_at(viewpoint: &Viewpoint, stands: Orientation) -> Camera {
     let Viewpoint { yaw_rad, pitch_rad, .. } = *viewpoint;
     let camera = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };

@@ -1,4 +1,4 @@
-//! The beat of what is heard, and what a person says of it.
+//! The beat of what is heard, and the user's corrections.
 
 use chladni_music::BeatReading;
 use chladni_sound::{BeatMoment, Beats};
@@ -7,7 +7,7 @@ use super::Listening;
 use crate::work::read_beats;
 
 impl Listening {
-    /// A beat by hand: those of a song that is known move to it.
+    /// A tap by hand: the beats of a fully known song are shifted to it.
     pub fn tap(&mut self) {
         let at_secs = self.clock.at_secs();
         let stretch = self.hearing.stretch();

@@ -1,4 +1,4 @@
-//! Hearing as it comes: an analyzer and a beat tracker that know only what was heard.
+//! Live hearing: an analyzer and a beat tracker that know only what was heard so far.
 
 use chladni_music::Parameters;
 use chladni_sound::{BeatFollower, PlayerStatus, SpectrumAnalyser};
@@ -6,11 +6,11 @@ use chladni_sound::{BeatFollower, PlayerStatus, SpectrumAnalyser};
 use super::Listening;
 use crate::work::{Error, spectrum_settings};
 
-/// Where the song has moved on by so much more or less than the clock, someone sought: the beat
-/// tracker starts afresh.
+/// If the song's position deviates from the clock by more than this, the user has sought: the beat tracker is
+/// reset.
 const SEEK_SECS: f64 = 0.3;
 
-/// A longer pause between two frames is not made up for.
+/// A longer pause between two frames is not caught up.
 const LONGEST_STEP_SECS: f64 = 2.0;
 
 /// How loud one channel is.
@@ -32,8 +32,8 @@ impl Loudness {
     }
 }
 
-/// Beats gone by. A tracker thinks better of a phase now and then; what the beat has moved must not
-/// fly back for that.
+/// The number of beats so far. A tracker sometimes corrects its phase backward; what the beat has moved must
+/// not jump back.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeatCount {
     pub gone: f64,
@@ -114,7 +114,7 @@ impl Listening {
         }
     }
 
-    /// After a seek the old beat means nothing; a tracker that cannot start over goes on as it is.
+    /// After a seek the old beat is meaningless; a tracker that cannot be reset continues as it is.
     pub(super) fn forget_beat(&mut self) {
         let _ = self.follower.reset();
     }

@@ -21,8 +21,8 @@ use super::study::{Learned, Study};
 use crate::work::source::TUNE;
 use crate::work::{Error, Heard, Hearing, KnownSong, Playing, ShowClock, bands_of, read_beats};
 
-/// Player or capture, and the ears: a song that is read as a whole is heard as its films hear it; live input,
-/// and a song until it is read, by an analyzer and a beat tracker that know only what was heard.
+/// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
+/// song until it is read, through an analyzer and a beat tracker that know only what was heard so far.
 pub struct Listening {
     player: Player,
     live: Option<Live>,
@@ -31,7 +31,7 @@ pub struct Listening {
     /// The songs of the show, by number.
     repertoire: Vec<ShowSong>,
     study: Option<Study>,
-    /// Beats became known that were not when something was done.
+    /// Beats have become known that were unknown when some action was logged.
     beats_changed: bool,
     /// What is heard comes from the analyzer and the tracker below.
     by_ear: bool,
@@ -71,7 +71,7 @@ pub struct ShowSong {
 }
 
 impl ShowSong {
-    /// Of which nothing is known yet.
+    /// A song of which nothing is known yet.
     pub fn new(path: PathBuf, reading: BeatReading) -> Self {
         Self { path, reading, beats: None, given_up: false }
     }
@@ -198,7 +198,8 @@ impl Listening {
         self.forget_beat();
     }
 
-    /// Whether beats became known since the last call, so that those of what was done are to be counted again.
+    /// Whether beats became known since the last call, so that the beats of logged actions must be
+    /// recomputed.
     pub fn beats_changed(&mut self) -> bool {
         std::mem::take(&mut self.beats_changed)
     }
@@ -231,7 +232,7 @@ impl Listening {
         self.warnings.drain(..).chain(told).collect()
     }
 
-    /// Listens to what is heard at this moment, which is `now_secs` by any clock that goes on.
+    /// Listens to what is heard at this moment, which is `now_secs` by any steadily running clock.
     pub fn hear(&mut self, now_secs: f64, parameters: &Parameters) -> Result<Heard<'_>, Error> {
         let since_last_secs = now_secs - self.last_secs;
         let dt_secs = since_last_secs.clamp(1e-3, 0.25);
@@ -248,7 +249,7 @@ impl Listening {
         let was_live = self.hearing.stretch().is_some_and(|stretch| stretch.song.is_none());
         if let Some(stretch) = self.clock.follow(now_secs, playing) {
             self.hearing.begin(stretch)?;
-            // What the tracker has counted is not in the show.
+            // Beats counted by the live tracker are not stored in the show.
             self.beats_changed |= was_live;
         }
         let at_secs = self.clock.at_secs();

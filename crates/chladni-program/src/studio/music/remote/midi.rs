@@ -9,7 +9,7 @@ use std::time::Duration;
 use chladni_music::Touch;
 use midir::{Ignore, MidiInput, MidiInputConnection};
 
-/// At most so many touches wait for the next frame.
+/// Touches that may wait for the next frame.
 const MOST_TOUCHES: usize = 1024;
 /// How often devices are looked for.
 const LOOK: Duration = Duration::from_secs(1);
@@ -32,7 +32,7 @@ pub struct Midi {
 }
 
 impl Midi {
-    /// Starts to look for devices. That there are none is no error.
+    /// Starts to look for devices. Finding none is not an error.
     pub fn start() -> std::io::Result<Self> {
         let (sender, touches) = sync_channel(MOST_TOUCHES);
         let devices = Arc::new(Mutex::new(Devices::default()));
@@ -92,7 +92,7 @@ fn look(open: &mut Open, sender: &SyncSender<Touch>) -> Result<(), String> {
     open.retain(|id, _| ports.iter().any(|port| port.id() == *id));
     for port in ports {
         let id = port.id();
-        // A device that goes away while it is looked at is met again, or not, the next time.
+        // A device that disappears meanwhile is handled the next time.
         let Ok(name) = looking.port_name(&port) else { continue };
         if open.contains_key(&id) {
             continue;
@@ -100,7 +100,7 @@ fn look(open: &mut Open, sender: &SyncSender<Touch>) -> Result<(), String> {
         let sender = sender.clone();
         let listen = move |_: u64, bytes: &[u8], (): &mut ()| {
             if let Some(touch) = Touch::from_midi(bytes) {
-                // A full queue loses the touch: the next one of the same knob is as good.
+                // A full queue drops the touch: the next one of the same knob will do.
                 let _ = sender.try_send(touch);
             }
         };

@@ -11,7 +11,7 @@ use rosc::{OscPacket, OscType};
 
 /// Longer packets are bad: controllers send a few dozen bytes.
 const LONGEST_PACKET: usize = 1536;
-/// At most so many messages of one packet are read, and so many wait for the next frame.
+/// Messages that are read of one packet at most, and that may wait for the next frame.
 const MOST_MESSAGES: usize = 256;
 /// Bundles within bundles deeper than this are bad.
 const DEEPEST_BUNDLE: usize = 8;
@@ -63,7 +63,7 @@ impl Osc {
         self.messages.try_iter().take(MOST_MESSAGES)
     }
 
-    /// Packets that were read, and packets that were no OSC, too long or too many.
+    /// Packets that were read, and packets that were rejected: not OSC, too long or too many.
     pub fn counts(&self) -> (u64, u64) {
         (self.counts.good.load(Ordering::Relaxed), self.counts.bad.load(Ordering::Relaxed))
     }
@@ -81,7 +81,7 @@ fn receive(socket: &UdpSocket, sender: &SyncSender<Message>, counts: &Counts) {
         let length = match socket.recv_from(&mut packet) {
             Ok((length, _)) => length,
             Err(why) if matches!(why.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => continue,
-            // Such as a port that nobody answers on; not to be asked again in a hurry.
+            // Such as an unreachable port; wait a little before reading again.
             Err(_) => {
                 counts.bad.fetch_add(1, Ordering::Relaxed);
                 std::thread::sleep(Duration::from_millis(20));
@@ -105,7 +105,7 @@ fn receive(socket: &UdpSocket, sender: &SyncSender<Message>, counts: &Counts) {
     }
 }
 
-/// The messages of one packet; `None` where it is no OSC.
+/// The messages of one packet; `None` if it is not OSC.
 pub fn read(packet: &[u8]) -> Option<Vec<Message>> {
     if packet.len() > LONGEST_PACKET {
         return None;
