@@ -63,7 +63,8 @@ pub fn open(files: Vec<PathBuf>, until: Until) -> Result<Option<Outcome>, Error>
 
 /// Opens the small window that asks for a file, with `request` as JSON, and returns the answer.
 ///
-/// # Errors [`Error::Input`] for an invalid request, [`Error::Other`] where the window cannot open.
+/// # Errors
+/// [`Error::Input`] for an invalid request, [`Error::Other`] where the window cannot open.
 pub fn choose_file(request: &str) -> Result<Vec<PathBuf>, Error> {
     studio::choose_file(serde_json::from_str(request).map_err(Error::input)?).map_err(Error::other)
 }

@@ -17,7 +17,8 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// If `write` fails or the process dies, `path` is unchanged. If it is a link, its target is replaced; on
 /// Unix the file keeps its permissions. The folder of `path` must exist.
 ///
-/// # Errors Errors of creating, writing or renaming the file, or of `write`.
+/// # Errors
+/// Errors of creating, writing or renaming the file, or of `write`.
 pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,

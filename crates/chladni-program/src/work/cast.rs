@@ -20,7 +20,8 @@ pub struct Cast {
 impl Cast {
     /// Reads a mesh, or a project and its shape.
     ///
-    /// # Errors Whatever is wrong with either file.
+    /// # Errors
+    /// Whatever is wrong with either file.
     pub fn open(path: &Path, watcher: &impl Watcher) -> Result<Self, Error> {
         let project = match formats::is_project(path) {
             true => Some(source::project(path, watcher)?),

@@ -43,7 +43,8 @@ pub struct Ready {
 /// Loads a shape, or a caricature's project, whose shape is the body and whose acting layers are voices: with
 /// its harmonics and their symmetry classes.
 ///
-/// # Errors Whatever is wrong with the file or the shape.
+/// # Errors
+/// Whatever is wrong with the file or the shape.
 pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     let aside = Aside::new(task);
     let cast = Cast::open(path, &aside)?;

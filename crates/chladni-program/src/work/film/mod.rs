@@ -130,7 +130,8 @@ impl Film {
 
 /// Makes a film.
 ///
-/// # Errors Whatever is wrong with its body, its songs or its files. No unfinished film is left.
+/// # Errors
+/// Whatever is wrong with its body, its songs or its files. No unfinished film is left.
 pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let began = Instant::now();
     wanted.check()?;
