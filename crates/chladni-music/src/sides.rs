@@ -64,8 +64,8 @@ impl Sides {
     }
 }
 
-/// How well the signal's sign parts the shape into the viewer's right half and left half: the correlation of
-/// the two, weighted by area and by the distance from the middle, in [−1, 1].
+/// How well the signal's sign separates the viewer's right half from the left: the correlation with the sign
+/// of x across the shape, weighted by area and |x|, in [−1, 1].
 fn parting(body: &Body, across: &[f64], signal: &[f64]) -> f64 {
     let (mut agree, mut total) = (0.0, 0.0);
     for ((x, h), a) in across.iter().zip(signal).zip(&body.basis.mass) {
