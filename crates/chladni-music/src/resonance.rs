@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::stereo::StereoMix;
 use crate::{Action, Bands, Parameter, Parameters, Switch};
 
-/// Frequencies of the bank, in even factors from [`LOWEST_HZ`] to [`HIGHEST_HZ`]: neighbors differ by 5.5 %.
+/// Frequencies of the bank, in even factors from 0.4 to 12 Hz: neighbors differ by 5.5 %.
 pub const TONES: usize = 64;
 /// The lowest frequency of the bank.
 pub const LOWEST_HZ: f32 = 0.4;

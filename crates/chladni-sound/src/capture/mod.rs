@@ -8,7 +8,7 @@ mod monitor;
 mod source;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -31,20 +31,14 @@ pub struct CaptureLevel {
     pub rms: f32,
 }
 
-/// Shared with whatever delivers the samples.
-#[derive(Default)]
-struct Health {
-    lost: AtomicBool,
-    dropped: AtomicU64,
-}
-
 /// A running capture. Dropping it ends it.
 pub struct Capture {
     rate_hz: u32,
     consumer: Consumer<Frame>,
     history: History,
     level: CaptureLevel,
-    health: Arc<Health>,
+    /// Set by whatever delivers the samples when it is gone.
+    lost: Arc<AtomicBool>,
     _feed: Feed,
 }
 
@@ -61,7 +55,7 @@ pub struct CaptureFeed {
 }
 
 impl CaptureFeed {
-    /// Adds frames: as many as the shorter of the two has. What does not fit is dropped and counted.
+    /// Adds frames: as many as the shorter of the two has. What does not fit is dropped.
     pub fn push(&mut self, left: &[f32], right: &[f32]) {
         left.iter().zip(right).for_each(|(&l, &r)| self.inlet.push([l, r]));
     }
@@ -69,26 +63,25 @@ impl CaptureFeed {
 
 impl Drop for CaptureFeed {
     fn drop(&mut self) {
-        self.inlet.health.lost.store(true, Ordering::Release);
+        self.inlet.lost.store(true, Ordering::Release);
     }
 }
 
 /// The writing end, which device callbacks own: no allocation, no lock.
 struct Inlet {
     producer: Producer<Frame>,
-    health: Arc<Health>,
+    lost: Arc<AtomicBool>,
 }
 
 fn inlet() -> (Inlet, Consumer<Frame>) {
     let (producer, consumer) = RingBuffer::new(RING_FRAMES);
-    (Inlet { producer, health: Arc::default() }, consumer)
+    (Inlet { producer, lost: Arc::default() }, consumer)
 }
 
 impl Inlet {
     fn push(&mut self, frame: Frame) {
-        if self.producer.push(frame).is_err() {
-            self.health.dropped.fetch_add(1, Ordering::Relaxed);
-        }
+        // Nobody takes them: what is newest is let go, and the device does not wait.
+        let _ = self.producer.push(frame);
     }
 }
 
@@ -96,7 +89,7 @@ impl Capture {
     /// Opens a source and begins to listen.
     pub fn start(source: &CaptureSource) -> Result<Self, SoundError> {
         let (inlet, consumer) = inlet();
-        let health = Arc::clone(&inlet.health);
+        let lost = Arc::clone(&inlet.lost);
         let (rate_hz, feed) = match &source.monitor {
             Some(name) => {
                 let recorder = monitor::Recorder::start(name, inlet)?;
@@ -107,7 +100,7 @@ impl Capture {
                 (rate_hz, Feed::Device { _stream: stream })
             }
         };
-        Ok(Self::new(rate_hz, consumer, health, feed))
+        Ok(Self::new(rate_hz, consumer, lost, feed))
     }
 
     /// A capture of what the program itself writes, at `rate_hz`.
@@ -125,13 +118,13 @@ impl Capture {
     pub fn fed(rate_hz: u32) -> Result<(Self, CaptureFeed), SoundError> {
         crate::check_rate("a feed", rate_hz)?;
         let (inlet, consumer) = inlet();
-        let health = Arc::clone(&inlet.health);
-        Ok((Self::new(rate_hz, consumer, health, Feed::Own), CaptureFeed { inlet }))
+        let lost = Arc::clone(&inlet.lost);
+        Ok((Self::new(rate_hz, consumer, lost, Feed::Own), CaptureFeed { inlet }))
     }
 
-    fn new(rate_hz: u32, consumer: Consumer<Frame>, health: Arc<Health>, feed: Feed) -> Self {
+    fn new(rate_hz: u32, consumer: Consumer<Frame>, lost: Arc<AtomicBool>, feed: Feed) -> Self {
         let level = CaptureLevel::default();
-        Self { rate_hz, consumer, history: History::new(rate_hz), level, health, _feed: feed }
+        Self { rate_hz, consumer, history: History::new(rate_hz), level, lost, _feed: feed }
     }
 
     /// Frames per second.
@@ -171,11 +164,6 @@ impl Capture {
 
     /// Whether the device is gone, so that a new capture must be started.
     pub fn is_lost(&self) -> bool {
-        self.health.lost.load(Ordering::Acquire)
-    }
-
-    /// Frames that were dropped because they were not taken in time.
-    pub fn dropped_frames(&self) -> u64 {
-        self.health.dropped.load(Ordering::Relaxed)
+        self.lost.load(Ordering::Acquire)
     }
 }

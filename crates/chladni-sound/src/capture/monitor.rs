@@ -77,5 +77,5 @@ fn read(mut sound: impl Read, mut inlet: Inlet) {
         buffer.copy_within(whole..held, 0);
         held -= whole;
     }
-    inlet.health.lost.store(true, Ordering::Release);
+    inlet.lost.store(true, Ordering::Release);
 }

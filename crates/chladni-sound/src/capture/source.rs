@@ -116,7 +116,7 @@ where
     f32: FromSample<T>,
 {
     let channels = usize::from(config.channels).max(1);
-    let health = Arc::clone(&inlet.health);
+    let lost = Arc::clone(&inlet.lost);
     let take = move |data: &[T], _: &cpal::InputCallbackInfo| {
         for frame in data.chunks_exact(channels) {
             let left = cpal::Sample::to_sample::<f32>(frame[0]);
@@ -128,7 +128,7 @@ where
     let on_error = move |error: cpal::Error| {
         let harmless = [ErrorKind::Xrun, ErrorKind::DeviceChanged, ErrorKind::RealtimeDenied];
         if !harmless.contains(&error.kind()) {
-            health.lost.store(true, Ordering::Release);
+            lost.store(true, Ordering::Release);
         }
     };
     device.build_input_stream(config, take, on_error, Some(Duration::from_secs(2)))
