@@ -153,6 +153,8 @@ pub struct Resonators {
     strike: f32,
     hold: f32,
     bands: usize,
+    /// s ω of each tone: what a rise of 1 adds to q̇.
+    strokes: [f32; TONES],
     signals: [Row; SIGNALS],
     step: Step,
     now: Ringing,
@@ -209,6 +211,7 @@ impl Resonators {
             strike: timbre.strike,
             hold: timbre.hold,
             bands,
+            strokes: std::array::from_fn(|tone| timbre.strike * std::f32::consts::TAU * tone_hz(tone)),
             signals: std::array::from_fn(|_| row.clone()),
             step: Step::of(0.0, timbre.damping),
             now: Ringing { bands, q: std::array::from_fn(|_| silence.clone()) },
@@ -256,9 +259,8 @@ impl Resonators {
                 let rise = if grown > 0.0 { level.signum() * grown } else { 0.0 };
                 row.level[band] = level;
                 if rise != 0.0 {
-                    for tone in 0..TONES {
-                        row.speed[tone * self.bands + band] +=
-                            self.strike * std::f32::consts::TAU * tone_hz(tone) * rise;
+                    for (tone, stroke) in self.strokes.iter().enumerate() {
+                        row.speed[tone * self.bands + band] += stroke * rise;
                     }
                 }
             }
