@@ -7,12 +7,35 @@ use crate::surface::vec3::{Vec3, length, sub};
 
 /// Rods that an arm is made of.
 const JOINTS: usize = 18;
+/// Rods that share a ball.
+const STRETCH: usize = 3;
+/// Width of the seams between arms and body.
+const SEAM: f64 = 0.16;
 
-/// One arm: its rods' ends and radii, and a ball around all of them.
+/// One arm: its rods' ends and radii, and balls around all of them and around each few neighbors.
 struct Arm {
     joints: [(Vec3, f64); JOINTS + 1],
+    whole: Ball,
+    stretches: [Ball; JOINTS / STRETCH],
+}
+
+/// Around some rods: at least as near as they are.
+#[derive(Clone, Copy)]
+struct Ball {
     center: Vec3,
-    reach: f64,
+    radius: f64,
+}
+
+impl Ball {
+    fn around(joints: &[(Vec3, f64)]) -> Self {
+        let center = joints[joints.len() / 2].0;
+        let radius = joints.iter().map(|(p, r)| length(sub(*p, center)) + r).fold(0.0, f64::max);
+        Self { center, radius }
+    }
+
+    fn distance(&self, p: Vec3) -> f64 {
+        length(sub(p, self.center)) - self.radius
+    }
 }
 
 /// A body, two eyes and eight arms, four on either side of the mirror x = 0. It looks along +z,
@@ -38,9 +61,11 @@ fn solid(p: Vec3, arms: &[Arm; 4]) -> f64 {
     let head = ellipsoid(p, [0.0, 0.12, 0.02], [0.46, 0.42, 0.44]);
     let mut d = join(mantle, head, 0.30);
     d = join(d, rod(p, [0.20, 0.26, 0.22], [0.31, 0.32, 0.37], 0.19, 0.19), 0.08);
-    for arm in arms {
-        d = join(d, arm.distance(p), 0.16);
-        d = join(d, arm.distance(mirrored), 0.16);
+    for (arm, p) in arms.iter().flat_map(|arm| [(arm, p), (arm, mirrored)]) {
+        // A seam ends where the arm is this much farther away.
+        if arm.whole.distance(p) < d + SEAM {
+            d = join(d, arm.distance(p), SEAM);
+        }
     }
     // Pupils: hollows in the eyes.
     carve(d, sphere(p, [0.36, 0.335, 0.57], 0.08), 0.04)
@@ -60,19 +85,25 @@ fn arm(heading: f64, long: f64, sway: f64) -> Arm {
         let ((s, c), (up, along)) = (turn.sin_cos(), rise.sin_cos());
         p = [p[0] + step * along * s, p[1] + step * up, p[2] + step * along * c];
     }
-    let center = joints[JOINTS / 2].0;
-    let reach = joints.iter().map(|(p, r)| length(sub(*p, center)) + r).fold(0.0, f64::max);
-    Arm { joints, center, reach }
+    let stretches = std::array::from_fn(|i| Ball::around(&joints[i * STRETCH..=(i + 1) * STRETCH]));
+    Arm { joints, whole: Ball::around(&joints), stretches }
 }
 
 impl Arm {
     fn distance(&self, p: Vec3) -> f64 {
         // Far away the ball around the arm is near enough.
-        let outside = length(sub(p, self.center)) - self.reach;
+        let outside = self.whole.distance(p);
         if outside > 0.2 {
             return outside;
         }
-        let rods = self.joints.windows(2).map(|pair| rod(p, pair[0].0, pair[1].0, pair[0].1, pair[1].1));
-        rods.fold(f64::INFINITY, f64::min)
+        let mut nearest = f64::INFINITY;
+        for (i, ball) in self.stretches.iter().enumerate() {
+            if ball.distance(p) < nearest {
+                let rods = self.joints[i * STRETCH..=(i + 1) * STRETCH].windows(2);
+                let rods = rods.map(|pair| rod(p, pair[0].0, pair[1].0, pair[0].1, pair[1].1));
+                nearest = rods.fold(nearest, f64::min);
+            }
+        }
+        nearest
     }
 }

@@ -43,8 +43,11 @@ impl Cast {
         self.project.as_ref().map(|project| project.harmonics)
     }
 
-    /// How it stands; errors as [`Stance::of`] does.
-    pub(super) fn stands(&self, stance: Stance, watcher: &impl Watcher) -> Result<Orientation, Error> {
+    /// How it stands.
+    ///
+    /// # Errors
+    /// As [`Stance::of`].
+    pub fn stands(&self, stance: Stance, watcher: &impl Watcher) -> Result<Orientation, Error> {
         stance.of(&self.name, &self.mesh, self.kept_stance(), None, watcher)
     }
 

@@ -57,8 +57,10 @@ impl Stance {
         if let Some(matched) = matched.filter(|_| !self.is_told()) {
             return Ok(matched);
         }
-        let told =
-            format!("drawn with {}, which is in doubt: --up and --front say otherwise", found.orientation);
+        let told = format!(
+            "drawn with {}, which is in doubt: --up and --front, or a project, say otherwise",
+            found.orientation
+        );
         watcher.warn(Warning::of(name, told));
         Ok(found.orientation)
     }

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use chladni_harmonics::{Body, Laplacian};
-use chladni_mesh::{Estimate, Known, Orientation};
+use chladni_mesh::Orientation;
 use chladni_synth::Term;
 use chladni_task::Task;
 
 use super::coarse::{self, Detail};
 use crate::work::dancer::{Dancing, classes};
-use crate::work::{Aside, Cast, Error, Warning};
+use crate::work::{Aside, Cast, Error, Stance, Warning};
 
 /// Vertices of the smallest level of detail where the processor draws, and how many times as many the next
 /// larger one has.
@@ -48,17 +48,13 @@ pub struct Ready {
 pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     let aside = Aside::new(task);
     let cast = Cast::open(path, &aside)?;
-    let stands = cast.kept_stance();
+    let stands = cast.stands(Stance::default(), &aside)?;
     let harmonics = cast.harmonics().map_or(means.harmonics, |own| own.min(means.harmonics));
     let (body, voices) = cast.prepare(harmonics, Laplacian::Delaunay, true, &aside)?;
     let (symmetry, details) = rayon::join(
         || classes(&body, false, task),
         || if means.coarsely { details(&body) } else { Vec::new() },
     );
-    let stands = match stands {
-        Some(told) => told,
-        None => Estimate::of_surface(&body.positions, &body.triangles, Known::default(), task)?.orientation,
-    };
     let dancing = Dancing::new(&body, symmetry?, &stands)?;
     Ok(Ready { dancing, stands, voices, details, warnings: aside.warnings() })
 }
