@@ -423,11 +423,7 @@ impl Evaluation {
     /// For each acting layer its name and the displacement of the n file vertices, in file
     /// units: morph targets that add up to the result.
     pub fn morph_targets(&self, body: &Body) -> Vec<(String, Vec<Vec3>)> {
-        let to_file = |displacement: &[Vec3], v: &Option<u32>| {
-            let moved = v.and_then(|v| displacement.get(v as usize));
-            moved.map_or([0.0; 3], |d| body.frame.displacement_to_file(*d))
-        };
         let acting = self.layers.iter().filter_map(|l| Some((l.name.clone(), l.displacement.as_ref()?)));
-        acting.map(|(name, d)| (name, body.operator_vertex.iter().map(|v| to_file(d, v)).collect())).collect()
+        acting.map(|(name, d)| (name, body.displacements_in_file(d))).collect()
     }
 }

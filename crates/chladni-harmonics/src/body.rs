@@ -53,6 +53,16 @@ impl Body {
         }
     }
 
+    /// `displacements` of the operator vertices (N, working frame) for the n vertices of the file, in file
+    /// units; zero for those that no triangle uses.
+    pub fn displacements_in_file(&self, displacements: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let of = |v: &Option<u32>| {
+            let moved = v.and_then(|v| displacements.get(v as usize));
+            moved.map_or([0.0; 3], |d| self.frame.displacement_to_file(*d))
+        };
+        self.operator_vertex.iter().map(of).collect()
+    }
+
     /// Rest positions of the file plus `displacements` of the operator vertices (N, working
     /// frame), as n positions in file units. Where a displacement is zero the file's own
     /// coordinates come back bit for bit.

@@ -60,7 +60,7 @@ pub use orientation::{Axis, Estimate, Evidence, Known, Orientation};
 pub use read::{Loaded, Mended, load_mesh, read_mesh};
 pub use shape_source::ShapeSource;
 pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_triangles, weld};
-pub use write::{MorphTarget, save_mesh, write_glb, write_mesh};
+pub use write::{MorphAnimation, MorphTarget, save_mesh, write_animated_glb, write_glb, write_mesh};
 
 /// The examples of README.md, compiled.
 #[cfg(doctest)]

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use chladni_mesh::{
-    Appearance, CornerUvs, Format, Material, MorphTarget, Texture, TriMesh, load_mesh, read_mesh, samples,
-    save_mesh, write_glb, write_mesh,
+    Appearance, CornerUvs, Format, Material, MorphAnimation, MorphTarget, Texture, TriMesh, load_mesh,
+    read_mesh, samples, save_mesh, write_animated_glb, write_glb, write_mesh,
 };
 
 const FILES: [&str; 12] = [
@@ -200,6 +200,39 @@ fn a_sliders_glb_reads_as_the_shape_at_rest() {
     assert!(json.contains(r#""targetNames":["longer nose","b"]"#) && json.contains(r#""weights":[0.0,0.0]"#));
     let short = MorphTarget { name: "short".into(), displacements: vec![[0.0; 3]] };
     assert!(write_glb(&mesh, &[short]).unwrap_err().to_string().contains("short"));
+}
+
+#[test]
+fn an_animated_glb_holds_every_weight_at_its_time() {
+    let mesh = samples::icosphere(1);
+    let displacements: Vec<[f64; 3]> = mesh.positions.iter().map(|p| [0.0, 0.0, p[2]]).collect();
+    let target = |name: &str| MorphTarget { name: name.into(), displacements: displacements.clone() };
+    let targets = [target("a"), target("b")];
+    let (times_secs, weights) = ([0.0, 0.5, 1.5], [0.0, -1.0, 0.25, 0.5, 1.0, 0.0]);
+    let animation = MorphAnimation { name: "dance", times_secs: &times_secs, weights: &weights };
+    let bytes = write_animated_glb(&mesh, &targets, animation).unwrap();
+    assert_eq!(read_mesh(&bytes, Format::Glb).unwrap().mesh.triangles, mesh.triangles);
+    let json_bytes = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let root: serde_json::Value = serde_json::from_slice(&bytes[20..20 + json_bytes]).unwrap();
+    let data = &bytes[20 + json_bytes + 8..];
+    let series = |accessor: &serde_json::Value| -> Vec<f32> {
+        let accessor = &root["accessors"][accessor.as_u64().unwrap() as usize];
+        let view = &root["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+        let from = view["byteOffset"].as_u64().unwrap() as usize;
+        let count = accessor["count"].as_u64().unwrap() as usize;
+        data[from..from + 4 * count].chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+    };
+    let animation = &root["animations"][0];
+    assert_eq!(series(&animation["samplers"][0]["input"]), times_secs);
+    assert_eq!(series(&animation["samplers"][0]["output"]), weights);
+    assert_eq!(animation["channels"][0]["target"], serde_json::json!({ "node": 0, "path": "weights" }));
+    let refused = |times_secs: &[f32], weights: &[f32]| {
+        let animation = MorphAnimation { name: "", times_secs, weights };
+        write_animated_glb(&mesh, &targets, animation).unwrap_err().to_string()
+    };
+    assert!(refused(&[0.0], &[1.0]).contains("1 weights for 1 keys of 2 targets"));
+    assert!(refused(&[1.0, 1.0], &[0.0; 4]).contains("ascend"));
+    assert!(refused(&[0.0], &[f32::NAN, 0.0]).contains("finite"));
 }
 
 #[test]

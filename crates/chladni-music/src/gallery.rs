@@ -10,6 +10,10 @@ use crate::{Error, Mapping, direct_transfer};
 
 /// The sizes S a gallery may have.
 pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
+/// Children among which a suggested generation is chosen.
+pub const CANDIDATES: usize = 200;
+/// The largest mutation of a candidate.
+const CANDIDATE_MUTATION: f32 = 0.4;
 
 /// Curve values that all generations together may hold: half a gigabyte. By hand that takes weeks of
 /// breeding, but a session file or a controller breeds faster.
@@ -103,6 +107,8 @@ pub struct Gallery {
     current: usize,
     /// Curve values of all generations.
     genes: usize,
+    /// The earliest generation whose choices count as a preference.
+    preference_since: usize,
 }
 
 impl Gallery {
@@ -120,7 +126,15 @@ impl Gallery {
         if i64::try_from(seed).is_err() {
             return Err(Error::OutOfRange { name: "seed", value: seed as f64, range: "[0, 2^63)".into() });
         }
-        let mut gallery = Self { seed, draws: 0, next_id, generations: Vec::new(), current: 0, genes: 0 };
+        let mut gallery = Self {
+            seed,
+            draws: 0,
+            next_id,
+            generations: Vec::new(),
+            current: 0,
+            genes: 0,
+            preference_since: 0,
+        };
         let mu = initial_mu(size, &mut gallery.rng());
         let items = initial_mappings(size, shape)
             .into_iter()
@@ -190,10 +204,7 @@ impl Gallery {
     /// A new generation: S children of random pairs of distinct chosen items; locked items stay.
     pub(crate) fn breed(&mut self) -> Result<(), Error> {
         self.check_room()?;
-        let parents: Vec<GalleryItem> = self.items().iter().filter(|i| i.chosen).cloned().collect();
-        if parents.len() < 2 {
-            return Err(Error::NotEnoughParents(parents.len()));
-        }
+        let parents = self.parents(2)?;
         let mut rng = self.rng();
         let items = self
             .items()
@@ -201,21 +212,89 @@ impl Gallery {
             .into_iter()
             .map(|item| {
                 // Drawn for locked places too, so that a lock does not change its neighbors.
-                let first = rng.random_range(0..parents.len());
-                let second = (first + rng.random_range(1..parents.len())) % parents.len();
-                let (p, q) = (&parents[first], &parents[second]);
-                let mut child = breed(&p.mapping, &q.mapping, &mut rng);
-                // A child inherits how much louder or softer than their even gain its parents are.
-                let loudness = [p, q].map(|parent| parent.mapping.gain / parent.mapping.even_gain());
-                child.gain = (0.5 * (loudness[0] + loudness[1]) * child.even_gain()).clamp(0.0, 100.0);
+                let (child, parents) = child(&parents, &mut rng);
                 if item.locked {
                     return GalleryItem { chosen: false, ..item };
                 }
-                self.item(child, Origin::Bred { parents: [p.id, q.id] })
+                self.item(child, Origin::Bred { parents })
             })
             .collect();
         self.show_new(items);
         Ok(())
+    }
+
+    /// The chosen items, at least so many.
+    fn parents(&self, least: usize) -> Result<Vec<GalleryItem>, Error> {
+        let parents: Vec<GalleryItem> = self.items().iter().filter(|i| i.chosen).cloned().collect();
+        if parents.len() < least { Err(Error::NotEnoughParents(parents.len())) } else { Ok(parents) }
+    }
+
+    /// The [`CANDIDATES`] that the next generation may be chosen from: children of the chosen items, half of
+    /// them mutated; of a single chosen item mutants alone. They do not depend on each other.
+    ///
+    /// # Errors
+    /// [`Error::NotEnoughParents`] where nothing is chosen.
+    pub fn candidates(&self) -> Result<Vec<Mapping>, Error> {
+        let parents = self.parents(1)?;
+        Ok((0..CANDIDATES).map(|number| self.candidate(&parents, number).0).collect())
+    }
+
+    fn candidate(&self, parents: &[GalleryItem], number: usize) -> (Mapping, Origin) {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(((number as u64 + 1) << 40) | self.draws);
+        let (mapping, origin) = match parents {
+            [alone] => (alone.mapping.clone(), Origin::Mutated { parent: alone.id }),
+            parents => {
+                let (child, parents) = child(parents, &mut rng);
+                (child, Origin::Bred { parents })
+            }
+        };
+        if parents.len() > 1 && rng.random_bool(0.5) {
+            return (mapping, origin);
+        }
+        let amount = CANDIDATE_MUTATION * rng.random::<f32>();
+        let mutant = mutate(&mapping, amount, &mut rng);
+        // A mutant that no sound would move is not worth a candidate.
+        (if mutant.loudness() > 0.0 { mutant } else { mapping }, origin)
+    }
+
+    /// A new generation: in each place the candidate of that number; locked items stay.
+    pub(crate) fn breed_from(&mut self, candidates: &[u16]) -> Result<(), Error> {
+        self.check_room()?;
+        let (found, expected) = (candidates.len(), self.items().len());
+        if found != expected {
+            return Err(Error::Size { what: "candidates", found, expected });
+        }
+        if let Some(&number) = candidates.iter().find(|number| usize::from(**number) >= CANDIDATES) {
+            return Err(Error::NoSuch { what: "candidate", index: number.into(), count: CANDIDATES });
+        }
+        let parents = self.parents(1)?;
+        let born: Vec<(Mapping, Origin)> =
+            candidates.iter().map(|&number| self.candidate(&parents, number.into())).collect();
+        self.draws += 1;
+        let places = self.items().to_vec().into_iter().zip(born);
+        let items = places
+            .map(|(item, (mapping, origin))| match item.locked {
+                true => GalleryItem { chosen: false, ..item },
+                false => self.item(mapping, origin),
+            })
+            .collect();
+        self.show_new(items);
+        Ok(())
+    }
+
+    /// The choices of earlier generations no longer count as a preference.
+    pub(crate) fn forget_preference(&mut self) {
+        self.preference_since = self.generations.len();
+    }
+
+    /// The generation that is shown and those that it came from, newest first: those in which something was
+    /// chosen, as far as they count as a preference.
+    pub fn opinions(&self) -> impl Iterator<Item = &[GalleryItem]> {
+        let back = std::iter::successors(Some(self.current), |&g| self.generations[g].from);
+        let counted = back.take_while(|&g| g >= self.preference_since);
+        let items = counted.map(|g| &self.generations[g].items[..]);
+        items.filter(|items| items.iter().any(|item| item.chosen))
     }
 
     /// A new generation in which one item is changed a little.
@@ -274,6 +353,18 @@ impl Gallery {
         self.draws += 1;
         rng
     }
+}
+
+/// A child of a random pair of distinct parents, at least two, and who they are.
+fn child(parents: &[GalleryItem], rng: &mut ChaCha8Rng) -> (Mapping, [ItemId; 2]) {
+    let first = rng.random_range(0..parents.len());
+    let second = (first + rng.random_range(1..parents.len())) % parents.len();
+    let (p, q) = (&parents[first], &parents[second]);
+    let mut child = breed(&p.mapping, &q.mapping, rng);
+    // A child inherits how much louder or softer than their even gain its parents are.
+    let loudness = [p, q].map(|parent| parent.mapping.gain / parent.mapping.even_gain());
+    child.gain = (0.5 * (loudness[0] + loudness[1]) * child.even_gain()).clamp(0.0, 100.0);
+    (child, [p.id, q.id])
 }
 
 /// μ of the initial items: random, with 0 and 1 always among them.

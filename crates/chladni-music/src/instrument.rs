@@ -18,6 +18,11 @@ pub enum Action {
     Choose { item: usize, on: bool },
     /// Replaces all items that are not locked by children of the chosen ones.
     Breed,
+    /// Replaces all items that are not locked by the candidates of these numbers, one for each place
+    /// ([`Gallery::candidates`], [`suggest`](crate::suggest)).
+    BreedFrom { candidates: Vec<u16> },
+    /// What was chosen so far no longer counts where children are suggested.
+    ForgetPreference,
     /// Changes one item a little at random; amount in [0, 1].
     Mutate { item: usize, amount: f32 },
     /// Locks an item in its place, or unlocks it.
@@ -207,6 +212,8 @@ impl Instrument {
         match *action {
             Action::Choose { item, on } => self.gallery.item_mut(item)?.chosen = on,
             Action::Breed => self.gallery.breed()?,
+            Action::BreedFrom { ref candidates } => self.gallery.breed_from(candidates)?,
+            Action::ForgetPreference => self.gallery.forget_preference(),
             Action::Mutate { item, amount } => self.gallery.mutate(item, amount)?,
             Action::Lock { item, on } => self.gallery.item_mut(item)?.locked = on,
             Action::Favourite { item, on } => {

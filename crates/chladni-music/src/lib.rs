@@ -30,6 +30,7 @@
 mod breeding;
 mod control;
 mod dancer;
+mod descriptor;
 mod ensemble;
 mod error;
 mod flash;
@@ -47,6 +48,7 @@ mod sides;
 mod stage;
 mod steepness;
 mod stereo;
+mod suggestion;
 mod swing;
 mod symmetry;
 mod text_file;
@@ -58,10 +60,13 @@ pub use breeding::{breed, mutate};
 pub use chladni_mesh::MirrorPlane;
 pub use control::{Binding, Bindings, Control, Cue, Target, Touch, osc_cue, setting};
 pub use dancer::Dancer;
+pub use descriptor::{Describer, Descriptor, Moments};
 pub use ensemble::Ensemble;
 pub use error::Error;
 pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
-pub use gallery::{GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation, ItemId, Origin};
+pub use gallery::{
+    CANDIDATES, GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation, ItemId, Origin,
+};
 pub use instrument::{Action, Instrument, LoggedAction, Moment};
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
 pub use paper_mode::PAPER_MODE;
@@ -72,6 +77,7 @@ pub use resonance::{Resonators, Ringing, TONES, Timbre};
 pub use show::{BeatReading, FileRef, Looks, Show, SongRef, Stretch, Viewpoint};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react};
+pub use suggestion::suggest;
 pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
 pub use text_file::FORMAT_VERSION;
 pub use veil::{FlashCount, FlashGuard, Histogram, Veil};

@@ -163,11 +163,14 @@ pub enum Switch {
     OwnMu,
     /// Harmonics ring as damped oscillators that the sound strikes; else they follow its level.
     Resonate,
+    /// Breeding shows children that look different and are like those chosen so far; else whatever the
+    /// paper's breeding gives.
+    Suggest,
 }
 
 impl Switch {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::BeatTurns,
         Self::BeatLights,
         Self::BeatSteps,
@@ -176,6 +179,7 @@ impl Switch {
         Self::LogBands,
         Self::OwnMu,
         Self::Resonate,
+        Self::Suggest,
     ];
 
     /// Those that change how one dance looks, wherever it is danced.
@@ -192,6 +196,7 @@ impl Switch {
             Self::LogBands => "log-bands",
             Self::OwnMu => "own-mu",
             Self::Resonate => "resonate",
+            Self::Suggest => "suggest",
         }
     }
 }
@@ -213,7 +218,7 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             values: Parameter::ALL.map(Parameter::initial),
-            on: [true, true, false, false, true, true, true, true],
+            on: [true, true, false, false, true, true, true, true, false],
             form: Form::default(),
             choir: Choir::default(),
             harmonics: None,

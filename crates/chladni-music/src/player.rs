@@ -364,6 +364,12 @@ impl Player {
         Ok(self.soften(item))
     }
 
+    /// Adds to `out` what an item of this player does at the probes, as shares of the limits.
+    pub(crate) fn feel(&mut self, item: &Item, out: &mut Vec<f32>) {
+        let limits = self.limits();
+        self.dancer.probes.feel(item, limits, &mut self.scratch, out);
+    }
+
     /// The sum of what the drivers hear, by band and tone.
     fn sum(&self, v: &Voiced, f: impl Fn(usize, u8) -> f32) -> f32 {
         let drivers = &self.drivers[v.first_driver as usize..v.end_driver as usize];
@@ -372,11 +378,15 @@ impl Player {
 
     /// Scales the item so that no probe exceeds the limit of displacement or of steepness.
     fn soften(&mut self, item: &mut Item) -> f32 {
-        let limits = Limits {
+        let limits = self.limits();
+        self.dancer.probes.soften(item, &self.groups, limits, &mut self.scratch)
+    }
+
+    fn limits(&self) -> Limits {
+        Limits {
             displacement: self.playing.limit * self.dancer.box_diagonal,
             steepness: self.playing.limit * self.playing.form.steepness(),
-        };
-        self.dancer.probes.soften(item, &self.groups, limits, &mut self.scratch)
+        }
     }
 
     fn check(&self, bands: &Bands<'_>) -> Result<(), Error> {

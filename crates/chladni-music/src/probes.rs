@@ -75,18 +75,22 @@ impl Probes {
     /// calls; nothing else is allocated.
     pub(crate) fn displacement(&self, item: &Item, scratch: &mut Vec<[f32; 3]>) -> f32 {
         let (part, total) = self.fields(scratch);
-        for term in &item.terms {
-            let count = match &term.coefficients {
-                Coefficients::Vector(c) => c.len(),
-                Coefficients::Normal(c) => c.len(),
-            };
-            self.field(term, 0..count as u32, part);
-            self.mask(term, part);
-            add(total, part, 1.0);
-            self.residual(term, part);
-            add(total, part, 1.0);
-        }
+        self.sum(item, part, total);
         farthest(total)
+    }
+
+    /// Adds to `out` the displacements and gradients of an item as shares of the limits; the squares of each
+    /// kind are divided by the number of places, so that they add up to a mean.
+    pub(crate) fn feel(&self, item: &Item, limits: Limits, scratch: &mut Vec<[f32; 3]>, out: &mut Vec<f32>) {
+        let (part, total) = self.fields(scratch);
+        self.sum(item, part, total);
+        let (spots, corners) = total.split_at(self.count() - 3 * self.patches.len());
+        let scale = 1.0 / (limits.displacement * (spots.len().max(1) as f32).sqrt());
+        out.extend(spots.as_flattened().iter().map(|d| scale * d));
+        let scale = 1.0 / (limits.steepness * (self.patches.len().max(1) as f32).sqrt());
+        for (patch, u) in self.patches.iter().zip(corners.chunks_exact(3)) {
+            out.extend(patch.gradient([u[0], u[1], u[2]]).as_flattened().iter().map(|g| scale * g));
+        }
     }
 
     /// Scales each of the `groups` of harmonics in each term so that it keeps `limits` by itself, then the
@@ -123,6 +127,21 @@ impl Probes {
             item.terms.iter_mut().for_each(|term| scale_term(term, scale));
         }
         most.max(reach)
+    }
+
+    /// Adds all terms of an item to `total`.
+    fn sum(&self, item: &Item, part: &mut [[f32; 3]], total: &mut [[f32; 3]]) {
+        for term in &item.terms {
+            let count = match &term.coefficients {
+                Coefficients::Vector(c) => c.len(),
+                Coefficients::Normal(c) => c.len(),
+            };
+            self.field(term, 0..count as u32, part);
+            self.mask(term, part);
+            add(total, part, 1.0);
+            self.residual(term, part);
+            add(total, part, 1.0);
+        }
     }
 
     /// Two fields over the probes, at rest.

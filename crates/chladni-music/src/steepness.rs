@@ -31,6 +31,18 @@ impl Patch {
         has_area.then(|| Self { corners, metric: [ff, -ef, ee].map(|g| (g / determinant) as f32) })
     }
 
+    /// ∇u of a movement of the three corners, as two vectors in the triangle's plane whose squares add up to
+    /// that of [`steepness`](Self::steepness).
+    pub fn gradient(&self, u: [[f32; 3]; 3]) -> [[f32; 3]; 2] {
+        let [d, e] = [u[1], u[2]].map(|p| [0, 1, 2].map(|i| p[i] - u[0][i]));
+        // Cholesky: g₁₁ d² + 2 g₁₂ d·e + g₂₂ e² = |a d + b e|² + |c e|².
+        let [g11, g12, g22] = self.metric;
+        let a = g11.max(0.0).sqrt();
+        let b = if a > 0.0 { g12 / a } else { 0.0 };
+        let c = (g22 - b * b).max(0.0).sqrt();
+        [[0, 1, 2].map(|i| a * d[i] + b * e[i]), e.map(|e| c * e)]
+    }
+
     /// ‖∇u‖, the root of the sum of its squares, of a movement of the three corners. Where it is below 1
     /// nothing turns over.
     pub fn steepness(&self, u: [[f32; 3]; 3]) -> f32 {
@@ -62,6 +74,9 @@ mod tests {
         // x grows by 30 %, y by 40 %.
         let moved = positions.map(|p| [0.3 * p[0] as f32, 0.4 * p[1] as f32, 0.0]);
         assert!((patch.steepness(moved) - 0.5).abs() < 1e-6);
+        let [along, across] = patch.gradient(moved);
+        let squares: f32 = along.iter().chain(&across).map(|x| x * x).sum();
+        assert!((squares.sqrt() - patch.steepness(moved)).abs() < 1e-5);
         assert_eq!(patch.steepness([[0.7, 0.1, 0.2]; 3]), 0.0);
         assert!(Patch::of(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1e-5, 0.0]], [0, 1, 2]).is_none());
     }

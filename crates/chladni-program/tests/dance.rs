@@ -5,7 +5,7 @@ mod archive;
 
 use std::path::Path;
 
-use chladni_mesh::{samples, save_mesh};
+use chladni_mesh::{load_mesh, samples, save_mesh};
 use chladni_sound::{Song, WavSample, write_wav};
 
 fn run(arguments: &[&str]) -> u8 {
@@ -42,6 +42,28 @@ fn a_click_moves_the_shape_within_one_frame_and_repeats_bit_for_bit() {
         assert!((times_secs[peak] - f64::from(secs)).abs() <= 1.0 / 30.0 + 1e-9, "{}", times_secs[peak]);
     }
     assert_eq!(coefficients, array(&film("b.npz"), "coefficients").1);
+}
+
+#[test]
+fn a_dance_becomes_a_glb_with_its_sound_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let glb = folder.path().join("dance.glb");
+    let dance = |more: &[&str]| {
+        let out = glb.to_str().unwrap();
+        let first = ["dance", "sample:octopus", "sample:tune", "-k", "24", "--duration", "1", "-o", out];
+        run(&[&first[..], more].concat())
+    };
+    assert_eq!(dance(&["--gallery", "6"]), 2);
+    assert_eq!(dance(&["--targets", "0"]), 2);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    assert_eq!(dance(&["--targets", "5"]), 0);
+    let octopus = samples::sample("octopus").unwrap();
+    let read = load_mesh(&glb).unwrap().mesh;
+    assert_eq!(read.triangles, octopus.triangles);
+    let text = String::from_utf8_lossy(&std::fs::read(&glb).unwrap()).into_owned();
+    assert_eq!(text.matches("harmonic ").count(), 5);
+    let sound = chladni_sound::Song::open(&folder.path().join("dance.wav")).unwrap();
+    assert!((sound.duration_secs() - 1.0).abs() < 0.01, "{}", sound.duration_secs());
 }
 
 #[test]

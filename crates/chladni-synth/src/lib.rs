@@ -38,6 +38,7 @@ mod exact;
 mod gpu;
 mod item;
 mod model;
+mod morph;
 mod normals;
 mod packed_basis;
 mod plan;
@@ -49,6 +50,7 @@ pub use error::SynthError;
 pub use gpu::{DeviceFrame, DeviceFrameBuffers, DeviceLoss, GpuContext, GpuSynthesizer, Tiles};
 pub use item::{Coefficients, Item, Residual, Term};
 pub use model::{SynthModel, displacements_f64};
+pub use morph::{Morph, Morphs, Movement};
 pub use normals::area_weighted_normals;
 pub use synthesizer::{FrameSettings, Synthesizer};
 

@@ -1,9 +1,12 @@
 //! Do all items of a gallery move, and does none of them turn the surface over?
 
 use chladni_caricature::{Surface, flipped_triangles};
-use chladni_music::{Action, Bands, Beat, Ensemble, Form, GalleryShape, Instrument, Moment, Player, Playing};
+use chladni_music::{
+    Action, Bands, Beat, Ensemble, Form, GalleryShape, Instrument, Moment, Player, Playing, Resonators,
+    Timbre,
+};
 use chladni_sound::{Song, SpectrumAnalyser, SpectrumSettings};
-use chladni_synth::{CpuSynthesizer, Item, SynthModel, Synthesizer, displacements_f64};
+use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer, displacements_f64};
 use serde::Serialize;
 
 use super::ready::{HARMONICS, Ready};
@@ -40,10 +43,14 @@ pub struct Movement {
     pub items: Vec<f64>,
     /// Of each item, how much changes within a tenth of a second.
     pub changes: Vec<f64>,
+    /// Of each item, by how many degrees its normals are turned: what the eye reads of a ripple.
+    pub turns_deg: Vec<f64>,
     /// The least moved item over the median one.
     pub least: f64,
     /// The least changing item over the median one.
     pub least_change: f64,
+    /// The least turned item over the median one.
+    pub least_turn: f64,
 }
 
 /// The mesh in a file, ready to dance.
@@ -116,15 +123,15 @@ pub fn folds(ready: &Ready) -> Result<Vec<Folds>, Error> {
 pub fn movement(ready: &Ready, songs: &[Song]) -> Result<Vec<Movement>, Error> {
     let mut rows = Vec::new();
     for (gallery, instrument) in galleries(ready, Form::default())? {
-        let (mut items, mut changes) = (vec![0.0; ITEMS], vec![0.0; ITEMS]);
+        let mut sum = Moved::default();
         for song in songs {
-            let (way, change) = moved(ready, &instrument, song)?;
-            let share = 1.0 / songs.len() as f64;
-            items.iter_mut().zip(&way).for_each(|(sum, way)| *sum += share * way);
-            changes.iter_mut().zip(&change).for_each(|(sum, change)| *sum += share * change);
+            sum.add(&moved(ready, &instrument, song)?, 1.0 / songs.len() as f64);
         }
-        let (least, least_change) = (least_over_median(&items), least_over_median(&changes));
-        rows.push(Movement { shape: ready.name.clone(), gallery, items, changes, least, least_change });
+        let [least, least_change, least_turn] =
+            [&sum.ways, &sum.changes, &sum.turns_deg].map(|values| least_over_median(values));
+        let Moved { ways: items, changes, turns_deg } = sum;
+        let shape = ready.name.clone();
+        rows.push(Movement { shape, gallery, items, changes, turns_deg, least, least_change, least_turn });
     }
     Ok(rows)
 }
@@ -143,40 +150,77 @@ pub fn least_over_median(values: &[f64]) -> f64 {
     if median > 0.0 { at(0) / median } else { 0.0 }
 }
 
-/// For each item, the means over time of its way from rest and of its change.
-pub fn moved(ready: &Ready, instrument: &Instrument, song: &Song) -> Result<(Vec<f64>, Vec<f64>), Error> {
+/// Means over time, for each item.
+#[derive(Default)]
+pub struct Moved {
+    /// The way from rest, as a share of the box's diagonal.
+    pub ways: Vec<f64>,
+    /// What changes from one moment to the next, as such a share.
+    pub changes: Vec<f64>,
+    /// The turn of the normals.
+    pub turns_deg: Vec<f64>,
+}
+
+impl Moved {
+    fn add(&mut self, other: &Self, share: f64) {
+        let pairs = [
+            (&mut self.ways, &other.ways),
+            (&mut self.changes, &other.changes),
+            (&mut self.turns_deg, &other.turns_deg),
+        ];
+        for (sum, values) in pairs {
+            sum.resize(values.len(), 0.0);
+            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
+        }
+    }
+}
+
+/// How the items of a gallery move to a song, with all knobs as they are.
+pub fn moved(ready: &Ready, instrument: &Instrument, song: &Song) -> Result<Moved, Error> {
     let settings = SpectrumSettings::new(song.rate_hz);
+    let bands = settings.bands;
     let mut analyser = SpectrumAnalyser::new(settings)?;
+    let mut bank = Timbre::of(instrument.parameters()).map(|timbre| Resonators::new(&timbre, bands));
     let mut ensemble = Ensemble::new(ready.dancer.clone());
     let mut synthesizer = CpuSynthesizer::new(SynthModel::new(&ready.body)?);
     let mut last: Vec<Vec<[f32; 3]>> = vec![synthesizer.model().rest_positions().to_vec(); ITEMS];
-    let rest = last[0].clone();
-    let (mut way, mut change) = (vec![0.0; ITEMS], vec![0.0; ITEMS]);
+    let (rest, rest_normals) = (last[0].clone(), synthesizer.model().rest_normals().to_vec());
+    let mut sum = Moved { ways: vec![0.0; ITEMS], changes: vec![0.0; ITEMS], turns_deg: vec![0.0; ITEMS] };
     let window = analyser.window_frames();
     let (mut left, mut right) = (vec![0.0; window], vec![0.0; window]);
     // The spectrum is taken more often than the movement, as in a film.
     const STEPS: u32 = 3;
+    const STEP_SECS: f64 = 1.0 / (RATE_HZ * STEPS as f64);
     let frames = (song.duration_secs() * RATE_HZ) as usize;
     for frame in 0..frames {
         for step in 0..STEPS {
-            let secs = (frame as f64 + f64::from(step) / f64::from(STEPS)) / RATE_HZ;
+            let secs = frame as f64 / RATE_HZ + f64::from(step) * STEP_SECS;
             let end = (secs * f64::from(song.rate_hz)) as i64 + window as i64 / 2;
             song.window_ending_at(end, &mut left, &mut right);
-            analyser.analyse(&left, &right, 1.0 / (RATE_HZ * f64::from(STEPS)));
+            analyser.analyse(&left, &right, STEP_SECS);
+            if let Some(bank) = &mut bank {
+                bank.hear(&bands_of(analyser.spectrum()), STEP_SECS as f32);
+            }
         }
-        let s = analyser.spectrum();
-        let items = ensemble.play(instrument, &bands_of(s), Beat::default())?;
-        synthesizer.synthesize_positions(items)?;
+        let ringing = bank.as_mut().map(|bank| bank.ring(0.0));
+        let bands = Bands { ringing, ..bands_of(analyser.spectrum()) };
+        let items = ensemble.play(instrument, &bands, Beat::default())?;
+        synthesizer.synthesize(items, &FrameSettings::default())?;
         for (item, last) in last.iter_mut().enumerate() {
             let now = synthesizer.positions(item);
-            way[item] += root_mean_square(ready, now, &rest);
-            change[item] += root_mean_square(ready, now, last);
+            sum.ways[item] += root_mean_square(ready, now, &rest);
+            sum.changes[item] += root_mean_square(ready, now, last);
+            // A chord of the unit sphere, about as long as the angle.
+            let chord = root_mean_square(ready, synthesizer.normals(item), &rest_normals);
+            sum.turns_deg[item] += (2.0 * (0.5 * chord).min(1.0).asin()).to_degrees();
             last.copy_from_slice(now);
         }
     }
-    let share = 1.0 / (frames.max(1) as f64 * f64::from(ready.dancer.box_diagonal));
-    way.iter_mut().chain(&mut change).for_each(|sum| *sum *= share);
-    Ok((way, change))
+    let count = frames.max(1) as f64;
+    let share = 1.0 / (count * f64::from(ready.dancer.box_diagonal));
+    sum.ways.iter_mut().chain(&mut sum.changes).for_each(|sum| *sum *= share);
+    sum.turns_deg.iter_mut().for_each(|sum| *sum /= count);
+    Ok(sum)
 }
 
 fn root_mean_square(ready: &Ready, a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {

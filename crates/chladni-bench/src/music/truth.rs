@@ -35,7 +35,7 @@ pub fn transfer(from: &Ready, to: &Ready) -> Result<Transfer, Error> {
         let load = Action::Load { item, name: preset.name, mapping };
         other.apply(Moment::default(), load)?;
     }
-    let (there, here) = (moved(to, &other, &sample_tune())?.0, moved(from, &own, &sample_tune())?.0);
+    let (there, here) = (moved(to, &other, &sample_tune())?.ways, moved(from, &own, &sample_tune())?.ways);
     let mut ratio: Vec<f64> = there.iter().zip(&here).map(|(t, h)| t / h.max(f64::MIN_POSITIVE)).collect();
     ratio.sort_by(f64::total_cmp);
     let ratio = [0, ITEMS / 2, ITEMS - 1].map(|i| ratio.get(i).copied().unwrap_or(0.0));

@@ -18,6 +18,17 @@ pub struct MorphTarget {
     pub displacements: Vec<[f64; 3]>,
 }
 
+/// How the weights of morph targets change over time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MorphAnimation<'a> {
+    /// What the animation is called.
+    pub name: &'a str,
+    /// When the keys are, in seconds, ascending.
+    pub times_secs: &'a [f32],
+    /// For each key the weight of each target; linear in between.
+    pub weights: &'a [f32],
+}
+
 const FORMAT: Format = Format::Glb;
 
 /// Writes `mesh` as GLB: one mesh, one primitive per material, one morph target per entry of `targets`, all
@@ -30,6 +41,35 @@ const FORMAT: Format = Format::Glb;
 /// [`MeshError::Unwritable`] where coordinates do not fit `f32`, a target has not n
 /// displacements, the mesh's parts do not belong together or the file would pass 4 GiB.
 pub fn write_glb(mesh: &TriMesh, targets: &[MorphTarget]) -> Result<Vec<u8>, MeshError> {
+    write(mesh, targets, None)
+}
+
+/// As [`write_glb`], with an animation of the targets' weights.
+///
+/// # Errors
+/// As [`write_glb`], and where keys and weights do not belong together, do not ascend or are not finite.
+pub fn write_animated_glb(
+    mesh: &TriMesh,
+    targets: &[MorphTarget],
+    animation: MorphAnimation<'_>,
+) -> Result<Vec<u8>, MeshError> {
+    let MorphAnimation { times_secs, weights, .. } = animation;
+    let (keys, count) = (times_secs.len(), targets.len());
+    let unwritable = |reason: &str| Err(MeshError::Unwritable { format: FORMAT, reason: reason.into() });
+    if keys == 0 || count == 0 || keys.checked_mul(count) != Some(weights.len()) {
+        return unwritable(&format!("{} weights for {keys} keys of {count} targets", weights.len()));
+    }
+    if !times_secs.is_sorted_by(|a, b| a < b) || !times_secs.iter().chain(weights).all(|x| x.is_finite()) {
+        return unwritable("the keys of its animation do not ascend or are not finite");
+    }
+    write(mesh, targets, Some(animation))
+}
+
+fn write(
+    mesh: &TriMesh,
+    targets: &[MorphTarget],
+    animation: Option<MorphAnimation<'_>>,
+) -> Result<Vec<u8>, MeshError> {
     let unwritable = |reason: String| MeshError::Unwritable { format: FORMAT, reason };
     check(mesh).map_err(unwritable)?;
     for target in targets {
@@ -64,6 +104,7 @@ pub fn write_glb(mesh: &TriMesh, targets: &[MorphTarget]) -> Result<Vec<u8>, Mes
         let names: Vec<&str> = targets.iter().map(|target| target.name.as_str()).collect();
         gltf_mesh["extras"] = json!({ "targetNames": names });
     }
+    let animations = animation.map(|animation| file.animation(animation));
     let mut root = json!({
         "asset": { "version": "2.0", "generator": "Chladni" },
         "scene": 0,
@@ -75,6 +116,9 @@ pub fn write_glb(mesh: &TriMesh, targets: &[MorphTarget]) -> Result<Vec<u8>, Mes
         "bufferViews": std::mem::take(&mut file.views),
         "buffers": [{ "byteLength": file.data.len() }],
     });
+    if let Some(animation) = animations {
+        root["animations"] = json!([animation]);
+    }
     if !file.images.is_empty() {
         let textures: Vec<Value> = (0..file.images.len()).map(|image| json!({ "source": image })).collect();
         root["textures"] = json!(textures);
@@ -262,6 +306,26 @@ impl Glb {
         }
         self.accessors.push(accessor);
         self.accessors.len() - 1
+    }
+
+    /// The animation of the weights of the only node.
+    fn animation(&mut self, animation: MorphAnimation<'_>) -> Value {
+        let mut series = |values: &[f32]| {
+            let view = self.view(values.iter().flat_map(|x| x.to_le_bytes()), None);
+            let (least, greatest) =
+                values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+            self.accessors.push(json!({
+                "bufferView": view, "componentType": 5126, "count": values.len(), "type": "SCALAR",
+                "min": [least], "max": [greatest],
+            }));
+            self.accessors.len() - 1
+        };
+        let (input, output) = (series(animation.times_secs), series(animation.weights));
+        json!({
+            "name": animation.name,
+            "samplers": [{ "input": input, "output": output, "interpolation": "LINEAR" }],
+            "channels": [{ "sampler": 0, "target": { "node": 0, "path": "weights" } }],
+        })
     }
 
     fn indices(&mut self, indices: &[u32]) -> usize {

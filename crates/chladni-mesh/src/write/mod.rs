@@ -9,7 +9,7 @@ use std::path::Path;
 
 use chladni_task::write_atomic;
 
-pub use glb::{MorphTarget, write_glb};
+pub use glb::{MorphAnimation, MorphTarget, write_animated_glb, write_glb};
 
 use crate::{Format, MeshError, TriMesh};
 

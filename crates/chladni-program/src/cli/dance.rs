@@ -27,12 +27,17 @@ pub struct Dance {
     /// show unless given.
     #[arg(required_unless_present = "show")]
     song: Option<String>,
-    /// The film: .mp4 with sound (needs ffmpeg), .gif or .png (animated, silent).
+    /// The film: .mp4 with sound (needs ffmpeg), .gif or .png (animated, silent). Or .glb: the shape with
+    /// morph targets and their weights as an animation, for Blender and other programs; the sound is written
+    /// beside it as .wav.
     #[arg(short, long, value_name = "FILM")]
     output: Option<PathBuf>,
     /// Write PNG frames and sound.wav into this folder; needs no other program.
     #[arg(long, value_name = "DIR", conflicts_with = "output")]
     frames: Option<PathBuf>,
+    /// The largest number of morph targets in a .glb: more come nearer to the film.
+    #[arg(long, value_name = "N", default_value_t = film::TARGETS)]
+    targets: usize,
     /// Width and height in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720")]
     size: Size,
@@ -140,7 +145,8 @@ impl Dance {
         if json {
             return terminal.json(&report);
         }
-        let made = [output.presets, output.film, output.coefficients];
+        let sound = output.animation.as_ref().map(|path| path.with_extension("wav"));
+        let made = [output.presets, output.film, output.animation, sound, output.coefficients];
         made.iter().flatten().try_for_each(|path| terminal.wrote(path))?;
         terminal.note(report);
         Ok(())
@@ -148,8 +154,11 @@ impl Dance {
 
     fn film(self, terminal: &Terminal) -> Result<Film, Error> {
         let changes = self.changes()?;
+        let to = self.output.clone().map_or_else(Output::nowhere, Output::to);
         let output = Output {
-            film: self.output.clone().or_else(|| self.frames.clone()),
+            film: to.film.or_else(|| self.frames.clone()),
+            animation: to.animation,
+            targets: self.targets,
             is_folder: self.frames.is_some(),
             coefficients: self.coefficients.clone(),
             presets: self.presets.clone(),

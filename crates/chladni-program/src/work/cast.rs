@@ -33,6 +33,11 @@ impl Cast {
         Ok(Self { name: shape.to_string(), mesh, project })
     }
 
+    /// The mesh exactly as in its file.
+    pub fn mesh(&self) -> &Arc<TriMesh> {
+        &self.mesh
+    }
+
     /// How its project says that it stands.
     pub fn kept_stance(&self) -> Option<Orientation> {
         self.project.as_ref()?.stands

@@ -118,7 +118,11 @@ impl Filming {
     /// Asks where to, and begins.
     pub fn begin(&mut self, scene: Scene, shared: &mut Shared<'_>) -> Result<(), Error> {
         let Some(form) = self.form.clone() else { return Ok(()) };
-        let kinds: [(&str, &[&str]); 2] = [("MP4 with sound", &["mp4"]), ("GIF", &["gif"])];
+        let kinds: [(&str, &[&str]); 3] = [
+            ("MP4 with sound", &["mp4"]),
+            ("GIF", &["gif"]),
+            ("GLB with morph targets, for Blender", &["glb"]),
+        ];
         let (kinds, name) =
             if ffmpeg_is_there() { (&kinds[..], "dance.mp4") } else { (&kinds[1..], "dance.gif") };
         let Some(path) = shared.chooser.save(kinds, Path::new(name)) else { return Ok(()) };

@@ -173,6 +173,15 @@ const SWITCHES: &[(&str, &[Choice])] = &[
         ],
     ),
     (
+        "Breeding",
+        &[(
+            Switch::Suggest,
+            "Suggest",
+            "Of two hundred children show those that differ most and are most like what you chose so far; else \
+             whatever the paper's breeding gives",
+        )],
+    ),
+    (
         "Safety",
         &[(
             Switch::FlashLimit,

@@ -1,6 +1,6 @@
 //! Files, song and gallery: the bar above the dancing shapes.
 
-use chladni_music::Action;
+use chladni_music::{Action, Switch};
 use chladni_sound::PlayerState;
 use egui::{RichText, ScrollArea, Slider, Ui};
 
@@ -114,10 +114,35 @@ fn breeding(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let chosen = gallery.items().iter().filter(|item| item.chosen).count();
     let name = if chosen == 0 { "Breed".into() } else { format!("Breed {chosen}") };
     let button = egui::Button::new(icon::label(Icon::Heart, &name));
-    let tip = format!("{}: click at least two that you like", BREED.tooltip(ui.ctx()));
-    if ui.add_enabled(chosen >= 2, button).on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked() {
+    let suggests = concert.instrument().parameters().is_on(Switch::Suggest);
+    let (least, least_words) = if suggests { (1, "one") } else { (2, "two") };
+    let tip = format!("{}: click at least {least_words} that you like", BREED.tooltip(ui.ctx()));
+    suggesting(ui, suggests, wishes);
+    if ui
+        .add_enabled(chosen >= least, button)
+        .on_hover_text(tip.clone())
+        .on_disabled_hover_text(tip)
+        .clicked()
+    {
         wishes.push(Wish::Do(Action::Breed));
     }
+}
+
+/// Whether children are suggested, and the way to forget what was liked.
+fn suggesting(ui: &mut Ui, on: bool, wishes: &mut Vec<Wish>) {
+    let tip = "Suggest children that differ most and are most like what you chose so far. Right click: forget \
+               what was chosen.";
+    let button = egui::Button::selectable(on, icon::text(Icon::Sparkles));
+    let response = ui.add(button).on_hover_text(tip);
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, "Suggest"));
+    if response.clicked() {
+        wishes.push(Wish::Do(Action::Switch { switch: Switch::Suggest, on: !on }));
+    }
+    response.context_menu(|ui| {
+        if ui.button("Forget what was chosen").clicked() {
+            wishes.push(Wish::Do(Action::ForgetPreference));
+        }
+    });
 }
 
 /// The way back to any generation.

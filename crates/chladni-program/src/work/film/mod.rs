@@ -1,5 +1,6 @@
 //! Films of a shape that dances: frame-exact, with their sound. The window and the command make theirs here.
 
+mod animation;
 mod beginning;
 mod deformed;
 mod guard;
@@ -22,10 +23,17 @@ use super::outputs::check_file;
 use super::{
     Cast, Error, FIRST_VIEW, HARMONICS, Hearing, Look, Stance, Warning, Watcher, first_looks, look_named,
 };
+use animation::Animation;
+pub use animation::Held;
 pub use beginning::Beginning;
 use performance::{Means, Performance};
 pub use report::{Report, Seconds};
 use songs::Songs;
+
+/// Morph targets of an animation unless said.
+pub const TARGETS: usize = 48;
+/// The largest number of them: more than programs can show in one mesh.
+const MOST_TARGETS: usize = 1024;
 
 /// A film that is wanted.
 pub struct Film {
@@ -62,6 +70,10 @@ pub struct Film {
 pub struct Output {
     /// The film's file or folder; none is drawn without.
     pub film: Option<PathBuf>,
+    /// Where the shape goes with its movement, as a GLB file with morph targets; its sound lies beside it.
+    pub animation: Option<PathBuf>,
+    /// The largest number of morph targets.
+    pub targets: usize,
     /// It is a folder of pictures, with the sound beside them.
     pub is_folder: bool,
     /// Where the coefficients of every frame go.
@@ -143,6 +155,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let mut songs = Songs::open(&wanted.songs, wanted.heard, wanted.show_secs, range, watcher)?;
     let mut seconds = Seconds { reading: began.elapsed().as_secs_f64(), ..Seconds::default() };
     let preparing = Instant::now();
+    let mesh = cast.mesh().clone();
     let (body, voices) = cast.prepare(wanted.harmonics, laplacian(wanted.paper), false, watcher)?;
     let symmetry = watcher.watch("finding the mirror", |task| classes(&body, wanted.paper, task))?;
     let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry, &stands)?;
@@ -179,6 +192,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
         std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
     }
     let recording = output.coefficients.is_some();
+    let mut animation = output.animation.as_ref().map(|_| Animation::new(frames));
     let done = match &output.film {
         Some(path) => {
             let sound = sound_for(path, &songs, watcher)?;
@@ -196,7 +210,28 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
                 performance.film(film, scene, means, recording, &mut seconds, task)
             })?
         }
-        None => watcher.watch("dancing", |task| performance.rehearse(frames, &mut seconds, task))?,
+        None => watcher.watch("dancing", |task| {
+            performance.rehearse(frames, &mut seconds, task, |form, items| match (&mut animation, items) {
+                (Some(_), [_, _, ..]) => Err(Error::input("a GLB holds one dance, not a gallery of them")),
+                (Some(animation), [item]) => {
+                    animation.push(form, item);
+                    Ok(())
+                }
+                _ => Ok(()),
+            })
+        })?,
+    };
+    let held = match (&output.animation, &animation) {
+        (Some(path), Some(animation)) => {
+            let path_of_sound = path.with_extension("wav");
+            let held = watcher.watch("writing the morph targets", |_| {
+                animation.write(path, &mesh, &body, output.rate, output.targets)
+            })?;
+            write_wav(&path_of_sound, &songs.sound()?, WavSample::Int16)
+                .map_err(|error| Error::unwritten(&path_of_sound, error))?;
+            Some(held)
+        }
+        _ => None,
     };
     if let Some(folder) = folder {
         let path = folder.join("sound.wav");
@@ -228,6 +263,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
         synthesis: done.drawn.map(|drawn| drawn.synthesis),
         flashes_in_worst_second: done.most_flashes,
         frames_damped: done.damped_frames,
+        held,
         seconds,
     })
 }
@@ -248,11 +284,24 @@ impl Film {
 }
 
 impl Output {
-    /// A film in HD, 30 frames a second, drawn by whatever device there is.
-    pub fn to(film: PathBuf) -> Self {
+    /// To one file: an animation where it ends in .glb, else a film in HD, 30 frames a second, drawn by
+    /// whatever device there is.
+    pub fn to(path: PathBuf) -> Self {
+        match path.extension() {
+            Some(ending) if ending.eq_ignore_ascii_case("glb") => {
+                Self { animation: Some(path), ..Self::nowhere() }
+            }
+            _ => Self { film: Some(path), ..Self::nowhere() },
+        }
+    }
+
+    /// No file at all.
+    pub fn nowhere() -> Self {
         Self {
-            film: Some(film),
+            film: None,
             is_folder: false,
+            animation: None,
+            targets: TARGETS,
             coefficients: None,
             presets: None,
             shows_rest: false,
@@ -281,6 +330,13 @@ impl Output {
                     "an MP4 needs ffmpeg, which is not on the PATH: install it, write a .gif or .png, or use \
                      --frames DIR for PNG frames and a WAV",
                 ));
+            }
+            check_file(path)?;
+        }
+        if let Some(path) = &self.animation {
+            if !(1..=MOST_TARGETS).contains(&self.targets) {
+                let why = format!("--targets {}: from 1 to {MOST_TARGETS} are possible", self.targets);
+                return Err(Error::Input(why));
             }
             check_file(path)?;
         }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Ensemble, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch, Viewpoint,
+    Ensemble, Form, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch, Viewpoint,
 };
 use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
 use chladni_task::Task;
@@ -161,15 +161,23 @@ impl Performance {
         Ok((time_secs, reaction, items))
     }
 
-    /// Plays without drawing, for the coefficients.
-    pub fn rehearse(&mut self, frames: u64, seconds: &mut Seconds, task: &Task) -> Result<Done, Error> {
+    /// Plays without drawing, for the coefficients; `each` is called with the form and items of every frame.
+    pub fn rehearse(
+        &mut self,
+        frames: u64,
+        seconds: &mut Seconds,
+        task: &Task,
+        mut each: impl FnMut(Form, &[Item]) -> Result<(), Error>,
+    ) -> Result<Done, Error> {
         let stage = task.stage("dancing", frames);
         let mut done = Done::default();
         for frame in 0..frames {
             task.check()?;
             let (time_secs, _, items) = self.play(frame, seconds)?;
-            let first = items.first().cloned().unwrap_or_default();
-            done.recording.push(time_secs, self.instrument.parameters().form, &first);
+            let items = items.to_vec();
+            let form = self.instrument.parameters().form;
+            each(form, &items)?;
+            done.recording.push(time_secs, form, items.first().unwrap_or(&Item::default()));
             stage.advance(1);
         }
         Ok(done)

@@ -3,6 +3,8 @@
 use chladni_view::Samples;
 use serde::Serialize;
 
+use super::Held;
+
 /// Where the time went, in seconds.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Seconds {
@@ -52,6 +54,8 @@ pub struct Report {
     pub(super) synthesis: Option<String>,
     pub(super) flashes_in_worst_second: usize,
     pub(super) frames_damped: usize,
+    /// What a GLB holds of the dance; null for films.
+    pub(super) held: Option<Held>,
     pub(super) seconds: Seconds,
 }
 
@@ -65,6 +69,15 @@ impl Report {
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let s = &self.seconds;
+        if let Some(held) = &self.held {
+            writeln!(
+                f,
+                "{} morph targets: {:.3} % of the size from the film on average, {:.2} % at most",
+                held.targets,
+                100.0 * held.mean_deviation,
+                100.0 * held.largest_deviation
+            )?;
+        }
         write!(
             f,
             "{} frames in {:.1} s: reading {:.1}, harmonics {:.1}, beats {:.1}, spectra {:.1}, mapping {:.2}, \

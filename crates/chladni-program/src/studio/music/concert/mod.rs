@@ -3,6 +3,7 @@
 mod drawing;
 mod marking;
 mod standing;
+mod suggesting;
 
 use chladni_music::{
     Action, Ensemble, FlashGuard, GalleryShape, Instrument, Mapping, Moment, Parameter, Preset, Settings,
@@ -17,6 +18,7 @@ use egui::Ui;
 
 use drawing::on_device;
 use standing::{camera_at, navigate};
+use suggesting::Recent;
 
 use super::close_up::{self, Draft};
 use super::coarse::{self, Detail};
@@ -71,6 +73,7 @@ pub struct Concert {
     view: View,
     draft: Option<Draft>,
     tried_out: Option<(Mapping, Settings)>,
+    recent: Recent,
     harmonics: Harmonics,
     pace: Pace,
     voice_names: Vec<String>,
@@ -118,6 +121,7 @@ impl Concert {
             view: View::Gallery,
             draft: None,
             tried_out: None,
+            recent: Recent::default(),
             harmonics: Harmonics::new(body, symmetry),
             pace: Pace::default(),
             voice_names,
@@ -183,6 +187,10 @@ impl Concert {
         if curtain && limited && !self.guard.may_step(self.seconds) {
             return Err(Error::input("The stage was held back: more would be a flash too many in a second."));
         }
+        let action = match action {
+            Action::Breed if self.instrument.parameters().is_on(Switch::Suggest) => self.suggested()?,
+            action => action,
+        };
         self.instrument.apply(self.moment, action)?;
         let count = self.instrument.gallery().items().len();
         if matches!(self.view, View::CloseUp(item) if item >= count) {
@@ -275,6 +283,7 @@ impl Concert {
         }
         let heard = listening.hear(self.seconds, self.instrument.parameters())?;
         self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
+        self.recent.hear(heard.at_secs, &heard.bands);
         let (beat, reaction) = (heard.beat, reaction(&self.instrument, heard.beat, heard.fading));
         let on_stage = self.on_stage();
         if let View::Harmonics(first) = self.view

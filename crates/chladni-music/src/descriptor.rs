@@ -1,0 +1,121 @@
+//! What a mapping looks like on a body: numbers that are near each other where movements look alike.
+
+use std::sync::Arc;
+
+use crate::{Bands, Dancer, Error, Mapping, Player, Playing};
+
+/// A few moments of a song, by which movements are compared.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// For each the amplitudes of left, right, middle and side, #ω each.
+    pub bands: Vec<[Vec<f32>; 4]>,
+    /// The gain that the sides have in it.
+    pub side_gain: f32,
+}
+
+/// The largest number of moments that are remembered.
+const MOST_MOMENTS: usize = 12;
+
+impl Moments {
+    /// Remembers what is heard now, in the place of the oldest of twelve. Where the number of bands has
+    /// changed, the others are forgotten.
+    pub fn remember(&mut self, heard: &Bands<'_>) {
+        let bands = heard.mid.len();
+        self.bands.retain(|moment| moment[0].len() == bands);
+        self.side_gain = heard.side_gain;
+        if self.bands.len() < MOST_MOMENTS {
+            self.bands.push(std::array::from_fn(|_| vec![0.0; bands]));
+        } else {
+            self.bands.rotate_left(1);
+        }
+        if let Some(moment) = self.bands.last_mut() {
+            let heard = [heard.left, heard.right, heard.mid, heard.side];
+            moment.iter_mut().zip(heard).for_each(|(kept, heard)| kept.copy_from_slice(heard));
+        }
+    }
+
+    /// Whether there are enough to compare movements by: half of those that are remembered, not silent.
+    pub fn are_enough(&self) -> bool {
+        let sounds = |moment: &&[Vec<f32>; 4]| moment.iter().flatten().any(|level| *level > 0.02);
+        2 * self.bands.iter().filter(sounds).count() >= MOST_MOMENTS
+    }
+
+    /// Of an unknown song: one octave after the other, in each channel and in both.
+    pub fn of_anything(bands: usize) -> Self {
+        const STEPS: usize = 6;
+        let range = |step: usize| bands * step / STEPS..bands * (step + 1) / STEPS;
+        let one = |(step, [left, right]): (usize, [f32; 2])| {
+            let fill = |level: f32| {
+                let mut all = vec![0.0; bands];
+                all[range(step)].fill(level);
+                all
+            };
+            [left, right, 0.5 * (left + right), 0.5 * (left - right).abs()].map(fill)
+        };
+        let channels = [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
+        let all = (0..STEPS).flat_map(|step| channels.map(|channels| (step, channels)));
+        Self { bands: all.map(one).collect(), side_gain: 1.0 }
+    }
+}
+
+/// How a mapping moves a body at some moments: displacements and gradients at its probes, as shares of what
+/// the limits allow, so that a ripple counts as much as a sway.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Descriptor(Vec<f32>);
+
+impl Descriptor {
+    /// Root mean square over moments and probes; 0 for movements that are the same.
+    pub fn distance(&self, other: &Self) -> f32 {
+        let squares = self.0.iter().zip(&other.0).map(|(a, b)| (a - b) * (a - b));
+        squares.sum::<f32>().sqrt()
+    }
+}
+
+/// Describes mappings for one body, one way of playing and some moments of a song.
+#[derive(Clone, Debug)]
+pub struct Describer {
+    dancer: Arc<Dancer>,
+    playing: Playing,
+    moments: Moments,
+}
+
+impl Describer {
+    /// For a body, a way of playing and some moments.
+    ///
+    /// # Errors
+    /// [`Error::Size`] where there is no moment or their bands differ in number, and what
+    /// [`Playing::validate`] says.
+    pub fn new(dancer: Arc<Dancer>, playing: Playing, moments: Moments) -> Result<Self, Error> {
+        playing.validate()?;
+        let bands = moments.bands.first().map_or(0, |moment| moment[0].len());
+        for band in moments.bands.iter().flatten() {
+            if band.len() != bands {
+                return Err(Error::Size { what: "bands of a moment", found: band.len(), expected: bands });
+            }
+        }
+        if bands == 0 {
+            return Err(Error::Size { what: "bands of a moment", found: 0, expected: 1 });
+        }
+        // Moments are single pictures: what rings has no time to.
+        Ok(Self { dancer, playing: Playing { timbre: None, ..playing }, moments })
+    }
+
+    /// How `mapping` moves the body.
+    ///
+    /// # Errors
+    /// Where it is not valid.
+    pub fn describe(&self, mapping: &Mapping) -> Result<Descriptor, Error> {
+        let bands = self.moments.bands[0][0].len();
+        let mut player = Player::new(mapping, &self.dancer, bands, self.playing)?;
+        let mut item = player.item();
+        let mut values = Vec::new();
+        for [left, right, mid, side] in &self.moments.bands {
+            let side_gain = self.moments.side_gain;
+            player.play(&Bands { left, right, mid, side, side_gain, ringing: None }, &mut item)?;
+            player.feel(&item, &mut values);
+        }
+        let share = 1.0 / (self.moments.bands.len() as f32).sqrt();
+        values.iter_mut().for_each(|x| *x *= share);
+        Ok(Descriptor(values))
+    }
+}

@@ -1,0 +1,196 @@
+//! A dance as a GLB file: the shape with morph targets, and their weights as an animation.
+
+use std::path::Path;
+
+use chladni_harmonics::Body;
+use chladni_mesh::{MorphAnimation, MorphTarget, TriMesh, write_animated_glb};
+use chladni_music::Form;
+use chladni_synth::{Item, Morph, Movement, displacements_f64};
+use chladni_task::write_atomic;
+use chladni_view::FrameRate;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::work::Error;
+
+/// At most this many frames are compared with the film.
+const JUDGED_FRAMES: u64 = 48;
+
+/// A recorded dance.
+pub struct Animation {
+    movement: Movement,
+    /// Some frames as they are filmed.
+    judged: Vec<(usize, Item)>,
+    judge_every: u64,
+    form: Form,
+}
+
+/// What a file with morph targets holds of a dance.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Held {
+    /// Morph targets.
+    pub targets: usize,
+    /// How far its positions are from those of the film, as a share of the bounding box's diagonal: mean over
+    /// vertices and frames.
+    pub mean_deviation: f64,
+    /// The farthest.
+    pub largest_deviation: f64,
+}
+
+impl Animation {
+    /// Of a dance of this many frames.
+    pub fn new(frames: u64) -> Self {
+        Self {
+            movement: Movement::default(),
+            judged: Vec::new(),
+            judge_every: frames.div_ceil(JUDGED_FRAMES).max(1),
+            form: Form::default(),
+        }
+    }
+
+    /// Adds a frame.
+    pub fn push(&mut self, form: Form, item: &Item) {
+        let frame = self.movement.frames();
+        if (frame as u64).is_multiple_of(self.judge_every) {
+            self.judged.push((frame, item.clone()));
+        }
+        self.form = form;
+        self.movement.push(item);
+    }
+
+    /// Writes `mesh`, whose body is `body`, with at most `most` targets.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where nothing moves, [`Error::Unwritten`] with the file's name, and
+    /// [`Error::Synth`].
+    pub fn write(
+        &self,
+        path: &Path,
+        mesh: &TriMesh,
+        body: &Body,
+        rate: FrameRate,
+        most: usize,
+    ) -> Result<Held, Error> {
+        let found = self.movement.morphs(most);
+        if found.morphs.is_empty() {
+            let path = path.display();
+            return Err(Error::Input(format!(
+                "{path}: nothing moves in this dance, so that it has no targets"
+            )));
+        }
+        let displacements: Vec<Vec<[f64; 3]>> = found
+            .morphs
+            .par_iter()
+            .map(|morph| displacements_f64(body, &morph.item))
+            .collect::<Result<_, _>>()?;
+        let held = self.held(body, &found.weights, &displacements)?;
+        let targets: Vec<MorphTarget> = (found.morphs.iter().zip(&displacements))
+            .map(|(morph, d)| MorphTarget {
+                name: self.name(morph),
+                displacements: body.displacements_in_file(d),
+            })
+            .collect();
+        let times_secs: Vec<f32> =
+            (0..self.movement.frames()).map(|frame| rate.start_secs(frame as u64) as f32).collect();
+        let animation = MorphAnimation { name: "dance", times_secs: &times_secs, weights: &found.weights };
+        let bytes =
+            write_animated_glb(mesh, &targets, animation).map_err(|error| Error::unwritten(path, error))?;
+        write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
+        Ok(held)
+    }
+
+    /// Compares with the film.
+    fn held(&self, body: &Body, weights: &[f32], targets: &[Vec<[f64; 3]>]) -> Result<Held, Error> {
+        let count = targets.len();
+        let frames: Vec<(f64, f64)> = self
+            .judged
+            .par_iter()
+            .map(|(frame, item)| {
+                let mut off = displacements_f64(body, item)?;
+                for (target, w) in targets.iter().zip(&weights[frame * count..]) {
+                    let w = f64::from(*w);
+                    off.iter_mut().zip(target).for_each(|(d, t)| (0..3).for_each(|i| d[i] -= w * t[i]));
+                }
+                let lengths = off.iter().map(|d| d.iter().map(|c| c * c).sum::<f64>().sqrt());
+                Ok(lengths.fold((0.0, 0.0), |(sum, most), d| (sum + d, f64::max(most, d))))
+            })
+            .collect::<Result<_, Error>>()?;
+        let diagonal = diagonal(&body.positions);
+        let all = (self.judged.len() * body.positions.len()).max(1) as f64;
+        let (sum, most) = frames.iter().fold((0.0, 0.0), |(s, m), frame| (s + frame.0, f64::max(m, frame.1)));
+        Ok(Held { targets: count, mean_deviation: sum / all / diagonal, largest_deviation: most / diagonal })
+    }
+
+    fn name(&self, morph: &Morph) -> String {
+        let what = morph.harmonic.map_or_else(|| "detail".to_owned(), |k| format!("harmonic {k}"));
+        match (self.form, &morph.terms[..]) {
+            (Form::HalfMask, [0]) => format!("{what}, left"),
+            (Form::HalfMask, [1]) => format!("{what}, right"),
+            _ => what,
+        }
+    }
+}
+
+fn diagonal(positions: &[[f64; 3]]) -> f64 {
+    let bound = |pick: fn(f64, f64) -> f64| {
+        let all = positions.iter().copied();
+        all.reduce(|a, b| std::array::from_fn(|i| pick(a[i], b[i]))).unwrap_or_default()
+    };
+    let (low, high) = (bound(f64::min), bound(f64::max));
+    (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_harmonics::BasisSettings;
+    use chladni_mesh::{Format, read_mesh, samples};
+    use chladni_synth::{Coefficients, Term};
+    use chladni_task::Task;
+
+    use super::*;
+
+    fn frame(f: usize) -> Item {
+        let at = f as f32 / 7.0;
+        let coefficients = (0..9).map(|k| [(at * k as f32).sin(), 0.1 * at, 0.03]).collect();
+        let term = Term {
+            coefficients: Coefficients::Vector(coefficients),
+            residual: None,
+            residual_gain: 0.0,
+            mask: None,
+        };
+        Item { terms: vec![term] }
+    }
+
+    #[test]
+    fn targets_times_weights_are_the_film() {
+        let mut mesh = samples::icosphere(2);
+        mesh.positions.iter_mut().for_each(|p| *p = [50.0 * p[0] + 3.0, 40.0 * p[1], 20.0 * p[2]]);
+        let body = Body::build(&mesh, &BasisSettings::new(9), &Task::new()).unwrap();
+        let mut animation = Animation::new(20);
+        (0..20).for_each(|f| animation.push(Form::Filter, &frame(f)));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.glb");
+        let write = |most| animation.write(&path, &mesh, &body, FrameRate::per_second(10), most).unwrap();
+        let all = write(1000);
+        assert!(all.largest_deviation < 1e-6, "{all:?}");
+        let few = write(3);
+        assert!(few.targets == 3 && few.largest_deviation > 1e-3, "{few:?}");
+        assert!(few.mean_deviation < few.largest_deviation);
+        let back = read_mesh(&std::fs::read(&path).unwrap(), Format::Glb).unwrap().mesh;
+        assert!(back.positions.iter().zip(&mesh.positions).all(|(a, b)| (a[0] - b[0]).abs() < 1e-4));
+    }
+
+    #[test]
+    fn a_dance_without_movement_is_refused() {
+        let mesh = samples::icosphere(1);
+        let body = Body::build(&mesh, &BasisSettings::new(4), &Task::new()).unwrap();
+        let mut animation = Animation::new(1);
+        animation.push(Form::Filter, &Item::default());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.glb");
+        let error =
+            animation.write(&path, &mesh, &body, FrameRate::per_second(10), 8).map(|_| ()).unwrap_err();
+        assert!(error.to_string().contains("nothing moves"));
+        assert!(!path.exists());
+    }
+}
