@@ -58,7 +58,7 @@ impl Animation {
         self.movement.push(item);
     }
 
-    /// Writes `mesh`, whose body is `body`, with at most `most` targets.
+    /// Writes `mesh`, whose body is `body`, with at most `most` targets and an offset.
     ///
     /// # Errors
     /// [`Error::Input`] where nothing moves, [`Error::Unwritten`] with the file's name, and
@@ -83,16 +83,15 @@ impl Animation {
             .par_iter()
             .map(|morph| displacements_f64(body, &morph.item))
             .collect::<Result<_, _>>()?;
-        let held = self.held(body, &found.weights, &displacements)?;
-        let targets: Vec<MorphTarget> = (found.morphs.iter().zip(&displacements))
-            .map(|(morph, d)| MorphTarget {
-                name: self.name(morph),
-                displacements: body.displacements_in_file(d),
-            })
+        let (displacements, weights) = from_zero_to_one(displacements, &found.weights);
+        let held = self.held(body, &weights, &displacements)?;
+        let names = found.morphs.iter().map(|morph| self.name(morph)).chain([OFFSET.to_owned()]);
+        let targets: Vec<MorphTarget> = (names.zip(&displacements))
+            .map(|(name, d)| MorphTarget { name, displacements: body.displacements_in_file(d) })
             .collect();
         let times_secs: Vec<f32> =
             (0..self.movement.frames()).map(|frame| rate.start_secs(frame as u64) as f32).collect();
-        let animation = MorphAnimation { name: "dance", times_secs: &times_secs, weights: &found.weights };
+        let animation = MorphAnimation { name: "dance", times_secs: &times_secs, weights: &weights };
         let bytes =
             write_animated_glb(mesh, &targets, animation).map_err(|error| Error::unwritten(path, error))?;
         write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
@@ -129,6 +128,31 @@ impl Animation {
             _ => what,
         }
     }
+}
+
+/// The target of weight 1 that makes up for the other weights being positive.
+const OFFSET: &str = "offset";
+
+/// The same movement with weights in [0, 1], as Blender cuts others off: each target spans what its weight
+/// went through, and one more, of constant weight, holds where they begin.
+fn from_zero_to_one(mut targets: Vec<Vec<[f64; 3]>>, weights: &[f32]) -> (Vec<Vec<[f64; 3]>>, Vec<f32>) {
+    let count = targets.len();
+    let mut offset = vec![[0.0; 3]; targets.first().map_or(0, Vec::len)];
+    let mut positive = vec![1.0; weights.len() / count.max(1) * (count + 1)];
+    for (j, target) in targets.iter_mut().enumerate() {
+        let own = || weights.iter().skip(j).step_by(count).copied();
+        let (least, most) = own().fold((f32::MAX, f32::MIN), |(least, most), w| (least.min(w), most.max(w)));
+        let span = most - least;
+        for (v, o) in target.iter_mut().zip(&mut offset) {
+            (0..3).for_each(|i| o[i] += f64::from(least) * v[i]);
+            *v = v.map(|x| f64::from(span) * x);
+        }
+        for (row, w) in positive.chunks_mut(count + 1).zip(own()) {
+            row[j] = if span > 0.0 { (w - least) / span } else { 0.0 };
+        }
+    }
+    targets.push(offset);
+    (targets, positive)
 }
 
 fn diagonal(positions: &[[f64; 3]]) -> f64 {
@@ -174,7 +198,7 @@ mod tests {
         let all = write(1000);
         assert!(all.largest_deviation < 1e-6, "{all:?}");
         let few = write(3);
-        assert!(few.targets == 3 && few.largest_deviation > 1e-3, "{few:?}");
+        assert!(few.targets == 4 && few.largest_deviation > 1e-3, "{few:?}");
         assert!(few.mean_deviation < few.largest_deviation);
         let back = read_mesh(&std::fs::read(&path).unwrap(), Format::Glb).unwrap().mesh;
         assert!(back.positions.iter().zip(&mesh.positions).all(|(a, b)| (a[0] - b[0]).abs() < 1e-4));
