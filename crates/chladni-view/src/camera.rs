@@ -299,6 +299,11 @@ impl Camera {
         [stands.right(), stands.up(), stands.front()].map(|v| DVec3::from(v).as_vec3())
     }
 
+    /// Up in the scene, whatever the pitch.
+    pub(crate) fn up(&self) -> Vec3 {
+        self.ground()[1]
+    }
+
     /// Where the eye is.
     pub fn eye(&self) -> [f32; 3] {
         (Vec3::from(self.target) + self.axes()[2] * self.distance).to_array()

@@ -36,13 +36,17 @@ mod cpu;
 mod device;
 mod error;
 pub mod film;
+mod finish;
 pub mod framing;
 mod gpu;
 pub mod layout;
+mod look;
+mod palette;
 mod pick;
 mod picture;
 mod renderer;
 mod request;
+mod rest;
 mod samples;
 mod scene;
 mod style;
@@ -55,8 +59,11 @@ pub use colormap::{ColorMap, Scale};
 pub use device::{Device, Draw};
 pub use error::ViewError;
 pub use film::{Film, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
+pub use finish::Finish;
 pub use gpu::Gpu;
 pub use layout::Rect;
+pub use look::{Look, Mood, Response};
+pub use palette::{Answer, Palette};
 pub use pick::{Hit, PickTree, Ray};
 pub use picture::Picture;
 pub use renderer::Renderer;
@@ -64,9 +71,10 @@ pub use request::{
     PictureRequest, PictureShape, Style, film_turntable, render_picture, render_picture_with, render_placed,
     smooth_normals,
 };
+pub use rest::RestShape;
 pub use samples::Samples;
 pub use scene::{Cell, Figure, IDENTITY, Marker, Paint, Wire};
-pub use style::{Background, Light, Lights, Material};
+pub use style::{Background, Curve, Floor, Gradient, Light, Lights, Material};
 
 /// The examples of README.md, compiled.
 #[cfg(doctest)]

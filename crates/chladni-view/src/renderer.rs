@@ -1,7 +1,7 @@
 //! Draws cells of figures on a canvas, whoever draws.
 
 use crate::buffers::Held;
-use crate::{Canvas, Cell, Device, Gpu, ViewError, cpu, gpu};
+use crate::{Canvas, Cell, Device, Finish, Gpu, ViewError, cpu, gpu};
 
 /// What one device keeps from picture to picture: pipelines and uniforms, or bins and tiles. Make one
 /// and keep it.
@@ -38,9 +38,25 @@ impl Renderer {
     /// not belong together, or any of it was made for another device; [`ViewError::Device`] where the
     /// device has failed.
     pub fn draw(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<(), ViewError> {
+        self.draw_finished(canvas, cells, &Finish::NOTHING, 0.0)
+    }
+
+    /// As [`draw`](Self::draw), with a finish over the whole picture, which is that of `at_secs`. Trails come
+    /// of the picture that this renderer drew before.
+    ///
+    /// # Errors
+    /// As [`draw`](Self::draw); [`ViewError::Shape`] for a finish on a canvas of a format that is not
+    /// [`Canvas::FORMAT`].
+    pub fn draw_finished(
+        &mut self,
+        canvas: &Canvas,
+        cells: &[Cell<'_>],
+        finish: &Finish,
+        at_secs: f64,
+    ) -> Result<(), ViewError> {
         match &mut self.held {
-            Held::Cpu(renderer) => renderer.draw(canvas.held.cpu()?, cells),
-            Held::Gpu(renderer) => renderer.draw(canvas.held.gpu()?, cells),
+            Held::Cpu(renderer) => renderer.draw(canvas.held.cpu()?, cells, (finish, at_secs)),
+            Held::Gpu(renderer) => renderer.draw(canvas.held.gpu()?, cells, (finish, at_secs)),
         }
     }
 }

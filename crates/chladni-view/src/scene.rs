@@ -1,7 +1,8 @@
 //! What is drawn: figures, what they are painted with, and the cells they stand in.
 
 use crate::{
-    Background, BrushRing, Camera, ItemBuffers, Lights, Material, Rect, Scale, Skin, Topology, VertexPaint,
+    Answer, Background, BrushRing, Camera, ItemBuffers, Lights, Material, Rect, RestShape, Scale, Skin,
+    Topology, VertexPaint,
 };
 
 /// What gives a surface its colour.
@@ -16,6 +17,8 @@ pub enum Paint<'a> {
     Colors(&'a VertexPaint),
     /// An image by the topology's corner UVs.
     Skin(&'a Skin),
+    /// A palette, by how far each vertex is from where it rests.
+    Answer(&'a RestShape, Answer),
 }
 
 /// Edges drawn over a surface.

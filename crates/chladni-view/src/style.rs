@@ -21,6 +21,10 @@ pub struct Material {
     pub softness: f32,
     /// Colours that turn with the angle of view (mother-of-pearl), in [0, 1].
     pub iridescence: f32,
+    /// Share of its own colour that shines without any light, at least 0.
+    pub glow: f32,
+    /// What shines where the surface turns away from the viewer (velvet, deep-sea skin), sRGB; black is nothing.
+    pub edge: [u8; 3],
 }
 
 impl Default for Material {
@@ -30,21 +34,34 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Half-matte grey, to be changed.
+    pub(crate) const BARE: Self = Self {
+        color: [128; 3],
+        roughness: 0.5,
+        metal: 0.0,
+        softness: 0.0,
+        iridescence: 0.0,
+        glow: 0.0,
+        edge: [0; 3],
+    };
     /// Warm modelling clay: every form readable.
-    pub const CLAY: Self =
-        Self { color: [201, 172, 150], roughness: 0.62, metal: 0.0, softness: 0.25, iridescence: 0.0 };
+    pub const CLAY: Self = Self { color: [201, 172, 150], roughness: 0.62, softness: 0.25, ..Self::BARE };
     /// Glazed white porcelain.
     pub const PORCELAIN: Self =
-        Self { color: [224, 221, 215], roughness: 0.24, metal: 0.0, softness: 0.45, iridescence: 0.0 };
+        Self { color: [224, 221, 215], roughness: 0.24, softness: 0.45, ..Self::BARE };
     /// Cast bronze.
-    pub const BRONZE: Self =
-        Self { color: [201, 146, 96], roughness: 0.34, metal: 1.0, softness: 0.0, iridescence: 0.0 };
+    pub const BRONZE: Self = Self { color: [201, 146, 96], roughness: 0.34, metal: 1.0, ..Self::BARE };
     /// Mother-of-pearl.
-    pub const PEARL: Self =
-        Self { color: [226, 222, 226], roughness: 0.3, metal: 0.15, softness: 0.35, iridescence: 0.75 };
+    pub const PEARL: Self = Self {
+        color: [226, 222, 226],
+        roughness: 0.3,
+        metal: 0.15,
+        softness: 0.35,
+        iridescence: 0.75,
+        ..Self::BARE
+    };
     /// Matte dark rubber: the rim light draws it.
-    pub const DARK: Self =
-        Self { color: [52, 55, 62], roughness: 0.55, metal: 0.0, softness: 0.1, iridescence: 0.0 };
+    pub const DARK: Self = Self { color: [52, 55, 62], roughness: 0.55, softness: 0.1, ..Self::BARE };
     /// Names and presets, for menus and the command line.
     pub const PRESETS: [(&'static str, Self); 5] = [
         ("clay", Self::CLAY),
@@ -83,6 +100,22 @@ pub struct Lights {
     pub exposure: f32,
     /// How dark the key light's shadows are, in [0, 1]; 0 draws none and saves a pass.
     pub shadow: f32,
+    /// Linear-light RGB of a bright line all around at the height of the eye, which surfaces mirror.
+    pub horizon: [f32; 3],
+    /// Two upright softboxes to the left and right, which surfaces mirror; 1 is as bright as a white wall.
+    pub strips: f32,
+    /// How light becomes the numbers of a picture.
+    pub curve: Curve,
+}
+
+/// From linear light to what a screen can show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Curve {
+    /// Khronos PBR Neutral (2024): colours below the shoulder stay true.
+    #[default]
+    Neutral,
+    /// As film: more contrast, and bright colours turn to white (Narkowicz' fit of the ACES curve, 2015).
+    Filmic,
 }
 
 impl Default for Lights {
@@ -92,6 +125,21 @@ impl Default for Lights {
 }
 
 impl Lights {
+    /// One lamp from the upper left, to be changed.
+    pub(crate) const BARE: Self = Self {
+        lights: [
+            Light { direction: [-0.55, 0.65, 0.62], color: [1.0; 3] },
+            Light { direction: [0.85, 0.1, 0.5], color: [0.0; 3] },
+            Light { direction: [0.45, 0.55, -0.75], color: [0.0; 3] },
+        ],
+        sky: [0.0; 3],
+        ground: [0.0; 3],
+        exposure: 1.0,
+        shadow: 0.0,
+        horizon: [0.0; 3],
+        strips: 0.0,
+        curve: Curve::Neutral,
+    };
     /// Neutral studio: a large key from the upper left, a cool fill, a rim from behind.
     pub const STUDIO: Self = Self {
         lights: [
@@ -101,8 +149,8 @@ impl Lights {
         ],
         sky: [0.23, 0.25, 0.28],
         ground: [0.085, 0.075, 0.065],
-        exposure: 1.0,
         shadow: 0.8,
+        ..Self::BARE
     };
     /// An overcast day: little shadow, for reading colours and maps.
     pub const SOFT: Self = Self {
@@ -113,8 +161,7 @@ impl Lights {
         ],
         sky: [0.48, 0.49, 0.51],
         ground: [0.27, 0.265, 0.26],
-        exposure: 1.0,
-        shadow: 0.0,
+        ..Self::BARE
     };
     /// One hard key from the side, deep shadow, strong rim.
     pub const DRAMATIC: Self = Self {
@@ -125,8 +172,8 @@ impl Lights {
         ],
         sky: [0.08, 0.09, 0.11],
         ground: [0.03, 0.03, 0.03],
-        exposure: 1.0,
         shadow: 0.9,
+        ..Self::BARE
     };
     /// Two colours from either side, for the stage.
     pub const STAGE: Self = Self {
@@ -137,8 +184,8 @@ impl Lights {
         ],
         sky: [0.13, 0.12, 0.17],
         ground: [0.06, 0.05, 0.08],
-        exposure: 1.0,
         shadow: 0.7,
+        ..Self::BARE
     };
     /// Names and presets, for menus and the command line.
     pub const PRESETS: [(&'static str, Self); 4] = [
@@ -173,6 +220,33 @@ pub struct Background {
     pub corner: [u8; 3],
     /// 1 is opaque; 0 leaves only the shape, for pictures with alpha.
     pub opacity: f32,
+    /// Which way the colours run.
+    pub gradient: Gradient,
+    /// What the shape stands over, seen in perspective only.
+    pub floor: Option<Floor>,
+}
+
+/// Which way a background's two colours run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gradient {
+    /// From the middle to the corners.
+    #[default]
+    Round,
+    /// From the bottom (the middle's colour) to the top (the corners').
+    Upright,
+}
+
+/// A floor that fades into the background, with a soft shadow under the shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floor {
+    /// Its colour in the light, sRGB.
+    pub color: [u8; 3],
+    /// How dark the shadow is, in [0, 1].
+    pub shadow: f32,
+    /// The point of the scene below the shape's middle.
+    pub at: [f32; 3],
+    /// Half the shape's width; the shadow is as large.
+    pub radius: f32,
 }
 
 impl Default for Background {
@@ -183,15 +257,15 @@ impl Default for Background {
 
 impl Background {
     /// Warm light grey.
-    pub const PAPER: Self = Self { center: [238, 236, 232], corner: [203, 200, 195], opacity: 1.0 };
+    pub const PAPER: Self = Self::between([238, 236, 232], [203, 200, 195]);
     /// Dark blue-grey, as a modelling program's viewport.
-    pub const SLATE: Self = Self { center: [64, 69, 78], corner: [32, 35, 41], opacity: 1.0 };
+    pub const SLATE: Self = Self::between([64, 69, 78], [32, 35, 41]);
     /// Almost black, for the stage.
-    pub const NIGHT: Self = Self { center: [24, 23, 32], corner: [6, 6, 10], opacity: 1.0 };
+    pub const NIGHT: Self = Self::between([24, 23, 32], [6, 6, 10]);
     /// Plain white, for print.
-    pub const WHITE: Self = Self { center: [255; 3], corner: [255; 3], opacity: 1.0 };
+    pub const WHITE: Self = Self::between([255; 3], [255; 3]);
     /// Nothing: the picture has alpha.
-    pub const TRANSPARENT: Self = Self { center: [0; 3], corner: [0; 3], opacity: 0.0 };
+    pub const TRANSPARENT: Self = Self { opacity: 0.0, ..Self::between([0; 3], [0; 3]) };
     /// Names and presets, for menus and the command line.
     pub const PRESETS: [(&'static str, Self); 5] = [
         ("paper", Self::PAPER),
@@ -208,6 +282,11 @@ impl Background {
 
     /// One colour.
     pub fn plain(color: [u8; 3]) -> Self {
-        Self { center: color, corner: color, opacity: 1.0 }
+        Self::between(color, color)
+    }
+
+    /// Opaque, from the colour of the middle to that of the corners.
+    pub const fn between(center: [u8; 3], corner: [u8; 3]) -> Self {
+        Self { center, corner, opacity: 1.0, gradient: Gradient::Round, floor: None }
     }
 }

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
 use crate::style::linear;
-use crate::{Cell, Figure, Paint, ViewError};
+use crate::{Answer, Cell, Figure, Paint, ViewError};
 
 /// A cell, as `shader.wgsl` describes it.
 #[repr(C)]
@@ -22,6 +22,10 @@ pub(crate) struct CellUniform {
     pub(crate) shadow: [[f32; 4]; 4],
     pub(crate) shadow_map: [f32; 4],
     pub(crate) shadow_place: [f32; 4],
+    pub(crate) horizon: [f32; 4],
+    pub(crate) floor: [f32; 4],
+    pub(crate) floor_plane: [f32; 4],
+    pub(crate) floor_axes: [[f32; 4]; 2],
 }
 
 /// A figure, as `shader.wgsl` describes it.
@@ -36,6 +40,9 @@ pub(crate) struct FigureUniform {
     pub(crate) wire: [f32; 4],
     pub(crate) wire_width: [f32; 4],
     pub(crate) brush: [f32; 4],
+    pub(crate) edge: [f32; 4],
+    pub(crate) answer: [f32; 4],
+    pub(crate) glow: [f32; 4],
 }
 
 /// Heat maps and bare backgrounds have no shadows.
@@ -91,6 +98,9 @@ pub(crate) fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
         Paint::Values(paint, _) | Paint::Colors(paint) if paint.vertices != buffers.vertices => {
             Err(ViewError::Shape(format!("{} painted vertices of {}", paint.vertices, buffers.vertices)))
         }
+        Paint::Answer(rest, _) if rest.vertices != buffers.vertices => {
+            Err(ViewError::Shape(format!("a rest of {} vertices for {}", rest.vertices, buffers.vertices)))
+        }
         Paint::Skin(_) if !topology.has_uvs => Err(ViewError::Shape("a skin on a shape without UVs".into())),
         _ => Ok(()),
     }
@@ -108,15 +118,44 @@ pub(crate) fn cell_uniform(cell: &Cell<'_>, encode: bool) -> CellUniform {
             let direction = Vec3::from(light.direction).normalize_or(Vec3::Y);
             [rgb(direction.to_array(), 0.0), rgb(light.color, 0.0)]
         }),
-        sky: rgb(cell.lights.sky, 0.0),
+        sky: rgb(cell.lights.sky, cell.lights.strips),
         ground: rgb(cell.lights.ground, 0.0),
         background_center: srgb(cell.background.center, cell.background.opacity),
-        background_corner: srgb(cell.background.corner, 0.0),
+        background_corner: srgb(cell.background.corner, f32::from(cell.background.gradient as u8)),
         viewport: [r.x as f32, r.y as f32, r.width as f32, r.height as f32],
-        output: [f32::from(u8::from(encode)), cell.lights.exposure, f32::from(u8::from(orthographic)), 0.0],
-        shadow: [[0.0; 4]; 4],
-        shadow_map: [0.0; 4],
-        shadow_place: [0.0; 4],
+        output: [
+            f32::from(u8::from(encode)),
+            cell.lights.exposure,
+            f32::from(u8::from(orthographic)),
+            f32::from(cell.lights.curve as u8),
+        ],
+        horizon: rgb(cell.lights.horizon, 0.0),
+        ..floor_uniform(cell)
+    }
+}
+
+/// The floor in the viewer's axes: its plane, and two directions along it in which the shadow's edge is 1 away
+/// from its middle. Parallel views, and floors that are seen from below or edge on, show none.
+fn floor_uniform(cell: &Cell<'_>) -> CellUniform {
+    let nothing = CellUniform::zeroed();
+    let (camera, Some(floor)) = (&cell.camera, cell.background.floor) else { return nothing };
+    let view = camera.view_matrix();
+    let up = view.transform_vector3(camera.up());
+    let at = view.transform_point3(Vec3::from(floor.at));
+    // The eye is the origin: it must be above the floor.
+    let height = -up.dot(at);
+    let flat = camera.projection == crate::Projection::Orthographic;
+    if flat || height <= 0.0 || floor.radius <= 0.0 || !(height + floor.radius).is_finite() {
+        return nothing;
+    }
+    let right = (Vec3::X - up * up.x).normalize_or(Vec3::Z);
+    let along = |axis: Vec3| (axis / floor.radius).extend(-axis.dot(at) / floor.radius).to_array();
+    let [r, g, b] = floor.color.map(|c| f32::from(c) / 255.0);
+    CellUniform {
+        floor: [r, g, b, floor.shadow.clamp(0.0, 1.0)],
+        floor_plane: up.extend(height).to_array(),
+        floor_axes: [along(right), along(up.cross(right))],
+        ..nothing
     }
 }
 
@@ -128,9 +167,16 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
         Paint::Values(_, scale) => (1.0, Some(scale)),
         Paint::Colors(_) => (2.0, None),
         Paint::Skin(_) => (3.0, None),
+        Paint::Answer(..) => (4.0, None),
     };
-    let scale = scale
+    let mut scale = scale
         .map_or([0.0; 4], |scale| [scale.low, (scale.high - scale.low).recip(), scale.map.row() as f32, 0.0]);
+    let (mut answer, mut answer_glow) = (Answer::default(), [0.0, 1.0, 0.0]);
+    if let Paint::Answer(_, by) = figure.paint {
+        answer = by;
+        answer_glow = [by.glow, by.saturation, f32::from(u8::from(by.palette.is_circle()))];
+        scale[2] = by.palette.row() as f32;
+    }
     let m = figure.material;
     let first_vertex = (figure.item * figure.buffers.vertices) as f32;
     FigureUniform {
@@ -143,5 +189,8 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
         wire: figure.wire.map_or([0.0; 4], |wire| srgb(wire.color, wire.opacity)),
         wire_width: [figure.wire.map_or(0.0, |wire| wire.width_px), first_vertex, 0.0, 0.0],
         brush: figure.brush.map_or([0.0; 4], |ring| srgb(ring.color, ring.radius)),
+        edge: rgb(linear(m.edge), 0.0),
+        answer: [answer.offset, answer.span, answer.swing, answer.travel],
+        glow: [m.glow, answer_glow[0], answer_glow[1], answer_glow[2]],
     }
 }

@@ -2,25 +2,31 @@
 
 use rayon::prelude::*;
 
-use super::curves::{clamp, mix, smoothstep};
+use super::curves::{clamp, max, min, mix, smoothstep};
 use super::instructions::{Instructions, Kernel};
+use crate::Rect;
 use crate::uniforms::CellUniform;
-use crate::{Background, Rect};
 
 /// The painted background of one cell, premultiplied.
 #[derive(Debug, Default)]
 pub(super) struct Backdrop {
-    of: Option<(Background, Rect)>,
+    of: Option<Painted>,
     pixels: Vec<u8>,
 }
 
+/// All that a background depends on.
+type Painted = (Rect, [[f32; 4]; 6], [[f32; 4]; 4]);
+
 impl Backdrop {
     /// Paints the cell's background, unless it is there.
-    pub(super) fn paint(&mut self, with: Instructions, cell: &CellUniform, of: (Background, Rect)) {
+    pub(super) fn paint(&mut self, with: Instructions, cell: &CellUniform, rect: Rect) {
+        let [x_axis, z_axis] = cell.floor_axes;
+        let (center, corner, floor) = (cell.background_center, cell.background_corner, cell.floor);
+        let of = (rect, [center, corner, floor, cell.floor_plane, x_axis, z_axis], cell.projection);
         if self.of == Some(of) {
             return;
         }
-        let (width, height) = (of.1.width as usize, of.1.height as usize);
+        let (width, height) = (rect.width as usize, rect.height as usize);
         self.of = Some(of);
         self.pixels.resize(4 * width * height, 0);
         let rows = self.pixels.par_chunks_mut(4 * width).enumerate();
@@ -29,7 +35,7 @@ impl Backdrop {
 
     /// Pixels from `x` on in row `y` of the cell.
     pub(super) fn row(&self, x: usize, y: usize) -> &[u8] {
-        let width = self.of.map_or(0, |(_, rect)| rect.width as usize);
+        let width = self.of.map_or(0, |(rect, ..)| rect.width as usize);
         &self.pixels[4 * (y * width + x)..4 * (y + 1) * width]
     }
 }
@@ -45,19 +51,50 @@ impl Kernel for Row<'_> {
     fn run(self) {
         let [left, top, width, height] = self.cell.viewport;
         let (center, corner) = (self.cell.background_center, self.cell.background_corner);
-        let y = 1.0 - 2.0 * (self.y as f32 + 0.5) / height - 0.1;
+        let at_y = 1.0 - 2.0 * (self.y as f32 + 0.5) / height;
+        let (y, upright) = (at_y - 0.1, corner[3] > 0.5);
         let row = top as u32 + self.y as u32;
+        let floor = self.cell.floor_plane[..3].iter().any(|axis| *axis != 0.0);
         for (i, pixel) in self.pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
             let x = 2.0 * (i as f32 + 0.5) / width - 1.0;
-            let share = smoothstep(0.1, 1.5, (x * x + y * y).sqrt());
+            let round = smoothstep(0.1, 1.5, (x * x + y * y).sqrt());
+            let share = if upright { 0.5 + 0.5 * at_y } else { round };
+            let mut behind = [0.0; 3];
+            for k in 0..3 {
+                behind[k] = mix(center[k], corner[k], share);
+            }
+            if floor {
+                behind = floored(self.cell, behind, [x, at_y]);
+            }
             // An ordered dither hides the steps of eight bits, and unlike noise it compresses well.
             let (px, py) = ((left as u32 + i as u32) & 1, row & 1);
             let dither = ((2 * (px ^ py) + py) as f32 - 1.5) / (4.0 * 255.0);
             for k in 0..3 {
-                let c = mix(center[k], corner[k], share) + dither;
+                let c = behind[k] + dither;
                 pixel[k] = (clamp(c, 0.0, 1.0) * center[3] * 255.0 + 0.5) as u8;
             }
             pixel[3] = (center[3] * 255.0 + 0.5) as u8;
         }
     }
+}
+
+/// The floor over a background, as `floored` of `shader.wgsl`.
+#[inline(always)]
+fn floored(cell: &CellUniform, behind: [f32; 3], [x, y]: [f32; 2]) -> [f32; 3] {
+    let CellUniform { projection, floor, floor_plane, floor_axes, .. } = cell;
+    let ray = [x / projection[0][0], y / projection[1][1], -1.0];
+    let dot = |a: &[f32; 4], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let down = -dot(floor_plane, ray);
+    let way = floor_plane[3] / max(down, 1e-6);
+    let p = ray.map(|c| c * way);
+    let x = dot(&floor_axes[0], p) + floor_axes[0][3];
+    let z = dot(&floor_axes[1], p) + floor_axes[1][3];
+    let from = min(x * x + z * z, 1e6);
+    let shadow = 1.0 / (1.0 + 4.0 * from * from);
+    let there = if down > 1e-6 { 1.0 / (1.0 + 0.06 * from) } else { 0.0 };
+    let mut all = [0.0; 3];
+    for k in 0..3 {
+        all[k] = mix(behind[k], floor[k] * (1.0 - floor[3] * shadow), there);
+    }
+    all
 }

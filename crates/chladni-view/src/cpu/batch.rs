@@ -41,6 +41,8 @@ pub(super) struct Batch {
     pub(super) keyed: Places,
     /// Share of the key light.
     pub(super) key: Places,
+    /// Own light, as a share of the colour.
+    pub(super) glow: Places,
     /// Linear light; then sRGB-encoded.
     pub(super) color: [Places; 3],
 }
@@ -65,6 +67,7 @@ impl Batch {
             map: [none; 3],
             keyed: none,
             key: none,
+            glow: none,
             color: [none; 3],
         })
     }
@@ -208,7 +211,8 @@ impl<const FILM: bool> Kernel for Light<'_, '_, FILM> {
         for i in 0..b.padded() {
             let (n, v) = (at(&b.normal, i), at(&b.viewer, i));
             let of = (setting.cell, setting.figure);
-            let c = shade::modelled::<FILM>(of, at(&b.color, i), n, v, b.front[i] > 0.5, b.key[i]);
+            let light = (b.key[i], b.glow[i]);
+            let c = shade::modelled::<FILM>(of, at(&b.color, i), n, v, b.front[i] > 0.5, light);
             set(&mut b.color, i, c);
         }
     }

@@ -6,12 +6,13 @@
 //! one thread in one order, so that the number of threads changes no bit.
 //!
 //! One layer after the other lies over what is there: opaque figures together, sides of translucent
-//! figures, brush rings, markers. A look that works on finished pixels would be one more after these.
+//! figures, brush rings, markers. The finish of a picture comes after these.
 
 mod backdrop;
 mod batch;
 mod curves;
 mod fill;
+mod finishing;
 mod instructions;
 mod markers;
 mod project;
@@ -29,10 +30,11 @@ use rayon::prelude::*;
 pub(crate) use instructions::Instructions;
 pub(crate) use pyramid::Pyramid;
 
+use self::finishing::Finishing;
 use self::stage::{Locks, Stage};
 use self::tile::{Scratch, TILE_BITS};
 use crate::style::linear;
-use crate::{Cell, ColorMap, ViewError};
+use crate::{Cell, ColorMap, Finish, Palette, ViewError};
 
 /// Pixels in memory: sRGB-encoded, premultiplied, rows from the top.
 #[derive(Debug)]
@@ -57,7 +59,8 @@ impl Canvas {
 pub(crate) struct Renderer {
     instructions: Instructions,
     stage: Stage,
-    /// Linear light of the colour maps, one a row.
+    finishing: Finishing,
+    /// Linear light of the colour maps, then of the palettes, one a row.
     maps: Vec<[[f32; 3]; 256]>,
     /// For the threads to take.
     scratch: Mutex<Vec<Scratch>>,
@@ -65,18 +68,26 @@ pub(crate) struct Renderer {
 
 impl Default for Renderer {
     fn default() -> Self {
-        let row = |map: &ColorMap| std::array::from_fn(|i| linear(map.color(i as f32 / 255.0)));
+        let row = |color: &dyn Fn(f32) -> [u8; 3]| std::array::from_fn(|i| linear(color(i as f32 / 255.0)));
+        let maps = ColorMap::ALL.iter().map(|map| row(&|t| map.color(t)));
+        let palettes = Palette::ALL.iter().map(|palette| row(&|t| palette.color(t)));
         Self {
             instructions: Instructions::fastest(),
             stage: Stage::default(),
-            maps: ColorMap::ALL.iter().map(row).collect(),
+            finishing: Finishing::default(),
+            maps: maps.chain(palettes).collect(),
             scratch: Mutex::default(),
         }
     }
 }
 
 impl Renderer {
-    pub(crate) fn draw(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<(), ViewError> {
+    pub(crate) fn draw(
+        &mut self,
+        canvas: &Canvas,
+        cells: &[Cell<'_>],
+        (finish, at_secs): (&Finish, f64),
+    ) -> Result<(), ViewError> {
         let locks = Locks::of(cells)?;
         let subjects = locks.subjects(cells)?;
         self.stage.set(self.instructions, canvas, cells, &subjects)?;
@@ -90,11 +101,16 @@ impl Renderer {
         let scratch = &self.scratch;
         let pool = || scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let band = (4 * picture.width) << TILE_BITS[1];
-        canvas.pixels().par_chunks_mut(band).enumerate().for_each(|(row, pixels)| {
+        let mut pixels = canvas.pixels();
+        pixels.par_chunks_mut(band).enumerate().for_each(|(row, pixels)| {
             let mut own = pool().pop().unwrap_or_else(Scratch::new);
             picture.draw_band(row as i32, pixels, &mut own);
             pool().push(own);
         });
+        if !finish.is_nothing() {
+            let size = [canvas.width, canvas.height];
+            self.finishing.lay(self.instructions, (finish, at_secs), size, &mut pixels);
+        }
         Ok(())
     }
 
@@ -141,9 +157,10 @@ mod tests {
             figures: &[figure],
             markers: &[],
         };
+        let finish = Finish { bloom: 0.8, vignette: 0.5, grain: 0.1, ..Finish::NOTHING };
         let pictures = Instructions::available().iter().map(|instructions| {
             let canvas = Canvas::new(150, 90);
-            Renderer::with(*instructions).draw(&canvas, &[cell]).unwrap();
+            Renderer::with(*instructions).draw(&canvas, &[cell], (&finish, 0.5)).unwrap();
             canvas.pixels.into_inner().unwrap()
         });
         let pictures: Vec<Vec<u8>> = pictures.collect();

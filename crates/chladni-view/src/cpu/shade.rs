@@ -57,9 +57,29 @@ fn toned(linear: Vec3) -> Vec3 {
 }
 
 #[inline(always)]
+fn filmed(linear: Vec3) -> Vec3 {
+    let grey = 0.2126 * linear.x + 0.7152 * linear.y + 0.0722 * linear.z;
+    each(linear, |c| {
+        let x = mix(c, grey, 0.06) * 0.8;
+        (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)
+    })
+}
+
+#[inline(always)]
+fn curved(cell: &CellUniform, linear: Vec3) -> Vec3 {
+    let (neutral, film) = (toned(linear), filmed(linear));
+    let pick = |a: f32, b: f32| if cell.output[3] > 0.5 { b } else { a };
+    vec3(pick(neutral.x, film.x), pick(neutral.y, film.y), pick(neutral.z, film.z))
+}
+
+#[inline(always)]
 fn studio(cell: &CellUniform, d: Vec3, roughness: f32) -> Vec3 {
     let blur = mix(0.18, 0.9, roughness);
     let mut c = mixed(rgb(cell.ground), rgb(cell.sky) * 1.25, smoothstep(-blur, blur, d.y));
+    c += rgb(cell.horizon) * exp(-mix(90.0, 5.0, roughness) * d.y * d.y);
+    let strip = (d.x.abs() - 0.68) / mix(0.1, 0.5, roughness);
+    let high = 1.0 - smoothstep(0.7 - blur, 0.7 + blur, d.y.abs());
+    c += Vec3::splat(cell.sky[3] * exp(-strip * strip) * high * mix(1.6, 0.5, roughness));
     let tight = mix(26.0, 2.5, roughness);
     for [direction, color] in cell.lights {
         let near = exp(tight * (d.dot(rgb(direction)) - 1.0));
@@ -86,7 +106,7 @@ fn shaded<const FILM: bool>(
     base: Vec3,
     n: Vec3,
     v: Vec3,
-    key: f32,
+    (key, glow): (f32, f32),
 ) -> Vec3 {
     let [roughness, metal, _, iridescence] = figure.material;
     let nv = clamp(n.dot(v), 0.0, 1.0);
@@ -121,7 +141,9 @@ fn shaded<const FILM: bool>(
     let share = f0 * (-1.04 * k + r[2]) + Vec3::splat(1.04 * k + r[3]);
     let reflected = n * (2.0 * n.dot(v)) - v;
     let mirror = studio(cell, reflected, roughness) * share;
-    (tint * (1.0 - metal) * diffuse + gloss + mirror) * cell.output[1]
+    let grazing = 1.0 - nv;
+    let own = tint * glow + rgb(figure.edge) * (grazing * grazing * grazing);
+    (tint * (1.0 - metal) * diffuse + gloss + mirror + own) * cell.output[1]
 }
 
 #[inline(always)]
@@ -141,7 +163,8 @@ fn base_of(figure: &FigureUniform, color: Vec3, front: bool) -> Vec3 {
     vec3(pick(color.x, tinted.x), pick(color.y, tinted.y), pick(color.z, tinted.z))
 }
 
-/// A surface of its own colour under the lamps, sRGB-encoded. `FILM`: with the hues of thin films.
+/// A surface of its own colour under the lamps, sRGB-encoded. `FILM`: with the hues of thin films. `light`: share of
+/// the key light, and own light.
 #[inline(always)]
 pub(super) fn modelled<const FILM: bool>(
     of: (&CellUniform, &FigureUniform),
@@ -149,9 +172,9 @@ pub(super) fn modelled<const FILM: bool>(
     n: Vec3,
     v: Vec3,
     front: bool,
-    key: f32,
+    light: (f32, f32),
 ) -> Vec3 {
-    encoded(toned(shaded::<FILM>(of, base_of(of.1, color, front), n, v, key)))
+    encoded(curved(of.0, shaded::<FILM>(of, base_of(of.1, color, front), n, v, light)))
 }
 
 /// A heat map, sRGB-encoded.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Arc, RwLock, RwLockReadGuard};
 
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 
 use super::Canvas;
@@ -46,7 +46,7 @@ fn held<'l, T>(locks: &'l [Lock<'_, T>], shared: &Shared<T>) -> Option<&'l T> {
 fn paints<'a>(figure: &Figure<'a>) -> [Option<&'a VertexPaint>; 2] {
     let own = match figure.paint {
         Paint::Values(paint, _) | Paint::Colors(paint) => Some(paint),
-        Paint::Material | Paint::Skin(_) => None,
+        Paint::Material | Paint::Skin(_) | Paint::Answer(..) => None,
     };
     [own, figure.brush.map(|ring| &ring.reach)]
 }
@@ -86,6 +86,7 @@ impl<'a> Locks<'a> {
             Paint::Values(values, _) => Coat::Values(paint(values)?),
             Paint::Colors(colors) => Coat::Colors(paint(colors)?),
             Paint::Skin(skin) => Coat::Skin(skin.held.cpu()?),
+            Paint::Answer(rest, _) => Coat::Answer(rest.held.cpu()?),
         };
         let ring = match figure.brush.filter(|ring| ring.corners > 0) {
             Some(ring) => Some((&ring.triangles.cpu()?[..], paint(&ring.reach)?)),
@@ -123,6 +124,8 @@ pub(super) enum Coat<'a> {
     Values(&'a [[u8; 4]]),
     Colors(&'a [[u8; 4]]),
     Skin(&'a Pyramid),
+    /// Where the vertices rest.
+    Answer(&'a [[f32; 4]]),
 }
 
 /// All that is known of a picture before its pixels.
@@ -155,6 +158,8 @@ pub(super) struct StagedFigure {
     pub(super) view: [[f32; 4]; 3],
     pub(super) map: [[f32; 4]; 3],
     pub(super) projected: Projected,
+    /// Of each vertex the place of its palette and its way from the rest, where it has one.
+    pub(super) answers: Vec<[f32; 2]>,
     shadow: Projected,
     pub(super) lens: Lens,
     shadow_lens: Option<Lens>,
@@ -197,6 +202,7 @@ impl Stage {
         figures.for_each(|((figure, subject), grid)| {
             let (positions, triangles) = (subject.positions, subject.triangles);
             figure.projected.project(with, (&figure.lens, &grid), positions, triangles);
+            figure.answer(subject);
             if let Some(lens) = &figure.shadow_lens {
                 figure.shadow.project(with, (lens, &map_grid), positions, triangles);
             }
@@ -227,7 +233,7 @@ impl StagedCell {
         self.discs.clear();
         self.discs.extend(cell.markers.iter().filter_map(|marker| Disc::new(marker, &self.uniform)));
         if cell.background.opacity > 0.0 {
-            self.backdrop.paint(with, &self.uniform, (cell.background, r));
+            self.backdrop.paint(with, &self.uniform, r);
         }
         // Of surfaces at the target's distance that rise by four pixels in one.
         let camera = &cell.camera;
@@ -244,6 +250,20 @@ impl StagedCell {
 }
 
 impl StagedFigure {
+    /// What its palette makes of each vertex, as `answered` of `shader.wgsl`.
+    fn answer(&mut self, subject: &Subject<'_>) {
+        let Coat::Answer(rest) = subject.coat else { return };
+        let [offset, span, swing, travel] = self.uniform.answer;
+        self.answers.clear();
+        let vertices = subject.positions.iter().zip(subject.normals).zip(rest);
+        self.answers.extend(vertices.map(|((position, normal), [x, y, z, along])| {
+            let d = Vec3::from(*position) - Vec3::new(*x, *y, *z);
+            let (way, normal) = (d.length(), Vec3::from(*normal));
+            let outward = d.dot(normal) / normal.length().max(1e-12);
+            [offset + span * along + swing * outward + travel * way, way]
+        }));
+    }
+
     fn set(&mut self, figure: &Figure<'_>, cell: &StagedCell) {
         self.uniform = figure_uniform(figure);
         let matrix = |columns: &[[f32; 4]; 4]| Mat4::from_cols_array_2d(columns);

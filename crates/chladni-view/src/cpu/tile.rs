@@ -412,6 +412,8 @@ impl Tile<'_, '_> {
         let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
         let batch = &mut *self.scratch.batch;
         let [low, scale, map, _] = staged.uniform.scale;
+        let [glow, glow_by_way, saturation, circle] = staged.uniform.glow;
+        batch.glow.fill(glow);
         for i in 0..batch.count {
             let triangle = batch.triangle[i] as usize;
             let weights: [f32; 3] = std::array::from_fn(|k| batch.weights[k][i]);
@@ -433,6 +435,15 @@ impl Tile<'_, '_> {
                     std::array::from_fn(|channel| {
                         (0..3).map(|k| weights[k] * f32::from(corners[k][channel])).sum::<f32>() / 255.0
                     })
+                }
+                Coat::Answer(_) => {
+                    let corners = subject.triangles[triangle].map(|v| staged.answers[v as usize]);
+                    let sum = |which: usize| (0..3).map(|k| weights[k] * corners[k][which]).sum::<f32>();
+                    batch.glow[i] = glow + glow_by_way * sum(1);
+                    let map = self.picture.maps.get(map as usize);
+                    let c = map.map_or([0.0; 3], |map| map_color(map, palette_place(sum(0), circle > 0.5)));
+                    let grey = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+                    c.map(|c| max(mix(grey, c, saturation), 0.0))
                 }
                 Coat::Skin(image) => {
                     let uvs: [[f32; 2]; 3] = std::array::from_fn(|k| subject.uvs[3 * triangle + k]);
@@ -540,6 +551,11 @@ fn over(pixel: &mut [u8], color: [f32; 4]) {
     for (channel, c) in pixel.iter_mut().zip(color) {
         *channel = (f32::from(*channel) * (1.0 - color[3]) + 255.0 * c + 0.5) as u8;
     }
+}
+
+/// A place in [0, 1] of a palette that runs around, or there and back.
+fn palette_place(at: f32, circle: bool) -> f32 {
+    if circle { at - at.floor() } else { 1.0 - (at - 2.0 * (0.5 * at).floor() - 1.0).abs() }
 }
 
 /// The colour of `t` in [0, 1], between the map's 256.

@@ -14,7 +14,7 @@ pub(crate) struct Canvas {
     pub(crate) samples: Samples,
     color: wgpu::TextureView,
     depth: wgpu::TextureView,
-    finished: wgpu::Texture,
+    pub(super) finished: wgpu::Texture,
     pub(crate) finished_view: wgpu::TextureView,
     /// The colours as an image, where their edges are still to be smoothed.
     rough: Option<wgpu::BindGroup>,
@@ -70,8 +70,12 @@ impl Canvas {
         })
     }
 
-    /// Begins a pass over the whole canvas, cleared to nothing.
-    pub(crate) fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+    /// Begins a pass over the whole canvas, cleared to nothing; resolved samples go to `target`.
+    pub(crate) fn pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+    ) -> wgpu::RenderPass<'e> {
         let multisampled = self.rough.is_none();
         let store = if multisampled { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -79,7 +83,7 @@ impl Canvas {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &self.color,
                 depth_slice: None,
-                resolve_target: multisampled.then_some(&self.finished_view),
+                resolve_target: multisampled.then_some(target),
                 ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -95,16 +99,17 @@ impl Canvas {
     }
 
     /// Where the device does not finish the picture by itself: the colours to be smoothed, and the
-    /// pass that does it.
+    /// pass that does it, into `target`.
     pub(crate) fn smoothing<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
     ) -> Option<(&wgpu::BindGroup, wgpu::RenderPass<'e>)> {
         let rough = self.rough.as_ref()?;
         let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("smooth"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.finished_view,
+                view: target,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {

@@ -3,7 +3,7 @@
 use wgpu::util::DeviceExt;
 
 use super::pipelines::{DEPTH, Layouts};
-use crate::{ColorMap, Gpu, Samples};
+use crate::{ColorMap, Gpu, Palette, Samples};
 
 /// Textures and samplers of bind group 2.
 pub(crate) struct Images {
@@ -161,14 +161,13 @@ fn group(
     })
 }
 
-/// All colour maps, one a row.
+/// All colour maps, then all palettes, one a row.
 fn map_texture(gpu: &Gpu) -> wgpu::TextureView {
-    let pixels: Vec<u8> = ColorMap::ALL
-        .iter()
-        .flat_map(|map| (0..256).map(|i| map.color(i as f32 / 255.0)))
-        .flat_map(|[r, g, b]| [r, g, b, 255])
-        .collect();
-    let height = ColorMap::ALL.len() as u32;
+    let at = |i: u32| i as f32 / 255.0;
+    let maps = ColorMap::ALL.iter().flat_map(|map| (0..256).map(move |i| map.color(at(i))));
+    let palettes = Palette::ALL.iter().flat_map(|palette| (0..256).map(move |i| palette.color(at(i))));
+    let pixels: Vec<u8> = maps.chain(palettes).flat_map(|[r, g, b]| [r, g, b, 255]).collect();
+    let height = (ColorMap::ALL.len() + Palette::ALL.len()) as u32;
     let texture = gpu.device.create_texture_with_data(
         &gpu.queue,
         &wgpu::TextureDescriptor {

@@ -1,6 +1,7 @@
 //! The device that draws, with or without a window.
 
 mod canvas;
+mod finishing;
 mod images;
 mod pipelines;
 mod renderer;

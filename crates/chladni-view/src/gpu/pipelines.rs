@@ -50,6 +50,7 @@ pub(crate) enum Coat {
     Plain,
     Values,
     Colors,
+    Answer,
     Corners,
 }
 
@@ -115,14 +116,14 @@ pub(crate) fn smooth_layout(device: &wgpu::Device) -> BindGroupLayout {
     layout(device, "smooth", &[(wgpu::ShaderStages::FRAGMENT, IMAGE)])
 }
 
-const SAMPLER: wgpu::BindingType = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-const IMAGE: wgpu::BindingType = wgpu::BindingType::Texture {
+pub(super) const SAMPLER: wgpu::BindingType = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+pub(super) const IMAGE: wgpu::BindingType = wgpu::BindingType::Texture {
     sample_type: wgpu::TextureSampleType::Float { filterable: true },
     view_dimension: wgpu::TextureViewDimension::D2,
     multisampled: false,
 };
 
-fn layout(
+pub(super) fn layout(
     device: &wgpu::Device,
     label: &str,
     bindings: &[(wgpu::ShaderStages, wgpu::BindingType)],
@@ -184,12 +185,12 @@ impl Pipelines {
     }
 
     fn build(&self, device: &wgpu::Device, kind: Kind) -> RenderPipeline {
-        use wgpu::VertexFormat::{Float32, Float32x3, Unorm8x4};
+        use wgpu::VertexFormat::{Float32, Float32x3, Float32x4, Unorm8x4};
         let attribute =
             |format, location| [wgpu::VertexAttribute { format, offset: 0, shader_location: location }];
         let (position, normal) = (attribute(Float32x3, 0), attribute(Float32x3, 1));
         let (value, color) = (attribute(Float32, 2), attribute(Unorm8x4, 2));
-        let reach = attribute(Float32, 1);
+        let (reach, rest) = (attribute(Float32, 1), attribute(Float32x4, 2));
         let marker = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
         let slot = |step_mode, stride, attributes| {
             Some(wgpu::VertexBufferLayout { array_stride: stride, step_mode, attributes })
@@ -206,6 +207,9 @@ impl Pipelines {
             }
             Part::Surface(Coat::Colors, _) => {
                 ("color_vertex", Some("color_fragment"), vec![at, towards, each(4, &color)])
+            }
+            Part::Surface(Coat::Answer, _) => {
+                ("answer_vertex", Some("answer_fragment"), vec![at, towards, each(16, &rest)])
             }
             Part::Surface(Coat::Corners, _) => ("corner_vertex", Some("corner_fragment"), vec![]),
             Part::Brush => ("brush_vertex", Some("brush_fragment"), vec![at, each(4, &reach)]),

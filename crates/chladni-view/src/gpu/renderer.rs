@@ -5,13 +5,14 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::canvas::Canvas;
+use super::finishing::Finishing;
 use super::images::Images;
 use super::pipelines::{Coat, Kind, Layouts, MARKER_BYTES, Part, Pipelines, Side};
 use crate::uniforms::{
     CellUniform, FigureUniform, casts_shadows, cell_uniform, check_cell, check_figure, figure_uniform,
     key_light_view,
 };
-use crate::{Cell, Figure, Gpu, Paint, Samples, ViewError};
+use crate::{Cell, Figure, Finish, Gpu, Paint, Samples, ViewError};
 
 /// The pipelines of one device and target format, and the uniform buffers they share. Make one
 /// and keep it: each pipeline is compiled when a picture needs it first, and kept here.
@@ -25,6 +26,8 @@ pub(crate) struct Renderer {
     figures: Uniforms<FigureUniform>,
     markers: wgpu::Buffer,
     marker_bytes: Vec<MarkerInstance>,
+    /// None before the first picture that has a finish.
+    finishing: Option<Finishing>,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -61,11 +64,17 @@ impl Renderer {
             figures,
             markers,
             marker_bytes: Vec::new(),
+            finishing: None,
         }
     }
 
-    /// Draws `cells` on `canvas` and submits; does not wait.
-    pub(crate) fn draw(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<(), ViewError> {
+    /// Draws `cells` on `canvas` with a finish for a moment, and submits; does not wait.
+    pub(crate) fn draw(
+        &mut self,
+        canvas: &Canvas,
+        cells: &[Cell<'_>],
+        (finish, at_secs): (&Finish, f64),
+    ) -> Result<(), ViewError> {
         self.gpu.check()?;
         if canvas.format != self.format {
             let (wanted, found) = (self.format, canvas.format);
@@ -75,12 +84,23 @@ impl Renderer {
         let device = self.gpu.device.clone();
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.draw_shadows(&mut encoder, cells)?;
-        self.draw_cells(&mut encoder, canvas, cells)?;
-        if let Some((rough, mut pass)) = canvas.smoothing(&mut encoder) {
+        let mut finishing = self.finishing.take();
+        let finished = !finish.is_nothing();
+        if finished {
+            Finishing::fit(&mut finishing, &self.gpu, canvas)?;
+        }
+        let bare = finishing.as_ref().filter(|_| finished).map(Finishing::bare);
+        let target = bare.unwrap_or(&canvas.finished_view);
+        self.draw_cells(&mut encoder, canvas, target, cells)?;
+        if let Some((rough, mut pass)) = canvas.smoothing(&mut encoder, target) {
             pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Smooth, Samples::One)));
             pass.set_bind_group(0, rough, &[]);
             pass.draw(0..3, 0..1);
         }
+        if let Some(finishing) = finishing.as_mut().filter(|_| finished) {
+            finishing.draw(&self.gpu, &mut encoder, canvas, finish, at_secs);
+        }
+        self.finishing = finishing;
         self.gpu.queue.submit([encoder.finish()]);
         Ok(())
     }
@@ -89,10 +109,11 @@ impl Renderer {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         canvas: &Canvas,
+        target: &wgpu::TextureView,
         cells: &[Cell<'_>],
     ) -> Result<(), ViewError> {
         let (samples, device) = (canvas.samples, self.gpu.device.clone());
-        let mut pass = canvas.pass(encoder);
+        let mut pass = canvas.pass(encoder, target);
         let (mut figure_index, mut first_marker) = (0, 0);
         for (cell_index, cell) in cells.iter().enumerate() {
             let r = cell.viewport;
@@ -178,6 +199,7 @@ impl Renderer {
             Paint::Material => Coat::Plain,
             Paint::Values(..) => Coat::Values,
             Paint::Colors(_) => Coat::Colors,
+            Paint::Answer(..) => Coat::Answer,
         };
         if coat == Coat::Corners {
             self.bind_corners(pass, figure)?;
@@ -187,6 +209,9 @@ impl Renderer {
             pass.set_vertex_buffer(1, buffers.normals.slice(item));
             if let Paint::Values(paint, _) | Paint::Colors(paint) = figure.paint {
                 pass.set_vertex_buffer(2, paint.held.gpu()?.slice(..));
+            }
+            if let Paint::Answer(rest, _) = figure.paint {
+                pass.set_vertex_buffer(2, rest.held.gpu()?.slice(..));
             }
             pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
         }
@@ -218,6 +243,7 @@ impl Renderer {
         let (topology, items) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
         let paint = match figure.paint {
             Paint::Values(paint, _) | Paint::Colors(paint) => paint.held.gpu()?,
+            Paint::Answer(rest, _) => rest.held.gpu()?,
             Paint::Material | Paint::Skin(_) => &topology.indices,
         };
         let buffers = [&items.positions, &items.normals, &topology.indices, &topology.uvs, paint];

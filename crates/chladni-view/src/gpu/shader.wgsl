@@ -7,14 +7,16 @@ struct Cell {
     view: mat4x4f,
     projection: mat4x4f,
     lights: array<Light, 3>,
+    // w: brightness of the upright softboxes.
     sky: vec4f,
     ground: vec4f,
-    // Colours as sRGB numbers; w of the first: opacity.
+    // Colours as sRGB numbers; w of the first: opacity; of the second: 1 where they run upright.
     background_center: vec4f,
     background_corner: vec4f,
     // x, y, width, height in pixels.
     viewport: vec4f,
-    // x: 1 where the target wants sRGB-encoded numbers; y: exposure; z: 1 in orthographic views.
+    // x: 1 where the target wants sRGB-encoded numbers; y: exposure; z: 1 in orthographic views; w: 1
+    // for the curve of film.
     output: vec4f,
     // From the scene to the key light's clip space.
     shadow: mat4x4f,
@@ -22,13 +24,21 @@ struct Cell {
     shadow_map: vec4f,
     // The map's first texel among those of all maps, and the size of a texel in texture coordinates.
     shadow_place: vec4f,
+    // Linear light of the bright line around.
+    horizon: vec4f,
+    // sRGB of the floor; w: how dark its shadow is.
+    floor: vec4f,
+    // The floor in the viewer's axes: normal and height of the eye; no normal where there is no floor.
+    floor_plane: vec4f,
+    // Along the floor from the shadow's middle, 1 at its edge.
+    floor_axes: array<vec4f, 2>,
 }
 
 struct Figure {
     model: mat4x4f,
     // Linear light; w: opacity.
     color: vec4f,
-    // Tint of back faces; w: paint (0 material, 1 values, 2 colours, 3 texture).
+    // Tint of back faces; w: paint (0 material, 1 values, 2 colours, 3 texture, 4 answer).
     back: vec4f,
     // Roughness, metal, softness, iridescence.
     material: vec4f,
@@ -40,6 +50,12 @@ struct Figure {
     wire_width: vec4f,
     // sRGB of a brush's ring; w: its radius.
     brush: vec4f,
+    // Linear light at grazing angles.
+    edge: vec4f,
+    // Of a palette: offset, along the shape, by a unit outward, by a unit in any direction.
+    answer: vec4f,
+    // Own light, more of it by a unit of length; saturation; 1 for palettes that are a circle.
+    glow: vec4f,
 }
 
 // What a pipeline can do without is left out when it is compiled: a software device computes both
@@ -88,7 +104,17 @@ struct ColoredSurface {
     @location(4) map_step: vec3f,
 }
 
-// Corners carry whatever their paint needs: a value in x, a colour, or a (u, v).
+// Answers: place of the palette, and way from the rest.
+struct AnsweredSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) answer: vec2f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
+}
+
+// Corners carry whatever their paint needs: a value in x, a colour, a (u, v) or an answer.
 struct CornerSurface {
     @builtin(position) clip: vec4f,
     @location(0) at: vec3f,
@@ -147,6 +173,26 @@ fn color_vertex(
     return ColoredSurface(s.clip, s.at, s.normal, color.rgb, s.map_at, s.map_step);
 }
 
+// What a palette makes of a vertex that has left its rest.
+fn answered(position: vec3f, normal: vec3f, rest: vec4f) -> vec2f {
+    let d = position - rest.xyz;
+    let way = length(d);
+    let outward = dot(d, normal) / max(length(normal), 1e-12);
+    let by = figure.answer;
+    return vec2f(by.x + by.y * rest.w + by.z * outward + by.w * way, way);
+}
+
+@vertex
+fn answer_vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) rest: vec4f,
+) -> AnsweredSurface {
+    let s = surface(position, normal);
+    let answer = answered(position, normal, rest);
+    return AnsweredSurface(s.clip, s.at, s.normal, answer, s.map_at, s.map_step);
+}
+
 // What the key light sees.
 @vertex
 fn shadow_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
@@ -158,16 +204,19 @@ fn shadow_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
 fn corner_vertex(@builtin(vertex_index) corner: u32) -> CornerSurface {
     let v = corners[corner];
     let i = 3u * (v + u32(figure.wire_width.y));
-    let s = surface(
-        vec3f(positions[i], positions[i + 1u], positions[i + 2u]),
-        vec3f(normals[i], normals[i + 1u], normals[i + 2u]),
-    );
+    let position = vec3f(positions[i], positions[i + 1u], positions[i + 2u]);
+    let normal = vec3f(normals[i], normals[i + 1u], normals[i + 2u]);
+    let s = surface(position, normal);
     let kind = u32(figure.back.w);
     var paint = vec3f(0.0);
     if kind == 1u { paint.x = bitcast<f32>(paints[v]); }
     if kind == 2u { paint = unpack4x8unorm(paints[v]).rgb; }
     // Images begin at the top, v at the bottom.
     if kind == 3u { paint = vec3f(corner_uvs[corner].x, 1.0 - corner_uvs[corner].y, 0.0); }
+    if kind == 4u {
+        let r = vec4u(paints[4u * v], paints[4u * v + 1u], paints[4u * v + 2u], paints[4u * v + 3u]);
+        paint = vec3f(answered(position, normal, bitcast<vec4f>(r)), 0.0);
+    }
     let which = corner % 3u;
     let barycentric = vec3f(f32(which == 0u), f32(which == 1u), f32(which == 2u));
     return CornerSurface(s.clip, s.at, s.normal, paint, s.map_at, s.map_step, barycentric);
@@ -203,10 +252,26 @@ fn toned(linear: vec3f) -> vec3f {
     return mix(c, vec3f(new_peak), g);
 }
 
-// What the studio looks like along `d`: a floor, a ceiling and one softbox per light.
+// As film: Narkowicz' fit of the ACES curve (2015), after a little of each channel went to the others, so that
+// bright colours turn to white.
+fn filmed(linear: vec3f) -> vec3f {
+    let grey = dot(linear, vec3f(0.2126, 0.7152, 0.0722));
+    let x = mix(linear, vec3f(grey), 0.06) * 0.8;
+    return (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14);
+}
+
+fn curved(linear: vec3f) -> vec3f {
+    return select(toned(linear), filmed(linear), cell.output.w > 0.5);
+}
+
+// What the studio looks like along `d`: a floor, a ceiling, a horizon, two upright softboxes and one per light.
 fn studio(d: vec3f, roughness: f32) -> vec3f {
     let blur = mix(0.18, 0.9, roughness);
     var c = mix(cell.ground.rgb, cell.sky.rgb * 1.25, smoothstep(-blur, blur, d.y));
+    c += cell.horizon.rgb * exp(-mix(90.0, 5.0, roughness) * d.y * d.y);
+    let strip = (abs(d.x) - 0.68) / mix(0.1, 0.5, roughness);
+    let high = 1.0 - smoothstep(0.7 - blur, 0.7 + blur, abs(d.y));
+    c += cell.sky.w * exp(-strip * strip) * high * mix(1.6, 0.5, roughness);
     let tight = mix(26.0, 2.5, roughness);
     for (var i = 0; i < 3; i++) {
         let near = exp(tight * (dot(d, cell.lights[i].direction.xyz) - 1.0));
@@ -266,7 +331,7 @@ fn fifth(x: f32) -> f32 {
     return x2 * x2 * x;
 }
 
-fn shaded(base: vec3f, n: vec3f, v: vec3f, key: f32) -> vec3f {
+fn shaded(base: vec3f, n: vec3f, v: vec3f, key: f32, glow: f32) -> vec3f {
     let roughness = figure.material.x;
     let metal = figure.material.y;
     let softness = figure.material.z;
@@ -302,7 +367,9 @@ fn shaded(base: vec3f, n: vec3f, v: vec3f, key: f32) -> vec3f {
     let k = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
     let share = f0 * (-1.04 * k + r.z) + (1.04 * k + r.w);
     let mirror = studio(reflect(-v, n), roughness) * share;
-    return (tint * (1.0 - metal) * diffuse + gloss + mirror) * cell.output.y;
+    let grazing = 1.0 - nv;
+    let own = tint * glow + figure.edge.rgb * (grazing * grazing * grazing);
+    return (tint * (1.0 - metal) * diffuse + gloss + mirror + own) * cell.output.y;
 }
 
 // Painted values must stay readable against their legend: light only darkens, and gently.
@@ -325,11 +392,11 @@ fn towards_viewer(at: vec3f) -> vec3f {
 }
 
 // A surface of its own colour under the lamps, as the target's numbers.
-fn modelled(color: vec3f, at: vec3f, normal: vec3f, front: bool, key: f32) -> vec3f {
+fn modelled(color: vec3f, at: vec3f, normal: vec3f, front: bool, key: f32, glow: f32) -> vec3f {
     let v = towards_viewer(at);
     let n = facing(normal, v, front);
     let base = select(color * figure.back.rgb, color, front);
-    return encoded(toned(shaded(base, n, v, key)));
+    return encoded(curved(shaded(base, n, v, key, glow)));
 }
 
 // A heat map.
@@ -340,7 +407,19 @@ fn mapped(color: vec3f, at: vec3f, normal: vec3f, front: bool) -> vec3f {
 }
 
 fn map_color(value: f32) -> vec3f {
-    let t = clamp((value - figure.scale.x) * figure.scale.y, 0.0, 1.0);
+    return row_color(clamp((value - figure.scale.x) * figure.scale.y, 0.0, 1.0));
+}
+
+// Of palettes: around, or there and back.
+fn palette_color(at: f32) -> vec3f {
+    let around = at - floor(at);
+    let back = 1.0 - abs(at - 2.0 * floor(0.5 * at) - 1.0);
+    let c = row_color(select(back, around, figure.glow.w > 0.5));
+    let grey = dot(c, vec3f(0.2126, 0.7152, 0.0722));
+    return max(mix(vec3f(grey), c, figure.glow.z), vec3f(0.0));
+}
+
+fn row_color(t: f32) -> vec3f {
     let row = (figure.scale.z + 0.5) / f32(textureDimensions(maps).y);
     return textureSampleLevel(maps, map_sampler, vec2f((t * 255.0 + 0.5) / 256.0, row), 0.0).rgb;
 }
@@ -370,7 +449,7 @@ fn brush_fragment(in: Brushed) -> @location(0) vec4f {
 @fragment
 fn plain_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
-    let c = modelled(figure.color.rgb, in.at, in.normal, front, key);
+    let c = modelled(figure.color.rgb, in.at, in.normal, front, key, figure.glow.x);
     return vec4f(c, 1.0) * figure.color.a;
 }
 
@@ -383,7 +462,15 @@ fn value_fragment(in: ValuedSurface, @builtin(front_facing) front: bool) -> @loc
 @fragment
 fn color_fragment(in: ColoredSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
-    let c = modelled(in.color, in.at, in.normal, front, key);
+    let c = modelled(in.color, in.at, in.normal, front, key, figure.glow.x);
+    return vec4f(c, 1.0) * figure.color.a;
+}
+
+@fragment
+fn answer_fragment(in: AnsweredSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
+    let glow = figure.glow.x + figure.glow.y * in.answer.y;
+    let c = modelled(palette_color(in.answer.x), in.at, in.normal, front, key, glow);
     return vec4f(c, 1.0) * figure.color.a;
 }
 
@@ -400,8 +487,13 @@ fn corner_fragment(in: CornerSurface, @builtin(front_facing) front: bool) -> @lo
         var base = figure.color.rgb;
         if kind == 2u { base = in.paint; }
         if kind == 3u { base = skin_color; }
+        var glow = figure.glow.x;
+        if kind == 4u {
+            base = palette_color(in.paint.x);
+            glow += figure.glow.y * in.paint.y;
+        }
         let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
-        c = modelled(base, in.at, in.normal, front, key);
+        c = modelled(base, in.at, in.normal, front, key, glow);
     }
     if figure.wire_width.x > 0.0 {
         let d = in.barycentric / max(edge, vec3f(1e-9));
@@ -421,10 +513,27 @@ fn screen_vertex(@builtin(vertex_index) i: u32) -> Screen {
     return Screen(vec4f(corner, 0.0, 1.0), corner);
 }
 
+// The floor over a background of colour `behind`: light around the shape, its shadow, and a rim that fades.
+fn floored(behind: vec3f, at: vec2f) -> vec3f {
+    let ray = vec3f(at.x / cell.projection[0][0], at.y / cell.projection[1][1], -1.0);
+    let down = -dot(cell.floor_plane.xyz, ray);
+    let way = cell.floor_plane.w / max(down, 1e-6);
+    let p = ray * way;
+    let x = dot(cell.floor_axes[0].xyz, p) + cell.floor_axes[0].w;
+    let z = dot(cell.floor_axes[1].xyz, p) + cell.floor_axes[1].w;
+    let from = min(x * x + z * z, 1e6);
+    let shadow = 1.0 / (1.0 + 4.0 * from * from);
+    let lit = cell.floor.rgb * (1.0 - cell.floor.w * shadow);
+    let there = select(0.0, 1.0 / (1.0 + 0.06 * from), down > 1e-6);
+    return mix(behind, lit, there);
+}
+
 @fragment
 fn backdrop_fragment(in: Screen) -> @location(0) vec4f {
     let r = length(in.at * vec2f(1.0, 1.0) + vec2f(0.0, -0.1));
-    var c = mix(cell.background_center.rgb, cell.background_corner.rgb, smoothstep(0.1, 1.5, r));
+    let away = select(smoothstep(0.1, 1.5, r), 0.5 + 0.5 * in.at.y, cell.background_corner.w > 0.5);
+    var c = mix(cell.background_center.rgb, cell.background_corner.rgb, away);
+    c = floored(c, in.at);
     // An ordered dither hides the steps of eight bits, and unlike noise it compresses well.
     let p = vec2u(in.clip.xy) & vec2u(1u);
     c += (f32(2u * (p.x ^ p.y) + p.y) - 1.5) / (4.0 * 255.0);

@@ -1,0 +1,120 @@
+//! What is done to a finished picture: glow around what is bright, trails, a darker rim, grain.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Effects on the whole picture, in the order in which they are laid over it. All 0 is nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Finish {
+    /// How long what was light shows on, seconds until a third is left; 0 is not at all.
+    pub trail_secs: f32,
+    /// How fast what shows on grows from the middle, its size per second; below 0 it shrinks.
+    pub trail_growth: f32,
+    /// How much light spreads from what is bright, in [0, 2].
+    pub bloom: f32,
+    /// From which brightness on, in [0, 1).
+    pub bloom_from: f32,
+    /// How much darker the corners are, in [0, 1].
+    pub vignette: f32,
+    /// How much each pixel differs by chance, in [0, 1]. Changes 24 times a second.
+    pub grain: f32,
+}
+
+impl Finish {
+    /// Nothing is done.
+    pub const NOTHING: Self =
+        Self { trail_secs: 0.0, trail_growth: 0.0, bloom: 0.0, bloom_from: 0.0, vignette: 0.0, grain: 0.0 };
+
+    /// Without what looks at other pixels than the one it changes, which costs most.
+    pub fn without_glow(self) -> Self {
+        Self { trail_secs: 0.0, bloom: 0.0, ..self }
+    }
+
+    /// Whether the picture stays as it is.
+    pub fn is_nothing(&self) -> bool {
+        let Self { trail_secs, bloom, vignette, grain, .. } = *self;
+        [trail_secs, bloom, vignette, grain].iter().all(|share| *share <= 0.0)
+    }
+
+    /// The numbers for a picture of this size at `at_secs`, the last of which was shown at `before_secs`.
+    pub(crate) fn uniform(
+        &self,
+        [width, height]: [u32; 2],
+        at_secs: f64,
+        before_secs: Option<f64>,
+    ) -> FinishUniform {
+        let since_secs = before_secs.map_or(0.0, |before| at_secs - before);
+        // After a pause, a jump or a picture of the same moment nothing shows on.
+        let follows = since_secs > 0.0 && since_secs < LONGEST_SECS && self.trail_secs > 0.0;
+        let since_secs = since_secs as f32;
+        let left = if follows { (-since_secs / self.trail_secs).exp() } else { 0.0 };
+        let shrink = if follows { (-self.trail_growth * since_secs).exp() } else { 1.0 };
+        FinishUniform {
+            size: [width as f32, height as f32],
+            trail: [left, shrink],
+            bloom: [self.bloom.max(0.0), self.bloom_from.clamp(0.0, 0.99)],
+            vignette: self.vignette.clamp(0.0, 1.0),
+            grain: self.grain.clamp(0.0, 1.0),
+            moment: (at_secs * 24.0).floor() as i64 as u32,
+            step: step(height),
+            padding: [0; 2],
+        }
+    }
+}
+
+/// Pictures farther apart than this leave no trails.
+const LONGEST_SECS: f64 = 0.5;
+
+/// Pixels of the picture's side in one of the picture that light spreads on: that has about 180 rows.
+pub(crate) fn step(height: u32) -> u32 {
+    (height / 180).max(1)
+}
+
+/// A finish, as `finish.wgsl` describes it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct FinishUniform {
+    pub(crate) size: [f32; 2],
+    /// Share of the last picture that is left, and the part of its size that is seen.
+    pub(crate) trail: [f32; 2],
+    /// Strength and threshold.
+    pub(crate) bloom: [f32; 2],
+    pub(crate) vignette: f32,
+    pub(crate) grain: f32,
+    pub(crate) moment: u32,
+    pub(crate) step: u32,
+    pub(crate) padding: [u32; 2],
+}
+
+/// Weights of a row of pixels around the middle one, light's way on the small pictures: a Gaussian of two
+/// pixels' deviation.
+pub(crate) const SPREAD: [f32; 5] = [0.2042, 0.1802, 0.1238, 0.0663, 0.0276];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_that_spreads_is_neither_more_nor_less() {
+        let all = SPREAD[0] + 2.0 * SPREAD[1..].iter().sum::<f32>();
+        assert!((all - 1.0).abs() < 1e-6, "{all}");
+    }
+
+    #[test]
+    fn trails_last_as_long_at_every_frame_rate_and_none_follows_a_pause() {
+        let finish = Finish { trail_secs: 0.2, trail_growth: 0.3, ..Finish::NOTHING };
+        let left = |fps: u32| {
+            let frames = (0..fps / 5).map(|i| f64::from(i) / f64::from(fps));
+            let all =
+                frames.map(|secs| finish.uniform([4, 4], secs + 1.0 / f64::from(fps), Some(secs)).trail);
+            all.fold([1.0, 1.0], |a, b| [a[0] * b[0], a[1] * b[1]])
+        };
+        for fps in [10, 30, 60] {
+            let [light, size] = left(fps);
+            assert!((light - (-1.0f32).exp()).abs() < 1e-3, "{fps}: {light}");
+            assert!((size - (-0.06f32).exp()).abs() < 1e-3, "{fps}: {size}");
+        }
+        for before in [None, Some(1.0), Some(2.0), Some(0.2)] {
+            assert_eq!(finish.uniform([4, 4], 1.0, before).trail, [0.0, 1.0], "{before:?}");
+        }
+    }
+}

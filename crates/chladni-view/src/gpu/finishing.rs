@@ -1,0 +1,233 @@
+//! The finish of a picture on a graphics device: textures that it passes through, and its passes.
+
+use std::sync::Arc;
+
+use super::canvas::Canvas;
+use super::pipelines::{IMAGE, SAMPLER, layout};
+use crate::finish::{FinishUniform, step};
+use crate::{Finish, Gpu, ViewError};
+
+/// What light spreads on: more than eight bits, as little of it goes far.
+const SMALL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// All that finishes pictures of one size.
+pub(crate) struct Finishing {
+    size: [u32; 2],
+    pipelines: Arc<Pipelines>,
+    uniform: wgpu::Buffer,
+    bare: wgpu::TextureView,
+    last: wgpu::Texture,
+    /// Each with its pipeline, what it reads and where it draws, in order.
+    spreading: Vec<(Pass, wgpu::BindGroup, wgpu::TextureView)>,
+    finish: wgpu::BindGroup,
+    /// When the picture that shows on was drawn.
+    before_secs: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Pass {
+    Bright,
+    Smaller,
+    Across,
+    Down,
+    Finish,
+}
+
+struct Pipelines {
+    layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+    /// By [`Pass`].
+    made: Vec<wgpu::RenderPipeline>,
+}
+
+impl Finishing {
+    /// Sees to it that there is one for `canvas`.
+    pub(crate) fn fit(kept: &mut Option<Self>, gpu: &Gpu, canvas: &Canvas) -> Result<(), ViewError> {
+        let size = [canvas.width, canvas.height];
+        if kept.as_ref().is_some_and(|kept| kept.size == size) {
+            return Ok(());
+        }
+        if canvas.format != crate::Canvas::FORMAT {
+            return Err(ViewError::Shape(format!("a finish on a canvas of {:?}", canvas.format)));
+        }
+        let pipelines = match kept.take() {
+            Some(before) => before.pipelines,
+            None => Arc::new(Pipelines::new(&gpu.device)),
+        };
+        *kept = Some(Self::new(&gpu.device, pipelines, size));
+        Ok(())
+    }
+
+    fn new(device: &wgpu::Device, pipelines: Arc<Pipelines>, size: [u32; 2]) -> Self {
+        let texture = |label, [width, height]: [u32; 2], format, usage| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+        };
+        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let small = size.map(|side| side.div_ceil(step(size[1])));
+        let smaller = small.map(|side| side.div_ceil(4));
+        let [near, near_half] = ["near", "near half"].map(|label| view(&texture(label, small, SMALL, drawn)));
+        let [far, far_half] = ["far", "far half"].map(|label| view(&texture(label, smaller, SMALL, drawn)));
+        let bare = view(&texture("bare picture", size, crate::Canvas::FORMAT, drawn));
+        let last = texture("last picture", size, crate::Canvas::FORMAT, wgpu::TextureUsages::COPY_DST);
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("finish"),
+            size: size_of::<FinishUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let group = |images: [&wgpu::TextureView; 4]| pipelines.group(device, &uniform, images);
+        // What is not read is bound to what is.
+        let one = |image: &wgpu::TextureView| group([image; 4]);
+        let spreading = vec![
+            (Pass::Bright, one(&bare), near.clone()),
+            (Pass::Across, one(&near), near_half.clone()),
+            (Pass::Down, one(&near_half), near.clone()),
+            (Pass::Smaller, one(&near), far.clone()),
+            (Pass::Across, one(&far), far_half.clone()),
+            (Pass::Down, one(&far_half), far.clone()),
+        ];
+        let finish = group([&bare, &near, &far, &view(&last)]);
+        Self { size, pipelines, uniform, bare, last, spreading, finish, before_secs: None }
+    }
+
+    /// Where the picture is drawn that is to be finished.
+    pub(crate) fn bare(&self) -> &wgpu::TextureView {
+        &self.bare
+    }
+
+    /// From the bare picture to the canvas.
+    pub(crate) fn draw(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        canvas: &Canvas,
+        finish: &Finish,
+        at_secs: f64,
+    ) {
+        let uniform = finish.uniform(self.size, at_secs, self.before_secs);
+        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        if finish.bloom > 0.0 {
+            for (pass, group, target) in &self.spreading {
+                self.pass(encoder, *pass, group, target);
+            }
+        }
+        self.pass(encoder, Pass::Finish, &self.finish, &canvas.finished_view);
+        self.before_secs = (finish.trail_secs > 0.0).then_some(at_secs);
+        if self.before_secs.is_some() {
+            let [width, height] = self.size;
+            let whole = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+            let (from, to) = (canvas.finished.as_image_copy(), self.last.as_image_copy());
+            encoder.copy_texture_to_texture(from, to, whole);
+        }
+    }
+
+    fn pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pass: Pass,
+        group: &wgpu::BindGroup,
+        target: &wgpu::TextureView,
+    ) {
+        let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("finish"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        drawing.set_pipeline(&self.pipelines.made[pass as usize]);
+        drawing.set_bind_group(0, group, &[]);
+        drawing.draw(0..3, 0..1);
+    }
+}
+
+impl Pipelines {
+    fn new(device: &wgpu::Device) -> Self {
+        let fragment = wgpu::ShaderStages::FRAGMENT;
+        let uniform = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let bindings = [uniform, SAMPLER, IMAGE, IMAGE, IMAGE, IMAGE].map(|binding| (fragment, binding));
+        let groups = layout(device, "finish", &bindings);
+        let module = device.create_shader_module(wgpu::include_wgsl!("finish.wgsl"));
+        let whole = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("finish"),
+            bind_group_layouts: &[Some(&groups)],
+            immediate_size: 0,
+        });
+        let pipeline = |entry_point, format| {
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(entry_point),
+                layout: Some(&whole),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("screen_vertex"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(entry_point),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    targets: &[Some(wgpu::ColorTargetState {
+                        format,
+                        blend: None,
+                        write_mask: wgpu::ColorWrites::ALL,
+                    })],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        let small = ["bright_fragment", "smaller_fragment", "across_fragment", "down_fragment"];
+        let mut made: Vec<_> = small.into_iter().map(|name| pipeline(name, SMALL)).collect();
+        made.push(pipeline("finish_fragment", crate::Canvas::FORMAT));
+        let linear = wgpu::FilterMode::Linear;
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: linear,
+            min_filter: linear,
+            ..Default::default()
+        });
+        Self { layout: groups, sampler, made }
+    }
+
+    fn group(
+        &self,
+        device: &wgpu::Device,
+        uniform: &wgpu::Buffer,
+        images: [&wgpu::TextureView; 4],
+    ) -> wgpu::BindGroup {
+        let first = [uniform.as_entire_binding(), wgpu::BindingResource::Sampler(&self.sampler)];
+        let images = images.map(wgpu::BindingResource::TextureView);
+        let entries: Vec<_> = (0..)
+            .zip(first.into_iter().chain(images))
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("finish"),
+            layout: &self.layout,
+            entries: &entries,
+        })
+    }
+}

@@ -1,0 +1,314 @@
+//! Palettes of our own, made in OKLab, and how a surface that moves is coloured by them.
+
+/// Colours in a row: lightness rises steadily, or the row closes into a circle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Palette {
+    /// Night blue over green to pale yellow.
+    #[default]
+    Aurora,
+    /// Coal over red to pale gold.
+    Ember,
+    /// Deep blue over turquoise to foam.
+    Abyss,
+    /// Violet over magenta to cream.
+    Orchid,
+    /// Brown over gold to pale yellow.
+    Gold,
+    /// Forest over leaves to spring.
+    Moss,
+    /// Black to white, hardly warm.
+    Ink,
+    /// White in the middle between dark green and dark magenta: still lines on a moving surface are light.
+    Nodes,
+    /// All hues, equally light; a circle.
+    Prism,
+    /// Pink, violet, blue and cyan, there and back; a circle.
+    Neon,
+    /// Indigo over rose to gold and back; a circle.
+    Dusk,
+    /// Pale pink, apricot, mint and lilac; a circle.
+    Candy,
+}
+
+/// Lightness, chroma and hue in degrees (Ottosson, "A perceptual color space for image processing", 2020).
+type Point = [f32; 3];
+
+impl Palette {
+    /// All of them, in the order of the rows of the renderer's lookup texture, after the colour maps.
+    pub const ALL: [Self; 12] = [
+        Self::Aurora,
+        Self::Ember,
+        Self::Abyss,
+        Self::Orchid,
+        Self::Gold,
+        Self::Moss,
+        Self::Ink,
+        Self::Nodes,
+        Self::Prism,
+        Self::Neon,
+        Self::Dusk,
+        Self::Candy,
+    ];
+
+    /// Name for menus and the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Aurora => "aurora",
+            Self::Ember => "ember",
+            Self::Abyss => "abyss",
+            Self::Orchid => "orchid",
+            Self::Gold => "gold",
+            Self::Moss => "moss",
+            Self::Ink => "ink",
+            Self::Nodes => "nodes",
+            Self::Prism => "prism",
+            Self::Neon => "neon",
+            Self::Dusk => "dusk",
+            Self::Candy => "candy",
+        }
+    }
+
+    /// The palette called `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|palette| palette.name() == name)
+    }
+
+    /// Whether the last colour is the first one, so that it can run around; others run there and back.
+    pub fn is_circle(self) -> bool {
+        matches!(self, Self::Prism | Self::Neon | Self::Dusk | Self::Candy)
+    }
+
+    /// Equidistant points. The hue takes the shorter way from one to the next.
+    fn points(self) -> &'static [Point] {
+        match self {
+            Self::Aurora => &[
+                [0.20, 0.09, 285.0],
+                [0.38, 0.14, 262.0],
+                [0.56, 0.13, 200.0],
+                [0.74, 0.18, 152.0],
+                [0.92, 0.14, 115.0],
+            ],
+            Self::Ember => &[
+                [0.14, 0.04, 15.0],
+                [0.34, 0.13, 25.0],
+                [0.54, 0.20, 33.0],
+                [0.73, 0.18, 58.0],
+                [0.92, 0.12, 95.0],
+            ],
+            Self::Abyss => &[
+                [0.15, 0.06, 270.0],
+                [0.34, 0.13, 258.0],
+                [0.54, 0.13, 235.0],
+                [0.74, 0.13, 205.0],
+                [0.94, 0.07, 185.0],
+            ],
+            Self::Orchid => &[
+                [0.20, 0.10, 295.0],
+                [0.38, 0.19, 310.0],
+                [0.56, 0.23, 345.0],
+                [0.74, 0.17, 20.0],
+                [0.93, 0.07, 75.0],
+            ],
+            Self::Gold => &[
+                [0.17, 0.04, 50.0],
+                [0.37, 0.09, 58.0],
+                [0.57, 0.13, 70.0],
+                [0.77, 0.16, 85.0],
+                [0.95, 0.10, 100.0],
+            ],
+            Self::Moss => &[
+                [0.18, 0.05, 165.0],
+                [0.38, 0.10, 150.0],
+                [0.57, 0.15, 138.0],
+                [0.77, 0.18, 122.0],
+                [0.95, 0.11, 108.0],
+            ],
+            Self::Ink => &[[0.10, 0.01, 265.0], [0.97, 0.01, 90.0]],
+            Self::Nodes => &[
+                [0.30, 0.12, 160.0],
+                [0.46, 0.14, 185.0],
+                [0.95, 0.02, 100.0],
+                [0.46, 0.20, 350.0],
+                [0.30, 0.15, 315.0],
+            ],
+            Self::Prism => &[
+                [0.74, 0.16, 0.0],
+                [0.74, 0.16, 60.0],
+                [0.74, 0.16, 120.0],
+                [0.74, 0.16, 180.0],
+                [0.74, 0.16, 240.0],
+                [0.74, 0.16, 300.0],
+                [0.74, 0.16, 0.0],
+            ],
+            Self::Neon => &[
+                [0.66, 0.27, 355.0],
+                [0.56, 0.27, 312.0],
+                [0.58, 0.21, 268.0],
+                [0.72, 0.15, 225.0],
+                [0.86, 0.14, 195.0],
+                [0.72, 0.15, 225.0],
+                [0.58, 0.21, 268.0],
+                [0.56, 0.27, 312.0],
+                [0.66, 0.27, 355.0],
+            ],
+            Self::Dusk => &[
+                [0.28, 0.14, 282.0],
+                [0.45, 0.19, 320.0],
+                [0.64, 0.20, 10.0],
+                [0.80, 0.16, 65.0],
+                [0.92, 0.12, 95.0],
+                [0.80, 0.16, 65.0],
+                [0.64, 0.20, 10.0],
+                [0.45, 0.19, 320.0],
+                [0.28, 0.14, 282.0],
+            ],
+            Self::Candy => &[
+                [0.78, 0.14, 0.0],
+                [0.83, 0.12, 55.0],
+                [0.88, 0.11, 110.0],
+                [0.85, 0.10, 180.0],
+                [0.78, 0.11, 250.0],
+                [0.75, 0.14, 310.0],
+                [0.78, 0.14, 0.0],
+            ],
+        }
+    }
+
+    /// The sRGB colour of `t`; `t` outside [0, 1] is clamped, NaN gives the first.
+    pub fn color(self, t: f32) -> [u8; 3] {
+        let points = self.points();
+        let at = t.clamp(0.0, 1.0) * (points.len() - 1) as f32;
+        let left = (at as usize).min(points.len() - 2);
+        let share = at - left as f32;
+        let (a, b) = (points[left], points[left + 1]);
+        let turn = (b[2] - a[2] + 540.0).rem_euclid(360.0) - 180.0;
+        let mix = |i: usize| a[i] + (b[i] - a[i]) * share;
+        in_gamut([mix(0), mix(1), a[2] + turn * share])
+    }
+
+    /// Row of this palette in the lookup texture.
+    pub(crate) fn row(self) -> usize {
+        crate::ColorMap::ALL.len() + self as usize
+    }
+}
+
+/// The sRGB colour of this lightness and hue, with as much of its chroma as a screen can show.
+fn in_gamut([lightness, chroma, hue]: Point) -> [u8; 3] {
+    let inside = |rgb: &[f32; 3]| rgb.iter().all(|c| (-1e-4..=1.0001).contains(c));
+    let at = |share: f32| linear_of([lightness, chroma * share, hue]);
+    let rgb = (0..=50).map(|i| at(1.0 - i as f32 / 50.0)).find(inside).unwrap_or(at(0.0));
+    rgb.map(|c| {
+        let c = c.clamp(0.0, 1.0);
+        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        (encoded * 255.0).round() as u8
+    })
+}
+
+/// Linear-light sRGB of OKLCH: Ottosson's matrices.
+fn linear_of([lightness, chroma, hue]: Point) -> [f32; 3] {
+    let (sin, cos) = hue.to_radians().sin_cos();
+    let (a, b) = (chroma * cos, chroma * sin);
+    let [l, m, s] = [
+        lightness + 0.396_337_78 * a + 0.215_803_76 * b,
+        lightness - 0.105_561_346 * a - 0.063_854_17 * b,
+        lightness - 0.089_484_18 * a - 1.291_485_5 * b,
+    ]
+    .map(|c| c * c * c);
+    [
+        4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s,
+        -1.268_438 * l + 2.609_757_4 * m - 0.341_319_4 * s,
+        -0.004_196_086_3 * l - 0.703_418_6 * m + 1.707_614_7 * s,
+    ]
+}
+
+/// How a surface is coloured by what it does. A place of the palette is the sum
+/// offset + span · along + swing · (d · n) + travel · |d|, with d the way from the place's rest, n the
+/// normal there, and `along` the number that its [`RestShape`](crate::RestShape) has for it. Palettes that
+/// are no circle run there and back.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Answer {
+    /// Which colours.
+    pub palette: Palette,
+    /// Where the palette begins.
+    pub offset: f32,
+    /// How much of it lies along the shape.
+    pub span: f32,
+    /// How much of it a unit of length outward is.
+    pub swing: f32,
+    /// How much of it a unit of length in any direction is.
+    pub travel: f32,
+    /// Glow that a unit of length adds to the material's own.
+    pub glow: f32,
+    /// How strong the colours are: 0 is grey, 1 the palette's own.
+    pub saturation: f32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// OKLab of an sRGB colour.
+    fn lab(color: [u8; 3]) -> [f32; 3] {
+        let [r, g, b] = crate::style::linear(color);
+        let [l, m, s] = [
+            0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b,
+            0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b,
+            0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b,
+        ]
+        .map(f32::cbrt);
+        [
+            0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
+            1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
+            0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
+        ]
+    }
+
+    fn row(palette: Palette) -> Vec<[f32; 3]> {
+        (0..=64).map(|i| lab(palette.color(i as f32 / 64.0))).collect()
+    }
+
+    fn distance(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt()
+    }
+
+    #[test]
+    fn lightness_rises_along_a_row_and_circles_close() {
+        for palette in Palette::ALL {
+            let row = row(palette);
+            let l: Vec<f32> = row.iter().map(|c| c[0]).collect();
+            if palette.is_circle() {
+                assert_eq!(palette.color(0.0), palette.color(1.0), "{palette:?}");
+            } else if palette == Palette::Nodes {
+                assert!(l[..33].windows(2).all(|pair| pair[1] > pair[0] - 0.002));
+                assert!(l[32..].windows(2).all(|pair| pair[1] < pair[0] + 0.002));
+                assert!((l[0] - l[64]).abs() < 0.01);
+            } else {
+                assert!(l.windows(2).all(|pair| pair[1] > pair[0]), "{palette:?} {l:?}");
+                // Even steps of lightness: an eighth is no more than twice its fair share.
+                let fair = (l[64] - l[0]) / 8.0;
+                assert!(l.iter().step_by(8).zip(l[8..].iter().step_by(8)).all(|(a, b)| b - a < 2.0 * fair));
+            }
+        }
+        let l: Vec<f32> = row(Palette::Prism).iter().map(|c| c[0]).collect();
+        assert!(l.iter().all(|l| (l - 0.74).abs() < 0.01), "hues are not equally light: {l:?}");
+    }
+
+    #[test]
+    fn no_two_neighbours_are_far_apart() {
+        for palette in Palette::ALL {
+            let row = row(palette);
+            let steps: Vec<f32> = row.windows(2).map(|pair| distance(&pair[0], &pair[1])).collect();
+            let mean = steps.iter().sum::<f32>() / steps.len() as f32;
+            let most = steps.iter().copied().fold(0.0, f32::max);
+            assert!(most < 3.0 * mean, "{palette:?}: {most} where {mean} is usual");
+        }
+    }
+
+    #[test]
+    fn names_are_found_again_and_numbers_that_are_none_have_a_color() {
+        for palette in Palette::ALL {
+            assert_eq!(Palette::named(palette.name()), Some(palette));
+            assert_eq!(palette.color(f32::NAN), palette.color(0.0));
+        }
+    }
+}
