@@ -65,7 +65,7 @@ pub use request::{
     smooth_normals,
 };
 pub use samples::Samples;
-pub use scene::{Cell, Figure, IDENTITY, Marker, Paint, Wire};
+pub use scene::{Cell, Figure, Grain, Grains, IDENTITY, Marker, Paint, Wire};
 pub use style::{Background, Light, Lights, Material};
 
 /// The examples of README.md, compiled.

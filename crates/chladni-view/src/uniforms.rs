@@ -36,6 +36,7 @@ pub(crate) struct FigureUniform {
     pub(crate) wire: [f32; 4],
     pub(crate) wire_width: [f32; 4],
     pub(crate) brush: [f32; 4],
+    pub(crate) grain: [f32; 4],
 }
 
 /// Heat maps and bare backgrounds have no shadows.
@@ -82,6 +83,12 @@ pub(crate) fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
             "item {item} of {} with {} vertices, and triangles over {}",
             buffers.items, buffers.vertices, topology.vertices
         )));
+    }
+    if let Some(of) = figure.grains {
+        let beyond = |v: &u32| *v as usize >= buffers.vertices;
+        if of.grains.iter().any(|grain| grain.corners.iter().any(beyond)) {
+            return Err(ViewError::Shape(format!("a grain beyond {} vertices", buffers.vertices)));
+        }
     }
     if let Some(ring) = figure.brush.filter(|ring| ring.reach.vertices != buffers.vertices) {
         let (found, wanted) = (ring.reach.vertices, buffers.vertices);
@@ -143,5 +150,6 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
         wire: figure.wire.map_or([0.0; 4], |wire| srgb(wire.color, wire.opacity)),
         wire_width: [figure.wire.map_or(0.0, |wire| wire.width_px), first_vertex, 0.0, 0.0],
         brush: figure.brush.map_or([0.0; 4], |ring| srgb(ring.color, ring.radius)),
+        grain: figure.grains.map_or([0.0; 4], |of| rgb(linear(of.color), of.radius)),
     }
 }

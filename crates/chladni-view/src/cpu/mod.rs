@@ -6,12 +6,13 @@
 //! one thread in one order, so that the number of threads changes no bit.
 //!
 //! One layer after the other lies over what is there: opaque figures together, sides of translucent
-//! figures, brush rings, markers. A look that works on finished pixels would be one more after these.
+//! figures, brush rings, grains, markers. A look that works on finished pixels would be one more after these.
 
 mod backdrop;
 mod batch;
 mod curves;
 mod fill;
+mod grains;
 mod instructions;
 mod markers;
 mod project;

@@ -56,6 +56,11 @@ fn toned(linear: Vec3) -> Vec3 {
     vec3(pick(c.x, held.x), pick(c.y, held.y), pick(c.z, held.z))
 }
 
+/// A pixel's colour of light.
+pub(super) fn finished(c: Vec3) -> Vec3 {
+    encoded(toned(c))
+}
+
 #[inline(always)]
 fn studio(cell: &CellUniform, d: Vec3, roughness: f32) -> Vec3 {
     let blur = mix(0.18, 0.9, roughness);

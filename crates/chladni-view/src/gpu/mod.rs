@@ -1,6 +1,7 @@
 //! The device that draws, with or without a window.
 
 mod canvas;
+mod grains;
 mod images;
 mod pipelines;
 mod renderer;

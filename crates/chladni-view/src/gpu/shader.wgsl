@@ -40,6 +40,8 @@ struct Figure {
     wire_width: vec4f,
     // sRGB of a brush's ring; w: its radius.
     brush: vec4f,
+    // Linear light of its grains; w: their radius.
+    grain: vec4f,
 }
 
 // What a pipeline can do without is left out when it is compiled: a software device computes both
