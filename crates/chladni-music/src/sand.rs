@@ -72,6 +72,11 @@ impl Tray {
             box_diagonal: box_diagonal(&body.positions),
         }
     }
+
+    /// The diagonal of the body's bounding box, in the working frame.
+    pub fn box_diagonal(&self) -> f32 {
+        self.box_diagonal
+    }
 }
 
 /// A grain as it is drawn.
@@ -91,8 +96,9 @@ pub struct Sand {
     tray: Arc<Tray>,
     seed: u64,
     grains: Vec<SurfacePoint>,
-    /// Steps since it was poured.
+    /// Steps since it was poured, and those of them in which something moved.
     steps: u64,
+    moves: u64,
     /// Of each harmonic, smoothed.
     powers: Vec<f32>,
     /// E of each vertex, and the largest.
@@ -119,6 +125,7 @@ impl Sand {
             grains: (0..grains).filter_map(place).collect(),
             seed,
             steps: 0,
+            moves: 0,
             powers: vec![0.0; tray.basis.harmonics()],
             energy: vec![0.0; vertices],
             most_energy: 0.0,
@@ -128,6 +135,16 @@ impl Sand {
             moved: vec![[0.0; 3]; vertices],
             tray,
         }
+    }
+
+    /// What it lies on.
+    pub fn tray(&self) -> &Tray {
+        &self.tray
+    }
+
+    /// A number that changes whenever grains may have moved.
+    pub fn version(&self) -> u64 {
+        self.moves
     }
 
     /// How many grains there are: as many as were poured.
@@ -146,7 +163,9 @@ impl Sand {
         self.feel(item, full);
         let step = self.steps;
         self.steps += 1;
-        if self.most_energy <= 0.0 || self.level < QUIET {
+        let moves = self.most_energy > 0.0 && self.level >= QUIET;
+        self.moves += u64::from(moves || self.steps <= POUR_STEPS);
+        if !moves {
             return;
         }
         let (seed, tray, energy) = (self.seed, &*self.tray, &self.energy);
