@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Loaded, MeshError, load_mesh, samples};
+use crate::{Loaded, MeshError, Orientation, load_mesh, samples};
 
 /// A mesh file, or one of the [`samples`]: what a user writes as a path or as `sample:NAME`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -32,6 +32,14 @@ impl ShapeSource {
     /// The NAME of `sample:NAME`; `None` if `name` is a path. Sound samples use the same syntax.
     pub fn sample_name(name: &Path) -> Option<&str> {
         name.to_str()?.strip_prefix(SAMPLE)
+    }
+
+    /// How it stands where that is known without looking at it: samples stand as they were modeled.
+    pub fn stands(&self) -> Option<Orientation> {
+        match self {
+            Self::Sample(_) => Some(Orientation::Y_UP),
+            Self::File(_) => None,
+        }
     }
 
     /// Reads the file, whose relative path starts from `folder`, or makes the sample.

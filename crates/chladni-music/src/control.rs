@@ -100,6 +100,8 @@ pub enum Target {
     PreviousFavourite,
     /// Back to the gallery.
     LeaveStage,
+    /// Sweeps the sand off and pours it anew.
+    Sweep,
     /// A beat by hand.
     Tap,
     /// Plays or pauses.
@@ -108,11 +110,12 @@ pub enum Target {
 
 impl Target {
     /// The targets that are pressed rather than turned, except the switches.
-    pub const BUTTONS: [Self; 6] = [
+    pub const BUTTONS: [Self; 7] = [
         Self::Breed,
         Self::NextFavourite,
         Self::PreviousFavourite,
         Self::LeaveStage,
+        Self::Sweep,
         Self::Tap,
         Self::PlayPause,
     ];
@@ -216,6 +219,7 @@ impl Bindings {
             Target::Switch(switch) => Some(Cue::Do(Action::Switch { switch, on: !parameters.is_on(switch) })),
             Target::Breed => Some(Cue::Do(Action::Breed)),
             Target::LeaveStage => Some(Cue::Do(Action::LeaveStage)),
+            Target::Sweep => Some(Cue::Do(Action::Sweep)),
             Target::NextFavourite => Some(Cue::StepFavourite(true)),
             Target::PreviousFavourite => Some(Cue::StepFavourite(false)),
             Target::Tap => Some(Cue::Tap),
@@ -300,7 +304,7 @@ fn next<T: Copy + PartialEq>(choices: &[(&str, T)], now: T) -> Option<T> {
 
 /// What an OSC message to one of this instrument's own addresses asks for, without any binding:
 /// `/chladni/NAME VALUE` is [`setting`]; `/chladni/NAME/CHOICE` is the same for a form or a choir;
-/// `/chladni/breed`, `/chladni/next`, `/chladni/previous`, `/chladni/leave`, `/chladni/tap` and
+/// `/chladni/breed`, `/chladni/next`, `/chladni/previous`, `/chladni/leave`, `/chladni/sweep`, `/chladni/tap` and
 /// `/chladni/play` press a button (a value of 0 is its release).
 pub fn osc_cue(address: &str, value: Option<f32>) -> Option<Cue> {
     let name = address.strip_prefix("/chladni/")?;
@@ -321,6 +325,7 @@ pub fn osc_cue(address: &str, value: Option<f32>) -> Option<Cue> {
         "next" => Some(Cue::StepFavourite(true)),
         "previous" => Some(Cue::StepFavourite(false)),
         "leave" => Some(Cue::Do(Action::LeaveStage)),
+        "sweep" => Some(Cue::Do(Action::Sweep)),
         "tap" => Some(Cue::Tap),
         "play" => Some(Cue::PlayPause),
         _ => None,

@@ -13,6 +13,10 @@ pub struct Moments {
     pub side_gain: f32,
 }
 
+/// A movement that is smaller, as a share of the limits, is none.
+const STILL: f32 = 1e-5;
+/// The level of a single octave: loud, but not so loud that all movements reach their limits.
+const LEVEL: f32 = 0.3;
 /// The largest number of moments that are remembered.
 const MOST_MOMENTS: usize = 12;
 
@@ -52,19 +56,19 @@ impl Moments {
             };
             [left, right, 0.5 * (left + right), 0.5 * (left - right).abs()].map(fill)
         };
-        let channels = [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
+        let channels = [[LEVEL, LEVEL], [LEVEL, 0.0], [0.0, LEVEL]];
         let all = (0..STEPS).flat_map(|step| channels.map(|channels| (step, channels)));
         Self { bands: all.map(one).collect(), side_gain: 1.0 }
     }
 }
 
-/// How a mapping moves a body at some moments: displacements and gradients at its probes, as shares of what
-/// the limits allow, so that a ripple counts as much as a sway.
+/// How a mapping moves a body at some moments, whatever the size of the movement: displacements and gradients
+/// at its probes, as shares of what the limits allow, so that a ripple counts as much as a sway.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Descriptor(Vec<f32>);
 
 impl Descriptor {
-    /// Root mean square over moments and probes; 0 for movements that are the same.
+    /// 0 for movements that are the same but for their size, 2 for opposite ones.
     pub fn distance(&self, other: &Self) -> f32 {
         let squares = self.0.iter().zip(&other.0).map(|(a, b)| (a - b) * (a - b));
         squares.sum::<f32>().sqrt()
@@ -114,8 +118,10 @@ impl Describer {
             player.play(&Bands { left, right, mid, side, side_gain, ringing: None }, &mut item)?;
             player.feel(&item, &mut values);
         }
-        let share = 1.0 / (self.moments.bands.len() as f32).sqrt();
-        values.iter_mut().for_each(|x| *x *= share);
+        // How a movement looks, not how large it is: else all that hardly moves would be alike.
+        let length = values.iter().map(|x| x * x).sum::<f32>().sqrt();
+        let scale = if length > STILL { 1.0 / length } else { 0.0 };
+        values.iter_mut().for_each(|x| *x *= scale);
         Ok(Descriptor(values))
     }
 }

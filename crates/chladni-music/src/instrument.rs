@@ -65,6 +65,8 @@ pub enum Action {
     PerformFavourites { first: usize },
     /// Back to the gallery.
     LeaveStage,
+    /// Sweeps the sand off the shape and pours it anew.
+    Sweep,
 }
 
 /// The most voices that can be changed.
@@ -104,6 +106,8 @@ pub struct Instrument {
     /// Voices that were changed; the others do what [`VoiceSettings::initial`] says.
     voices: BTreeMap<usize, VoiceSettings>,
     stage: Stage,
+    /// How often the sand was swept.
+    sweeps: u32,
     log: Vec<LoggedAction>,
 }
 
@@ -130,6 +134,7 @@ impl Instrument {
             parameters,
             voices: BTreeMap::new(),
             stage: Stage::default(),
+            sweeps: 0,
             log: Vec::new(),
         })
     }
@@ -172,6 +177,11 @@ impl Instrument {
     /// What a voice listens to, and how strongly.
     pub fn voice(&self, voice: usize) -> VoiceSettings {
         self.voices.get(&voice).copied().unwrap_or_else(|| VoiceSettings::initial(voice))
+    }
+
+    /// How often the sand was swept off and poured anew.
+    pub fn sweeps(&self) -> u32 {
+        self.sweeps
     }
 
     /// All that was done, oldest first.
@@ -273,6 +283,7 @@ impl Instrument {
                 self.stage.show_favourites(first, moment.at_beat, &self.favourites, &self.parameters);
             }
             Action::LeaveStage => self.stage.clear(),
+            Action::Sweep => self.sweeps = self.sweeps.wrapping_add(1),
         }
         Ok(())
     }

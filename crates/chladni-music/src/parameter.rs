@@ -49,11 +49,15 @@ pub enum Parameter {
     Strike,
     /// How far a steady sound displaces a harmonic.
     Hold,
+    /// Grains of sand on the shape, rounded.
+    Grains,
+    /// Radius of a grain, as a share of the bounding box's diagonal.
+    GrainSize,
 }
 
 impl Parameter {
     /// All of them.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::Decay,
         Self::SideGain,
         Self::Bands,
@@ -73,6 +77,8 @@ impl Parameter {
         Self::Stretch,
         Self::Strike,
         Self::Hold,
+        Self::Grains,
+        Self::GrainSize,
     ];
 
     /// Those that change how one dance looks, wherever it is danced.
@@ -139,6 +145,8 @@ impl Parameter {
             Self::Stretch => ("stretch", 0.0, 1.5, Timbre::NAMED[0].1.stretch),
             Self::Strike => ("strike", 0.0, 4.0, Timbre::NAMED[0].1.strike),
             Self::Hold => ("hold", 0.0, 1.0, Timbre::NAMED[0].1.hold),
+            Self::Grains => ("grains", 100.0, 100_000.0, 20_000.0),
+            Self::GrainSize => ("grain-size", 0.0005, 0.01, 0.0016),
         }
     }
 }
@@ -166,11 +174,13 @@ pub enum Switch {
     /// Breeding shows children that look different and are like those chosen so far; else whatever the
     /// paper's breeding gives.
     Suggest,
+    /// Sand lies on the shape that is on stage.
+    Sand,
 }
 
 impl Switch {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::BeatTurns,
         Self::BeatLights,
         Self::BeatSteps,
@@ -180,6 +190,7 @@ impl Switch {
         Self::OwnMu,
         Self::Resonate,
         Self::Suggest,
+        Self::Sand,
     ];
 
     /// Those that change how one dance looks, wherever it is danced.
@@ -197,6 +208,7 @@ impl Switch {
             Self::OwnMu => "own-mu",
             Self::Resonate => "resonate",
             Self::Suggest => "suggest",
+            Self::Sand => "sand",
         }
     }
 }
@@ -218,7 +230,7 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             values: Parameter::ALL.map(Parameter::initial),
-            on: [true, true, false, false, true, true, true, true, false],
+            on: [true, true, false, false, true, true, true, true, false, false],
             form: Form::default(),
             choir: Choir::default(),
             harmonics: None,

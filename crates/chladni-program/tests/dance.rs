@@ -63,7 +63,7 @@ fn a_dance_becomes_a_glb_with_its_sound_beside_it() {
     let text = String::from_utf8_lossy(&std::fs::read(&glb).unwrap()).into_owned();
     assert_eq!(text.matches("harmonic ").count(), 5);
     assert!(text.contains(r#""offset"]"#));
-    let sound = chladni_sound::Song::open(&folder.path().join("dance.wav")).unwrap();
+    let sound = Song::open(&folder.path().join("dance.wav")).unwrap();
     assert!((sound.duration_secs() - 1.0).abs() < 0.01, "{}", sound.duration_secs());
 }
 

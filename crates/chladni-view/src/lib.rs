@@ -73,7 +73,7 @@ pub use request::{
 };
 pub use rest::RestShape;
 pub use samples::Samples;
-pub use scene::{Cell, Figure, IDENTITY, Marker, Paint, Wire};
+pub use scene::{Cell, Figure, Grain, Grains, IDENTITY, Marker, Paint, Wire};
 pub use style::{Background, Curve, Floor, Gradient, Light, Lights, Material};
 
 /// The examples of README.md, compiled.

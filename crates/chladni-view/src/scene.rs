@@ -1,5 +1,7 @@
 //! What is drawn: figures, what they are painted with, and the cells they stand in.
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::{
     Answer, Background, BrushRing, Camera, ItemBuffers, Lights, Material, Rect, RestShape, Scale, Skin,
     Topology, VertexPaint,
@@ -38,6 +40,29 @@ impl Default for Wire {
     }
 }
 
+/// A grain of sand on a figure.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Grain {
+    /// Vertices of the figure's item, and what share each has of the grain's place.
+    pub corners: [u32; 3],
+    /// They sum to 1.
+    pub weights: [f32; 3],
+    /// How high it is above the surface, along the normal, in the item's coordinates.
+    pub lift: f32,
+}
+
+/// Grains on a figure: lit discs that move with its surface, on the side that its normals look to.
+#[derive(Clone, Copy, Debug)]
+pub struct Grains<'a> {
+    /// In the order in which they are drawn.
+    pub grains: &'a [Grain],
+    /// In the item's coordinates.
+    pub radius: f32,
+    /// sRGB.
+    pub color: [u8; 3],
+}
+
 /// One item in a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Figure<'a> {
@@ -59,6 +84,8 @@ pub struct Figure<'a> {
     pub wire: Option<Wire>,
     /// Brush ring, where there is one.
     pub brush: Option<&'a BrushRing>,
+    /// Sand on it, where there is some. It is drawn after all figures of a cell.
+    pub grains: Option<Grains<'a>>,
 }
 
 /// A similarity that changes nothing.
@@ -78,6 +105,7 @@ impl<'a> Figure<'a> {
             opacity: 1.0,
             wire: None,
             brush: None,
+            grains: None,
         }
     }
 }

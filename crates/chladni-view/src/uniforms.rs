@@ -43,6 +43,7 @@ pub(crate) struct FigureUniform {
     pub(crate) edge: [f32; 4],
     pub(crate) answer: [f32; 4],
     pub(crate) glow: [f32; 4],
+    pub(crate) grain: [f32; 4],
 }
 
 /// Heat maps and bare backgrounds have no shadows.
@@ -89,6 +90,12 @@ pub(crate) fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
             "item {item} of {} with {} vertices, and triangles over {}",
             buffers.items, buffers.vertices, topology.vertices
         )));
+    }
+    if let Some(of) = figure.grains {
+        let beyond = |v: &u32| *v as usize >= buffers.vertices;
+        if of.grains.iter().any(|grain| grain.corners.iter().any(beyond)) {
+            return Err(ViewError::Shape(format!("a grain beyond {} vertices", buffers.vertices)));
+        }
     }
     if let Some(ring) = figure.brush.filter(|ring| ring.reach.vertices != buffers.vertices) {
         let (found, wanted) = (ring.reach.vertices, buffers.vertices);
@@ -192,5 +199,6 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
         edge: rgb(linear(m.edge), 0.0),
         answer: [answer.offset, answer.span, answer.swing, answer.travel],
         glow: [m.glow, answer_glow[0], answer_glow[1], answer_glow[2]],
+        grain: figure.grains.map_or([0.0; 4], |of| rgb(linear(of.color), of.radius)),
     }
 }

@@ -8,9 +8,9 @@
 mod shapes;
 
 use chladni_view::{
-    Background, BrushRing, Camera, Canvas, Cell, ColorMap, Device, Figure, ItemBuffers, Lights, Marker,
-    Material, Paint, Picture, Projection, Rect, Renderer, Scale, Skin, Topology, VertexPaint, View,
-    ViewError, Wire, layout, smooth_normals,
+    Background, BrushRing, Camera, Canvas, Cell, ColorMap, Device, Figure, Grain, Grains, ItemBuffers,
+    Lights, Marker, Material, Paint, Picture, Projection, Rect, Renderer, Scale, Skin, Topology, VertexPaint,
+    View, ViewError, Wire, layout, smooth_normals,
 };
 use shapes::{gpu, sphere};
 
@@ -34,6 +34,7 @@ struct Model {
     skin: Skin,
     ring: BrushRing,
     camera: Camera,
+    triangles: Vec<[u32; 3]>,
 }
 
 impl Model {
@@ -69,7 +70,18 @@ impl Model {
         ring.lay(device, 0.45, (0..n).map(|v| (v as u32, from(v))), &under).unwrap();
         let mut camera = Camera::looking(View::ThreeQuarter);
         camera.fit(positions.iter().copied(), 1.0, 0.85);
-        Self { device: device.clone(), topology, buffers, values, colors, skin, ring, camera }
+        Self { device: device.clone(), topology, buffers, values, colors, skin, ring, camera, triangles }
+    }
+
+    /// Grains here and there, some of which fly.
+    fn strewn(&self, count: usize) -> Vec<Grain> {
+        let grain = |i: usize| {
+            let corners = self.triangles[i * 7919 % self.triangles.len()];
+            let (u, v) = (i as f32 * 0.618_034 % 1.0, i as f32 * 0.754_878 % 1.0);
+            let weights = [1.0 - u.sqrt(), u.sqrt() * (1.0 - v), u.sqrt() * v];
+            Grain { corners, weights, lift: 0.01 * (i % 5) as f32 }
+        };
+        (0..count).map(grain).collect()
     }
 
     fn figure(&self) -> Figure<'_> {
@@ -99,7 +111,7 @@ impl Model {
 /// How a picture is made of a model.
 type Look = fn(&Model, [u32; 2]) -> Picture;
 
-const LOOKS: [(&str, Look); 12] = [
+const LOOKS: [(&str, Look); 14] = [
     ("clay", |m, size| m.draw(size[0], size[1], &[m.cell(&[m.figure()], size)])),
     ("pearl under dramatic light", |m, size| {
         let figures = [Figure { material: Material::PEARL, ..m.figure() }];
@@ -140,6 +152,21 @@ const LOOKS: [(&str, Look); 12] = [
             marker([0.9, 0.2, 0.2], [0, 0, 255, 160]),
         ];
         m.draw(size[0], size[1], &[Cell { markers: &markers, ..m.cell(&figures, size) }])
+    }),
+    ("grains of many pixels, lifted, under shadows", |m, size| {
+        let grains = m.strewn(400);
+        let sand = Grains { grains: &grains, radius: 0.03, color: [230, 210, 160] };
+        let figures = [Figure { grains: Some(sand), material: Material::DARK, ..m.figure() }];
+        m.draw(size[0], size[1], &[m.cell(&figures, size)])
+    }),
+    ("grains of less than a pixel, parallel lines", |m, size| {
+        let grains = m.strewn(5_000);
+        let sand = Grains { grains: &grains, radius: 0.004, color: [255, 250, 240] };
+        let mut aside = chladni_view::IDENTITY;
+        aside[3] = [0.3, 0.1, -0.2, 1.0];
+        let figures = [Figure { grains: Some(sand), model: aside, ..m.figure() }];
+        let camera = Camera { projection: Projection::Orthographic, ..m.camera };
+        m.draw(size[0], size[1], &[Cell { camera, lights: Lights::STAGE, ..m.cell(&figures, size) }])
     }),
     ("two figures through each other, one translucent behind", |m, size| {
         let mut moved = chladni_view::IDENTITY;

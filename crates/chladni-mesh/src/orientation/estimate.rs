@@ -52,6 +52,12 @@ pub struct Known {
     pub front: Option<[f64; 3]>,
 }
 
+impl From<Orientation> for Known {
+    fn from(stands: Orientation) -> Self {
+        Self { up: Some(stands.up()), front: Some(stands.front()) }
+    }
+}
+
 /// How a shape most probably stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {

@@ -8,6 +8,7 @@ mod normals;
 mod point;
 mod tree;
 pub mod vec3;
+mod walk;
 mod weld;
 
 pub(crate) use adjacency::{HalfEdge, Pieces, sorted_half_edges, vertex_faces};
@@ -17,4 +18,5 @@ pub use normals::{
 };
 pub use point::{SurfacePoint, closest_on_triangle, mixed};
 pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
+pub use walk::Ground;
 pub use weld::{Weld, places, weld};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use chladni_music::{
-    Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, Show, Switch, Timbre, setting,
+    Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, SAND_MODE, Show, Switch, Timbre, setting,
 };
 use chladni_synth::Backend;
 use chladni_view::{Background, FrameRate, Lights, Material, Samples};
@@ -98,6 +98,10 @@ pub struct Dance {
     /// Write the mapping of each item of the gallery into this folder, as presets.
     #[arg(long, value_name = "DIR")]
     presets: Option<PathBuf>,
+    /// Strew sand on the shape and set all up for it: form modal, little gain, 64 harmonics, nothing turns on the
+    /// beat. What else is given comes after.
+    #[arg(long)]
+    sand: bool,
     /// Show the shape at rest, too, as dots.
     #[arg(long)]
     rest: bool,
@@ -241,6 +245,7 @@ impl Dance {
     fn changes(&self) -> Result<Vec<Action>, Error> {
         let mut changes = Vec::new();
         changes.extend(self.paper.then_some(PAPER_MODE).into_iter().flatten());
+        changes.extend(self.sand.then_some(SAND_MODE).into_iter().flatten());
         changes.extend(self.form.map(|form| Action::SetForm { form }));
         match self.timbre {
             Some(Ring::As(timbre)) => changes.extend(timbre.actions()),

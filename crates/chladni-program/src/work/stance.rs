@@ -1,6 +1,6 @@
 //! Which way a shape stands in pictures: given by the user or a project, else estimated.
 
-use chladni_mesh::{Axis, Estimate, Known, Orientation, TriMesh};
+use chladni_mesh::{Axis, Estimate, Known, Orientation, ShapeSource, TriMesh};
 
 use super::{Error, Warning, Watcher};
 
@@ -32,8 +32,9 @@ impl Stance {
         }
     }
 
-    /// How the mesh called `name` stands: as given here, else as `kept`, else as estimated from its surface,
-    /// or, if that is in doubt, as the template that it was `matched` with. Warns if it stays in doubt.
+    /// How the mesh called `name` stands: as given here, else as `kept`, else, of a sample, as it was modeled,
+    /// else as estimated from its surface, or, if that is in doubt, as the template that it was `matched` with.
+    /// Warns if it stays in doubt.
     ///
     /// # Errors
     /// As [`check`](Self::check) does, and [`Error::Cancelled`].
@@ -46,6 +47,7 @@ impl Stance {
         watcher: &impl Watcher,
     ) -> Result<Orientation, Error> {
         self.check()?;
+        let kept = kept.or_else(|| ShapeSource::named(name).stands());
         if let Some(kept) = kept.filter(|_| !self.is_told()) {
             return Ok(kept);
         }

@@ -6,13 +6,14 @@
 //! one thread in one order, so that the number of threads changes no bit.
 //!
 //! One layer after the other lies over what is there: opaque figures together, sides of translucent
-//! figures, brush rings, markers. The finish of a picture comes after these.
+//! figures, brush rings, grains, markers. The finish of a picture comes after these.
 
 mod backdrop;
 mod batch;
 mod curves;
 mod fill;
 mod finishing;
+mod grains;
 mod instructions;
 mod markers;
 mod project;

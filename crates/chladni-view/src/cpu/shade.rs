@@ -56,6 +56,11 @@ fn toned(linear: Vec3) -> Vec3 {
     vec3(pick(c.x, held.x), pick(c.y, held.y), pick(c.z, held.z))
 }
 
+/// A pixel's colour of light.
+pub(super) fn finished(c: Vec3) -> Vec3 {
+    encoded(toned(c))
+}
+
 #[inline(always)]
 fn filmed(linear: Vec3) -> Vec3 {
     let grey = 0.2126 * linear.x + 0.7152 * linear.y + 0.0722 * linear.z;

@@ -108,7 +108,7 @@ impl ShadowMap {
 
     /// Share of a disc around `at`, texels and depth, that the key light reaches.
     #[inline(always)]
-    fn lit_disc(&self, [x, y, depth]: [f32; 3]) -> f32 {
+    pub(super) fn lit_disc(&self, [x, y, depth]: [f32; 3]) -> f32 {
         // Nine texels first: where they agree, so does nearly always what lies between them.
         let mut rim = [0; RIM];
         for (at, [dx, dy]) in rim.iter_mut().zip(&DISC[DISC.len() - RIM..]) {

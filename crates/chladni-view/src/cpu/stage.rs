@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::Canvas;
 use super::backdrop::Backdrop;
+use super::grains::GrainDiscs;
 use super::instructions::Instructions;
 use super::markers::Disc;
 use super::project::{Grid, Lens};
@@ -142,6 +143,7 @@ pub(super) struct StagedCell {
     /// Its figures among all.
     pub(super) figures: Range<usize>,
     pub(super) discs: Vec<Disc>,
+    pub(super) grains: GrainDiscs,
     pub(super) backdrop: Backdrop,
     pub(super) shadows: bool,
     pub(super) map: ShadowMap,
@@ -215,6 +217,17 @@ impl Stage {
                 casting.map(|(figure, subject)| (&figure.shadow, subject.triangles)).collect();
             cell.map.draw(with, size, &casting);
         });
+        for (staged, cell) in self.cells.iter_mut().zip(cells) {
+            let StagedCell { grains, uniform, map, shadows, .. } = staged;
+            grains.clear();
+            for (figure, i) in cell.figures.iter().zip(staged.figures.clone()) {
+                if let Some(of) = figure.grains {
+                    let on = (&self.figures[i].uniform, &subjects[i], of);
+                    grains.add(uniform, Some(&*map).filter(|_| *shadows), on);
+                }
+            }
+            grains.sort(&staged.grid);
+        }
         Ok(())
     }
 }

@@ -113,7 +113,7 @@ impl Tile<'_, '_> {
         let stage = self.picture.stage;
         let here = |figure: &StagedFigure| figure.projected.chunks.iter().any(|c| !c.is_empty(self.index));
         let any = stage.figures[self.cell.figures.clone()].iter().any(here);
-        if !any && self.cell.discs.is_empty() {
+        if !any && self.cell.discs.is_empty() && self.cell.grains.is_empty(self.index) {
             return;
         }
         self.scratch.depth.fill(1.0);
@@ -123,6 +123,7 @@ impl Tile<'_, '_> {
                 first = self.figures_from(first);
             }
         }
+        self.grains();
         self.markers();
     }
 
@@ -528,6 +529,18 @@ impl Tile<'_, '_> {
             }
         }
         lay(self);
+    }
+
+    fn grains(&mut self) {
+        let (cell, tile, bounds) = (self.cell, self.index, (self.low, self.high));
+        let [x, y, ..] = cell.uniform.lights[0][0];
+        let lay = |[x, y]: [i32; 2], color: &dyn Fn([f32; 4]) -> [f32; 4]| {
+            let at = self.sample(x, y);
+            let depths = std::array::from_fn(|s| self.scratch.depth[at + s]);
+            let at = self.pixel(x, y);
+            over(&mut self.pixels[at..], color(depths));
+        };
+        cell.grains.draw(tile, bounds, lay, [x, y]);
     }
 
     fn markers(&mut self) {

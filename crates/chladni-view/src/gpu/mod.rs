@@ -2,6 +2,7 @@
 
 mod canvas;
 mod finishing;
+mod grains;
 mod images;
 mod pipelines;
 mod renderer;

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use wgpu::{BindGroupLayout, RenderPipeline, TextureFormat};
 
+use super::grains::GRAIN_BYTES;
 use crate::Samples;
 
 /// Depth of a canvas.
@@ -40,6 +41,8 @@ pub(crate) enum Part {
     Brush,
     Markers,
     HiddenMarkers,
+    /// Sand on a surface that is drawn already.
+    Grains,
     /// Smooths the edges of a picture of one sample a pixel.
     Smooth,
 }
@@ -165,7 +168,12 @@ impl Pipelines {
         };
         let groups = [&layouts.cell, &layouts.figure, &layouts.images, &layouts.corners].map(Some);
         Self {
-            module: device.create_shader_module(wgpu::include_wgsl!("shader.wgsl")),
+            module: device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("shader.wgsl"),
+                source: wgpu::ShaderSource::Wgsl(
+                    concat!(include_str!("shader.wgsl"), include_str!("grains.wgsl")).into(),
+                ),
+            }),
             shadowed: layout(&groups[..2]),
             indexed: layout(&groups[..3]),
             cornered: layout(&groups),
@@ -192,6 +200,7 @@ impl Pipelines {
         let (value, color) = (attribute(Float32, 2), attribute(Unorm8x4, 2));
         let (reach, rest) = (attribute(Float32, 1), attribute(Float32x4, 2));
         let marker = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
+        let grain = wgpu::vertex_attr_array![0 => Uint32x3, 1 => Float32x3, 2 => Float32];
         let slot = |step_mode, stride, attributes| {
             Some(wgpu::VertexBufferLayout { array_stride: stride, step_mode, attributes })
         };
@@ -213,6 +222,10 @@ impl Pipelines {
             }
             Part::Surface(Coat::Corners, _) => ("corner_vertex", Some("corner_fragment"), vec![]),
             Part::Brush => ("brush_vertex", Some("brush_fragment"), vec![at, each(4, &reach)]),
+            Part::Grains => {
+                let each = slot(wgpu::VertexStepMode::Instance, GRAIN_BYTES, &grain);
+                ("grain_vertex", Some("grain_fragment"), vec![each])
+            }
             Part::Markers | Part::HiddenMarkers => {
                 let fragment =
                     if kind.part == Part::Markers { "marker_fragment" } else { "hidden_marker_fragment" };
@@ -221,6 +234,7 @@ impl Pipelines {
             }
         };
         let layout = match kind.part {
+            Part::Grains => &self.cornered,
             Part::Shadow => &self.shadowed,
             Part::Surface(Coat::Corners, _) => &self.cornered,
             Part::Smooth => &self.smoothing,
@@ -262,7 +276,7 @@ impl Pipelines {
 impl Part {
     fn primitive(self) -> wgpu::PrimitiveState {
         use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
-        let discs = matches!(self, Self::Markers | Self::HiddenMarkers);
+        let discs = matches!(self, Self::Markers | Self::HiddenMarkers | Self::Grains);
         let cull_mode = match self {
             Self::Surface(_, Side::Front) => Some(wgpu::Face::Back),
             Self::Surface(_, Side::Back) => Some(wgpu::Face::Front),
@@ -278,7 +292,7 @@ impl Part {
             Self::Smooth => return None,
             Self::Shadow | Self::Surface(..) => (true, LessEqual),
             Self::Backdrop => (false, Always),
-            Self::Markers | Self::Brush => (false, LessEqual),
+            Self::Markers | Self::Grains | Self::Brush => (false, LessEqual),
             Self::HiddenMarkers => (false, Greater),
         };
         let (constant, slope_scale) = match self {

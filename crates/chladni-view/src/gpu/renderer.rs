@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::canvas::Canvas;
 use super::finishing::Finishing;
+use super::grains::GrainBuffer;
 use super::images::Images;
 use super::pipelines::{Coat, Kind, Layouts, MARKER_BYTES, Part, Pipelines, Side};
 use crate::uniforms::{
@@ -28,6 +29,7 @@ pub(crate) struct Renderer {
     marker_bytes: Vec<MarkerInstance>,
     /// None before the first picture that has a finish.
     finishing: Option<Finishing>,
+    grains: GrainBuffer,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -65,6 +67,7 @@ impl Renderer {
             markers,
             marker_bytes: Vec::new(),
             finishing: None,
+            grains: GrainBuffer::new(),
         }
     }
 
@@ -114,7 +117,7 @@ impl Renderer {
     ) -> Result<(), ViewError> {
         let (samples, device) = (canvas.samples, self.gpu.device.clone());
         let mut pass = canvas.pass(encoder, target);
-        let (mut figure_index, mut first_marker) = (0, 0);
+        let (mut figure_index, mut first_marker, mut first_grain) = (0, 0, 0);
         for (cell_index, cell) in cells.iter().enumerate() {
             let r = cell.viewport;
             pass.set_viewport(r.x as f32, r.y as f32, r.width as f32, r.height as f32, 0.0, 1.0);
@@ -130,6 +133,21 @@ impl Renderer {
                 pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(figure_index)]);
                 self.draw_figure(&mut pass, figure, samples, casts_shadows(cell))?;
                 figure_index += 1;
+            }
+            for (i, figure) in cell.figures.iter().enumerate() {
+                let Some(of) = figure.grains else { continue };
+                let grains = self.grains.slice(first_grain, of.grains.len() as u64);
+                first_grain += of.grains.len() as u64;
+                if let Some(grains) = grains.filter(|_| figure.topology.triangles > 0) {
+                    let kind = Kind { part: Part::Grains, samples, shadows: casts_shadows(cell) };
+                    let index = figure_index - cell.figures.len() + i;
+                    pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(index)]);
+                    self.bind_corners(&mut pass, figure)?;
+                    pass.set_bind_group(2, &self.images.group, &[]);
+                    pass.set_vertex_buffer(0, grains);
+                    pass.set_pipeline(self.pipelines.get(&device, kind));
+                    pass.draw(0..4, 0..of.grains.len() as u32);
+                }
             }
             if !cell.markers.is_empty() {
                 let markers = first_marker..first_marker + cell.markers.len() as u32;
@@ -300,6 +318,7 @@ impl Renderer {
         let Gpu { device, queue, .. } = &self.gpu;
         self.cells.upload(device, queue, &self.layouts.cell);
         self.figures.upload(device, queue, &self.layouts.figure);
+        self.grains.upload(&self.gpu, cells);
         if !self.marker_bytes.is_empty() {
             let count = self.marker_bytes.len() as u64;
             if self.markers.size() < count * MARKER_BYTES {

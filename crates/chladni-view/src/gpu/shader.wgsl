@@ -56,6 +56,8 @@ struct Figure {
     answer: vec4f,
     // Own light, more of it by a unit of length; saturation; 1 for palettes that are a circle.
     glow: vec4f,
+    // Linear light of its grains; w: their radius.
+    grain: vec4f,
 }
 
 // What a pipeline can do without is left out when it is compiled: a software device computes both

@@ -64,7 +64,8 @@ pub fn load(
     if let Some(told) = project.taken_over() {
         aside.warn(Warning::Told(format!("This is {told}.")));
     }
-    let stands = Estimate::of(&mesh, Known::default(), task)?;
+    let known = project.shape.stands().map_or_else(Known::default, Known::from);
+    let stands = Estimate::of(&mesh, known, task)?;
     // There may be no receiver any more.
     let _ = read.send((Arc::clone(&mesh), project.stands.unwrap_or(stands.orientation)));
     let new = recovered.is_some() || made_on.is_some();

@@ -141,6 +141,13 @@ const GROUPS: &[(&str, &[Row])] = &[
         ],
     ),
     (
+        "Sand",
+        &[
+            (Parameter::Grains, "Grains", "How many grains lie on the shape that is on stage"),
+            (Parameter::GrainSize, "Grain size", "Radius of a grain, as a share of the shape's size"),
+        ],
+    ),
+    (
         "Stage",
         &[
             (Parameter::TransitionBeats, "Transition", "Beats that a change on stage takes"),
@@ -179,6 +186,15 @@ const SWITCHES: &[(&str, &[Choice])] = &[
             "Suggest",
             "Of two hundred children show those that differ most and are most like what you chose so far; else \
              whatever the paper's breeding gives",
+        )],
+    ),
+    (
+        "Experiment",
+        &[(
+            Switch::Sand,
+            "Sand",
+            "Sand lies on the shape that is on stage and gathers where it does not move; form Modal and little \
+             gain are best",
         )],
     ),
     (
@@ -224,6 +240,9 @@ fn idle(parameters: &Parameters, parameter: Parameter, voices: bool) -> Option<&
         | Parameter::Hold => {
             (!parameters.is_on(Switch::Resonate)).then_some("Nothing resonates now (see Hearing).")
         }
+        Parameter::Grains | Parameter::GrainSize => {
+            (!parameters.is_on(Switch::Sand)).then_some("There is no sand now (see Experiment).")
+        }
         Parameter::Detail => form.ignores(FormControl::Detail),
         _ => None,
     }
@@ -241,8 +260,9 @@ fn knob(
     let (low, high) = parameter.range();
     let slider = theme::slider(&mut value, low..=high).logarithmic(high / low.max(1e-3) > 500.0);
     let slider = match parameter {
-        Parameter::Bands | Parameter::BeatsPerStep => slider.fixed_decimals(0),
+        Parameter::Bands | Parameter::BeatsPerStep | Parameter::Grains => slider.fixed_decimals(0),
         Parameter::TransitionBeats => slider.fixed_decimals(1),
+        Parameter::GrainSize => in_units(slider, 100.0, 2, " %"),
         Parameter::Calibration | Parameter::Limit => in_units(slider, 100.0, 1, " %"),
         Parameter::TurnRad | Parameter::LightSwingRad => {
             in_units(slider, 180.0 / std::f64::consts::PI, 0, "°")

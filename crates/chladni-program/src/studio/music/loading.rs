@@ -4,12 +4,13 @@ use std::path::Path;
 
 use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::Orientation;
+use chladni_music::Viewpoint;
 use chladni_synth::Term;
 use chladni_task::Task;
 
 use super::coarse::{self, Detail};
 use crate::work::dancer::{Dancing, classes};
-use crate::work::{Aside, Cast, Error, Stance, Warning};
+use crate::work::{Aside, Cast, Error, Stance, Warning, opening_view};
 
 /// Vertices of the smallest level of detail where the processor draws, and how many times as many the next
 /// larger one has.
@@ -31,6 +32,8 @@ pub struct Ready {
     pub dancing: Dancing,
     /// How it stands.
     pub stands: Orientation,
+    /// From where it is seen first.
+    pub opening_view: Viewpoint,
     /// The layers of a caricature, by name, each at its full strength.
     pub voices: Vec<(String, Term)>,
     /// The shape with fewer vertices for small pictures, from fine to coarse, where all would be too many.
@@ -56,7 +59,8 @@ pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
         || if means.coarsely { details(&body) } else { Vec::new() },
     );
     let dancing = Dancing::new(&body, symmetry?, &stands)?;
-    Ok(Ready { dancing, stands, voices, details, warnings: aside.warnings() })
+    let opening_view = opening_view(&path.to_string_lossy());
+    Ok(Ready { dancing, stands, opening_view, voices, details, warnings: aside.warnings() })
 }
 
 fn details(body: &Body) -> Vec<Detail> {

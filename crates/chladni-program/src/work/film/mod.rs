@@ -21,7 +21,8 @@ use super::body::laplacian;
 use super::dancer::{Dancing, classes};
 use super::outputs::check_file;
 use super::{
-    Cast, Error, FIRST_VIEW, HARMONICS, Hearing, Look, Stance, Warning, Watcher, first_looks, look_named,
+    Cast, Error, HARMONICS, Hearing, Look, Stance, Warning, Watcher, first_looks, look_named, opening_looks,
+    opening_view,
 };
 use animation::Animation;
 pub use animation::Held;
@@ -99,9 +100,11 @@ pub struct Output {
 }
 
 impl Film {
-    /// `body` dances to all of `song` as `beginning` says, with the default look.
+    /// `body` dances to all of `song` as `beginning` says, with its opening look.
     pub fn new(body: String, song: String, beginning: Beginning, output: Output) -> Self {
         Self {
+            look: look_named(&opening_looks(&body)).0,
+            viewpoint: opening_view(&body),
             body,
             songs: vec![(song, BeatReading::default())],
             stance: Stance::default(),
@@ -110,8 +113,6 @@ impl Film {
             heard: Vec::new(),
             show_secs: None,
             beginning,
-            look: look_named(&first_looks()).0,
-            viewpoint: FIRST_VIEW,
             start_secs: 0.0,
             duration_secs: None,
             output,

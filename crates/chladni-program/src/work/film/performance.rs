@@ -16,7 +16,7 @@ use super::Seconds;
 use super::deformed::Deformed;
 use super::guard::FrameGuard;
 use super::record::Recording;
-use crate::work::{Error, Hearing, Look, Staging, dots};
+use crate::work::{Error, Hearing, Look, SandTable, Staging, dots};
 
 /// What computes and draws; by default what suits the device.
 #[derive(Clone, Copy, Default)]
@@ -74,6 +74,7 @@ pub struct Performance {
     script: std::iter::Peekable<std::vec::IntoIter<LoggedAction>>,
     ensemble: Ensemble,
     staging: Staging,
+    sand: SandTable,
     model: SynthModel,
     triangles: Vec<[u32; 3]>,
     start_secs: f64,
@@ -97,6 +98,7 @@ impl Performance {
             hearing,
             heard: heard.into_iter().peekable(),
             staging: Staging::new(ensemble.dancer().clone(), model.rest_positions().to_vec(), stands),
+            sand: SandTable::new(body.clone(), start_secs),
             instrument,
             script: script.into_iter().peekable(),
             ensemble,
@@ -150,6 +152,10 @@ impl Performance {
         let time_secs = self.rate.start_secs(frame);
         let at_secs = self.start_secs + time_secs;
         let listening = Instant::now();
+        while let Some(step_secs) = self.sand.due(at_secs) {
+            self.go_to(step_secs)?;
+            self.sand.follow(&mut self.hearing, &mut self.ensemble, &self.instrument, step_secs)?;
+        }
         self.go_to(at_secs)?;
         let unheard = || Error::other(format!("nothing is known of what is heard at {at_secs} s"));
         let heard = self.hearing.hear(at_secs)?.ok_or_else(unheard)?;
@@ -259,10 +265,11 @@ impl Performance {
         let area = Rect::of_size(canvas.width(), canvas.height());
         let (instrument, items) = (&self.instrument, buffers.items());
         let staged = self.staging.set(area, items, viewpoint, look, reaction, instrument);
+        let grains = self.sand.drawn();
         let figures: Vec<Figure<'_>> = (0..items)
             .map(|item| {
                 let figure = Figure::new(&deformed.topology, &buffers, item);
-                Figure { material: staged.material, ..figure }
+                Figure { material: staged.material, grains, ..figure }
             })
             .collect();
         let dots = match self.shows_rest {

@@ -32,6 +32,7 @@ impl Concert {
             self.viewport.invalidate();
         }
         let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
+        let grains = self.sand.drawn();
         let mut drawn_vertices = 0;
         let figures: Vec<Figure<'_>> = (0..)
             .zip(cells)
@@ -42,7 +43,7 @@ impl Concert {
                 let detail = self.details.iter().rev().find(|(detail, _)| detail.vertices >= needed);
                 drawn_vertices += detail.map_or(self.staging.rest().len(), |(detail, _)| detail.vertices);
                 let topology = detail.map_or(&self.topology, |(_, topology)| topology);
-                Figure { material, ..Figure::new(topology, &buffers, item) }
+                Figure { material, grains, ..Figure::new(topology, &buffers, item) }
             })
             .collect();
         self.drawn_vertices = drawn_vertices / cells.len().max(1);

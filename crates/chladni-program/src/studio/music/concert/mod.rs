@@ -36,7 +36,7 @@ use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
-use crate::work::{Error, FIRST_VIEW, Staging, reaction};
+use crate::work::{Error, SandTable, Staging, reaction};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -57,6 +57,7 @@ pub struct Concert {
     /// Vertices that were drawn of a shape, in the mean.
     drawn_vertices: usize,
     staging: Staging,
+    sand: SandTable,
     viewpoint: Viewpoint,
     glimpse: Glimpse,
     guard: FlashGuard,
@@ -108,7 +109,8 @@ impl Concert {
             drawn_vertices: vertices,
             staging,
             viewport,
-            viewpoint: FIRST_VIEW,
+            sand: SandTable::new(body.clone(), 0.0),
+            viewpoint: ready.opening_view,
             glimpse: Glimpse::default(),
             guard: FlashGuard::default(),
             shown: None,
@@ -229,9 +231,10 @@ impl Concert {
 
     /// Replays on this body all actions made on another.
     pub fn go_on_from(&mut self, before: &Self) -> Result<(), Error> {
+        let viewpoint = self.viewpoint;
         self.replay(&Show::of(&before.instrument))?;
         self.saved = before.saved;
-        self.viewpoint = FIRST_VIEW;
+        self.viewpoint = viewpoint;
         Ok(())
     }
 
@@ -281,7 +284,9 @@ impl Concert {
         if listening.beats_changed() {
             self.count_beats(|at_secs| listening.beats_at(at_secs))?;
         }
-        let heard = listening.hear(self.seconds, self.instrument.parameters())?;
+        let (sand, ensemble, instrument) = (&mut self.sand, &mut self.ensemble, &self.instrument);
+        let before = |hearing: &mut _, at_secs| sand.follow(hearing, ensemble, instrument, at_secs);
+        let heard = listening.hear(self.seconds, instrument.parameters(), before)?;
         self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
         self.recent.hear(heard.at_secs, &heard.bands);
         let (beat, reaction) = (heard.beat, reaction(&self.instrument, heard.beat, heard.fading));
@@ -320,7 +325,11 @@ impl Concert {
         // Full blending is the paper's: the mean of the exact and the rest normal.
         let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
         let count = items.len();
-        let pose = stillness::pose(items, normal_blending);
+        // Of what is not known beforehand only the present is heard.
+        while self.sand.due(heard.at_secs).is_some() {
+            self.sand.step(items, &self.instrument);
+        }
+        let pose = stillness::pose(items, normal_blending) ^ self.sand.version();
         if self.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
             self.synthesizer.synthesize(items, &FrameSettings { normal_blending })?;
             self.seen.clear();

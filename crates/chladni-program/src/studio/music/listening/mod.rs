@@ -232,8 +232,14 @@ impl Listening {
         self.warnings.drain(..).chain(told).collect()
     }
 
-    /// Listens to what is heard at this moment, which is `now_secs` by any steadily running clock.
-    pub fn hear(&mut self, now_secs: f64, parameters: &Parameters) -> Result<Heard<'_>, Error> {
+    /// Listens to what is heard at this moment, which is `now_secs` by any steadily running clock. `before`
+    /// listens first to whatever it wants before the time of the show that it is given.
+    pub fn hear(
+        &mut self,
+        now_secs: f64,
+        parameters: &Parameters,
+        mut before: impl FnMut(&mut Hearing, f64) -> Result<(), Error>,
+    ) -> Result<Heard<'_>, Error> {
         let since_last_secs = now_secs - self.last_secs;
         let dt_secs = since_last_secs.clamp(1e-3, 0.25);
         self.last_secs = now_secs;
@@ -248,12 +254,16 @@ impl Listening {
             Playing { song, position_secs: status.position_secs, duration_secs: status.duration_secs };
         let was_live = self.hearing.stretch().is_some_and(|stretch| stretch.song.is_none());
         if let Some(stretch) = self.clock.follow(now_secs, playing) {
+            before(&mut self.hearing, stretch.at_secs)?;
             self.hearing.begin(stretch)?;
             // Beats counted by the live tracker are not stored in the show.
             self.beats_changed |= was_live;
         }
         let at_secs = self.clock.at_secs();
         let is_playing = self.live.is_some() || status.state == PlayerState::Playing;
+        if self.live.is_none() {
+            before(&mut self.hearing, at_secs)?;
+        }
         let known = self.live.is_none() && self.hearing.hear(at_secs)?.is_some();
         let has_beats = known && self.known_beats().is_some();
         if known && std::mem::replace(&mut self.by_ear, !known) {

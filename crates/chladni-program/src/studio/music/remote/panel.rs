@@ -116,6 +116,7 @@ fn name(target: Target) -> &'static str {
         Target::NextFavourite => "Next favourite on stage",
         Target::PreviousFavourite => "The favourite before",
         Target::LeaveStage => "Leave the stage",
+        Target::Sweep => "Sweep the sand",
         Target::Tap => "Tap the beat",
         Target::PlayPause => "Play or pause",
     }

@@ -1,0 +1,332 @@
+//! Sand: grains on a surface, which vibrations drive to where nothing moves.
+//!
+//! What sounds moves vertex v by u(v, t). Its energy E = ⟨u²⟩ is a mean over the last [`MEMORY_SECS`]. Grains
+//! hop: at each hop a grain walks along the surface by
+//!
+//! ```text
+//! −C ℓ² ∇E / E_max + J ℓ √(E / E_max) ξ,      ℓ = 1/√λ,
+//! ```
+//!
+//! ξ being a random vector and ℓ the length of the waves that sound, both times a vigor in [0, 1] that grows
+//! with the level of the sound. Near nodal lines, and wherever the surface hardly moves, grains rest. docs/sand.md has the sources.
+
+use std::sync::Arc;
+
+use chladni_harmonics::{Basis, Body};
+use chladni_mesh::surface::{Ground, SurfacePoint};
+use chladni_synth::{Coefficients, Item};
+use rayon::prelude::*;
+
+use crate::dancer::box_diagonal;
+
+/// Time between two steps of the sand.
+pub const SAND_STEP_SECS: f64 = 1.0 / 60.0;
+
+/// A grain hops at every so many steps, its neighbors at others.
+const HOP_STEPS: u64 = 3;
+/// The energy of the vibration is its mean over about this time.
+const MEMORY_SECS: f32 = 0.2;
+/// The most harmonics that drive the sand: those of the most energy.
+const MOST_DRIVERS: usize = 12;
+/// Harmonics of less than this share of the strongest one's energy do not drive it.
+const LEAST_SHARE: f32 = 0.02;
+/// C: how fast grains slide down.
+const SLIDE: f64 = 0.22;
+/// J: how far grains are thrown about.
+const THROW: f64 = 0.30;
+/// Half the width of a line of sand, as a share of the bounding box's diagonal: so near to a nodal line grains
+/// may rest. Some slide more easily than others, which is why they fill the line.
+const LINE: f32 = 0.008;
+/// But none rests where √(E / E_max) is larger than this.
+const MOST_REST: f32 = 0.3;
+/// Where the surface moves less than this share of a full movement, grains rest.
+const QUIET: f32 = 0.002;
+/// The share of a full movement at which the vigor is one half.
+const HALF_VIGOR: f32 = 0.05;
+/// How high grains hop at full vigor, as a share of the bounding box's diagonal.
+const HOP_HEIGHT: f32 = 0.012;
+/// From how high they are poured.
+const POUR_HEIGHT: f32 = 0.30;
+/// How long the pouring takes, and of it one grain's fall, in steps.
+const POUR_STEPS: u64 = 60;
+const FALL_STEPS: u64 = 27;
+/// Grains that one thread takes at a time.
+const CHUNK: usize = 1024;
+
+/// What sand needs to know of a body: its surface and its harmonics.
+#[derive(Clone, Debug)]
+pub struct Tray {
+    ground: Ground,
+    triangles: Vec<[u32; 3]>,
+    basis: Arc<Basis>,
+    box_diagonal: f32,
+}
+
+impl Tray {
+    /// Of a body.
+    pub fn new(body: &Body) -> Self {
+        Self {
+            ground: Ground::new(&body.positions, &body.triangles),
+            triangles: body.triangles.clone(),
+            basis: Arc::clone(&body.basis),
+            box_diagonal: box_diagonal(&body.positions),
+        }
+    }
+
+    /// The diagonal of the body's bounding box, in the working frame.
+    pub fn box_diagonal(&self) -> f32 {
+        self.box_diagonal
+    }
+}
+
+/// A grain as it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grain {
+    /// The corners of its triangle, and their weights.
+    pub corners: [u32; 3],
+    /// They sum to 1.
+    pub weights: [f32; 3],
+    /// How high it flies, in the working frame.
+    pub lift: f32,
+}
+
+/// Sand on a body. It changes only in [`step`](Self::step), and in the same way on any number of threads.
+#[derive(Clone, Debug)]
+pub struct Sand {
+    tray: Arc<Tray>,
+    seed: u64,
+    grains: Vec<SurfacePoint>,
+    /// Steps since it was poured, and those of them in which something moved.
+    steps: u64,
+    moves: u64,
+    /// Of each harmonic, smoothed.
+    powers: Vec<f32>,
+    /// E of each vertex, and the largest.
+    energy: Vec<f32>,
+    most_energy: f32,
+    /// ℓ.
+    wave: f64,
+    vigor: f32,
+    /// Of a full movement, the share of the largest one now.
+    level: f32,
+    /// u of each vertex.
+    moved: Vec<[f32; 3]>,
+}
+
+impl Sand {
+    /// Pours so many grains evenly on the surface; none where it has no area.
+    pub fn pour(tray: Arc<Tray>, grains: usize, seed: u64) -> Self {
+        let vertices = tray.basis.vertices();
+        let place = |i: usize| {
+            let share = (i as f64 + 0.5) / grains as f64;
+            tray.ground.point_at(share, [unit(draw(seed, i, 0)), unit(draw(seed, i, 1))])
+        };
+        Self {
+            grains: (0..grains).filter_map(place).collect(),
+            seed,
+            steps: 0,
+            moves: 0,
+            powers: vec![0.0; tray.basis.harmonics()],
+            energy: vec![0.0; vertices],
+            most_energy: 0.0,
+            wave: 1.0,
+            vigor: 0.0,
+            level: 0.0,
+            moved: vec![[0.0; 3]; vertices],
+            tray,
+        }
+    }
+
+    /// What it lies on.
+    pub fn tray(&self) -> &Tray {
+        &self.tray
+    }
+
+    /// A number that changes whenever grains may have moved.
+    pub fn version(&self) -> u64 {
+        self.moves
+    }
+
+    /// How many grains there are: as many as were poured.
+    pub fn count(&self) -> usize {
+        self.grains.len()
+    }
+
+    /// Where the grains lie.
+    pub fn places(&self) -> &[SurfacePoint] {
+        &self.grains
+    }
+
+    /// Goes on by [`SAND_STEP_SECS`], in which `item` sounds; `full` is how far a full movement moves the
+    /// shape, in the working frame.
+    pub fn step(&mut self, item: &Item, full: f32) {
+        self.feel(item, full);
+        let step = self.steps;
+        self.steps += 1;
+        let moves = self.most_energy > 0.0 && self.level >= QUIET;
+        self.moves += u64::from(moves || self.steps <= POUR_STEPS);
+        if !moves {
+            return;
+        }
+        let (seed, tray, energy) = (self.seed, &*self.tray, &self.energy);
+        let (most, level, rest) = (self.most_energy, self.level, self.rest());
+        let slide = -SLIDE * self.wave * self.wave * f64::from(self.vigor);
+        let throw = THROW * self.wave * f64::from(self.vigor);
+        self.grains.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, grains)| {
+            for (i, grain) in (chunk * CHUNK..).zip(grains) {
+                if !(step + i as u64).is_multiple_of(HOP_STEPS) || step < landing(seed, i) {
+                    continue;
+                }
+                let corners = tray.triangles[grain.triangle as usize];
+                let shares = corners.map(|v| energy[v as usize] / most);
+                let share: f32 = (0..3).map(|c| grain.weights[c] as f32 * shares[c]).sum();
+                let moved = share.max(0.0).sqrt();
+                if moved < rest * friction(seed, i) || moved * level < QUIET {
+                    continue;
+                }
+                let slope = tray.ground.slope(grain.triangle, shares.map(f64::from));
+                let thrown = throw * f64::from(moved);
+                let [x, y] = at_random(draw(seed, i, 2 + step));
+                let way = [slide * slope[0] + thrown * x, slide * slope[1] + thrown * y];
+                *grain = tray.ground.walk(*grain, way);
+            }
+        });
+    }
+
+    /// Takes in what sounds: the energy of each vertex, the length of the waves, the vigor.
+    fn feel(&mut self, item: &Item, full: f32) {
+        let keep = (-SAND_STEP_SECS as f32 / MEMORY_SECS).exp();
+        let basis = Arc::clone(&self.tray.basis);
+        for (k, power) in self.powers.iter_mut().enumerate() {
+            let now: f32 = item.terms.iter().map(|term| strength(&term.coefficients, k)).sum();
+            *power = (keep * *power + (1.0 - keep) * now).max(f32::MIN_POSITIVE);
+        }
+        let drivers = self.drivers();
+        let sum = |of: fn(f64) -> f64| -> f64 {
+            let weigh = |&(k, weight): &(usize, f32)| {
+                f64::from(weight * weight * self.powers[k]) * of(basis.eigenvalues[k])
+            };
+            drivers.iter().map(weigh).sum()
+        };
+        let (total, curved) = (sum(|_| 1.0), sum(|lambda| lambda));
+        if curved > 0.0 {
+            self.wave = (total / curved).sqrt();
+        }
+        self.moved.fill([0.0; 3]);
+        for term in &item.terms {
+            let mask = term.mask.as_deref();
+            let add = |(v, moved): (usize, &mut [f32; 3])| {
+                let mask = mask.map_or(1.0, |mask| mask[v]);
+                for &(k, weight) in &drivers {
+                    let h = basis.harmonic(k)[v] as f32 * weight * mask;
+                    match &term.coefficients {
+                        Coefficients::Vector(c) => {
+                            let c = c.get(k).copied().unwrap_or_default();
+                            (0..3).for_each(|i| moved[i] += h * c[i]);
+                        }
+                        Coefficients::Normal(c) => moved[0] += h * c.get(k).copied().unwrap_or_default(),
+                    }
+                }
+            };
+            self.moved.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|at| add(at));
+        }
+        for (energy, [x, y, z]) in self.energy.iter_mut().zip(&self.moved) {
+            *energy = keep * *energy + (1.0 - keep) * (x * x + y * y + z * z);
+        }
+        self.most_energy = self.energy.iter().copied().fold(0.0, f32::max);
+        self.level = if full > 0.0 { self.most_energy.sqrt() / full } else { 0.0 };
+        self.vigor = self.level / (self.level + HALF_VIGOR);
+    }
+
+    /// The harmonics that drive the sand, and the weights of their movements: what is weaker than the strongest
+    /// one counts less still, so that few of them draw the figure. The constant ones move nothing.
+    fn drivers(&self) -> Vec<(usize, f32)> {
+        let eigenvalues = &self.tray.basis.eigenvalues;
+        let constant = 1e-6 * eigenvalues.last().copied().unwrap_or(0.0);
+        let mut all: Vec<(usize, f32)> = (0..self.powers.len())
+            .filter(|k| eigenvalues[*k] > constant)
+            .map(|k| (k, self.powers[k]))
+            .collect();
+        all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        all.truncate(MOST_DRIVERS);
+        let most = all.first().map_or(0.0, |(_, power)| *power);
+        all.iter_mut().for_each(|(_, power)| *power /= most);
+        all.retain(|(_, share)| *share >= LEAST_SHARE);
+        all
+    }
+
+    /// √(E / E_max) where all grains rest: near a nodal line it is the distance over ℓ.
+    fn rest(&self) -> f32 {
+        (LINE * self.tray.box_diagonal / self.wave as f32).min(MOST_REST)
+    }
+
+    /// The grains as they are to be drawn after the last step.
+    pub fn grains(&self) -> impl IndexedParallelIterator<Item = Grain> + '_ {
+        self.grains.par_iter().enumerate().with_min_len(CHUNK).map(|(i, grain)| {
+            let corners = self.tray.triangles[grain.triangle as usize];
+            Grain { corners, weights: grain.weights.map(|w| w as f32), lift: self.lift(i, corners, grain) }
+        })
+    }
+
+    fn lift(&self, i: usize, corners: [u32; 3], grain: &SurfacePoint) -> f32 {
+        let landing = landing(self.seed, i);
+        if self.steps < landing {
+            let left = (landing - self.steps) as f32 / FALL_STEPS as f32;
+            // It falls faster and faster; before, it is not there yet, but high above.
+            let fallen = 1.0 - left;
+            let from = POUR_HEIGHT * self.tray.box_diagonal;
+            return if left >= 1.0 { from } else { from * (1.0 - fallen * fallen) };
+        }
+        if self.most_energy <= 0.0 || self.level < QUIET {
+            return 0.0;
+        }
+        let share = (0..3).map(|c| grain.weights[c] as f32 * self.energy[corners[c] as usize]).sum::<f32>()
+            / self.most_energy;
+        let moved = share.max(0.0).sqrt();
+        if moved < self.rest() * friction(self.seed, i) || moved * self.level < QUIET {
+            return 0.0;
+        }
+        let phase = ((self.steps + i as u64) % HOP_STEPS) as f32 / HOP_STEPS as f32;
+        let own = 0.2 + 0.8 * friction(self.seed, i);
+        4.0 * phase * (1.0 - phase) * own * share * self.vigor * HOP_HEIGHT * self.tray.box_diagonal
+    }
+}
+
+/// The step at which a grain that is poured has landed.
+fn landing(seed: u64, grain: usize) -> u64 {
+    FALL_STEPS + draw(seed, grain, 0) % (POUR_STEPS - FALL_STEPS)
+}
+
+/// How well a grain holds, in [0, 1).
+fn friction(seed: u64, grain: usize) -> f32 {
+    unit(draw(seed, grain, 1)) as f32
+}
+
+/// The squared amplitude of harmonic k.
+fn strength(coefficients: &Coefficients, k: usize) -> f32 {
+    match coefficients {
+        Coefficients::Vector(c) => c.get(k).map_or(0.0, |c| c.iter().map(|c| c * c).sum()),
+        Coefficients::Normal(c) => c.get(k).map_or(0.0, |c| c * c),
+    }
+}
+
+/// Random bits that are a function of seed, grain and number alone (SplitMix64's finalizer; Steele, Lea and
+/// Flood 2014).
+fn draw(seed: u64, grain: usize, number: u64) -> u64 {
+    let mut z = seed ^ (grain as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = z.wrapping_add(number.wrapping_mul(0xd1b5_4a32_d192_ed03));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// In [0, 1).
+fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// A random vector: two numbers in [−1, 1], out of one draw.
+fn at_random(bits: u64) -> [f64; 2] {
+    let part = |bits: u32| f64::from(bits) / f64::from(u32::MAX) * 2.0 - 1.0;
+    [part(bits as u32), part((bits >> 32) as u32)]
+}

@@ -1,0 +1,53 @@
+//! How a sample looks when it is shown first: what it seems to be made of, and from where it is seen.
+
+use std::path::Path;
+
+use chladni_mesh::ShapeSource;
+use chladni_music::{Looks, Viewpoint};
+
+use super::{FIRST_VIEW, first_looks};
+
+/// Samples that are not seen in the default way: material, yaw and pitch in radians.
+const OWN: [(&str, &str, f32, f32); 8] = [
+    ("plate", "dark", 0.30, 0.88),
+    ("disc", "dark", 0.0, 0.85),
+    ("drum", "clay", 0.0, 0.52),
+    ("bell", "bronze", 0.25, 0.12),
+    ("ring", "bronze", 0.45, 0.25),
+    ("jellyfish", "pearl", 0.15, 0.05),
+    ("human", "clay", 0.30, 0.10),
+    ("cat", "porcelain", 0.55, 0.18),
+];
+
+/// Where the viewer of a body stands first, as the command line calls it.
+pub fn opening_view(body: &str) -> Viewpoint {
+    own(body).map_or(FIRST_VIEW, |(_, _, yaw_rad, pitch_rad)| Viewpoint { yaw_rad, pitch_rad, ..FIRST_VIEW })
+}
+
+/// Its look.
+pub fn opening_looks(body: &str) -> Looks {
+    let looks = first_looks();
+    own(body).map_or(looks.clone(), |(_, material, ..)| Looks { material: material.into(), ..looks })
+}
+
+fn own(body: &str) -> Option<(&'static str, &'static str, f32, f32)> {
+    let name = ShapeSource::sample_name(Path::new(body))?;
+    OWN.into_iter().find(|(known, ..)| *known == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::work::look_named;
+
+    #[test]
+    fn every_own_look_is_of_a_sample_and_there() {
+        for (name, ..) in OWN {
+            assert!(chladni_mesh::samples::SAMPLES.contains(&name), "{name}");
+            let (_, missing) = look_named(&opening_looks(&format!("sample:{name}")));
+            assert!(missing.is_empty(), "{name}: {missing:?}");
+        }
+        assert_eq!(opening_view("sample:octopus"), FIRST_VIEW);
+        assert_eq!(opening_looks("plate.obj"), first_looks());
+    }
+}

@@ -1,0 +1,111 @@
+//! Sand on the dance that is on stage, at any time of a show.
+
+use std::sync::Arc;
+
+use chladni_harmonics::Body;
+use chladni_music::{Ensemble, Instrument, Parameter, SAND_STEP_SECS, Sand, Switch, Tray};
+use chladni_synth::Item;
+use chladni_view::{Grain, Grains};
+use rayon::prelude::*;
+
+use super::{Error, Hearing};
+
+/// Of the grains, sRGB.
+const COLOR: [u8; 3] = [240, 220, 178];
+/// A film that begins in the middle of a show begins with sand that has lain for so long.
+const BEFORE_SECS: f64 = 5.0;
+/// Who was kept waiting for longer goes on from now.
+const MOST_STEPS: i64 = 120;
+
+/// A shape on which sand may lie. Its steps are at fixed times of the show and listen to what is heard then, so
+/// that window and film show the same grains at any frame rate.
+pub struct SandTable {
+    body: Body,
+    /// Made when it is needed first.
+    tray: Option<Arc<Tray>>,
+    sand: Option<Sand>,
+    /// How often it had been swept when it was poured.
+    sweeps: u32,
+    /// The next step, counted from the beginning of the show.
+    next: i64,
+    /// What is drawn, and how large it is.
+    grains: Vec<Grain>,
+    radius: f32,
+}
+
+impl SandTable {
+    /// A shape without sand, for a show of which nothing before `begins_secs` is seen.
+    pub fn new(body: Body, begins_secs: f64) -> Self {
+        let next = ((begins_secs - BEFORE_SECS).max(0.0) / SAND_STEP_SECS).ceil() as i64;
+        Self { body, tray: None, sand: None, sweeps: 0, next, grains: Vec::new(), radius: 0.0 }
+    }
+
+    /// The time of the next step, where it is not after `at_secs`.
+    pub fn due(&mut self, at_secs: f64) -> Option<f64> {
+        let last = (at_secs / SAND_STEP_SECS + 1e-6).floor() as i64;
+        self.next = self.next.max(last - MOST_STEPS);
+        (self.next <= last).then_some(self.next as f64 * SAND_STEP_SECS)
+    }
+
+    /// Does all steps up to a time of the show, as far as it is known what is heard then.
+    ///
+    /// # Errors
+    /// Those of hearing and playing.
+    pub fn follow(
+        &mut self,
+        hearing: &mut Hearing,
+        ensemble: &mut Ensemble,
+        instrument: &Instrument,
+        until_secs: f64,
+    ) -> Result<(), Error> {
+        while let Some(at_secs) = self.due(until_secs) {
+            if !instrument.parameters().is_on(Switch::Sand) {
+                self.step(&[], instrument);
+                continue;
+            }
+            let Some(heard) = hearing.hear(at_secs)? else { break };
+            let items = ensemble.play(instrument, &heard.bands, heard.beat)?;
+            self.step(items, instrument);
+        }
+        Ok(())
+    }
+
+    /// Does one step, in which `items` sound. Only one alone has sand.
+    pub fn step(&mut self, items: &[Item], instrument: &Instrument) {
+        self.next += 1;
+        let parameters = instrument.parameters();
+        let [item] = items else { return self.sand = None };
+        if !parameters.is_on(Switch::Sand) {
+            return self.sand = None;
+        }
+        let (count, sweeps) = (parameters.get(Parameter::Grains).round() as usize, instrument.sweeps());
+        let sand = match self.sand.take() {
+            Some(sand) if sand.count() == count && self.sweeps == sweeps => sand,
+            _ => {
+                let tray = self.tray.get_or_insert_with(|| Arc::new(Tray::new(&self.body)));
+                Sand::pour(Arc::clone(tray), count, instrument.seed().wrapping_add(sweeps.into()))
+            }
+        };
+        self.sweeps = sweeps;
+        self.radius = parameters.get(Parameter::GrainSize) * sand.tray().box_diagonal();
+        let share = parameters.get(Parameter::Gain) * parameters.get(Parameter::Calibration);
+        let full = share * sand.tray().box_diagonal();
+        self.sand.insert(sand).step(item, full);
+    }
+
+    /// What is drawn of it now; nothing where there is none.
+    pub fn drawn(&mut self) -> Option<Grains<'_>> {
+        let sand = self.sand.as_ref()?;
+        let grain = |grain: chladni_music::Grain| {
+            let chladni_music::Grain { corners, weights, lift } = grain;
+            Grain { corners, weights, lift }
+        };
+        sand.grains().map(grain).collect_into_vec(&mut self.grains);
+        Some(Grains { grains: &self.grains, radius: self.radius, color: COLOR })
+    }
+
+    /// A number that changes whenever what is drawn does.
+    pub fn version(&self) -> u64 {
+        self.sand.as_ref().map_or(0, |sand| sand.version() ^ u64::from(self.radius.to_bits()) << 32)
+    }
+}
