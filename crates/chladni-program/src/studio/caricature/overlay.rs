@@ -14,11 +14,8 @@ pub fn backdrop(ui: &Ui) -> Background {
     }
     let stage = theme::palette(ui).stage;
     let lift = |c: u8| c.saturating_add(22);
-    Background {
-        center: [lift(stage.r()), lift(stage.g()), lift(stage.b())],
-        corner: [stage.r(), stage.g(), stage.b()],
-        opacity: 1.0,
-    }
+    let [r, g, b, _] = stage.to_array();
+    Background::between([r, g, b].map(lift), [r, g, b])
 }
 
 pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
