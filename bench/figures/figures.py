@@ -201,7 +201,7 @@ class Music(Sheet):
         mesh, harmonics = self.cast["music"]
         folder = self.work / name
         chladni("dance", mesh, "sample:tune", "--paper", "-k", harmonics, "--frames", folder, *self.MOMENT, "--size", size,
-                "--samples", 4, "--lights", "studio", "--material", "clay", "--background", "white", "--gain", 4, *words)
+                "--samples", 4, "--look", "plain", "--lights", "studio", "--material", "clay", "--background", "white", "--gain", 4, *words)
         return np.asarray(Image.open(folder / "frame-00000.png").convert("RGB"))
 
     def session(self, *actions):

@@ -102,15 +102,22 @@ impl Stretch {
     }
 }
 
-/// Material, lights and background, by their names.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// What a dance looks like, by names: a whole scene, and what takes the place of its parts. Empty names are the
+/// scene's own parts, and the plain scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Looks {
+    /// The whole scene.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub look: String,
     /// Of the shapes.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub material: String,
     /// On them.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub lights: String,
     /// Behind them.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub background: String,
 }
 

@@ -41,6 +41,7 @@ pub mod framing;
 mod gpu;
 pub mod layout;
 mod look;
+mod looks;
 mod palette;
 mod pick;
 mod picture;

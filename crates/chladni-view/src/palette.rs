@@ -28,6 +28,8 @@ pub enum Palette {
     Dusk,
     /// Pale pink, apricot, mint and lilac; a circle.
     Candy,
+    /// A bright line on the dark, turquoise to either side; a circle. Along a shape it draws contours.
+    Contour,
 }
 
 /// Lightness, chroma and hue in degrees (Ottosson, "A perceptual color space for image processing", 2020).
@@ -35,7 +37,7 @@ type Point = [f32; 3];
 
 impl Palette {
     /// All of them, in the order of the rows of the renderer's lookup texture, after the colour maps.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Aurora,
         Self::Ember,
         Self::Abyss,
@@ -48,6 +50,7 @@ impl Palette {
         Self::Neon,
         Self::Dusk,
         Self::Candy,
+        Self::Contour,
     ];
 
     /// Name for menus and the command line.
@@ -65,6 +68,7 @@ impl Palette {
             Self::Neon => "neon",
             Self::Dusk => "dusk",
             Self::Candy => "candy",
+            Self::Contour => "contour",
         }
     }
 
@@ -75,10 +79,10 @@ impl Palette {
 
     /// Whether the last colour is the first one, so that it can run around; others run there and back.
     pub fn is_circle(self) -> bool {
-        matches!(self, Self::Prism | Self::Neon | Self::Dusk | Self::Candy)
+        matches!(self, Self::Prism | Self::Neon | Self::Dusk | Self::Candy | Self::Contour)
     }
 
-    /// Equidistant points. The hue takes the shorter way from one to the next.
+    /// Equidistant points; colours between two lie on a straight line in OKLab.
     fn points(self) -> &'static [Point] {
         match self {
             Self::Aurora => &[
@@ -127,17 +131,23 @@ impl Palette {
             Self::Nodes => &[
                 [0.30, 0.12, 160.0],
                 [0.46, 0.14, 185.0],
-                [0.95, 0.02, 100.0],
+                [0.95, 0.01, 100.0],
                 [0.46, 0.20, 350.0],
                 [0.30, 0.15, 315.0],
             ],
             Self::Prism => &[
                 [0.74, 0.16, 0.0],
+                [0.74, 0.16, 30.0],
                 [0.74, 0.16, 60.0],
+                [0.74, 0.16, 90.0],
                 [0.74, 0.16, 120.0],
+                [0.74, 0.16, 150.0],
                 [0.74, 0.16, 180.0],
+                [0.74, 0.16, 210.0],
                 [0.74, 0.16, 240.0],
+                [0.74, 0.16, 270.0],
                 [0.74, 0.16, 300.0],
+                [0.74, 0.16, 330.0],
                 [0.74, 0.16, 0.0],
             ],
             Self::Neon => &[
@@ -162,6 +172,17 @@ impl Palette {
                 [0.45, 0.19, 320.0],
                 [0.28, 0.14, 282.0],
             ],
+            Self::Contour => &[
+                [0.16, 0.04, 265.0],
+                [0.16, 0.05, 260.0],
+                [0.18, 0.06, 255.0],
+                [0.50, 0.13, 235.0],
+                [0.95, 0.06, 190.0],
+                [0.50, 0.13, 190.0],
+                [0.18, 0.06, 255.0],
+                [0.16, 0.05, 260.0],
+                [0.16, 0.04, 265.0],
+            ],
             Self::Candy => &[
                 [0.78, 0.14, 0.0],
                 [0.83, 0.12, 55.0],
@@ -177,13 +198,11 @@ impl Palette {
     /// The sRGB colour of `t`; `t` outside [0, 1] is clamped, NaN gives the first.
     pub fn color(self, t: f32) -> [u8; 3] {
         let points = self.points();
-        let at = t.clamp(0.0, 1.0) * (points.len() - 1) as f32;
+        let at = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) } * (points.len() - 1) as f32;
         let left = (at as usize).min(points.len() - 2);
         let share = at - left as f32;
-        let (a, b) = (points[left], points[left + 1]);
-        let turn = (b[2] - a[2] + 540.0).rem_euclid(360.0) - 180.0;
-        let mix = |i: usize| a[i] + (b[i] - a[i]) * share;
-        in_gamut([mix(0), mix(1), a[2] + turn * share])
+        let [a, b] = [left, left + 1].map(|i| lab_of(points[i]));
+        in_gamut(std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share))
     }
 
     /// Row of this palette in the lookup texture.
@@ -192,10 +211,15 @@ impl Palette {
     }
 }
 
-/// The sRGB colour of this lightness and hue, with as much of its chroma as a screen can show.
-fn in_gamut([lightness, chroma, hue]: Point) -> [u8; 3] {
+fn lab_of([lightness, chroma, hue]: Point) -> [f32; 3] {
+    let (sin, cos) = hue.to_radians().sin_cos();
+    [lightness, chroma * cos, chroma * sin]
+}
+
+/// The sRGB colour of this lightness and hue in OKLab, with as much of its chroma as a screen can show.
+fn in_gamut([lightness, a, b]: [f32; 3]) -> [u8; 3] {
     let inside = |rgb: &[f32; 3]| rgb.iter().all(|c| (-1e-4..=1.0001).contains(c));
-    let at = |share: f32| linear_of([lightness, chroma * share, hue]);
+    let at = |share: f32| linear_of([lightness, a * share, b * share]);
     let rgb = (0..=50).map(|i| at(1.0 - i as f32 / 50.0)).find(inside).unwrap_or(at(0.0));
     rgb.map(|c| {
         let c = c.clamp(0.0, 1.0);
@@ -204,10 +228,8 @@ fn in_gamut([lightness, chroma, hue]: Point) -> [u8; 3] {
     })
 }
 
-/// Linear-light sRGB of OKLCH: Ottosson's matrices.
-fn linear_of([lightness, chroma, hue]: Point) -> [f32; 3] {
-    let (sin, cos) = hue.to_radians().sin_cos();
-    let (a, b) = (chroma * cos, chroma * sin);
+/// Linear-light sRGB of OKLab: Ottosson's matrices.
+fn linear_of([lightness, a, b]: [f32; 3]) -> [f32; 3] {
     let [l, m, s] = [
         lightness + 0.396_337_78 * a + 0.215_803_76 * b,
         lightness - 0.105_561_346 * a - 0.063_854_17 * b,
@@ -225,7 +247,7 @@ fn linear_of([lightness, chroma, hue]: Point) -> [f32; 3] {
 /// offset + span · along + swing · (d · n) + travel · |d|, with d the way from the place's rest, n the
 /// normal there, and `along` the number that its [`RestShape`](crate::RestShape) has for it. Palettes that
 /// are no circle run there and back.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     /// Which colours.
     pub palette: Palette,
@@ -241,6 +263,19 @@ pub struct Answer {
     pub glow: f32,
     /// How strong the colours are: 0 is grey, 1 the palette's own.
     pub saturation: f32,
+}
+
+impl Answer {
+    /// From the palette's beginning at rest to its end a unit away.
+    pub const MOVED: Self = Self {
+        palette: Palette::Aurora,
+        offset: 0.0,
+        span: 0.0,
+        swing: 0.0,
+        travel: 1.0,
+        glow: 0.0,
+        saturation: 1.0,
+    };
 }
 
 #[cfg(test)]

@@ -178,7 +178,7 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
     };
     let mut scale = scale
         .map_or([0.0; 4], |scale| [scale.low, (scale.high - scale.low).recip(), scale.map.row() as f32, 0.0]);
-    let (mut answer, mut answer_glow) = (Answer::default(), [0.0, 1.0, 0.0]);
+    let (mut answer, mut answer_glow) = (Answer { travel: 0.0, ..Answer::MOVED }, [0.0, 1.0, 0.0]);
     if let Paint::Answer(_, by) = figure.paint {
         answer = by;
         answer_glow = [by.glow, by.saturation, f32::from(u8::from(by.palette.is_circle()))];

@@ -8,9 +8,10 @@
 mod shapes;
 
 use chladni_view::{
-    Background, BrushRing, Camera, Canvas, Cell, ColorMap, Device, Figure, Grain, Grains, ItemBuffers,
-    Lights, Marker, Material, Paint, Picture, Projection, Rect, Renderer, Scale, Skin, Topology, VertexPaint,
-    View, ViewError, Wire, layout, smooth_normals,
+    Answer, Background, BrushRing, Camera, Canvas, Cell, ColorMap, Curve, Device, Figure, Finish, Floor,
+    Gradient, Grain, Grains, ItemBuffers, Lights, Look, Marker, Material, Paint, Palette, Picture, Projection,
+    Rect, Renderer, RestShape, Scale, Skin, Topology, VertexPaint, View, ViewError, Wire, layout,
+    smooth_normals,
 };
 use shapes::{gpu, sphere};
 
@@ -33,6 +34,7 @@ struct Model {
     colors: VertexPaint,
     skin: Skin,
     ring: BrushRing,
+    rest: RestShape,
     camera: Camera,
     triangles: Vec<[u32; 3]>,
 }
@@ -68,9 +70,14 @@ impl Model {
         let near = |t: &&[u32; 3]| t.iter().any(|v| from(*v as usize) < 0.6);
         let under: Vec<[u32; 3]> = triangles.iter().filter(near).copied().collect();
         ring.lay(device, 0.45, (0..n).map(|v| (v as u32, from(v))), &under).unwrap();
+        // It has moved by waves.
+        let still: Vec<[f32; 3]> =
+            positions.iter().map(|p| p.map(|c| c * (1.0 + 0.1 * (4.0 * p[1]).sin()))).collect();
+        let heights: Vec<f32> = positions.iter().map(|p| 0.5 + 0.5 * p[1]).collect();
+        let rest = RestShape::new(device, &still, &heights).unwrap();
         let mut camera = Camera::looking(View::ThreeQuarter);
         camera.fit(positions.iter().copied(), 1.0, 0.85);
-        Self { device: device.clone(), topology, buffers, values, colors, skin, ring, camera, triangles }
+        Self { device: device.clone(), topology, buffers, values, colors, skin, ring, rest, camera, triangles }
     }
 
     /// Grains here and there, some of which fly.
@@ -96,6 +103,22 @@ impl Model {
         canvas.read(&self.device).unwrap()
     }
 
+    /// Three pictures one after the other, the last of which has the trails of the first two.
+    fn finish(&self, [width, height]: [u32; 2], cells: &[Cell<'_>], finish: &Finish) -> Picture {
+        let canvas = Canvas::new(&self.device, width, height).unwrap();
+        let mut renderer = Renderer::new(&self.device);
+        let mut cells = cells.to_vec();
+        for frame in 0..3 {
+            cells.iter_mut().for_each(|cell| cell.camera.yaw_rad += 0.15);
+            renderer.draw_finished(&canvas, &cells, finish, f64::from(frame) / 25.0).unwrap();
+        }
+        canvas.read(&self.device).unwrap()
+    }
+
+    fn answering(&self, answer: Answer) -> Figure<'_> {
+        Figure { paint: Paint::Answer(&self.rest, answer), ..self.figure() }
+    }
+
     fn cell<'a>(&self, figures: &'a [Figure<'a>], [width, height]: [u32; 2]) -> Cell<'a> {
         Cell {
             viewport: Rect::of_size(width, height),
@@ -109,9 +132,9 @@ impl Model {
 }
 
 /// How a picture is made of a model.
-type Look = fn(&Model, [u32; 2]) -> Picture;
+type Drawn = fn(&Model, [u32; 2]) -> Picture;
 
-const LOOKS: [(&str, Look); 14] = [
+const LOOKS: [(&str, Drawn); 19] = [
     ("clay", |m, size| m.draw(size[0], size[1], &[m.cell(&[m.figure()], size)])),
     ("pearl under dramatic light", |m, size| {
         let figures = [Figure { material: Material::PEARL, ..m.figure() }];
@@ -187,6 +210,44 @@ const LOOKS: [(&str, Look); 14] = [
     ("far away and turned", |m, size| {
         let camera = Camera { distance: 40.0, yaw_rad: 2.5, pitch_rad: -1.2, ..m.camera };
         m.draw(size[0], size[1], &[Cell { camera, ..m.cell(&[m.figure()], size) }])
+    }),
+    ("palette by movement", |m, size| {
+        let answer = Answer { travel: 6.0, glow: 3.0, saturation: 0.7, ..Answer::MOVED };
+        let material = Material { glow: 0.1, edge: [40, 90, 200], ..Material::CLAY };
+        let figures = [Figure { material, ..m.answering(answer) }];
+        m.draw(size[0], size[1], &[m.cell(&figures, size)])
+    }),
+    ("circle by sign and along, with wires", |m, size| {
+        let answer = Answer { palette: Palette::Prism, span: 1.7, swing: 3.0, offset: -0.4, ..Answer::MOVED };
+        let wire = Some(Wire { opacity: 0.8, ..Wire::default() });
+        let figures = [Figure { wire, ..m.answering(answer) }];
+        m.draw(size[0], size[1], &[m.cell(&figures, size)])
+    }),
+    ("mirror in a studio of lines, as film, on a floor", |m, size| {
+        let material = Material { roughness: 0.1, ..Material::BRONZE };
+        let figures = [Figure { material, ..m.figure() }];
+        let lights = Lights { horizon: [1.0, 0.5, 0.3], strips: 1.2, curve: Curve::Filmic, ..Lights::STUDIO };
+        let floor = Some(Floor { color: [90, 60, 50], shadow: 0.8, at: [0.0, -0.9, 0.0], radius: 0.8 });
+        let background = Background { gradient: Gradient::Upright, floor, ..Background::SLATE };
+        m.draw(size[0], size[1], &[Cell { lights, background, ..m.cell(&figures, size) }])
+    }),
+    ("glow, rim and grain", |m, size| {
+        let figures = [m.figure()];
+        let cell = Cell { background: Background::NIGHT, ..m.cell(&figures, size) };
+        let finish = Finish { bloom: 1.0, bloom_from: 0.4, vignette: 0.5, grain: 0.1, ..Finish::NOTHING };
+        m.finish(size, &[cell], &finish)
+    }),
+    ("trails on nothing", |m, size| {
+        let figures = [m.figure()];
+        let cell = Cell { background: Background::TRANSPARENT, ..m.cell(&figures, size) };
+        let finish = Finish { trail_secs: 0.1, trail_growth: 2.0, ..Finish::NOTHING };
+        m.finish(size, &[cell], &finish)
+    }),
+    ("a whole look", |m, size| {
+        let look = Look::DUSK.scaled(0.2);
+        let figures = [Figure { material: look.material, ..m.answering(look.answer.unwrap()) }];
+        let (lights, background) = (look.lights, look.background);
+        m.finish(size, &[Cell { lights, background, ..m.cell(&figures, size) }], &look.finish)
     }),
     ("gallery", |m, size| {
         let figure = m.figure();
@@ -380,4 +441,42 @@ fn what_does_not_fit_is_an_error() {
     assert!(matches!(Renderer::new(&gpu).draw(&theirs, &[cell]), Err(ViewError::Shape(_))));
     assert!(matches!(Renderer::new(&gpu).draw(&canvas, &[]), Err(ViewError::Shape(_))));
     assert!(matches!(model.buffers.write(&gpu, 0, &[], &[]), Err(ViewError::Shape(_))));
+}
+
+#[test]
+fn a_rest_of_another_shape_is_refused() {
+    let model = Model::new(&Device::Processor, 7);
+    let rest = RestShape::new(&Device::Processor, &[[0.0; 3]], &[0.0]).unwrap();
+    let figures = [Figure { paint: Paint::Answer(&rest, Answer::MOVED), ..model.figure() }];
+    let canvas = Canvas::new(&Device::Processor, 20, 20).unwrap();
+    let drawn = Renderer::new(&Device::Processor).draw(&canvas, &[model.cell(&figures, [20, 20])]);
+    assert!(matches!(drawn, Err(ViewError::Shape(_))));
+    assert!(matches!(RestShape::new(&Device::Processor, &[[0.0; 3]], &[]), Err(ViewError::Shape(_))));
+}
+
+/// What glows is brighter around, the corners are darker, and a picture long after another has no trail of it.
+#[test]
+fn a_finish_does_what_it_says() {
+    let model = Model::new(&Device::Processor, 30);
+    let size = [160, 160];
+    let figures = [model.figure()];
+    let cell = Cell { background: Background::plain([90; 3]), ..model.cell(&figures, size) };
+    let canvas = Canvas::new(&Device::Processor, size[0], size[1]).unwrap();
+    let mut renderer = Renderer::new(&Device::Processor);
+    let mut picture = |finish: &Finish, at_secs: f64| {
+        renderer.draw_finished(&canvas, &[cell], finish, at_secs).unwrap();
+        canvas.read(&Device::Processor).unwrap()
+    };
+    let bare = picture(&Finish::NOTHING, 0.0);
+    let light = |picture: &Picture| picture.rgba.iter().map(|c| u64::from(*c)).sum::<u64>();
+    let bloom = picture(&Finish { bloom: 1.0, bloom_from: 0.3, ..Finish::NOTHING }, 0.0);
+    assert!(light(&bloom) > light(&bare));
+    let rim = picture(&Finish { vignette: 1.0, ..Finish::NOTHING }, 0.0);
+    assert!(rim.pixel(1, 1).unwrap()[0] < 20 && rim.pixel(80, 80) == bare.pixel(80, 80));
+    let grain = Finish { grain: 0.2, ..Finish::NOTHING };
+    assert_eq!(picture(&grain, 1.01), picture(&grain, 1.02));
+    assert_ne!(picture(&grain, 1.01), picture(&grain, 1.06));
+    let trail = Finish { trail_secs: 0.2, ..Finish::NOTHING };
+    picture(&trail, 2.0);
+    assert_eq!(picture(&trail, 9.0), bare);
 }

@@ -7,12 +7,12 @@ use chladni_music::{
     Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, SAND_MODE, Show, Switch, Timbre, setting,
 };
 use chladni_synth::Backend;
-use chladni_view::{Background, FrameRate, Lights, Material, Samples};
+use chladni_view::{Answer, Background, FrameRate, Lights, Look, Material, Palette, Samples};
 
 use super::Terminal;
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
-use crate::work::{Error, Look, Watcher, resolve};
+use crate::work::{Error, Watcher, resolve};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -105,13 +105,22 @@ pub struct Dance {
     /// Show the shape at rest, too, as dots.
     #[arg(long)]
     rest: bool,
-    /// Lights: studio, soft, dramatic, stage. Those of the show unless given, as all of the look.
+    /// The whole scene: aurora, ember, abyss, neon, contour, prism, dusk, nodes, chrome, gold, velvet, noir,
+    /// porcelain, candy, moss, print, plain. That of the show unless given, else aurora, or plain
+    /// where parts of it are given.
+    #[arg(long, value_name = "LOOK", value_parser = named(Look::named, names(&Look::PRESETS)))]
+    look: Option<Look>,
+    /// Color by movement: aurora, ember, abyss, orchid, gold, moss, ink, nodes, prism, neon, dusk, candy,
+    /// contour. The look's own unless given.
+    #[arg(long, value_name = "PALETTE", value_parser = named(Palette::named, Palette::ALL.map(Palette::name).join(", ")))]
+    palette: Option<Palette>,
+    /// Lights: studio, soft, dramatic, stage. Those of the look unless given.
     #[arg(long, value_parser = named(Lights::named, names(&Lights::PRESETS)))]
     lights: Option<Lights>,
-    /// Material: clay, porcelain, bronze, pearl, dark.
+    /// Material: clay, porcelain, bronze, pearl, dark; without palette, unless one is given.
     #[arg(long, value_parser = named(Material::named, names(&Material::PRESETS)))]
     material: Option<Material>,
-    /// Background: paper, slate, night, white, transparent.
+    /// Background: paper, slate, night, white, transparent. That of the look unless given.
     #[arg(long, value_parser = named(Background::named, names(&Background::PRESETS)))]
     background: Option<Background>,
     /// Turn of the shape in degrees, to begin with.
@@ -228,17 +237,29 @@ impl Dance {
         film.paper = self.paper;
         film.start_secs = self.start;
         film.duration_secs = self.duration;
-        let Look { material, lights, background } = film.look;
-        film.look = Look {
-            material: self.material.unwrap_or(material),
-            lights: self.lights.unwrap_or(lights),
-            background: self.background.unwrap_or(background),
-        };
+        film.look = self.look(film.look);
         if let Some(yaw) = self.yaw {
             film.viewpoint.yaw_rad = yaw.to_radians();
         }
         film.beginning.changes = changes;
         Ok(film)
+    }
+
+    /// A look with what the arguments change of it.
+    fn look(&self, of_show: Look) -> Look {
+        let parts = self.material.is_some() || self.lights.is_some() || self.background.is_some();
+        // Parts alone are those of the plain look: a whole one may not suit them.
+        let whole = if parts && self.show.is_none() { Look::PLAIN } else { of_show };
+        let mut look = self.look.unwrap_or(whole);
+        if let Some(material) = self.material {
+            look = Look { material, answer: None, ..look };
+        }
+        if let Some(palette) = self.palette {
+            look.answer = Some(Answer { palette, ..look.answer.unwrap_or(Answer::MOVED) });
+        }
+        look.lights = self.lights.unwrap_or(look.lights);
+        look.background = self.background.unwrap_or(look.background);
+        look
     }
 
     /// What the arguments change before anything else is done.

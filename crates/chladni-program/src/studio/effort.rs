@@ -19,12 +19,21 @@ const LONG_SECS: f64 = 2.0;
 /// After this time without late frames a higher quality is tried; the time doubles after each failed attempt.
 const PATIENCE_SECS: f64 = 6.0;
 
-/// What is drawn, from the best.
-const STEPS: [Quality; 4] = [
-    Quality { samples: Samples::Four, percent: 100 },
-    Quality { samples: Samples::One, percent: 100 },
-    Quality { samples: Samples::One, percent: 75 },
-    Quality { samples: Samples::One, percent: 50 },
+/// What is drawn on a graphics card, from the best: effects on the finished picture go first.
+const CARD: [Quality; 5] = [
+    Quality { samples: Samples::Four, percent: 100, glow: true },
+    Quality { samples: Samples::Four, percent: 100, glow: false },
+    Quality { samples: Samples::One, percent: 100, glow: false },
+    Quality { samples: Samples::One, percent: 75, glow: false },
+    Quality { samples: Samples::One, percent: 50, glow: false },
+];
+/// What is drawn where the processor draws; the first is for what rests.
+const SOFTWARE: [Quality; 5] = [
+    Quality { samples: Samples::Four, percent: 100, glow: true },
+    Quality { samples: Samples::One, percent: 100, glow: true },
+    Quality { samples: Samples::One, percent: 100, glow: false },
+    Quality { samples: Samples::One, percent: 75, glow: false },
+    Quality { samples: Samples::One, percent: 50, glow: false },
 ];
 
 /// How finely a picture is drawn.
@@ -34,16 +43,21 @@ pub struct Quality {
     pub samples: Samples,
     /// Width and height in percent of what is shown.
     pub percent: u32,
+    /// Whether what is bright glows and leaves trails.
+    pub glow: bool,
 }
 
 impl Quality {
     /// That of pictures that do not move.
-    pub const STILL: Self = STEPS[0];
+    pub const STILL: Self = CARD[0];
 }
 
 impl std::fmt::Display for Quality {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.samples)?;
+        if !self.glow {
+            write!(f, ", without glow")?;
+        }
         if self.percent < 100 { write!(f, ", {} % of its size", self.percent) } else { Ok(()) }
     }
 }
@@ -51,6 +65,7 @@ impl std::fmt::Display for Quality {
 /// The quality that this machine can keep up with.
 #[derive(Clone, Debug)]
 pub struct Effort {
+    steps: &'static [Quality],
     first: usize,
     late_secs: f64,
     early_secs: f64,
@@ -69,6 +84,7 @@ impl Effort {
         let software = samples == Samples::One;
         let first = usize::from(software);
         Self {
+            steps: if software { &SOFTWARE } else { &CARD },
             first,
             late_secs: if software { SOFTWARE_LATE_SECS } else { LATE_SECS },
             early_secs: if software { SOFTWARE_EARLY_SECS } else { EARLY_SECS },
@@ -83,7 +99,7 @@ impl Effort {
 
     /// How moving pictures are drawn now.
     pub fn quality(&self) -> Quality {
-        STEPS[self.step]
+        self.steps[self.step]
     }
 
     /// Whether this is less than the device began with.
@@ -111,7 +127,7 @@ impl Effort {
         let usual_secs = self.frames_secs[count / 2];
         self.frames_secs.clear();
         let calm_secs = now_secs - self.changed_secs;
-        if usual_secs > self.late_secs && self.step + 1 < STEPS.len() {
+        if usual_secs > self.late_secs && self.step + 1 < self.steps.len() {
             // The quality that was just tried was too high.
             if self.tried && calm_secs < PATIENCE_SECS {
                 self.patience_secs *= 2.0;
@@ -141,15 +157,18 @@ mod tests {
         let (mut effort, mut now_secs) = (Effort::new(Samples::Four), 0.0);
         play(&mut effort, &mut now_secs, 3.0, 0.016);
         assert_eq!((effort.quality(), effort.is_reduced()), (Quality::STILL, false));
-        play(&mut effort, &mut now_secs, 2.0, 0.08);
-        assert_eq!(effort.quality(), Quality { samples: Samples::One, percent: 100 });
+        play(&mut effort, &mut now_secs, 1.5, 0.08);
+        let without_glow = Quality { glow: false, ..Quality::STILL };
+        assert_eq!(effort.quality(), without_glow);
+        play(&mut effort, &mut now_secs, 1.0, 0.08);
+        assert_eq!(effort.quality(), Quality { samples: Samples::One, ..without_glow });
         play(&mut effort, &mut now_secs, 9.0, 0.08);
         assert_eq!((effort.quality().percent, effort.is_reduced()), (50, true));
         // Neither late nor early: it stays.
         play(&mut effort, &mut now_secs, 60.0, 0.04);
         assert_eq!(effort.quality().percent, 50);
         // Two steps down in a row were no attempt that failed: each step up waits six seconds.
-        play(&mut effort, &mut now_secs, 22.0, 0.016);
+        play(&mut effort, &mut now_secs, 28.0, 0.016);
         assert_eq!(effort.quality(), Quality::STILL);
     }
 
@@ -159,7 +178,7 @@ mod tests {
         let end_secs = 120.0;
         let mut before = effort.quality();
         while now_secs < end_secs {
-            now_secs += if effort.quality().samples == Samples::Four { 0.08 } else { 0.016 };
+            now_secs += if effort.quality() == Quality::STILL { 0.08 } else { 0.016 };
             effort.frame(now_secs);
             attempts += u32::from(before != effort.quality() && effort.quality() == Quality::STILL);
             before = effort.quality();
@@ -207,7 +226,7 @@ mod tests {
         // Hidden once: the window did not say that it rests.
         now_secs += 100.0;
         play(&mut effort, &mut now_secs, 5.0, 0.016);
-        assert_eq!(effort.quality(), Quality { samples: Samples::One, percent: 100 });
+        assert_eq!(effort.quality(), Quality { samples: Samples::One, ..Quality::STILL });
         assert!(!effort.is_reduced());
     }
 }

@@ -1,6 +1,6 @@
 //! A 3D view inside the window: drawn by chladni-view, shown as a texture, steered as in Blender.
 
-use chladni_view::{Camera, Canvas, Cell, Gpu, Rect, Renderer, Samples, View, ViewError};
+use chladni_view::{Camera, Canvas, Cell, Finish, Gpu, Rect, Renderer, Samples, View, ViewError};
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use egui::{EventFilter, Key, Modifiers, Role};
@@ -38,6 +38,8 @@ pub struct Viewport {
     /// Pixels of the window that the picture fills.
     shown: Rect,
     effort: Effort,
+    /// What is done to finished pictures, and the time of the next one.
+    finish: (Finish, f64),
     /// When the picture last changed, where it is to be drawn more finely once it rests.
     moved_secs: Option<f64>,
 }
@@ -59,6 +61,7 @@ impl Viewport {
             stale: true,
             shown: Rect::default(),
             effort,
+            finish: (Finish::NOTHING, 0.0),
             moved_secs: None,
         }
     }
@@ -71,6 +74,11 @@ impl Viewport {
     /// Asks for a new picture in the next frame; without it the last one is shown again.
     pub fn invalidate(&mut self) {
         self.stale = true;
+    }
+
+    /// From now on pictures have this finish; the next one is that of `at_secs`.
+    pub fn finish(&mut self, finish: Finish, at_secs: f64) {
+        self.finish = (finish, at_secs);
     }
 
     /// How finely moving pictures are drawn, and why, in words.
@@ -156,7 +164,9 @@ impl Viewport {
             let (x, y) = (x.min(right - 1), y.min(bottom - 1));
             cell.viewport = Rect { x, y, width: right - x, height: bottom - y };
         }
-        self.renderer.draw(canvas, &cells)?;
+        let (finish, at_secs) = self.finish;
+        let finish = if quality.glow { finish } else { finish.without_glow() };
+        self.renderer.draw_finished(canvas, &cells, &finish, at_secs)?;
         self.stale = false;
         ui.ctx().data_mut(|data| data.insert_temp(egui::Id::unique(DRAWN), true));
         Ok(true)

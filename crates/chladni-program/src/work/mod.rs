@@ -11,6 +11,7 @@ mod files;
 pub mod film;
 pub mod formats;
 mod hearing;
+mod mood;
 mod opening_look;
 pub mod outputs;
 mod own_look;
@@ -35,7 +36,7 @@ pub use sculpture::{Made, Sculpture, make};
 pub use stance::Stance;
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, template_mesh};
-pub use theatre::{FIRST_VIEW, Look, Staged, Staging, dots, first_looks, look_named, reaction};
+pub use theatre::{FIRST_VIEW, Staged, Staging, along, dots, first_looks, look_named, reaction};
 pub use watcher::{Aside, Watcher};
 
 /// The default K, in the window and on the command line.

@@ -3,10 +3,14 @@
 
 use std::sync::Arc;
 
+use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
-use chladni_music::{Beat, Dancer, Instrument, Looks, Parameter, Reaction, Switch, Viewpoint, react};
+use chladni_music::{Beat, Class, Dancer, Instrument, Looks, Parameter, Reaction, Switch, Viewpoint, react};
 use chladni_view::framing::extremes;
-use chladni_view::{Background, Camera, Cell, Figure, Lights, Marker, Material, Rect, layout};
+use chladni_view::{
+    Background, Camera, Cell, Device, Figure, Floor, ItemBuffers, Lights, Look, Marker, Material, Paint,
+    Rect, RestShape, Topology, ViewError, layout,
+};
 
 use super::Heard;
 
@@ -18,21 +22,9 @@ const GAP: u32 = 100;
 /// The initial viewpoint.
 pub const FIRST_VIEW: Viewpoint = Viewpoint { yaw_rad: 0.0, pitch_rad: 0.14, distance: 1.0, shift: [0.0; 2] };
 
-/// Material, lights and background.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
-    /// The shapes'.
-    pub material: Material,
-    /// On them.
-    pub lights: Lights,
-    /// Behind them.
-    pub background: Background,
-}
-
 /// The default look.
 pub fn first_looks() -> Looks {
-    let [material, lights, background] = ["pearl", "stage", "night"].map(str::to_owned);
-    Looks { material, lights, background }
+    Looks { look: "aurora".into(), ..Looks::default() }
 }
 
 /// The most dots that stand for a shape: more would be a black area.
@@ -45,21 +37,30 @@ pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
     positions.step_by(step).map(dot).collect()
 }
 
-/// The look of those names; unknown names fall back to the default look and are returned.
+/// The look of those names, and which of them are unknown: the look's own part is taken instead, or the plain
+/// look. A material or a background that is named takes the place of the palette or the floor, too.
 pub fn look_named(looks: &Looks) -> (Look, Vec<String>) {
-    let (material, lights) = (Material::named(&looks.material), Lights::named(&looks.lights));
-    let background = Background::named(&looks.background);
-    let missing = [
-        material.is_none().then_some(&looks.material),
-        lights.is_none().then_some(&looks.lights),
-        background.is_none().then_some(&looks.background),
-    ];
-    let look = Look {
-        material: material.unwrap_or(Material::PEARL),
-        lights: lights.unwrap_or(Lights::STAGE),
-        background: background.unwrap_or(Background::NIGHT),
+    let mut missing = Vec::new();
+    let mut found = |name: &String, is_known: bool| {
+        if !name.is_empty() && !is_known {
+            missing.push(name.clone());
+        }
     };
-    (look, missing.into_iter().flatten().cloned().collect())
+    let whole = Look::named(&looks.look);
+    found(&looks.look, whole.is_some());
+    let mut look = whole.unwrap_or(Look::PLAIN);
+    let material = Material::named(&looks.material);
+    found(&looks.material, material.is_some());
+    if let Some(material) = material {
+        look = Look { material, answer: None, ..look };
+    }
+    let lights = Lights::named(&looks.lights);
+    found(&looks.lights, lights.is_some());
+    look.lights = lights.unwrap_or(look.lights);
+    let background = Background::named(&looks.background);
+    found(&looks.background, background.is_some());
+    look.background = background.unwrap_or(look.background);
+    (look, missing)
 }
 
 /// What the beat does to the picture; while a jump in the song fades, so does its effect.
@@ -83,10 +84,27 @@ impl Heard<'_> {
     }
 }
 
+/// A number in [0, 1] for each vertex of a body, from one end of the shape to the other: its lowest harmonic
+/// that is the same left and right, where it has one, else its lowest.
+pub fn along(body: &Body, dancer: &Dancer) -> Vec<f32> {
+    let lowest = dancer.classes.iter().skip(1).position(|class| *class == Class::Symmetric);
+    let k = 1 + lowest.unwrap_or(0);
+    if k >= body.basis.harmonics() {
+        return vec![0.0; body.positions.len()];
+    }
+    let harmonic = body.basis.harmonic(k);
+    let (low, high) = harmonic
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(*h), high.max(*h)));
+    harmonic.iter().map(|h| ((h - low) / (high - low).max(1e-12)) as f32).collect()
+}
+
 /// Sets the stage for one body, frame after frame.
 pub struct Staging {
     dancer: Arc<Dancer>,
     rest: Vec<[f32; 3]>,
+    /// [`along`] the body.
+    along: Vec<f32>,
     /// Where up and front are.
     stands: Orientation,
     /// The limit of displacement, and what has to fit into a cell for it.
@@ -99,10 +117,8 @@ pub struct Staged {
     area: Rect,
     /// Who looks.
     pub camera: Camera,
-    lights: Lights,
-    background: Background,
-    /// Of the shapes.
-    pub material: Material,
+    /// What shapes and light are like, at this moment.
+    pub look: Look,
     /// Where each item stands.
     pub viewports: Vec<Rect>,
     /// How many stand beside each other.
@@ -110,9 +126,9 @@ pub struct Staged {
 }
 
 impl Staging {
-    /// For a body at rest and how it stands.
-    pub fn new(dancer: Arc<Dancer>, rest: Vec<[f32; 3]>, stands: Orientation) -> Self {
-        Self { dancer, rest, stands, room: (0.0, Vec::new()) }
+    /// For a body at rest, with what is [`along`] it, and how it stands.
+    pub fn new(dancer: Arc<Dancer>, rest: Vec<[f32; 3]>, along: Vec<f32>, stands: Orientation) -> Self {
+        Self { dancer, rest, along, stands, room: (0.0, Vec::new()) }
     }
 
     /// How the body stands.
@@ -123,6 +139,11 @@ impl Staging {
     /// The body at rest.
     pub fn rest(&self) -> &[[f32; 3]] {
         &self.rest
+    }
+
+    /// The body at rest, for palettes.
+    pub fn rest_on(&self, device: impl Into<Device>) -> Result<RestShape, ViewError> {
+        RestShape::new(device, &self.rest, &self.along)
     }
 
     /// The cells of `items` items in a picture of `area`.
@@ -157,10 +178,32 @@ impl Staging {
         // The shape turns about its own axis, wherever the picture is shifted to.
         camera.yaw_rad = viewpoint.yaw_rad - reaction.turn_rad;
         camera.pan(viewpoint.shift[0], viewpoint.shift[1], 1.0);
-        let mut lights = look.lights.turned(reaction.light_turn_rad);
-        lights.exposure *= reaction.light_gain;
-        let Look { material, background, .. } = *look;
-        Staged { area, camera, lights, background, material, viewports, columns }
+        let mut look = look.scaled(limit * self.dancer.box_diagonal);
+        look.lights = look.lights.turned(reaction.light_turn_rad);
+        look.lights.exposure *= reaction.light_gain;
+        // Many shapes do not stand on one floor.
+        look.background.floor = look.background.floor.filter(|_| items == 1).and_then(|floor| {
+            let (at, radius) = self.ground()?;
+            Some(Floor { at, radius, ..floor })
+        });
+        Staged { area, camera, look, viewports, columns }
+    }
+
+    /// The point on the ground below the middle of the body at rest, and half its width there.
+    fn ground(&self) -> Option<([f32; 3], f32)> {
+        let axes =
+            [self.stands.right(), self.stands.up(), self.stands.front()].map(|axis| axis.map(|c| c as f32));
+        let along = |p: &[f32; 3], axis: &[f32; 3]| (0..3).map(|i| p[i] * axis[i]).sum::<f32>();
+        let ends = axes.map(|axis| {
+            let all = self.rest.iter().map(|p| along(p, &axis)).filter(|c| c.is_finite());
+            all.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)))
+        });
+        let [right, up, front] = ends;
+        let middle = |(low, high): (f32, f32)| 0.5 * (low + high);
+        let at = [middle(right), up.0, middle(front)];
+        let radius = 0.5 * (right.1 - right.0).max(front.1 - front.0);
+        let point = std::array::from_fn(|i| (0..3).map(|a| at[a] * axes[a][i]).sum());
+        (radius > 0.0 && radius.is_finite()).then_some((point, radius))
     }
 }
 
@@ -170,9 +213,23 @@ impl Staged {
         [self.area.width, self.area.height]
     }
 
+    /// Item `item` as it looks.
+    pub fn figure<'a>(
+        &self,
+        topology: &'a Topology,
+        buffers: &'a ItemBuffers,
+        item: usize,
+        rest: &'a RestShape,
+    ) -> Figure<'a> {
+        let Look { material, answer, .. } = self.look;
+        let paint = answer.map_or(Paint::Material, |answer| Paint::Answer(rest, answer));
+        Figure { material, paint, ..Figure::new(topology, buffers, item) }
+    }
+
     /// The cells that a renderer draws, for one figure each.
     pub fn cells<'a>(&self, figures: &'a [Figure<'a>]) -> Vec<Cell<'a>> {
         let placed = self.viewports.iter().copied().zip(figures);
-        Cell::gallery(self.area, self.background, self.camera, self.lights, placed)
+        let Look { background, lights, .. } = self.look;
+        Cell::gallery(self.area, background, self.camera, lights, placed)
     }
 }

@@ -65,7 +65,7 @@ pub(super) fn finished(c: Vec3) -> Vec3 {
 fn filmed(linear: Vec3) -> Vec3 {
     let grey = 0.2126 * linear.x + 0.7152 * linear.y + 0.0722 * linear.z;
     each(linear, |c| {
-        let x = mix(c, grey, 0.06) * 0.8;
+        let x = mix(c, grey, 0.06) * 0.6;
         (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)
     })
 }

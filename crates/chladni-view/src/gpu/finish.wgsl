@@ -97,8 +97,8 @@ fn finish_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let seen = (clip.xy / finish.size - 0.5) * finish.trail.y + 0.5;
     // A little less than is left, so that eight bits come to nothing.
     c = max(c, textureSampleLevel(last, smooth_sampler, seen, 0.0) * finish.trail.x - 0.7 / 255.0);
-    let from = (2.0 * clip.xy / finish.size - 1.0) * vec2f(0.72, 0.72);
-    let rim = smoothstep(0.25, 1.05, dot(from, from));
+    let off = (2.0 * clip.xy / finish.size - 1.0) * vec2f(0.72, 0.72);
+    let rim = smoothstep(0.25, 1.05, dot(off, off));
     let noise = finish.grain * chance(p.x, p.y, finish.moment) * c.a;
     let rgb = clamp(c.rgb * (1.0 - finish.vignette * rim) + noise, vec3f(0.0), vec3f(1.0));
     return vec4f(rgb, max(c.a, max(rgb.r, max(rgb.g, rgb.b))));

@@ -258,7 +258,7 @@ fn toned(linear: vec3f) -> vec3f {
 // bright colours turn to white.
 fn filmed(linear: vec3f) -> vec3f {
     let grey = dot(linear, vec3f(0.2126, 0.7152, 0.0722));
-    let x = mix(linear, vec3f(grey), 0.06) * 0.8;
+    let x = mix(linear, vec3f(grey), 0.06) * 0.6;
     return (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14);
 }
 
@@ -523,10 +523,10 @@ fn floored(behind: vec3f, at: vec2f) -> vec3f {
     let p = ray * way;
     let x = dot(cell.floor_axes[0].xyz, p) + cell.floor_axes[0].w;
     let z = dot(cell.floor_axes[1].xyz, p) + cell.floor_axes[1].w;
-    let from = min(x * x + z * z, 1e6);
-    let shadow = 1.0 / (1.0 + 4.0 * from * from);
+    let away = min(x * x + z * z, 1e6);
+    let shadow = 1.0 / (1.0 + 4.0 * away * away);
     let lit = cell.floor.rgb * (1.0 - cell.floor.w * shadow);
-    let there = select(0.0, 1.0 / (1.0 + 0.06 * from), down > 1e-6);
+    let there = select(0.0, 1.0 / (1.0 + 0.06 * away), down > 1e-6);
     return mix(behind, lit, there);
 }
 

@@ -1,6 +1,6 @@
 //! The look of the dance, and the screen that the stage appears on.
 
-use chladni_view::{Background, Lights, Material};
+use chladni_view::{Background, Lights, Look, Material};
 use egui::{RichText, Ui};
 
 use super::preferences::{Preferences, Screen};
@@ -11,10 +11,16 @@ const SCREENS: usize = 4;
 
 /// Draws the drawer.
 pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
-    choose(ui, "Material", &mut preferences.material, &Material::PRESETS.map(|preset| preset.0));
-    choose(ui, "Light", &mut preferences.lights, &Lights::PRESETS.map(|preset| preset.0));
-    let backgrounds = Background::PRESETS.map(|preset| preset.0);
-    choose(ui, "Background", &mut preferences.background, &backgrounds);
+    let before = preferences.look.clone();
+    choose(ui, "Look", &mut preferences.look, &Look::PRESETS.map(|preset| preset.0));
+    if preferences.look != before {
+        // A look is a whole: parts that were chosen for another one go.
+        let parts = [&mut preferences.material, &mut preferences.lights, &mut preferences.background];
+        parts.into_iter().for_each(String::clear);
+    }
+    part(ui, "Material", &mut preferences.material, Material::PRESETS.map(|preset| preset.0));
+    part(ui, "Light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));
+    part(ui, "Background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));
     ui.label(RichText::new("Stage").strong());
     let screens = [(Screen::Window, "In the window".to_owned()), (Screen::Full, "This screen".to_owned())];
     let more = (0..SCREENS).map(|i| (Screen::Monitor(i), format!("Screen {}", i + 1)));
@@ -28,11 +34,18 @@ pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
 }
 
+/// A part of the look: no name is the look's own.
+fn part<const N: usize>(ui: &mut Ui, heading: &str, chosen: &mut String, names: [&str; N]) {
+    let all: Vec<&str> = [""].into_iter().chain(names).collect();
+    choose(ui, heading, chosen, &all);
+}
+
 fn choose(ui: &mut Ui, heading: &str, chosen: &mut String, names: &[&str]) {
     ui.label(RichText::new(heading).strong());
     let choices = |ui: &mut Ui| {
         for name in names {
-            if ui.selectable_label(chosen == name, theme::capitalized(name)).clicked() {
+            let label = if name.is_empty() { "As the look".to_owned() } else { theme::capitalized(name) };
+            if ui.selectable_label(chosen == name, label).clicked() {
                 *chosen = (*name).to_owned();
             }
         }

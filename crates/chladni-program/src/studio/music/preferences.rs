@@ -1,15 +1,19 @@
 //! What the music room remembers between runs.
 
 use chladni_music::{Binding, Looks};
+use chladni_view::Look;
 use serde::{Deserialize, Serialize};
 
-use crate::work::{Look, first_looks, look_named};
+use crate::work::{first_looks, look_named};
 
 /// Looks, the stage's screen, and what turns what. Unknown names fall back to the first look.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
-    /// By its name.
+    /// The whole scene, by its name; older files knew none but the plain one.
+    #[serde(default)]
+    pub look: String,
+    /// By its name; empty is the look's own, as the next two.
     pub material: String,
     /// By their name.
     pub lights: String,
@@ -42,8 +46,9 @@ pub enum Screen {
 
 impl Default for Preferences {
     fn default() -> Self {
-        let Looks { material, lights, background } = first_looks();
+        let Looks { look, material, lights, background } = first_looks();
         Self {
+            look,
             material,
             lights,
             background,
@@ -59,15 +64,15 @@ impl Default for Preferences {
 impl Preferences {
     /// The looks by their names.
     pub fn looks(&self) -> Looks {
-        let [material, lights, background] =
-            [&self.material, &self.lights, &self.background].map(String::clone);
-        Looks { material, lights, background }
+        let [look, material, lights, background] =
+            [&self.look, &self.material, &self.lights, &self.background].map(String::clone);
+        Looks { look, material, lights, background }
     }
 
     /// Looks like a show.
     pub fn look_like(&mut self, looks: &Looks) {
-        let Looks { material, lights, background } = looks.clone();
-        (self.material, self.lights, self.background) = (material, lights, background);
+        let Looks { look, material, lights, background } = looks.clone();
+        (self.look, self.material, self.lights, self.background) = (look, material, lights, background);
     }
 
     /// What those names mean.

@@ -15,13 +15,13 @@ use std::time::Instant;
 use chladni_music::{BeatReading, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
 use chladni_sound::{WavSample, write_wav};
 use chladni_synth::Backend;
-use chladni_view::{Draw, Film as Reel, FilmFormat, FilmSettings, FrameRate, Samples, ffmpeg_is_there};
+use chladni_view::{Draw, Film as Reel, FilmFormat, FilmSettings, FrameRate, Look, Samples, ffmpeg_is_there};
 
 use super::body::laplacian;
 use super::dancer::{Dancing, classes};
 use super::outputs::check_file;
 use super::{
-    Cast, Error, HARMONICS, Hearing, Look, Stance, Warning, Watcher, first_looks, look_named, opening_looks,
+    Cast, Error, HARMONICS, Hearing, Stance, Warning, Watcher, first_looks, look_named, opening_looks,
     opening_view,
 };
 use animation::Animation;

@@ -10,13 +10,16 @@ use chladni_music::{
 use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
 use chladni_task::Task;
 use chladni_view::film::shoot_retouched;
-use chladni_view::{Canvas, Device, Draw, Figure, Film, FrameRate, Gpu, Rect, Renderer, Samples, ViewError};
+use chladni_view::{
+    Canvas, Device, Draw, Figure, Film, FrameRate, Gpu, Look, Mood, Rect, Renderer, RestShape, Samples,
+    ViewError,
+};
 
 use super::Seconds;
 use super::deformed::Deformed;
 use super::guard::FrameGuard;
 use super::record::Recording;
-use crate::work::{Error, Hearing, Look, SandTable, Staging, dots};
+use crate::work::{Error, Hearing, SandTable, Staging, along, dots};
 
 /// What computes and draws; by default what suits the device.
 #[derive(Clone, Copy, Default)]
@@ -66,6 +69,14 @@ pub struct Drawn {
     pub software: bool,
 }
 
+/// What beat and sound do to one picture.
+struct Shot {
+    /// In the film.
+    time_secs: f64,
+    reaction: Reaction,
+    mood: Mood,
+}
+
 /// All that changes from frame to frame.
 pub struct Performance {
     hearing: Hearing,
@@ -93,11 +104,13 @@ impl Performance {
         start_secs: f64,
         rate: FrameRate,
     ) -> Result<Self, Error> {
-        let model = SynthModel::new(body)?;
+        let (model, dancer) = (SynthModel::new(body)?, ensemble.dancer());
+        let staging =
+            Staging::new(dancer.clone(), model.rest_positions().to_vec(), along(body, dancer), stands);
         let mut performance = Self {
             hearing,
             heard: heard.into_iter().peekable(),
-            staging: Staging::new(ensemble.dancer().clone(), model.rest_positions().to_vec(), stands),
+            staging,
             sand: SandTable::new(body.clone(), start_secs),
             instrument,
             script: script.into_iter().peekable(),
@@ -147,8 +160,8 @@ impl Performance {
         }
     }
 
-    /// Plays a frame: its time in the film, what the beat does, and the items to draw.
-    fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(f64, Reaction, &[Item]), Error> {
+    /// Plays a frame: what is done to its picture, and the items to draw.
+    fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(Shot, &[Item]), Error> {
         let time_secs = self.rate.start_secs(frame);
         let at_secs = self.start_secs + time_secs;
         let listening = Instant::now();
@@ -161,10 +174,10 @@ impl Performance {
         let heard = self.hearing.hear(at_secs)?.ok_or_else(unheard)?;
         seconds.analysis += listening.elapsed().as_secs_f64();
         let mapping = Instant::now();
-        let reaction = heard.reaction(&self.instrument);
+        let shot = Shot { time_secs, reaction: heard.reaction(&self.instrument), mood: heard.mood() };
         let items = self.ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
         seconds.mapping += mapping.elapsed().as_secs_f64();
-        Ok((time_secs, reaction, items))
+        Ok((shot, items))
     }
 
     /// Plays without drawing, for the coefficients; `each` is called with the form and items of every frame.
@@ -179,7 +192,7 @@ impl Performance {
         let mut done = Done::default();
         for frame in 0..frames {
             task.check()?;
-            let (time_secs, _, items) = self.play(frame, seconds)?;
+            let (Shot { time_secs, .. }, items) = self.play(frame, seconds)?;
             let items = items.to_vec();
             let form = self.instrument.parameters().form;
             each(form, &items)?;
@@ -204,6 +217,7 @@ impl Performance {
         let samples = means.samples.unwrap_or_else(|| device.live_samples());
         let canvas = Canvas::with_samples(&device, width, height, samples)?;
         let mut deformed = Deformed::new(&device, &self.model, &self.triangles, means.synthesis)?;
+        let rest = self.staging.rest_on(&device)?;
         let (rate, mut done) = (self.rate, Done::default());
         let mut guard =
             FrameGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
@@ -212,10 +226,10 @@ impl Performance {
             done.warnings.push(format!("the processor draws {}, whatever --samples says", canvas.samples()));
         }
         let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Error> {
-            let (time_secs, reaction, items) = self.play(frame, seconds)?;
+            let (shot, items) = self.play(frame, seconds)?;
             let items = items.to_vec();
             if let Some(first) = items.first().filter(|_| recording) {
-                done.recording.push(time_secs, self.instrument.parameters().form, first);
+                done.recording.push(shot.time_secs, self.instrument.parameters().form, first);
             }
             // Full blending is the paper's: the mean of the exact and the rest normal.
             let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
@@ -229,7 +243,7 @@ impl Performance {
                     Some(done.largest_displacement.map_or(share, |most| most.max(share)));
             }
             let drawing = Instant::now();
-            self.draw(&deformed, renderer, canvas, scene, reaction)?;
+            self.draw((&deformed, &rest), renderer, canvas, scene, shot)?;
             seconds.drawing += drawing.elapsed().as_secs_f64();
             Ok(())
         };
@@ -255,23 +269,21 @@ impl Performance {
 
     fn draw(
         &mut self,
-        deformed: &Deformed,
+        (deformed, rest): (&Deformed, &RestShape),
         renderer: &mut Renderer,
         canvas: &Canvas,
         (look, viewpoint): (&Look, &Viewpoint),
-        reaction: Reaction,
+        Shot { time_secs, reaction, mood }: Shot,
     ) -> Result<(), ViewError> {
         let buffers = deformed.buffers()?;
         let area = Rect::of_size(canvas.width(), canvas.height());
         let (instrument, items) = (&self.instrument, buffers.items());
-        let staged = self.staging.set(area, items, viewpoint, look, reaction, instrument);
+        let look = look.answering(&mood);
+        let staged = self.staging.set(area, items, viewpoint, &look, reaction, instrument);
         let grains = self.sand.drawn();
-        let figures: Vec<Figure<'_>> = (0..items)
-            .map(|item| {
-                let figure = Figure::new(&deformed.topology, &buffers, item);
-                Figure { material: staged.material, grains, ..figure }
-            })
-            .collect();
+        let figure =
+            |item| Figure { grains, ..staged.figure(&deformed.topology, &buffers, item, rest) };
+        let figures: Vec<Figure<'_>> = (0..items).map(figure).collect();
         let dots = match self.shows_rest {
             true => dots(self.model.rest_positions().iter().copied()),
             false => Vec::new(),
@@ -279,7 +291,7 @@ impl Performance {
         let mut cells = staged.cells(&figures);
         // The first is the background.
         cells.iter_mut().skip(1).for_each(|cell| cell.markers = &dots);
-        renderer.draw(canvas, &cells)?;
+        renderer.draw_finished(canvas, &cells, &staged.look.finish, time_secs)?;
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! The picture of all items, which is shown once its brightness is known.
 
 use chladni_music::{Reaction, Switch, Veil};
-use chladni_view::{Figure, Gpu, ItemBuffers, Rect, Topology};
+use chladni_view::{Figure, Gpu, ItemBuffers, Look, Rect, Topology};
 use egui::{Color32, Ui};
 
 use super::super::coarse::{self, Detail};
@@ -10,7 +10,7 @@ use super::super::stillness::StillPicture;
 use super::Concert;
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::{Error, Look};
+use crate::work::Error;
 
 impl Concert {
     pub(super) fn draw(
@@ -19,13 +19,13 @@ impl Concert {
         shared: &Shared<'_>,
         (rect, area): (egui::Rect, Rect),
         cells: &[Rect],
-        reaction: Reaction,
+        (reaction, at_secs): (Reaction, f64),
         look: Look,
         pose: u64,
     ) -> Result<(), Error> {
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         let staged = self.staging.set(area, cells.len(), &self.viewpoint, &look, reaction, &self.instrument);
-        let material = staged.material;
+        self.viewport.finish(staged.look.finish, at_secs);
         let shown = StillPicture { pose, staged: staged.clone() };
         self.moving = self.shown.as_ref() != Some(&shown);
         if self.moving {
@@ -43,7 +43,7 @@ impl Concert {
                 let detail = self.details.iter().rev().find(|(detail, _)| detail.vertices >= needed);
                 drawn_vertices += detail.map_or(self.staging.rest().len(), |(detail, _)| detail.vertices);
                 let topology = detail.map_or(&self.topology, |(_, topology)| topology);
-                Figure { material, grains, ..Figure::new(topology, &buffers, item) }
+                Figure { grains, ..staged.figure(topology, &buffers, item, &self.rest) }
             })
             .collect();
         self.drawn_vertices = drawn_vertices / cells.len().max(1);

@@ -12,7 +12,7 @@ use chladni_music::{
 use chladni_synth::{
     AutoSynthesizer, Backend, Coefficients, FrameSettings, GpuContext, SynthModel, Synthesizer,
 };
-use chladni_view::{Rect, Topology};
+use chladni_view::{Rect, RestShape, Topology};
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
@@ -36,7 +36,7 @@ use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
-use crate::work::{Error, SandTable, Staging, reaction};
+use crate::work::{Error, SandTable, Staging, along, reaction};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -50,6 +50,7 @@ pub struct Concert {
     synthesizer: AutoSynthesizer,
     viewport: Viewport,
     topology: Topology,
+    rest: RestShape,
     /// For small cells where the processor draws, from fine to coarse.
     details: Vec<(Detail, Topology)>,
     /// How many harmonics of each item are seen, where there are details.
@@ -94,7 +95,8 @@ impl Concert {
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
         let vertices = rest.len();
-        let staging = Staging::new(dancer.clone(), rest, ready.stands);
+        let staging = Staging::new(dancer.clone(), rest, along(&body, &dancer), ready.stands);
+        let rest = staging.rest_on(gpu)?;
         let details = on_device(gpu, vertices, ready.details)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(dancer).with_voices(terms)?;
@@ -104,6 +106,7 @@ impl Concert {
             ensemble,
             synthesizer: AutoSynthesizer::new(&context, model, Backend::Auto),
             topology,
+            rest,
             details,
             seen: Vec::new(),
             drawn_vertices: vertices,
@@ -135,6 +138,7 @@ impl Concert {
         let viewport = Viewport::new(state);
         let (gpu, vertices) = (viewport.gpu(), self.staging.rest().len());
         self.topology = Topology::new(gpu, vertices, self.harmonics.triangles())?;
+        self.rest = self.staging.rest_on(gpu)?;
         let details = std::mem::take(&mut self.details).into_iter().map(|(detail, _)| detail);
         self.details = on_device(gpu, vertices, details)?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
@@ -290,6 +294,7 @@ impl Concert {
         self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
         self.recent.hear(heard.at_secs, &heard.bands);
         let (beat, reaction) = (heard.beat, reaction(&self.instrument, heard.beat, heard.fading));
+        let (mood, at_secs) = (heard.mood(), heard.at_secs);
         let on_stage = self.on_stage();
         if let View::Harmonics(first) = self.view
             && !on_stage
@@ -355,8 +360,8 @@ impl Concert {
         self.columns = columns;
         let cells_high = cells.first().map_or(1.0, |cell| area.height as f32 / cell.height.max(1) as f32);
         navigate(ui, &response, &mut self.viewpoint, cells_high);
-        let look = shared.settings.music.look();
-        self.draw(ui, shared, (rect, area), &cells, reaction, look, pose)?;
+        let look = shared.settings.music.look().answering(&mood);
+        self.draw(ui, shared, (rect, area), &cells, (reaction, at_secs), look, pose)?;
         match self.view {
             View::CloseUp(item) if close_up => {
                 let (spectrum, bands_hz) = listening.spectrum();
