@@ -3,6 +3,7 @@
 
 mod caricature;
 mod music;
+mod sand;
 mod sphere;
 mod synth;
 mod tables;
@@ -27,6 +28,7 @@ struct Bench {
 enum What {
     Caricature(caricature::BenchCaricature),
     Music(music::BenchMusic),
+    Sand(sand::BenchSand),
     Synth(synth::BenchSynth),
     Tables(tables::BenchTables),
 }
@@ -37,6 +39,7 @@ fn main() -> ExitCode {
     let done = match bench.what {
         What::Caricature(caricature) => caricature.run(&terminal),
         What::Music(music) => music.run(&terminal),
+        What::Sand(sand) => sand.run(&terminal),
         What::Synth(synth) => synth.run(&terminal),
         What::Tables(tables) => tables.run(&terminal),
     };

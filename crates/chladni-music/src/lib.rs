@@ -77,7 +77,7 @@ pub use player::{Bands, Choir, Control as FormControl, Form, Player, Playing, bl
 pub use preset::{Ancestor, Preset, lineage};
 pub use resonance::{Resonators, Ringing, TONES, Timbre};
 pub use sand::{Grain, SAND_STEP_SECS, Sand, Tray};
-pub use sand_mode::SAND_MODE;
+pub use sand_mode::{SAND_MODE, experiment};
 pub use show::{BeatReading, FileRef, Looks, Show, SongRef, Stretch, Viewpoint};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react};

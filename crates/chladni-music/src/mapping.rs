@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
+use crate::{Class, Error};
+
+/// Finer harmonics have lines too close for a figure of sand.
+const MOST_FIGURES: usize = 96;
 
 /// The most bands or harmonics a stored mapping may have.
 pub const MAX_GENES: usize = 1 << 14;
@@ -46,6 +49,22 @@ impl Mapping {
             .collect();
         let transfer = direct_transfer(eigenvalues, bands.max(1), 0.5, false);
         let mapping = Self { transfer, amplification, stereo_mu: 0.0, gain: 1.0 };
+        Self { gain: mapping.even_gain(), ..mapping }
+    }
+
+    /// The mapping for sand: from the lowest band to the highest, finer and finer harmonics in even steps, all
+    /// amplified alike, so that a higher tone draws a finer figure. Only those that answer to the middle of the
+    /// sound are among them, and of these neither the three coarsest, which have hardly any figure, nor those
+    /// whose lines are too close to be told apart.
+    pub fn figures(classes: &[Class], bands: usize) -> Self {
+        let (bands, top) = (bands.max(1), (classes.len().max(2) - 1) as f32);
+        let answering = |k: &usize| classes[*k] != Class::Antisymmetric;
+        let answering: Vec<usize> = (1..classes.len().min(MOST_FIGURES)).filter(answering).skip(3).collect();
+        let transfer = (0..bands)
+            .map(|b| answering.get(b * answering.len() / bands).map_or(1.0, |k| *k as f32 / top))
+            .collect();
+        let mapping =
+            Self { transfer, amplification: vec![1.0; classes.len().max(1)], stereo_mu: 0.0, gain: 1.0 };
         Self { gain: mapping.even_gain(), ..mapping }
     }
 

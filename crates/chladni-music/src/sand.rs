@@ -1,14 +1,16 @@
 //! Sand: grains on a surface, which vibrations drive to where nothing moves.
 //!
-//! What sounds moves vertex v by u(v, t). Its energy E = ⟨u²⟩ is a mean over the last [`MEMORY_SECS`]. Grains
-//! hop: at each hop a grain walks along the surface by
+//! What sounds makes vertex v vibrate at a speed of u(v) = Σ_k w_k a_k H_k(v): a_k is the root mean square
+//! amplitude of harmonic k over about [`MEMORY_SECS`], times its frequency √λ_k; w_k lets the strongest ones
+//! draw the figure. All are in phase, as those of a plate are that is driven at one frequency. With E = u²,
+//! grains hop: at each hop a grain walks along the surface by
 //!
 //! ```text
 //! −C ℓ² ∇E / E_max + J ℓ √(E / E_max) ξ,      ℓ = 1/√λ,
 //! ```
 //!
 //! ξ being a random vector and ℓ the length of the waves that sound, both times a vigor in [0, 1] that grows
-//! with the level of the sound. Near nodal lines, and wherever the surface hardly moves, grains rest. docs/sand.md has the sources.
+//! with the level of the sound; when the figure changes they are thrown farther. Near nodal lines, and wherever the surface hardly moves, grains rest. docs/sand.md has the sources.
 
 use std::sync::Arc;
 
@@ -18,31 +20,36 @@ use chladni_synth::{Coefficients, Item};
 use rayon::prelude::*;
 
 use crate::dancer::box_diagonal;
+use crate::symmetry::first_waving;
 
 /// Time between two steps of the sand.
 pub const SAND_STEP_SECS: f64 = 1.0 / 60.0;
 
 /// A grain hops at every so many steps, its neighbors at others.
 const HOP_STEPS: u64 = 3;
-/// The energy of the vibration is its mean over about this time.
+/// The energy of a harmonic is its mean over about this time.
 const MEMORY_SECS: f32 = 0.2;
 /// The most harmonics that drive the sand: those of the most energy.
 const MOST_DRIVERS: usize = 12;
 /// Harmonics of less than this share of the strongest one's energy do not drive it.
 const LEAST_SHARE: f32 = 0.02;
+/// A figure is new as far as it differs from that of about this time.
+const HABIT_SECS: f32 = 0.8;
+/// How far a new figure throws grains about, as a share of the bounding box's diagonal.
+const SCATTER: f32 = 0.16;
 /// C: how fast grains slide down.
-const SLIDE: f64 = 0.22;
+const SLIDE: f64 = 0.32;
 /// J: how far grains are thrown about.
-const THROW: f64 = 0.30;
+const THROW: f64 = 0.20;
 /// Half the width of a line of sand, as a share of the bounding box's diagonal: so near to a nodal line grains
 /// may rest. Some slide more easily than others, which is why they fill the line.
 const LINE: f32 = 0.008;
 /// But none rests where √(E / E_max) is larger than this.
 const MOST_REST: f32 = 0.3;
-/// Where the surface moves less than this share of a full movement, grains rest.
-const QUIET: f32 = 0.002;
-/// The share of a full movement at which the vigor is one half.
-const HALF_VIGOR: f32 = 0.05;
+/// Where the speed is less than this share of that of a full movement of the slowest wave, grains rest.
+const QUIET: f32 = 0.003;
+/// The share of it at which the vigor is one half.
+const HALF_VIGOR: f32 = 0.1;
 /// How high grains hop at full vigor, as a share of the bounding box's diagonal.
 const HOP_HEIGHT: f32 = 0.012;
 /// From how high they are poured.
@@ -59,6 +66,8 @@ pub struct Tray {
     ground: Ground,
     triangles: Vec<[u32; 3]>,
     basis: Arc<Basis>,
+    /// λ of the slowest wave.
+    slowest: f64,
     box_diagonal: f32,
 }
 
@@ -68,6 +77,7 @@ impl Tray {
         Self {
             ground: Ground::new(&body.positions, &body.triangles),
             triangles: body.triangles.clone(),
+            slowest: body.basis.eigenvalues.get(first_waving(&body.basis)).copied().unwrap_or(1.0),
             basis: Arc::clone(&body.basis),
             box_diagonal: box_diagonal(&body.positions),
         }
@@ -99,18 +109,19 @@ pub struct Sand {
     /// Steps since it was poured, and those of them in which something moved.
     steps: u64,
     moves: u64,
-    /// Of each harmonic, smoothed.
-    powers: Vec<f32>,
-    /// E of each vertex, and the largest.
-    energy: Vec<f32>,
-    most_energy: f32,
+    /// a_k² of each term of what sounds, smoothed.
+    powers: Vec<Vec<f32>>,
+    /// u of each vertex, and the largest without its sign.
+    speed: Vec<f32>,
+    most_speed: f32,
+    /// A slower mean of E, and how little the present one is like it, in [0, 1].
+    habit: Vec<f32>,
+    novelty: f32,
     /// ℓ.
     wave: f64,
     vigor: f32,
-    /// Of a full movement, the share of the largest one now.
+    /// The largest speed, as a share of that of a full movement of the slowest wave.
     level: f32,
-    /// u of each vertex.
-    moved: Vec<[f32; 3]>,
 }
 
 impl Sand {
@@ -126,13 +137,14 @@ impl Sand {
             seed,
             steps: 0,
             moves: 0,
-            powers: vec![0.0; tray.basis.harmonics()],
-            energy: vec![0.0; vertices],
-            most_energy: 0.0,
+            powers: Vec::new(),
+            speed: vec![0.0; vertices],
+            most_speed: 0.0,
+            habit: vec![0.0; vertices],
+            novelty: 0.0,
             wave: 1.0,
             vigor: 0.0,
             level: 0.0,
-            moved: vec![[0.0; 3]; vertices],
             tray,
         }
     }
@@ -163,28 +175,30 @@ impl Sand {
         self.feel(item, full);
         let step = self.steps;
         self.steps += 1;
-        let moves = self.most_energy > 0.0 && self.level >= QUIET;
+        let moves = self.most_speed > 0.0 && self.level >= QUIET;
         self.moves += u64::from(moves || self.steps <= POUR_STEPS);
         if !moves {
             return;
         }
-        let (seed, tray, energy) = (self.seed, &*self.tray, &self.energy);
-        let (most, level, rest) = (self.most_energy, self.level, self.rest());
+        let (seed, tray, speed) = (self.seed, &*self.tray, &self.speed);
+        let (most, level, rest) = (self.most_speed, self.level, self.rest());
         let slide = -SLIDE * self.wave * self.wave * f64::from(self.vigor);
-        let throw = THROW * self.wave * f64::from(self.vigor);
+        let scatter = f64::from(SCATTER * self.novelty * tray.box_diagonal);
+        let throw = (THROW * self.wave + scatter) * f64::from(self.vigor);
         self.grains.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, grains)| {
             for (i, grain) in (chunk * CHUNK..).zip(grains) {
                 if !(step + i as u64).is_multiple_of(HOP_STEPS) || step < landing(seed, i) {
                     continue;
                 }
                 let corners = tray.triangles[grain.triangle as usize];
-                let shares = corners.map(|v| energy[v as usize] / most);
-                let share: f32 = (0..3).map(|c| grain.weights[c] as f32 * shares[c]).sum();
-                let moved = share.max(0.0).sqrt();
+                let speeds = corners.map(|v| f64::from(speed[v as usize] / most));
+                let here: f64 = (0..3).map(|c| grain.weights[c] * speeds[c]).sum();
+                let moved = here.abs() as f32;
                 if moved < rest * friction(seed, i) || moved * level < QUIET {
                     continue;
                 }
-                let slope = tray.ground.slope(grain.triangle, shares.map(f64::from));
+                // ∇u² = 2 u ∇u.
+                let slope = tray.ground.slope(grain.triangle, speeds).map(|s| 2.0 * here * s);
                 let thrown = throw * f64::from(moved);
                 let [x, y] = at_random(draw(seed, i, 2 + step));
                 let way = [slide * slope[0] + thrown * x, slide * slope[1] + thrown * y];
@@ -196,60 +210,60 @@ impl Sand {
     /// Takes in what sounds: the energy of each vertex, the length of the waves, the vigor.
     fn feel(&mut self, item: &Item, full: f32) {
         let keep = (-SAND_STEP_SECS as f32 / MEMORY_SECS).exp();
-        let basis = Arc::clone(&self.tray.basis);
-        for (k, power) in self.powers.iter_mut().enumerate() {
-            let now: f32 = item.terms.iter().map(|term| strength(&term.coefficients, k)).sum();
-            *power = (keep * *power + (1.0 - keep) * now).max(f32::MIN_POSITIVE);
+        let (basis, slowest) = (Arc::clone(&self.tray.basis), self.tray.slowest);
+        let silence = vec![0.0; basis.harmonics()];
+        self.powers.resize(self.powers.len().max(item.terms.len()), silence);
+        for (t, powers) in self.powers.iter_mut().enumerate() {
+            for (k, power) in powers.iter_mut().enumerate() {
+                let now = item.terms.get(t).map_or(0.0, |term| strength(&term.coefficients, k));
+                let fast = (basis.eigenvalues[k] / slowest) as f32;
+                *power = keep * *power + (1.0 - keep) * fast * now;
+            }
         }
         let drivers = self.drivers();
         let sum = |of: fn(f64) -> f64| -> f64 {
-            let weigh = |&(k, weight): &(usize, f32)| {
-                f64::from(weight * weight * self.powers[k]) * of(basis.eigenvalues[k])
-            };
-            drivers.iter().map(weigh).sum()
+            drivers.iter().map(|&(k, share)| f64::from(share).powi(3) * of(basis.eigenvalues[k])).sum()
         };
         let (total, curved) = (sum(|_| 1.0), sum(|lambda| lambda));
         if curved > 0.0 {
             self.wave = (total / curved).sqrt();
         }
-        self.moved.fill([0.0; 3]);
-        for term in &item.terms {
-            let mask = term.mask.as_deref();
-            let add = |(v, moved): (usize, &mut [f32; 3])| {
-                let mask = mask.map_or(1.0, |mask| mask[v]);
-                for &(k, weight) in &drivers {
-                    let h = basis.harmonic(k)[v] as f32 * weight * mask;
-                    match &term.coefficients {
-                        Coefficients::Vector(c) => {
-                            let c = c.get(k).copied().unwrap_or_default();
-                            (0..3).for_each(|i| moved[i] += h * c[i]);
-                        }
-                        Coefficients::Normal(c) => moved[0] += h * c.get(k).copied().unwrap_or_default(),
-                    }
-                }
+        let waves_of = |powers: &Vec<f32>| -> Vec<(f32, &[f64])> {
+            drivers.iter().map(|&(k, share)| (share * powers[k].sqrt(), basis.harmonic(k))).collect()
+        };
+        let waves: Vec<Vec<(f32, &[f64])>> = self.powers.iter().map(waves_of).collect();
+        let masks: Vec<Option<&[f32]>> =
+            (0..waves.len()).map(|t| item.terms.get(t).and_then(|term| term.mask.as_deref())).collect();
+        self.speed.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(v, speed)| {
+            let of_term = |(waves, mask): (&Vec<(f32, &[f64])>, &Option<&[f32]>)| {
+                mask.map_or(1.0, |mask| mask[v]) * waves.iter().map(|(a, h)| a * h[v] as f32).sum::<f32>()
             };
-            self.moved.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|at| add(at));
+            *speed = waves.iter().zip(&masks).map(of_term).sum();
+        });
+        let forget = (-SAND_STEP_SECS as f32 / HABIT_SECS).exp();
+        let (mut both, mut new, mut old) = (0.0_f32, 0.0_f32, 0.0_f32);
+        for (habit, speed) in self.habit.iter_mut().zip(&self.speed) {
+            let energy = speed * speed;
+            *habit = forget * *habit + (1.0 - forget) * energy;
+            both += *habit * energy;
+            new += energy * energy;
+            old += *habit * *habit;
         }
-        for (energy, [x, y, z]) in self.energy.iter_mut().zip(&self.moved) {
-            *energy = keep * *energy + (1.0 - keep) * (x * x + y * y + z * z);
-        }
-        self.most_energy = self.energy.iter().copied().fold(0.0, f32::max);
-        self.level = if full > 0.0 { self.most_energy.sqrt() / full } else { 0.0 };
+        let alike = (new * old).sqrt();
+        self.novelty = if alike > 0.0 { (1.0 - both / alike).clamp(0.0, 1.0) } else { 0.0 };
+        self.most_speed = self.speed.iter().fold(0.0, |most, speed| speed.abs().max(most));
+        self.level = if full > 0.0 { self.most_speed / full } else { 0.0 };
         self.vigor = self.level / (self.level + HALF_VIGOR);
     }
 
     /// The harmonics that drive the sand, and the weights of their movements: what is weaker than the strongest
-    /// one counts less still, so that few of them draw the figure. The constant ones move nothing.
+    /// one counts less still, so that few of them draw the figure. Constant ones have no frequency.
     fn drivers(&self) -> Vec<(usize, f32)> {
-        let eigenvalues = &self.tray.basis.eigenvalues;
-        let constant = 1e-6 * eigenvalues.last().copied().unwrap_or(0.0);
-        let mut all: Vec<(usize, f32)> = (0..self.powers.len())
-            .filter(|k| eigenvalues[*k] > constant)
-            .map(|k| (k, self.powers[k]))
-            .collect();
+        let power = |k: usize| self.powers.iter().map(|powers| powers[k]).sum::<f32>();
+        let mut all: Vec<(usize, f32)> = (0..self.tray.basis.harmonics()).map(|k| (k, power(k))).collect();
         all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         all.truncate(MOST_DRIVERS);
-        let most = all.first().map_or(0.0, |(_, power)| *power);
+        let most = all.first().map_or(0.0, |(_, power)| *power).max(f32::MIN_POSITIVE);
         all.iter_mut().for_each(|(_, power)| *power /= most);
         all.retain(|(_, share)| *share >= LEAST_SHARE);
         all
@@ -277,18 +291,17 @@ impl Sand {
             let from = POUR_HEIGHT * self.tray.box_diagonal;
             return if left >= 1.0 { from } else { from * (1.0 - fallen * fallen) };
         }
-        if self.most_energy <= 0.0 || self.level < QUIET {
+        if self.most_speed <= 0.0 || self.level < QUIET {
             return 0.0;
         }
-        let share = (0..3).map(|c| grain.weights[c] as f32 * self.energy[corners[c] as usize]).sum::<f32>()
-            / self.most_energy;
-        let moved = share.max(0.0).sqrt();
+        let here: f32 = (0..3).map(|c| grain.weights[c] as f32 * self.speed[corners[c] as usize]).sum();
+        let moved = here.abs() / self.most_speed;
         if moved < self.rest() * friction(self.seed, i) || moved * self.level < QUIET {
             return 0.0;
         }
         let phase = ((self.steps + i as u64) % HOP_STEPS) as f32 / HOP_STEPS as f32;
         let own = 0.2 + 0.8 * friction(self.seed, i);
-        4.0 * phase * (1.0 - phase) * own * share * self.vigor * HOP_HEIGHT * self.tray.box_diagonal
+        4.0 * phase * (1.0 - phase) * own * moved * self.vigor * HOP_HEIGHT * self.tray.box_diagonal
     }
 }
 

@@ -1,15 +1,21 @@
 //! The instrument as in Chladni's experiment.
 
-use crate::{Action, Form, Parameter, Switch};
+use crate::{Action, Class, Form, Mapping, Parameter, Switch};
 
 /// Actions that set an instrument up for sand: it lies on the shape, which moves along its normals, as a plate
-/// does, so little that the sand is what is seen; the coarser harmonics sound, whose figures have lines that can
-/// be told apart; and nothing turns on the beat.
-pub const SAND_MODE: [Action; 6] = [
+/// does, so little that the sand is what is seen; and nothing turns on the beat.
+pub const SAND_MODE: [Action; 5] = [
     Action::Switch { switch: Switch::Sand, on: true },
     Action::SetForm { form: Form::Modal },
     Action::Set { parameter: Parameter::Gain, value: 0.12 },
-    Action::SetHarmonics { harmonics: 64 },
     Action::Switch { switch: Switch::BeatTurns, on: false },
     Action::Switch { switch: Switch::BeatLights, on: false },
 ];
+
+/// [`SAND_MODE`], and a dance on stage in which a higher tone draws a finer figure, for a shape whose harmonics
+/// have `classes`. It takes the place of the gallery's first item.
+pub fn experiment(classes: &[Class], bands: usize) -> Vec<Action> {
+    let mapping = Mapping::figures(classes, bands);
+    let dance = [Action::Load { item: 0, name: "figures".into(), mapping }, Action::Perform { item: 0 }];
+    SAND_MODE.into_iter().chain(dance).collect()
+}

@@ -147,7 +147,7 @@ fn no_grain_is_lost_in_quiet_all_rest_and_a_change_of_what_sounds_is_followed() 
             }
         }
         // It dies away: the grains come to rest.
-        (0..steps(3.0)).for_each(|_| sand.step(&sounding(&[]), FULL));
+        (0..steps(5.0)).for_each(|_| sand.step(&sounding(&[]), FULL));
         let still = sand.places().to_vec();
         sand.step(&sounding(&[]), FULL);
         assert_eq!(sand.places(), still);

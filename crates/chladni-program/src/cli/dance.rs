@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use chladni_music::{
-    Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, SAND_MODE, Show, Switch, Timbre, setting,
+    Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, Show, Switch, Timbre, setting,
 };
 use chladni_synth::Backend;
 use chladni_view::{Answer, Background, FrameRate, Lights, Look, Material, Palette, Samples};
@@ -98,8 +98,8 @@ pub struct Dance {
     /// Write the mapping of each item of the gallery into this folder, as presets.
     #[arg(long, value_name = "DIR")]
     presets: Option<PathBuf>,
-    /// Strew sand on the shape and set all up for it: form modal, little gain, 64 harmonics, nothing turns on the
-    /// beat. What else is given comes after.
+    /// Strew sand on the shape and set all up for it: form modal, little gain, nothing turns on the beat, and, where
+    /// nothing else says what dances, a higher tone draws a finer figure. What else is given comes after.
     #[arg(long)]
     sand: bool,
     /// Show the shape at rest, too, as dots.
@@ -241,6 +241,7 @@ impl Dance {
         if let Some(yaw) = self.yaw {
             film.viewpoint.yaw_rad = yaw.to_radians();
         }
+        film.beginning.sand = self.sand;
         film.beginning.changes = changes;
         Ok(film)
     }
@@ -266,7 +267,6 @@ impl Dance {
     fn changes(&self) -> Result<Vec<Action>, Error> {
         let mut changes = Vec::new();
         changes.extend(self.paper.then_some(PAPER_MODE).into_iter().flatten());
-        changes.extend(self.sand.then_some(SAND_MODE).into_iter().flatten());
         changes.extend(self.form.map(|form| Action::SetForm { form }));
         match self.timbre {
             Some(Ring::As(timbre)) => changes.extend(timbre.actions()),

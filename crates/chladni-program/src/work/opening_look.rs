@@ -7,30 +7,36 @@ use chladni_music::{Looks, Viewpoint};
 
 use super::{FIRST_VIEW, first_looks};
 
-/// Samples that are not seen in the default way: material, yaw and pitch in radians.
-const OWN: [(&str, &str, f32, f32); 8] = [
-    ("plate", "dark", 0.30, 0.88),
-    ("disc", "dark", 0.0, 0.85),
-    ("drum", "clay", 0.0, 0.52),
-    ("bell", "bronze", 0.25, 0.12),
-    ("ring", "bronze", 0.45, 0.25),
-    ("jellyfish", "pearl", 0.15, 0.05),
-    ("human", "clay", 0.30, 0.10),
-    ("cat", "porcelain", 0.55, 0.18),
+/// Samples that are not seen in the default way: material, lights, background, yaw and pitch in radians.
+const OWN: [(&str, [&str; 3], [f32; 2]); 8] = [
+    ("plate", ["dark", "studio", "paper"], [0.30, 0.88]),
+    ("disc", ["dark", "studio", "paper"], [0.0, 0.85]),
+    ("drum", ["clay", "studio", "slate"], [0.0, 0.52]),
+    ("bell", ["bronze", "stage", "night"], [0.25, 0.12]),
+    ("ring", ["bronze", "stage", "night"], [0.45, 0.25]),
+    ("jellyfish", ["pearl", "stage", "night"], [0.15, 0.05]),
+    ("human", ["clay", "studio", "slate"], [0.30, 0.10]),
+    ("cat", ["porcelain", "studio", "slate"], [0.55, 0.18]),
 ];
 
 /// Where the viewer of a body stands first, as the command line calls it.
 pub fn opening_view(body: &str) -> Viewpoint {
-    own(body).map_or(FIRST_VIEW, |(_, _, yaw_rad, pitch_rad)| Viewpoint { yaw_rad, pitch_rad, ..FIRST_VIEW })
+    own(body).map_or(FIRST_VIEW, |(_, _, [yaw_rad, pitch_rad])| Viewpoint {
+        yaw_rad,
+        pitch_rad,
+        ..FIRST_VIEW
+    })
 }
 
 /// Its look.
 pub fn opening_looks(body: &str) -> Looks {
-    let looks = first_looks();
-    own(body).map_or(looks.clone(), |(_, material, ..)| Looks { material: material.into(), ..looks })
+    own(body).map_or_else(first_looks, |(_, looks, _)| {
+        let [material, lights, background] = looks.map(str::to_owned);
+        Looks { material, lights, background }
+    })
 }
 
-fn own(body: &str) -> Option<(&'static str, &'static str, f32, f32)> {
+fn own(body: &str) -> Option<(&'static str, [&'static str; 3], [f32; 2])> {
     let name = ShapeSource::sample_name(Path::new(body))?;
     OWN.into_iter().find(|(known, ..)| *known == name)
 }

@@ -20,6 +20,7 @@ impl MusicRoom {
         let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return };
         let done = match wish {
             Wish::Do(action) => concert.act(action),
+            Wish::Experiment => concert.experiment().into_iter().try_for_each(|action| concert.act(action)),
             Wish::Show(view) => {
                 concert.look_at(view);
                 Ok(())

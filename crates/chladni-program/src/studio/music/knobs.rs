@@ -32,9 +32,27 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, voices: bool, wishes: &mut Vec
                 if theme::checkbox(ui, &mut on, name).on_hover_text(*tip).changed() {
                     wishes.push(Wish::Do(Action::Switch { switch: *switch, on }));
                 }
+                if *switch == Switch::Sand {
+                    sand(ui, parameters, wishes);
+                }
             }
         });
     }
+}
+
+/// What else can be done with sand.
+fn sand(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
+    ui.horizontal(|ui| {
+        let tip = "Sand on stage on a shape that moves little, and a higher tone draws a finer figure; takes the \
+                   place of the first item";
+        if ui.button("Chladni's plate").on_hover_text(tip).clicked() {
+            wishes.push(Wish::Experiment);
+        }
+        let sweep = ui.add_enabled(parameters.is_on(Switch::Sand), egui::Button::new("Sweep"));
+        if sweep.on_hover_text("Sweeps the sand off and pours it anew").clicked() {
+            wishes.push(Wish::Do(Action::Sweep));
+        }
+    });
 }
 
 fn form(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {

@@ -11,6 +11,8 @@ use super::view::View;
 pub enum Wish {
     /// An action of the instrument.
     Do(Action),
+    /// Set all up for sand on the shape, as in Chladni's experiment.
+    Experiment,
     /// Choose a shape, a project, songs, a preset or a show.
     Open,
     /// Choose songs to add to the list.

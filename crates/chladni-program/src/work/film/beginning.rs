@@ -1,7 +1,8 @@
 //! How a dance begins, and the actions that follow.
 
 use chladni_music::{
-    Action, Dancer, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter, Preset, Show,
+    Action, Dancer, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter, Preset, SAND_MODE,
+    Show, experiment,
 };
 
 use crate::work::Error;
@@ -18,6 +19,9 @@ pub struct Beginning {
     pub seed: Option<u64>,
     /// All of a gallery of this many items is shown.
     pub gallery: Option<usize>,
+    /// Sand lies on the shape; where neither show, preset, seed nor gallery says what dances, the figures of
+    /// Chladni's experiment do.
+    pub sand: bool,
     /// Done before anything else.
     pub changes: Vec<Action>,
 }
@@ -27,6 +31,8 @@ impl Beginning {
     pub(super) fn begin(self, dancer: &Dancer) -> Result<(Instrument, Vec<LoggedAction>), Error> {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
+        let told =
+            self.show.is_some() || self.preset.is_some() || self.seed.is_some() || self.gallery.is_some();
         let (mut instrument, script) = match self.show {
             Some(show) => (show.begin(shape)?, show.actions),
             None => {
@@ -37,6 +43,10 @@ impl Beginning {
                 (instrument, Vec::new())
             }
         };
+        if self.sand {
+            let dance = if told { SAND_MODE.to_vec() } else { experiment(&dancer.classes, bands) };
+            apply(&mut instrument, dance)?;
+        }
         apply(&mut instrument, self.changes)?;
         Ok((instrument, script))
     }

@@ -1,5 +1,7 @@
 //! What is looked at, and which dances are marked, chosen and loved.
 
+use chladni_music::{Action, Parameter, experiment};
+
 use super::super::view::{Marks, View};
 use super::Concert;
 
@@ -38,6 +40,12 @@ impl Concert {
         let Some(item) = self.instrument.gallery().items().get(item) else { return Marks::default() };
         let favourite = self.instrument.favourites().iter().any(|favourite| favourite.id == item.id);
         Marks { chosen: item.chosen, favourite, locked: item.locked }
+    }
+
+    /// What sets this body up for Chladni's experiment.
+    pub fn experiment(&self) -> Vec<Action> {
+        let bands = self.instrument.parameters().get(Parameter::Bands).round() as usize;
+        experiment(&self.ensemble.dancer().classes, bands)
     }
 
     /// Index of the favourite after or before the one on stage.
