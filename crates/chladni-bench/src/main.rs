@@ -26,6 +26,7 @@ struct Bench {
 #[derive(Subcommand)]
 enum What {
     Caricature(caricature::BenchCaricature),
+    Keeping(caricature::BenchKeeping),
     Music(music::BenchMusic),
     Synth(synth::BenchSynth),
     Tables(tables::BenchTables),
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
     let terminal = Terminal::new(bench.quiet);
     let done = match bench.what {
         What::Caricature(caricature) => caricature.run(&terminal),
+        What::Keeping(keeping) => keeping.run(&terminal),
         What::Music(music) => music.run(&terminal),
         What::Synth(synth) => synth.run(&terminal),
         What::Tables(tables) => tables.run(&terminal),

@@ -27,7 +27,7 @@ pub use error::{Error, Warning};
 pub use files::{refer, resolve};
 pub use hearing::{Heard, Hearing, KnownSong, bands_of, read_beats, spectrum_settings};
 pub use own_look::OwnLook;
-pub use sculpture::{Made, Sculpture, make};
+pub use sculpture::{Made, Sculpture, make, settled};
 pub use stance::Stance;
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, template_mesh};
