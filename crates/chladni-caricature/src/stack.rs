@@ -53,7 +53,7 @@ struct LayerMemo {
     all_fields: Memo<(Same<Difference>, ScaleCurve), [Arc<Field>; 3]>,
     displacement: DisplacementMemo,
     kept: Option<(KeepRequest, Result<Arc<Kept>, String>)>,
-    capped: Memo<(Same<Vec<Vec3>>, Same<Kept>), Arc<Vec<Vec3>>>,
+    capped: CapMemo,
     result: ResultMemo,
     signals: Memo<Same<Difference>, Signals>,
 }
@@ -66,6 +66,10 @@ type Mask = Option<Arc<[f32]>>;
 type FieldMemo = Memo<(Same<Difference>, ScaleCurve), Arc<Field>>;
 /// The field, μ and χ it came from.
 type DisplacementMemo = Memo<(Same<Field>, f64, Option<Same<[f32]>>), Arc<Vec<Vec3>>>;
+/// What is capped, and by what.
+type CapMemo = Memo<(Same<Vec<Vec3>>, Same<Kept>), Arc<Vec<Vec3>>>;
+/// A displacement, and how far it was limited, once that is known.
+type Limited = (Arc<Vec<Vec3>>, Option<Arc<Kept>>);
 type ResultMemo = Memo<(Same<Base>, Same<Vec<Vec3>>), Arc<Base>>;
 
 /// The result of evaluating a project.
@@ -389,7 +393,7 @@ impl LayerMemo {
         base: &Arc<Base>,
         mask: &Mask,
         unlimited: &Arc<Vec<Vec3>>,
-    ) -> Result<(Arc<Vec<Vec3>>, Option<Arc<Kept>>), CaricatureError> {
+    ) -> Result<Limited, CaricatureError> {
         let (Some(keeper), Some((request, kept))) = (scene.keeper, &self.kept) else {
             return Ok((unlimited.clone(), None));
         };

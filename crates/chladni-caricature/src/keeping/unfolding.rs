@@ -55,7 +55,7 @@ fn room([a, b, c]: [Vec3; 3], [ua, ub, uc]: [Vec3; 3]) -> Option<[Vec3; 3]> {
     let normal = doubled_area_normal([a, b, c]);
     let (doubled, l) = (dot(normal, normal).sqrt(), dot(e, e).sqrt());
     // A sliver has no gradient.
-    if !(doubled > 1e-9 * dot(f, f).max(l * l)) {
+    if doubled.is_nan() || doubled <= 1e-9 * dot(f, f).max(l * l) {
         return None;
     }
     let (right, height) = (scaled(e, 1.0 / l), doubled / l);

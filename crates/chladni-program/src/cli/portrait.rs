@@ -72,7 +72,7 @@ pub fn render(
     } else {
         sheet::draw(
             device,
-            &rows(&mut made.stack, project, sheet, terminal)?,
+            &rows(&mut made.stack, project, sheet, watcher)?,
             &made.sculpture.body.triangles,
             from,
             size,
@@ -87,7 +87,7 @@ fn rows(
     stack: &mut Stack,
     project: &Project,
     sheet: &SheetOptions,
-    terminal: &Terminal,
+    watcher: &impl Watcher,
 ) -> Result<Vec<Vec<Portrayed>>, Error> {
     let Some((top, layer)) = project.layers().last() else {
         return Err(Error::input("there is no layer to show"));
@@ -99,7 +99,7 @@ fn rows(
     for &mu in sweep {
         let action = Action::Set { layer: *top, to: Property::Mu(mu) };
         project.apply(&action, None)?;
-        let evaluation = settled(stack, &project, terminal)?;
+        let evaluation = settled(stack, &project, watcher)?;
         let mut row = Vec::new();
         for &panel in panels {
             row.extend(panel_of(stack, panel, &project, *top, &evaluation));
