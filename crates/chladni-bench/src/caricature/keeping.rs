@@ -71,7 +71,8 @@ impl BenchKeeping {
             };
             let ((folds, crosses), (left, still)) =
                 (counts(&plain.displacement())?, counts(&kept.displacement())?);
-            let (shape, template, mu) = (name(&self.shape), name(&self.template.to_string()), self.mu);
+            let template = self.template.to_string();
+            let (shape, template, mu) = (name(&self.shape), name(&template), self.mu);
             let share = 100.0 * share;
             terminal.result(format_args!(
                 "| {shape} | {template} | {mu} | {model} | {folds:.2} | {crosses:.2} | {left:.3} | {still:.3} | {share:.0} | {seconds:.1} |"
