@@ -27,6 +27,7 @@ struct Bench {
 #[derive(Subcommand)]
 enum What {
     Caricature(caricature::BenchCaricature),
+    Keeping(caricature::BenchKeeping),
     Music(music::BenchMusic),
     Sand(sand::BenchSand),
     Synth(synth::BenchSynth),
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
     let terminal = Terminal::new(bench.quiet);
     let done = match bench.what {
         What::Caricature(caricature) => caricature.run(&terminal),
+        What::Keeping(keeping) => keeping.run(&terminal),
         What::Music(music) => music.run(&terminal),
         What::Sand(sand) => sand.run(&terminal),
         What::Synth(synth) => synth.run(&terminal),

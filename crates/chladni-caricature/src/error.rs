@@ -56,6 +56,9 @@ pub enum CaricatureError {
     /// failure and names the file.
     #[error("{0}")]
     Unmatched(String),
+    /// A layer's displacement could not be limited; the text says why.
+    #[error("its triangles cannot be kept: {0}")]
+    Unkept(String),
     /// What was painted or picked on one shape has no place on another.
     #[error("the layers cannot be carried to this shape: {0}")]
     Carry(String),

@@ -35,7 +35,8 @@
 //! ```
 //!
 //! Not guaranteed: that a result has no folds or self-intersections (the fold meter counts triangles that
-//! turned over, [`furthest`] says where they begin, [`Crossings`] finds triangles that pass through others);
+//! turned over, [`furthest`] says where they begin, [`Crossings`] finds triangles that pass through others; where
+//! a project keeps triangles, [`Kept`] says how many are left);
 //! that a strong layer keeps volume; that a region carried to another mesh lies where its painter would have
 //! put it ([`Carried::report`] says how well the meshes match).
 
@@ -50,6 +51,7 @@ mod exaggeration;
 mod fold;
 mod geodesic;
 mod history;
+mod keeping;
 mod layer;
 mod low_pass;
 mod matching;
@@ -76,6 +78,7 @@ pub use error::CaricatureError;
 pub use exaggeration::{Field, Signals};
 pub use fold::{flipped_triangles, furthest};
 pub use history::History;
+pub use keeping::{KeepRequest, Kept};
 pub use layer::{GivenEllipsoid, Layer, LayerId, MAX_MU, Template};
 pub use low_pass::self_low_passed;
 pub use matching::{MatchRequest, Matched};

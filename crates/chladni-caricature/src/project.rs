@@ -28,6 +28,8 @@ pub struct Project {
     /// The operator whose harmonics they are. New layers of a project with the papers' own have the
     /// papers' settings.
     pub laplacian: Laplacian,
+    /// Whether layers are limited where they would fold the surface or pass it through itself.
+    pub keep_triangles: bool,
     layers: Vec<(LayerId, Arc<Layer>)>,
     next_id: u64,
 }
@@ -75,6 +77,8 @@ pub enum Action {
     Stand(Option<Orientation>),
     /// Changes the operator; the basis has to be solved again.
     SetLaplacian(Laplacian),
+    /// Says whether layers are limited where they would fold the surface.
+    KeepTriangles(bool),
 }
 
 /// A property of a layer with its new value.
@@ -112,6 +116,7 @@ impl Project {
             shape,
             harmonics,
             laplacian: Laplacian::default(),
+            keep_triangles: false,
             older_format: None,
             stands: None,
             layers: Vec::new(),
@@ -233,6 +238,7 @@ impl Project {
             Action::SetHarmonics(harmonics) => self.harmonics = *harmonics,
             Action::Stand(stands) => self.stands = *stands,
             Action::SetLaplacian(laplacian) => self.laplacian = *laplacian,
+            Action::KeepTriangles(keep) => self.keep_triangles = *keep,
         }
         Ok(())
     }
@@ -307,6 +313,7 @@ impl Action {
             Self::SetHarmonics(_) => "number of harmonics",
             Self::Stand(_) => "which way is up",
             Self::SetLaplacian(_) => "Laplacian",
+            Self::KeepTriangles(_) => "keep triangles",
             Self::Set { to, .. } => match to {
                 Property::Name(_) => "rename layer",
                 Property::Template(_) => "template",
@@ -328,7 +335,8 @@ impl Action {
         match self {
             Self::Set { layer, .. } | Self::Paint { layer, .. } | Self::Move { layer, .. } => Some(*layer),
             Self::Remove(layer) | Self::Duplicate(layer) => Some(*layer),
-            Self::Add { .. } | Self::SetHarmonics(_) | Self::SetLaplacian(_) | Self::Stand(_) => None,
+            Self::Add { .. } | Self::SetHarmonics(_) | Self::SetLaplacian(_) => None,
+            Self::Stand(_) | Self::KeepTriangles(_) => None,
         }
     }
 }

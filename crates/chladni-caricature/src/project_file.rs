@@ -45,6 +45,9 @@ struct ShapeTable {
     /// Only where it is the papers'.
     #[serde(default, skip_serializing_if = "is_usual")]
     laplacian: Laplacian,
+    /// Only where they are kept.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    keep_triangles: bool,
 }
 
 fn is_usual(laplacian: &Laplacian) -> bool {
@@ -161,6 +164,7 @@ impl Project {
                 harmonics: self.harmonics,
                 stands: self.stands,
                 laplacian: self.laplacian,
+                keep_triangles: self.keep_triangles,
             },
             layers: layers.collect::<Result<_, _>>().map_err(invalid)?,
         };
@@ -193,6 +197,7 @@ impl Project {
         project.older_format = older_format;
         project.stands = document.shape.stands;
         project.laplacian = document.shape.laplacian;
+        project.keep_triangles = document.shape.keep_triangles;
         for (i, table) in document.layers.into_iter().enumerate() {
             let place = format!("layer {} ({})", i + 1, table.name);
             let layer = table.into_layer(&folder).and_then(|l| project.push(l));

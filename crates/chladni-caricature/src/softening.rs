@@ -14,13 +14,13 @@ pub(crate) struct Softening {
 
 /// A Laplacian that is built on first use.
 #[derive(Debug)]
-struct SharedFlow {
+pub(crate) struct SharedFlow {
     body: Arc<Body>,
     flow: OnceLock<Result<Arc<HeatFlow>, HarmonicsError>>,
 }
 
 impl SharedFlow {
-    fn get(&self) -> Result<&Arc<HeatFlow>, HarmonicsError> {
+    pub(crate) fn get(&self) -> Result<&Arc<HeatFlow>, HarmonicsError> {
         self.flow.get_or_init(|| HeatFlow::of(&self.body).map(Arc::new)).as_ref().map_err(Clone::clone)
     }
 }
@@ -31,6 +31,11 @@ const MAX_STEPS: usize = 4;
 impl Softening {
     pub(crate) fn of(body: Arc<Body>) -> Self {
         Self { flow: Arc::new(SharedFlow { body, flow: OnceLock::new() }), steps: Vec::new() }
+    }
+
+    /// The Laplacian that all steps share.
+    pub(crate) fn flow(&self) -> Arc<SharedFlow> {
+        self.flow.clone()
     }
 
     /// For the same shape with other harmonics, on which heat does not depend.

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use crate::difference::check_count;
 use crate::exaggeration::single;
 use crate::fold::flipped_triangles;
+use crate::keeping::{KeepRequest, Kept, SharedKeeper};
 use crate::matching::own_target;
 use crate::memo::{Memo, Same};
 use crate::painted_spectrum::PaintedSpectrum;
@@ -33,6 +34,7 @@ pub struct Stack {
     matches: Vec<(MatchRequest, Result<Arc<Matched>, String>)>,
     layers: HashMap<LayerId, LayerMemo>,
     softening: Softening,
+    keeper: Arc<SharedKeeper>,
     all_models_of: Option<LayerId>,
 }
 
@@ -50,6 +52,8 @@ struct LayerMemo {
     /// The fields of all three, where they are shown side by side.
     all_fields: Memo<(Same<Difference>, ScaleCurve), [Arc<Field>; 3]>,
     displacement: DisplacementMemo,
+    kept: Option<(KeepRequest, Result<Arc<Kept>, String>)>,
+    capped: CapMemo,
     result: ResultMemo,
     signals: Memo<Same<Difference>, Signals>,
 }
@@ -62,6 +66,10 @@ type Mask = Option<Arc<[f32]>>;
 type FieldMemo = Memo<(Same<Difference>, ScaleCurve), Arc<Field>>;
 /// The field, μ and χ it came from.
 type DisplacementMemo = Memo<(Same<Field>, f64, Option<Same<[f32]>>), Arc<Vec<Vec3>>>;
+/// What is capped, and by what.
+type CapMemo = Memo<(Same<Vec<Vec3>>, Same<Kept>), Arc<Vec<Vec3>>>;
+/// A displacement, and how far it was limited, once that is known.
+type Limited = (Arc<Vec<Vec3>>, Option<Arc<Kept>>);
 type ResultMemo = Memo<(Same<Base>, Same<Vec<Vec3>>), Arc<Base>>;
 
 /// The result of evaluating a project.
@@ -90,6 +98,11 @@ pub struct EvaluatedLayer {
     pub difference: Option<Arc<Difference>>,
     /// The displacement it adds, N, working frame; `None` where it does not act.
     pub displacement: Option<Arc<Vec<Vec3>>>,
+    /// The same before it is limited; the same values where it is not.
+    pub unlimited: Option<Arc<Vec<Vec3>>>,
+    /// How far it was limited; `None` where the project does not keep triangles, or until
+    /// [`unsettled`](Stack::unsettled) requests are answered.
+    pub kept: Option<Arc<Kept>>,
 }
 
 /// Whether a layer acts.
@@ -119,8 +132,19 @@ impl Stack {
         let file_positions = surface.file_positions();
         let (matches, layers) = (Vec::new(), HashMap::new());
         let softening = Softening::of(body.clone());
+        let keeper = Arc::new(SharedKeeper::of(surface.clone(), softening.flow()));
         let (original, all_models_of) = (Arc::new(original), None);
-        Ok(Self { body, surface, file_positions, original, matches, layers, softening, all_models_of })
+        Ok(Self {
+            body,
+            surface,
+            file_positions,
+            original,
+            matches,
+            layers,
+            softening,
+            keeper,
+            all_models_of,
+        })
     }
 
     /// A stack on the same shape with another number of harmonics. Matches do not depend on harmonics and are
@@ -131,7 +155,8 @@ impl Stack {
     pub fn with_harmonics_of(&self, body: Arc<Body>) -> Result<Self, CaricatureError> {
         check_count("the shape", self.body.positions.len(), &body.basis)?;
         let softening = self.softening.with_harmonics_of(body.clone());
-        Ok(Self { matches: self.matches.clone(), softening, ..Self::new(body)? })
+        let keeper = self.keeper.clone();
+        Ok(Self { matches: self.matches.clone(), softening, keeper, ..Self::new(body)? })
     }
 
     /// The body that is deformed.
@@ -187,6 +212,31 @@ impl Stack {
         found.as_ref().ok()
     }
 
+    /// The lowest layer that is still to be limited, where `project` keeps triangles. Run it away from the window and
+    /// [`settle`](Self::settle) what it finds; the layers above it change with it. Until then a layer is shown as far
+    /// as it went when it was limited last.
+    pub fn unsettled(&mut self, project: &Project) -> Option<KeepRequest> {
+        if !project.keep_triangles {
+            return None;
+        }
+        let keeper = self.keeper.clone();
+        self.evaluate(project)
+            .layers
+            .into_iter()
+            .find(|l| l.unlimited.is_some() && l.kept.is_none())
+            .and_then(|l| {
+                let (layer, base, mask) = (l.id, l.base, l.mask);
+                Some(KeepRequest { layer, base, unlimited: l.unlimited?, mask, keeper })
+            })
+    }
+
+    /// Keeps the answer to a request; a failed one puts its layer in [`LayerState::Failed`].
+    pub fn settle(&mut self, request: KeepRequest, kept: Result<Kept, CaricatureError>) {
+        if let Some(memo) = self.layers.get_mut(&request.layer) {
+            memo.kept = Some((request, kept.map(Arc::new).map_err(|why| why.to_string())));
+        }
+    }
+
     /// Evaluates every layer of `project`, lowest first. Layers that cannot act leave the shape
     /// as it is and say why in their state.
     pub fn evaluate(&mut self, project: &Project) -> Evaluation {
@@ -203,7 +253,8 @@ impl Stack {
             let memo = self.layers.entry(*id).or_insert_with(|| memos.remove(id).unwrap_or_default());
             let all_models = self.all_models_of == Some(*id);
             let (matches, original, places) = (&self.matches, &self.original, &self.file_positions);
-            let scene = Scene { matches, original, places, all_models };
+            let keeper = project.keep_triangles.then_some(&self.keeper);
+            let scene = Scene { matches, original, places, all_models, keeper, id: *id };
             let mut evaluated = EvaluatedLayer {
                 id: *id,
                 name: layer.name.clone(),
@@ -212,6 +263,8 @@ impl Stack {
                 mask: None,
                 difference: None,
                 displacement: None,
+                unlimited: None,
+                kept: None,
             };
             if project.acts(layer) {
                 match memo.evaluate(&scene, &mut self.softening, layer, &base) {
@@ -222,6 +275,8 @@ impl Stack {
                         evaluated.mask = acting.mask;
                         evaluated.difference = Some(acting.difference);
                         evaluated.displacement = Some(acting.displacement);
+                        evaluated.unlimited = Some(acting.unlimited);
+                        evaluated.kept = acting.kept;
                     }
                     Ok(None) => evaluated.state = LayerState::Waiting,
                     Err(why) => evaluated.state = LayerState::Failed(why.to_string()),
@@ -274,6 +329,10 @@ struct Scene<'a> {
     places: &'a [Vec3],
     /// Whether the layer is to be seen in all three models.
     all_models: bool,
+    /// Where layers are limited.
+    keeper: Option<&'a Arc<SharedKeeper>>,
+    /// The layer.
+    id: LayerId,
 }
 
 /// A layer that acts.
@@ -281,7 +340,9 @@ struct Acting {
     outdated: bool,
     mask: Mask,
     difference: Arc<Difference>,
+    unlimited: Arc<Vec<Vec3>>,
     displacement: Arc<Vec<Vec3>>,
+    kept: Option<Arc<Kept>>,
     result: Arc<Base>,
 }
 
@@ -317,11 +378,36 @@ impl LayerMemo {
         let normals = || if layer.model == Model::Normal { base.normals() } else { &[] };
         let displace =
             || Ok::<_, CaricatureError>(Arc::new(field.displacement(normals(), mu, mask.as_deref())));
-        let displacement = self.displacement.get(inputs, displace)?;
+        let unlimited = self.displacement.get(inputs, displace)?;
+        let (displacement, kept) = self.limited(scene, base, &mask, &unlimited)?;
         let inputs = (Same::from(base), Same::from(&displacement));
         let result =
             self.result.get(inputs, || Ok::<_, CaricatureError>(Arc::new(base.moved(&displacement))))?;
-        Ok(Some(Acting { outdated, mask, difference, displacement, result }))
+        Ok(Some(Acting { outdated, mask, difference, unlimited, displacement, kept, result }))
+    }
+
+    /// The displacement as it was limited, or, while it is not, capped by what was found last.
+    fn limited(
+        &mut self,
+        scene: &Scene<'_>,
+        base: &Arc<Base>,
+        mask: &Mask,
+        unlimited: &Arc<Vec<Vec3>>,
+    ) -> Result<Limited, CaricatureError> {
+        let (Some(keeper), Some((request, kept))) = (scene.keeper, &self.kept) else {
+            return Ok((unlimited.clone(), None));
+        };
+        let (base, mask, keeper) = (base.clone(), mask.clone(), keeper.clone());
+        let wanted = KeepRequest { layer: scene.id, base, unlimited: unlimited.clone(), mask, keeper };
+        match kept {
+            Ok(kept) if request.is_same(&wanted) => Ok((kept.displacement.clone(), Some(kept.clone()))),
+            Ok(kept) => {
+                let cap = || Ok::<_, CaricatureError>(Arc::new(kept.cap(&request.unlimited, unlimited)));
+                Ok((self.capped.get((Same::from(unlimited), Same::from(kept)), cap)?, None))
+            }
+            Err(why) if request.is_same(&wanted) => Err(CaricatureError::Unkept(why.clone())),
+            Err(_) => Ok((unlimited.clone(), None)),
+        }
     }
 
     /// The template's points, and whether they come from an older match than the one asked for.

@@ -36,6 +36,7 @@ fn action() -> impl Strategy<Value = Action> {
         (id(), edit).prop_map(|(layer, edit)| Action::Paint { layer, edit }),
         (0..300_usize).prop_map(Action::SetHarmonics),
         Just(Action::SetLaplacian(Laplacian::Cotangent)),
+        any::<bool>().prop_map(Action::KeepTriangles),
     ]
 }
 
@@ -180,6 +181,8 @@ fn a_file_made_by_hand_may_leave_out_what_is_usual() {
     expected.matching.seed = 7;
     assert_eq!(*project.layers()[0].1, expected);
     assert_eq!(project.harmonics, DEFAULT_HARMONICS);
+    // Of format 3, which could not keep triangles.
+    assert_eq!((project.keep_triangles, project.taken_over()), (false, None));
 }
 
 #[test]

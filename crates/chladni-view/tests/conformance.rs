@@ -134,7 +134,7 @@ impl Model {
 /// How a picture is made of a model.
 type Drawn = fn(&Model, [u32; 2]) -> Picture;
 
-const LOOKS: [(&str, Drawn); 19] = [
+const LOOKS: [(&str, Drawn); 20] = [
     ("clay", |m, size| m.draw(size[0], size[1], &[m.cell(&[m.figure()], size)])),
     ("pearl under dramatic light", |m, size| {
         let figures = [Figure { material: Material::PEARL, ..m.figure() }];

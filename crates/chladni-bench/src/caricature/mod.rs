@@ -1,6 +1,9 @@
 //! `chladni-bench caricature`: how long a user waits for what a user does.
 
+mod keeping;
 mod rehearsal;
+
+pub use keeping::BenchKeeping;
 
 use std::sync::Arc;
 use std::time::Instant;

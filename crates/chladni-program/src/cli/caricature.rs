@@ -38,6 +38,10 @@ pub struct Caricature {
     /// the paper prints (sharp cut of the region at 96, every scale alike, μ = -0.8 or -8).
     #[arg(long, conflicts_with = "recipe")]
     paper: bool,
+    /// Hold the exaggeration back where it would fold the surface or pass it through itself, and carry detail along
+    /// with what it sits on. Of a recipe, too.
+    #[arg(long)]
+    keep_triangles: bool,
     #[command(flatten)]
     layer: LayerOptions,
     /// Draw the shape before and after, side by side. With --batch a folder.
@@ -59,7 +63,8 @@ impl Caricature {
     /// Makes what was asked for.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let Some(recipe) = &self.recipe else { return self.single(terminal) };
-        let project = source::project(recipe, terminal)?;
+        let mut project = source::project(recipe, terminal)?;
+        project.keep_triangles |= self.keep_triangles;
         match (&self.batch, &self.shape) {
             (Some(folder), _) => self.batch(&project, folder, terminal),
             (None, Some(shape)) => {
@@ -105,6 +110,7 @@ impl Caricature {
         let source: ShapeSource = shape.parse()?;
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.laplacian = laplacian(self.paper);
+        project.keep_triangles = self.keep_triangles;
         let layer = self.layer.layer("caricature", template.clone(), &project)?;
         project.push(layer)?;
         one(shape, &project, None, &self.output, self.picture(self.render.as_deref()), terminal)
@@ -237,6 +243,12 @@ fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
         let name = &layer.name;
         let by = farthest / sculpture.body.frame.scale;
         terminal.result(format_args!("{name}: moves up to {by:.4} units, {folded} triangles folded"))?;
+        if let Some(kept) = &layer.kept {
+            let (share, crossing) = (100.0 * kept.share, kept.crossing);
+            terminal.result(format_args!(
+                "{name}: keeps {share:.0} % of its movement, {crossing} triangles newly crossing"
+            ))?;
+        }
     }
     let crossings = Crossings::of(stack.surface().clone());
     let crossing = |base: &Base| {

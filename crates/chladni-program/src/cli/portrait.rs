@@ -9,7 +9,7 @@ use chladni_view::{Camera, Device, Picture, PictureRequest, PictureShape, Style,
 
 use super::sheet::{self, Panel, Portrayed, SheetOptions};
 use super::stance::StanceOptions;
-use crate::work::{Error, Made, OwnLook, Sculpture, Stance, Watcher, dots};
+use crate::work::{Error, Made, OwnLook, Sculpture, Stance, Watcher, dots, settled};
 
 /// Where the viewer of a picture stands, and how large the picture is.
 #[derive(clap::Args, Clone, Copy, Debug)]
@@ -72,7 +72,7 @@ pub fn render(
     } else {
         sheet::draw(
             device,
-            &rows(&mut made.stack, project, sheet)?,
+            &rows(&mut made.stack, project, sheet, watcher)?,
             &made.sculpture.body.triangles,
             from,
             size,
@@ -83,7 +83,12 @@ pub fn render(
 }
 
 /// The panels of a picture: a row for each μ of the top layer.
-fn rows(stack: &mut Stack, project: &Project, sheet: &SheetOptions) -> Result<Vec<Vec<Portrayed>>, Error> {
+fn rows(
+    stack: &mut Stack,
+    project: &Project,
+    sheet: &SheetOptions,
+    watcher: &impl Watcher,
+) -> Result<Vec<Vec<Portrayed>>, Error> {
     let Some((top, layer)) = project.layers().last() else {
         return Err(Error::input("there is no layer to show"));
     };
@@ -94,7 +99,7 @@ fn rows(stack: &mut Stack, project: &Project, sheet: &SheetOptions) -> Result<Ve
     for &mu in sweep {
         let action = Action::Set { layer: *top, to: Property::Mu(mu) };
         project.apply(&action, None)?;
-        let evaluation = stack.evaluate(&project);
+        let evaluation = settled(stack, &project, watcher)?;
         let mut row = Vec::new();
         for &panel in panels {
             row.extend(panel_of(stack, panel, &project, *top, &evaluation));

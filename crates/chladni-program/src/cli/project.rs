@@ -41,6 +41,9 @@ pub struct New {
     /// begin with the caricature paper's settings.
     #[arg(long)]
     paper: bool,
+    /// Hold layers back where they would fold the surface or pass it through itself.
+    #[arg(long)]
+    keep_triangles: bool,
 }
 
 /// Arguments of `project add-layer`.
@@ -104,6 +107,7 @@ impl New {
             project.stands = Some(stance.of(&self.shape, &mesh, None, None, terminal)?);
         }
         project.laplacian = laplacian(self.paper);
+        project.keep_triangles = self.keep_triangles;
         if self.paper {
             // Reported now rather than with the first layer.
             Operator::with(&mesh, project.laplacian).map_err(|error| Error::from(error).of(&self.shape))?;
@@ -141,6 +145,7 @@ struct Shown {
     shape: String,
     harmonics: usize,
     laplacian: Laplacian,
+    keep_triangles: bool,
     layers: Vec<ShownLayer>,
 }
 
@@ -205,13 +210,16 @@ impl Show {
             shape: project.shape.to_string(),
             harmonics: project.harmonics,
             laplacian: project.laplacian,
+            keep_triangles: project.keep_triangles,
             layers: project.layers().iter().map(|(_, l)| ShownLayer::of(l)).collect(),
         };
         if self.json {
             return terminal.json(&shown);
         }
         let Shown { shape, harmonics, laplacian, .. } = &shown;
-        terminal.result(format_args!("{shape}, {harmonics} harmonics of the {laplacian} Laplacian"))?;
+        let keeps = if shown.keep_triangles { ", keeps triangles" } else { "" };
+        terminal
+            .result(format_args!("{shape}, {harmonics} harmonics of the {laplacian} Laplacian{keeps}"))?;
         for (i, layer) in shown.layers.iter().enumerate() {
             let off = if layer.enabled { "" } else { ", off" };
             let ShownLayer { name, template, model, mu, region, .. } = layer;

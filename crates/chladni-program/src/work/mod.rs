@@ -32,7 +32,7 @@ pub use hearing::{Heard, Hearing, KnownSong, bands_of, read_beats, spectrum_sett
 pub use opening_look::{opening_looks, opening_view};
 pub use own_look::OwnLook;
 pub use sand::SandTable;
-pub use sculpture::{Made, Sculpture, make};
+pub use sculpture::{Made, Sculpture, make, settled};
 pub use stance::Stance;
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, template_mesh};

@@ -57,7 +57,7 @@ pub fn make(
         }
         stack.install(request, found);
     }
-    let evaluation = stack.evaluate(project);
+    let evaluation = settled(&mut stack, project, watcher)?;
     for layer in &evaluation.layers {
         if let LayerState::Failed(why) = &layer.state
             && !forgiven
@@ -70,6 +70,19 @@ pub fn make(
         }
     }
     Ok(Made { sculpture: Sculpture { mesh, body, evaluation }, stack, stands })
+}
+
+/// Evaluates `project` on `stack` and, where it keeps triangles, limits its layers, the lowest first.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub fn settled(stack: &mut Stack, project: &Project, watcher: &impl Watcher) -> Result<Evaluation, Error> {
+    while let Some(request) = stack.unsettled(project) {
+        let kept = watcher.watch("keeping triangles", |task| request.run(task));
+        watcher.task().check()?;
+        stack.settle(request, kept);
+    }
+    Ok(stack.evaluate(project))
 }
 
 /// The least and the largest coordinates.

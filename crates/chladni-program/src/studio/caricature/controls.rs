@@ -12,6 +12,7 @@ use super::curve::{self, Pen, Spectrum};
 use super::edits::Edits;
 use super::footer::grouped;
 use super::heat::Quantity;
+use super::session::Held;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{FURTHEST, INVERT, NEXT_MODEL, STRONGER, WEAKER};
 use crate::studio::theme;
@@ -26,6 +27,8 @@ pub struct Measured<'a> {
     pub folds: usize,
     /// Triangles of the whole result that pass through others; `None` until they are counted.
     pub crossings: Option<crossings::Count>,
+    /// How far the layer is held back, where the project keeps triangles.
+    pub kept: Option<Held>,
 }
 
 /// Requests of the panel besides edits of the layer.
@@ -191,15 +194,33 @@ fn amount(
                 .suffix(" %"),
         );
     });
+    let mut keep = measured.kept.is_some();
+    let tip = "Holds all layers back where they would fold the surface or pass it through itself, and lets detail turn \
+               with what it sits on. Found whenever the hand rests. Without it, the paper exactly";
+    if ui.checkbox(&mut keep, "Keep triangles").on_hover_text(tip).clicked() {
+        edits.once(Action::KeepTriangles(keep));
+    }
     ui.scope(|ui| {
         ui.spacing_mut().interact_size.y = 18.0;
         ui.spacing_mut().button_padding.y = 0.0;
         ui.spacing_mut().item_spacing.y = 2.0;
         let where_it_folds = folds(ui, measured.folds);
         let where_it_crosses = crossings(ui, measured.crossings);
-        wish = where_it_folds.or(where_it_crosses).or(wish);
+        let where_it_is_held = measured.kept.and_then(|held| held_back(ui, held));
+        wish = where_it_folds.or(where_it_crosses).or(where_it_is_held).or(wish);
     });
     wish
+}
+
+/// How much of the movement is kept; a click on it shows where it is held back.
+fn held_back(ui: &mut Ui, held: Held) -> Option<Wish> {
+    let Held::Back { kept } = held else {
+        ui.label(RichText::new("Holding back…").color(theme::palette(ui).weak).small());
+        return None;
+    };
+    let text = format!("{:.0} % of the movement kept", 100.0 * kept);
+    let tip = "Mean length of the layer's displacement beside the unlimited one. Click to see where it is held back.";
+    meter(ui, kept >= 0.7, &text, tip).then_some(Wish::SeeWhere(Quantity::HeldBack))
 }
 
 /// The fold meter; a click on it shows where.

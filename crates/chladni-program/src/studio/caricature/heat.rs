@@ -29,13 +29,15 @@ pub enum Quantity {
     Folds,
     /// Triangles of the result that pass through others.
     Crossings,
+    /// How much of the selected layer's movement is held back.
+    HeldBack,
     /// One harmonic.
     Harmonic,
 }
 
 impl Quantity {
     /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 10] = [
+    pub const ALL: [(Self, &'static str); 11] = [
         (Self::None, "Material"),
         (Self::Own, "Its own colours"),
         (Self::Displacement, "Displacement"),
@@ -45,6 +47,7 @@ impl Quantity {
         (Self::Confidence, "Confidence of the match"),
         (Self::Folds, "Folded triangles"),
         (Self::Crossings, "Crossing triangles"),
+        (Self::HeldBack, "Held back"),
         (Self::Harmonic, "A harmonic"),
     ];
 }
@@ -191,6 +194,15 @@ impl Heat {
             Quantity::Crossings => {
                 let crossing = session.crossings.triangles().iter().copied();
                 Some((marked(&body.triangles, crossing, body.positions.len()), unit))
+            }
+            Quantity::HeldBack => {
+                let layer = session.selected_layer()?;
+                let pairs = layer.displacement.as_ref()?.iter().zip(layer.unlimited.as_ref()?.iter());
+                let held = pairs.map(|(kept, asked)| match length(asked) {
+                    0.0 => 0.0,
+                    asked => (1.0 - length(kept) / asked).clamp(0.0, 1.0),
+                });
+                Some((held.collect(), unit))
             }
             Quantity::Harmonic => {
                 let k = self.harmonic.min(body.basis.harmonics().saturating_sub(1));

@@ -208,6 +208,7 @@ impl CaricatureRoom {
             }
             self.stale |= changed;
             let resting = !shared.ctx.input(|input| input.pointer.any_down());
+            self.stale |= session.pump_keeping(&shared.ctx, resting);
             match session.pump_crossings(&shared.ctx, resting) {
                 Ok(new) => self.stale |= new && self.heat.quantity() == Quantity::Crossings,
                 Err(why) => shared.notices.failed(why),
@@ -281,7 +282,8 @@ impl CaricatureRoom {
                 let crossings = session.crossings.count(&session.evaluation);
                 let folds = session.folds_of(id);
                 let mirror = session.known_mirror();
-                let measured = Measured { spectrum: &spectrum, mirror, folds, crossings };
+                let kept = session.kept();
+                let measured = Measured { spectrum: &spectrum, mirror, folds, crossings, kept };
                 match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {
                     Some(Wish::AsFarAsItGoes) => {
                         as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);

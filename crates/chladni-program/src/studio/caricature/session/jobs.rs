@@ -57,6 +57,38 @@ impl Session {
         (message, changed)
     }
 
+    /// Limits, while the hand rests, the layers that would fold the surface, the lowest first; true where one was
+    /// settled.
+    pub fn pump_keeping(&mut self, ctx: &egui::Context, resting: bool) -> bool {
+        let wanted = self.stack.unsettled(self.history.project());
+        if self
+            .keeping
+            .as_ref()
+            .is_some_and(|(running, _)| !wanted.as_ref().is_some_and(|w| w.is_same(running)))
+        {
+            // Something has changed: what would be found is no longer needed.
+            self.keeping = None;
+        }
+        if let Some((request, job)) = &self.keeping
+            && let Some(outcome) = job.ended()
+        {
+            let request = request.clone();
+            self.keeping = None;
+            self.stack.settle(request, outcome.map_err(|why| CaricatureError::Unkept(why.to_string())));
+            self.refresh();
+            return true;
+        }
+        if self.keeping.is_none()
+            && resting
+            && let Some(request) = wanted
+        {
+            let asked = request.clone();
+            self.keeping =
+                Some((request, Job::start("Keeping triangles", ctx, move |task| Ok(asked.run(task)?))));
+        }
+        false
+    }
+
     /// Solves for other harmonics where the project asks for them, and takes them in. Returns the warnings
     /// when they have arrived; an error says why they did not.
     pub fn pump_harmonics(&mut self, ctx: &egui::Context) -> Result<Option<Vec<Warning>>, Error> {

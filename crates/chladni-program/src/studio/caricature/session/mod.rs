@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use chladni_caricature::{
-    Action, EvaluatedLayer, Evaluation, History, LayerId, LayerState, MatchRequest, Matched, Project,
-    ShapeSource, Stack, Surface, furthest,
+    Action, EvaluatedLayer, Evaluation, History, KeepRequest, Kept, LayerId, LayerState, MatchRequest,
+    Matched, Project, ShapeSource, Stack, Surface, furthest,
 };
 use chladni_harmonics::Laplacian;
 use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation, TriMesh};
@@ -21,6 +21,18 @@ use super::export::named_after;
 use super::loading::Loaded;
 use crate::studio::job::Job;
 use crate::work::{Error, Sculpture};
+
+/// How far a layer is held back where it would fold the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Held {
+    /// Not found yet: shown as far as it went before.
+    Unknown,
+    /// This share of its movement is kept.
+    Back {
+        /// Mean length of the displacement, as a share of the unlimited one's.
+        kept: f64,
+    },
+}
 
 /// A project with everything it needs to be drawn and changed.
 pub struct Session {
@@ -41,6 +53,8 @@ pub struct Session {
     /// Where the result passes through itself.
     pub crossings: CrossingMeter,
     matching: Option<(MatchRequest, Job<Found>)>,
+    /// Limits a layer that would fold the surface.
+    keeping: Option<(KeepRequest, Job<Kept>)>,
     mirror: Arc<OnceLock<Option<MirrorPlane>>>,
     /// Prepares what a brush needs, from the moment when it is chosen.
     brush: Option<Job<()>>,
@@ -72,6 +86,7 @@ impl Session {
             folds: Vec::new(),
             crossings: CrossingMeter::default(),
             matching: None,
+            keeping: None,
             mirror: Arc::default(),
             brush: None,
             asked,
@@ -207,6 +222,15 @@ impl Session {
         let reach = furthest(surface, &evaluated.base.positions, &unit, mu.signum(), allowed)?;
         // Just before the next fold.
         Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
+    }
+
+    /// How far the selected layer is held back; `None` where its project does not keep triangles.
+    pub fn kept(&self) -> Option<Held> {
+        if !self.project().keep_triangles {
+            return None;
+        }
+        let kept = self.selected_layer().and_then(|layer| layer.kept.as_ref());
+        Some(kept.map_or(Held::Unknown, |kept| Held::Back { kept: kept.share }))
     }
 
     /// What it looks like now; later edits do not change it.
