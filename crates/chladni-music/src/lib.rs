@@ -27,9 +27,11 @@
 //! a few probes); that symmetry classes are right on a shape without a mirror plane; bit-identical
 //! coefficients between machines of different floating-point behavior.
 
+mod autopilot;
 mod breeding;
 mod control;
 mod dancer;
+mod director;
 mod ensemble;
 mod error;
 mod flash;
@@ -41,6 +43,7 @@ mod parameter;
 mod player;
 mod preset;
 mod probes;
+mod repertoire;
 mod resonance;
 mod show;
 mod sides;
@@ -54,10 +57,12 @@ mod unison;
 mod veil;
 mod voice;
 
+pub use autopilot::{Autopilot, Candidate, REPEAT_SECS, Turn};
 pub use breeding::{breed, mutate};
 pub use chladni_mesh::MirrorPlane;
 pub use control::{Binding, Bindings, Control, Cue, Target, Touch, osc_cue, setting};
 pub use dancer::Dancer;
+pub use director::{BarLine, Director, Framing};
 pub use ensemble::Ensemble;
 pub use error::Error;
 pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
@@ -68,6 +73,7 @@ pub use paper_mode::PAPER_MODE;
 pub use parameter::{Parameter, Parameters, Settings, Switch};
 pub use player::{Bands, Choir, Control as FormControl, Form, Player, Playing, blend};
 pub use preset::{Ancestor, Preset, lineage};
+pub use repertoire::repertoire;
 pub use resonance::{Resonators, Ringing, TONES, Timbre};
 pub use show::{BeatReading, FileRef, Looks, Show, SongRef, Stretch, Viewpoint};
 pub use sides::{SideSource, Sides};

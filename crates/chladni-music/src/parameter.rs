@@ -163,11 +163,13 @@ pub enum Switch {
     OwnMu,
     /// Harmonics ring as damped oscillators that the sound strikes; else they follow its level.
     Resonate,
+    /// On stage the camera chooses its shots.
+    Camera,
 }
 
 impl Switch {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::BeatTurns,
         Self::BeatLights,
         Self::BeatSteps,
@@ -176,6 +178,7 @@ impl Switch {
         Self::LogBands,
         Self::OwnMu,
         Self::Resonate,
+        Self::Camera,
     ];
 
     /// Those that change how one dance looks, wherever it is danced.
@@ -192,6 +195,7 @@ impl Switch {
             Self::LogBands => "log-bands",
             Self::OwnMu => "own-mu",
             Self::Resonate => "resonate",
+            Self::Camera => "camera",
         }
     }
 }
@@ -213,7 +217,7 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             values: Parameter::ALL.map(Parameter::initial),
-            on: [true, true, false, false, true, true, true, true],
+            on: [true, true, false, false, true, true, true, true, true],
             form: Form::default(),
             choir: Choir::default(),
             harmonics: None,
@@ -350,6 +354,12 @@ impl Settings {
             knobs: knobs.into(),
             switches: Switch::ALL.into_iter().map(|switch| (switch, on.contains(&switch))).collect(),
         }
+    }
+
+    /// A show that does not say so has a camera that stands still.
+    pub(crate) fn of_a_show(mut self) -> Self {
+        self.switches.entry(Switch::Camera).or_insert(false);
+        self
     }
 
     /// Before version 3 nothing resonated.

@@ -13,6 +13,7 @@ pub mod formats;
 mod hearing;
 pub mod outputs;
 mod own_look;
+mod programme;
 mod sculpture;
 pub mod source;
 mod stance;
@@ -25,13 +26,16 @@ pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
 pub use error::{Error, Warning};
 pub use files::{refer, resolve};
-pub use hearing::{Heard, Hearing, KnownSong, bands_of, read_beats, spectrum_settings};
+pub use hearing::{Heard, Hearing, KnownSong, bands_of, bar_lines, read_beats, spectrum_settings};
 pub use own_look::OwnLook;
+pub use programme::Programme;
 pub use sculpture::{Made, Sculpture, make};
 pub use stance::Stance;
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, template_mesh};
-pub use theatre::{FIRST_VIEW, Look, Staged, Staging, dots, first_looks, look_named, reaction};
+pub use theatre::{
+    FIRST_VIEW, Look, Staged, Staging, chooses_shots, dots, first_looks, look_named, reaction,
+};
 pub use watcher::{Aside, Watcher};
 
 /// The default K, in the window and on the command line.

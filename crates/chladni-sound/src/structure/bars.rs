@@ -11,13 +11,13 @@ use super::beat_features::{BeatFeatures, CONTEXT, signs};
 const METERS: [usize; 2] = [3, 4];
 const STATES: usize = METERS[0] + METERS[1];
 /// Deviations above the mean by which a downbeat is expected to stand out.
-const DOWNBEAT: f32 = 0.9;
+const DOWNBEAT: f32 = 1.5;
 /// How much each sign counts: harmony, bass, stroke of the bass, stroke.
-const WEIGHTS: [f32; 4] = [0.45, 0.45, 0.3, 0.1];
+const WEIGHTS: [f32; 4] = [0.5, 0.33, 0.9, 0.3];
 /// How much a likeness to the beat one bar ago says, in nats.
 const REPETITION: f32 = 3.0;
 /// The chance that the next bar is of the other metre, and that a bar is cut short.
-const CHANGE: f32 = 0.003;
+const CHANGE: f32 = 0.01;
 const CUT: f32 = 0.000_5;
 /// The metre that is expected where nothing is known yet.
 const COMMON: [f32; 2] = [0.3, 0.7];

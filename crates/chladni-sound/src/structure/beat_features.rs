@@ -74,7 +74,7 @@ pub(super) fn signs(before: &[&BeatFeatures], after: &[&BeatFeatures]) -> [f32; 
             let near = |side: &[&BeatFeatures]| sum(&side[..beats.min(side.len())], of);
             1.0 - cosine(&near(before), &near(after))
         };
-        (2..=CONTEXT).map(between).sum::<f32>()
+        between(2) + 0.5 * (3..=CONTEXT).map(between).sum::<f32>()
     };
     let struck = |row: usize| after.first().map_or(0.0, |beat| beat.rhythm[row][0]);
     [change(|beat| &beat.chroma), change(|beat| &beat.bass), struck(1), struck(0)]

@@ -49,6 +49,8 @@ pub struct Film {
     pub look: Look,
     /// Where the viewer stands.
     pub viewpoint: Viewpoint,
+    /// Dances, looks and strength change with the music, whatever is on stage in the beginning.
+    pub autopilot: bool,
     /// Where in the show the film begins.
     pub start_secs: f64,
     /// How much of it is filmed; all unless said.
@@ -100,6 +102,7 @@ impl Film {
             beginning,
             look: look_named(&first_looks()).0,
             viewpoint: FIRST_VIEW,
+            autopilot: false,
             start_secs: 0.0,
             duration_secs: None,
             output,
@@ -120,6 +123,7 @@ impl Film {
             show_secs: show.duration_secs,
             look: look_named(&looks).0,
             viewpoint: show.viewpoint,
+            autopilot: false,
             start_secs: 0.0,
             duration_secs: None,
             output,
@@ -169,6 +173,9 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     )?;
     if output.allow_flashes {
         performance.allow_flashes();
+    }
+    if wanted.autopilot {
+        performance.pilot()?;
     }
     if output.shows_rest {
         performance.show_rest();

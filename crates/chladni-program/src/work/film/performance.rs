@@ -5,7 +5,7 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Ensemble, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch, Viewpoint,
+    Ensemble, Framing, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch, Viewpoint,
 };
 use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
 use chladni_task::Task;
@@ -16,7 +16,7 @@ use super::Seconds;
 use super::deformed::Deformed;
 use super::guard::FrameGuard;
 use super::record::Recording;
-use crate::work::{Error, Hearing, Look, Staging, dots};
+use crate::work::{Error, Hearing, Look, Programme, Staging, chooses_shots, dots};
 
 /// What computes and draws; by default what suits the device.
 #[derive(Clone, Copy, Default)]
@@ -40,6 +40,9 @@ impl Means {
         Ok(Device::open(draw)?)
     }
 }
+
+/// What the beat and the camera do to a picture.
+type Moved = (Reaction, Option<Framing>);
 
 /// The result.
 #[derive(Default)]
@@ -80,6 +83,7 @@ pub struct Performance {
     rate: FrameRate,
     flashes_allowed: bool,
     shows_rest: bool,
+    programme: Option<Programme>,
 }
 
 impl Performance {
@@ -96,7 +100,12 @@ impl Performance {
         let mut performance = Self {
             hearing,
             heard: heard.into_iter().peekable(),
-            staging: Staging::new(ensemble.dancer().clone(), model.rest_positions().to_vec(), stands),
+            staging: Staging::new(
+                ensemble.dancer().clone(),
+                model.rest_positions().to_vec(),
+                &body.triangles,
+                stands,
+            ),
             instrument,
             script: script.into_iter().peekable(),
             ensemble,
@@ -106,6 +115,7 @@ impl Performance {
             rate,
             flashes_allowed: false,
             shows_rest: false,
+            programme: None,
         };
         performance.hearing.tune(0.0, performance.instrument.parameters());
         Ok(performance)
@@ -118,6 +128,18 @@ impl Performance {
     /// Shows the shape at rest, too, as dots.
     pub fn show_rest(&mut self) {
         self.shows_rest = true;
+    }
+
+    /// Dances, looks and strength change with the music.
+    pub fn pilot(&mut self) -> Result<(), Error> {
+        let mut programme = Programme::new(&self.instrument, Vec::new(), self.start_secs)?;
+        let at_secs = self.start_secs;
+        for action in programme.step(at_secs, true, &self.instrument) {
+            self.instrument.apply(Moment { at_secs, at_beat: 0.0 }, action)?;
+        }
+        self.hearing.tune(0.0, self.instrument.parameters());
+        self.programme = Some(programme);
+        Ok(())
     }
 
     pub fn allow_flashes(&mut self) {
@@ -140,25 +162,39 @@ impl Performance {
                 self.instrument.apply(Moment { at_secs, at_beat }, line.action)?;
                 self.hearing.tune(at_secs, self.instrument.parameters());
             } else {
-                return Ok(());
+                return self.follow_programme(at_secs);
             }
         }
     }
 
+    /// Does what the autopilot wants by a time of the show.
+    fn follow_programme(&mut self, now_secs: f64) -> Result<(), Error> {
+        let Some(programme) = &mut self.programme else { return Ok(()) };
+        let bars = self.hearing.bars_between(programme.heard_secs(), now_secs);
+        for (at_secs, action) in programme.hear(&bars, now_secs, &self.instrument) {
+            let at_beat = self.hearing.beat_at(at_secs).count;
+            self.instrument.apply(Moment { at_secs, at_beat }, action)?;
+            self.hearing.tune(at_secs, self.instrument.parameters());
+        }
+        Ok(())
+    }
+
     /// Plays a frame: its time in the film, what the beat does, and the items to draw.
-    fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(f64, Reaction, &[Item]), Error> {
+    fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(f64, Moved, &[Item]), Error> {
         let time_secs = self.rate.start_secs(frame);
         let at_secs = self.start_secs + time_secs;
         let listening = Instant::now();
         self.go_to(at_secs)?;
         let unheard = || Error::other(format!("nothing is known of what is heard at {at_secs} s"));
+        let framing = self.hearing.framing_at(at_secs, self.instrument.seed());
         let heard = self.hearing.hear(at_secs)?.ok_or_else(unheard)?;
         seconds.analysis += listening.elapsed().as_secs_f64();
         let mapping = Instant::now();
         let reaction = heard.reaction(&self.instrument);
+        let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
         let items = self.ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
         seconds.mapping += mapping.elapsed().as_secs_f64();
-        Ok((time_secs, reaction, items))
+        Ok((time_secs, (reaction, framing), items))
     }
 
     /// Plays without drawing, for the coefficients.
@@ -198,7 +234,7 @@ impl Performance {
             done.warnings.push(format!("the processor draws {}, whatever --samples says", canvas.samples()));
         }
         let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Error> {
-            let (time_secs, reaction, items) = self.play(frame, seconds)?;
+            let (time_secs, moment, items) = self.play(frame, seconds)?;
             let items = items.to_vec();
             if let Some(first) = items.first().filter(|_| recording) {
                 done.recording.push(time_secs, self.instrument.parameters().form, first);
@@ -215,7 +251,7 @@ impl Performance {
                     Some(done.largest_displacement.map_or(share, |most| most.max(share)));
             }
             let drawing = Instant::now();
-            self.draw(&deformed, renderer, canvas, scene, reaction)?;
+            self.draw(&deformed, renderer, canvas, scene, moment)?;
             seconds.drawing += drawing.elapsed().as_secs_f64();
             Ok(())
         };
@@ -245,12 +281,15 @@ impl Performance {
         renderer: &mut Renderer,
         canvas: &Canvas,
         (look, viewpoint): (&Look, &Viewpoint),
-        reaction: Reaction,
+        (reaction, framing): Moved,
     ) -> Result<(), ViewError> {
         let buffers = deformed.buffers()?;
         let area = Rect::of_size(canvas.width(), canvas.height());
         let (instrument, items) = (&self.instrument, buffers.items());
-        let staged = self.staging.set(area, items, viewpoint, look, reaction, instrument);
+        let piloted = self.programme.as_ref().and_then(Programme::look);
+        let look = piloted.as_ref().unwrap_or(look);
+        let from = (viewpoint, framing.as_ref());
+        let staged = self.staging.set(area, items, from, look, reaction, instrument);
         let figures: Vec<Figure<'_>> = (0..items)
             .map(|item| {
                 let figure = Figure::new(&deformed.topology, &buffers, item);

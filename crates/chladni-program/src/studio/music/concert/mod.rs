@@ -2,6 +2,7 @@
 
 mod drawing;
 mod marking;
+mod piloted;
 mod standing;
 
 use chladni_music::{
@@ -16,7 +17,8 @@ use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
 use drawing::on_device;
-use standing::{camera_at, navigate};
+use piloted::Piloted;
+use standing::{Hand, camera_at, navigate};
 
 use super::close_up::{self, Draft};
 use super::coarse::{self, Detail};
@@ -34,7 +36,7 @@ use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
-use crate::work::{Error, FIRST_VIEW, Staging, reaction};
+use crate::work::{Error, FIRST_VIEW, Staging, chooses_shots, reaction};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -56,6 +58,8 @@ pub struct Concert {
     drawn_vertices: usize,
     staging: Staging,
     viewpoint: Viewpoint,
+    hand: Hand,
+    piloted: Option<Piloted>,
     glimpse: Glimpse,
     guard: FlashGuard,
     /// The last picture; `None` where something else was shown.
@@ -90,7 +94,7 @@ impl Concert {
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
         let vertices = rest.len();
-        let staging = Staging::new(dancer.clone(), rest, ready.stands);
+        let staging = Staging::new(dancer.clone(), rest, &body.triangles, ready.stands);
         let details = on_device(gpu, vertices, ready.details)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(dancer).with_voices(terms)?;
@@ -106,6 +110,8 @@ impl Concert {
             staging,
             viewport,
             viewpoint: FIRST_VIEW,
+            hand: Hand::default(),
+            piloted: None,
             glimpse: Glimpse::default(),
             guard: FlashGuard::default(),
             shown: None,
@@ -184,6 +190,9 @@ impl Concert {
             return Err(Error::input("The stage was held back: more would be a flash too many in a second."));
         }
         self.instrument.apply(self.moment, action)?;
+        if curtain || opens {
+            self.end_piloting()?;
+        }
         let count = self.instrument.gallery().items().len();
         if matches!(self.view, View::CloseUp(item) if item >= count) {
             self.look_at(View::Gallery);
@@ -273,6 +282,7 @@ impl Concert {
         if listening.beats_changed() {
             self.count_beats(|at_secs| listening.beats_at(at_secs))?;
         }
+        self.follow_bars(&listening.new_bars())?;
         let heard = listening.hear(self.seconds, self.instrument.parameters())?;
         self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
         let (beat, reaction) = (heard.beat, reaction(&self.instrument, heard.beat, heard.fading));
@@ -336,9 +346,14 @@ impl Concert {
         let (cells, columns) = Staging::cells(area, count);
         self.columns = columns;
         let cells_high = cells.first().map_or(1.0, |cell| area.height as f32 / cell.height.max(1) as f32);
+        let before = self.viewpoint;
         navigate(ui, &response, &mut self.viewpoint, cells_high);
-        let look = shared.settings.music.look();
-        self.draw(ui, shared, (rect, area), &cells, reaction, look, pose)?;
+        let framing = chooses_shots(&self.instrument, beat).then(|| {
+            let chosen = listening.framing(self.instrument.seed());
+            self.hand.over(self.seconds, before, &mut self.viewpoint, chosen)
+        });
+        let look = self.piloted_look().unwrap_or_else(|| shared.settings.music.look());
+        self.draw(ui, shared, (rect, area), &cells, (reaction, framing), look, pose)?;
         match self.view {
             View::CloseUp(item) if close_up => {
                 let (spectrum, bands_hz) = listening.spectrum();
