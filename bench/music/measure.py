@@ -106,10 +106,16 @@ def main():
         "| shape | triangles | form | initial: all bands | one | bred: all bands | one |",
         "|---|---|---|---|---|---|---|",
     ]
-    folds = measured["folds"]
+    folds = [r for r in measured["folds"] if r["gallery"] in ("initial", "bred")]
     for initial, bred in zip(folds[::2], folds[1::2]):
         shares = " | ".join(f"{100 * r[key]:.2f} %" for r in (initial, bred) for key in ("all_bands", "one_band"))
         lines.append(f"| {initial['shape']} | {initial['triangles']:,} | {initial['form']} | {shares} |")
+    built_in = {}
+    for r in measured["folds"]:
+        if r["gallery"] not in ("initial", "bred"):
+            built_in.setdefault(r["shape"], []).append((max(r["all_bands"], r["one_band"]), r["gallery"]))
+    lines += ["", "The same of the built-in dances, each in its own form and timbre: " + "; ".join(
+        f"{shape}: {len(rows)} dances, worst {100 * max(rows)[0]:.2f} % ({max(rows)[1]})" for shape, rows in built_in.items()) + "."]
     lines += [
         "",
         f"Movement of twelve items in the form to begin with, to sample:tune and at most 20 s of each of {', '.join(p.name for p in songs)}: "

@@ -29,6 +29,8 @@ pub struct Dancer {
     pub residual: Residual,
     /// Diagonal of the bounding box, the yardstick of every displacement.
     pub box_diagonal: f32,
+    /// Where the shape at rest is that its broad movements move farthest.
+    pub liveliest: [f32; 3],
     pub(crate) probes: Probes,
     pub(crate) swing: Swing,
     /// For each harmonic, the range of those that sound in unison with it.
@@ -121,6 +123,7 @@ impl Dancer {
             classes: classes.to_vec(),
             residual: Residual::Vector(residual),
             box_diagonal: box_diagonal(&body.positions),
+            liveliest: liveliest(body, &spectrum64, &runs),
             unisons,
             filter_reach,
             modal_reach,
@@ -190,6 +193,25 @@ fn in_unison(
     let displacement = squares.fold(0.0, f64::max).sqrt() as f32;
     let (steepness, steepest) = steepness(patches, |v| sum[v as usize].map(|c| c as f32));
     (Reach { displacement, steepness }, steepest)
+}
+
+/// Harmonics, besides the constant ones, that count as broad movements.
+const BROAD: usize = 24;
+
+/// The position that the harmonics of the longest waves, each at full strength, move farthest.
+fn liveliest(body: &Body, spectrum: &[[f64; 3]], runs: &[Range<usize>]) -> [f32; 3] {
+    let basis = &*body.basis;
+    let first = symmetry::first_waving(basis);
+    let mut moved = vec![0.0f64; basis.vertices()];
+    // By whole unisons: the choice of harmonics within one is arbitrary.
+    for run in runs.iter().filter(|run| (first..first + BROAD).contains(&run.start)) {
+        for (v, moved) in moved.iter_mut().enumerate() {
+            let along = |i: usize| run.clone().map(|k| basis.harmonic(k)[v] * spectrum[k][i]).sum::<f64>();
+            *moved += (0..3).map(|i| along(i).powi(2)).sum::<f64>();
+        }
+    }
+    let most = (0..moved.len()).max_by(|&a, &b| moved[a].total_cmp(&moved[b])).unwrap_or(0);
+    body.positions.get(most).map_or([0.0; 3], |p| p.map(|c| c as f32))
 }
 
 /// The steepest patches of harmonics that are spaced evenly in the logarithm of their number.

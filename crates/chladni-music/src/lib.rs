@@ -27,10 +27,12 @@
 //! a few probes); that symmetry classes are right on a shape without a mirror plane; bit-identical
 //! coefficients between machines of different floating-point behavior.
 
+mod autopilot;
 mod breeding;
 mod control;
 mod dancer;
 mod descriptor;
+mod director;
 mod ensemble;
 mod error;
 mod flash;
@@ -42,6 +44,7 @@ mod parameter;
 mod player;
 mod preset;
 mod probes;
+mod repertoire;
 mod resonance;
 mod sand;
 mod sand_mode;
@@ -58,11 +61,13 @@ mod unison;
 mod veil;
 mod voice;
 
+pub use autopilot::{Autopilot, Candidate, REPEAT_SECS, Turn};
 pub use breeding::{breed, mutate};
 pub use chladni_mesh::MirrorPlane;
 pub use control::{Binding, Bindings, Control, Cue, Target, Touch, osc_cue, setting};
 pub use dancer::Dancer;
 pub use descriptor::{Describer, Descriptor, Moments};
+pub use director::{BarLine, Director, Framing};
 pub use ensemble::Ensemble;
 pub use error::Error;
 pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
@@ -75,6 +80,7 @@ pub use paper_mode::PAPER_MODE;
 pub use parameter::{Parameter, Parameters, Settings, Switch};
 pub use player::{Bands, Choir, Control as FormControl, Form, Player, Playing, blend};
 pub use preset::{Ancestor, Preset, lineage};
+pub use repertoire::repertoire;
 pub use resonance::{Resonators, Ringing, TONES, Timbre};
 pub use sand::{Grain, SAND_STEP_SECS, Sand, Tray};
 pub use sand_mode::{SAND_MODE, experiment};

@@ -176,11 +176,13 @@ pub enum Switch {
     Suggest,
     /// Sand lies on the shape that is on stage.
     Sand,
+    /// On stage the camera chooses its shots.
+    Camera,
 }
 
 impl Switch {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::BeatTurns,
         Self::BeatLights,
         Self::BeatSteps,
@@ -191,6 +193,7 @@ impl Switch {
         Self::Resonate,
         Self::Suggest,
         Self::Sand,
+        Self::Camera,
     ];
 
     /// Those that change how one dance looks, wherever it is danced.
@@ -209,6 +212,7 @@ impl Switch {
             Self::Resonate => "resonate",
             Self::Suggest => "suggest",
             Self::Sand => "sand",
+            Self::Camera => "camera",
         }
     }
 }
@@ -230,7 +234,7 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             values: Parameter::ALL.map(Parameter::initial),
-            on: [true, true, false, false, true, true, true, true, false, false],
+            on: [true, true, false, false, true, true, true, true, false, false, true],
             form: Form::default(),
             choir: Choir::default(),
             harmonics: None,
@@ -367,6 +371,12 @@ impl Settings {
             knobs: knobs.into(),
             switches: Switch::ALL.into_iter().map(|switch| (switch, on.contains(&switch))).collect(),
         }
+    }
+
+    /// A show that does not say so has a camera that stands still.
+    pub(crate) fn of_a_show(mut self) -> Self {
+        self.switches.entry(Switch::Camera).or_insert(false);
+        self
     }
 
     /// Before version 3 nothing resonated.

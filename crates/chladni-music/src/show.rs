@@ -269,6 +269,7 @@ impl Show {
         if version == 2 {
             show.beginning = show.beginning.of_version_2();
         }
+        show.beginning = show.beginning.of_a_show();
         show.read_from_version = version;
         show.validate()?;
         Ok(show)

@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{Orientation, samples};
 use chladni_music::{
-    Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Player, Playing,
-    Preset, Resonators, Show, Switch, Symmetry, Timbre,
+    Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Parameters,
+    Player, Playing, Preset, Resonators, Show, Switch, Symmetry, Timbre, repertoire,
 };
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
 use chladni_synth::{Item, displacements_f64};
@@ -547,5 +547,51 @@ fn a_long_evening_is_read_again_and_what_never_ends_is_refused() {
     std::fs::remove_file(&path).unwrap();
     if cfg!(target_os = "linux") {
         assert!(Preset::load(std::path::Path::new("/dev/zero")).is_err());
+    }
+}
+
+/// The share of triangles whose normal has turned over.
+fn turned_over(ready: &Ready, moved: &[[f64; 3]]) -> f64 {
+    let x = &ready.body.positions;
+    let normal = |at: &dyn Fn(u32) -> [f64; 3], [a, b, c]: [u32; 3]| {
+        let ([a, b, c], minus) = ([at(a), at(b), at(c)], |p: [f64; 3], q: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|i| p[i] - q[i])
+        });
+        let (u, v) = (minus(b, a), minus(c, a));
+        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    };
+    let rest = |v: u32| x[v as usize];
+    let now = |v: u32| -> [f64; 3] { std::array::from_fn(|i| x[v as usize][i] + moved[v as usize][i]) };
+    let turned = ready.body.triangles.iter().filter(|&&triangle| {
+        let (before, after) = (normal(&rest, triangle), normal(&now, triangle));
+        before.iter().zip(after).map(|(a, b)| a * b).sum::<f64>() < 0.0
+    });
+    turned.count() as f64 / ready.body.triangles.len() as f64
+}
+
+#[test]
+fn the_built_in_dances_move_the_samples_and_fold_hardly_any_triangle_at_full_scale() {
+    let (full, silence) = (vec![1.0; BANDS], vec![0.0; BANDS]);
+    for (name, ready) in [("octopus", octopus()), ("head", head())] {
+        let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands: BANDS };
+        for preset in repertoire().unwrap() {
+            let mut parameters = Parameters::default();
+            parameters.apply(&preset.settings).unwrap();
+            let (mapping, playing) = (preset.mapping_on(&shape), parameters.playing());
+            let (mut folds, mut way) = (0.0f64, 0.0f64);
+            for [left, right, mid, side] in [
+                [&full, &full, &full, &silence],
+                [&full, &silence, &full, &full],
+                [&full, &full, &full, &full],
+            ] {
+                let bands = Bands { left, right, mid, side, side_gain: 1.0, ringing: None };
+                let moved = displacements(ready, &mapping, &bands, playing);
+                folds = folds.max(turned_over(ready, &moved));
+                way = way.max(farthest(&moved) / f64::from(ready.dancer.box_diagonal));
+            }
+            eprintln!("{name}, {}: {:.3} % folds, moves {way:.3}", preset.name, 100.0 * folds);
+            assert!(folds <= 0.005, "{name}, {}: {folds}", preset.name);
+            assert!(way > 0.01, "{name}, {}: {way}", preset.name);
+        }
     }
 }

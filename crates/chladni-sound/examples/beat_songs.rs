@@ -1,5 +1,6 @@
 //! Writes test songs with known beats: `beat_songs FOLDER` makes NAME.wav and NAME.beats.txt.
 
+#[allow(dead_code, reason = "tests use more of it")]
 #[path = "../tests/songs/mod.rs"]
 mod songs;
 

@@ -28,6 +28,7 @@ mod error;
 mod history;
 mod player;
 mod spectrum;
+mod structure;
 mod tune;
 
 pub use beat::{
@@ -43,6 +44,7 @@ pub use player::{
     OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, output_devices,
 };
 pub use spectrum::{FrontEnd, Hop, Level, SongSpectrum, Spectrum, SpectrumAnalyser, SpectrumSettings};
+pub use structure::{Bar, ENERGY_RATE_HZ, HeardBar, Section};
 pub use tune::{TUNE_BPM, TUNE_RATE_HZ, sample_tune, sample_tune_beats_secs};
 
 /// The lowest sampling rate that is accepted.

@@ -114,3 +114,38 @@ fn taps_halving_and_doubling_are_obeyed() {
     follower.halve();
     assert!((follower.moment().tempo_bpm - 50.0).abs() < 1.5);
 }
+
+#[test]
+fn bars_and_sections_of_songs_with_a_known_form() {
+    let found_at =
+        |found: &[f64], truth: &[f64], window_secs: f64| beat_score(found, truth, window_secs).f_measure;
+    let formed = songs::formed();
+    let (mut sums, count) = ([0.0; 3], formed.len() as f64);
+    for formed in &formed {
+        let song = &formed.made.song;
+        let found = track_beats(song, &Task::new()).unwrap();
+        let heard = track_beats_causally(song, &Task::new()).unwrap();
+        let bars =
+            |beats: &chladni_sound::Beats| beats.bars.iter().map(|bar| bar.at_secs).collect::<Vec<_>>();
+        let sections: Vec<f64> = found.sections.iter().map(|section| section.at_secs).collect();
+        let bar_secs = formed.downbeats_secs[1] - formed.downbeats_secs[0];
+        let scores = [
+            found_at(&bars(&found), &formed.downbeats_secs, 0.07),
+            // One bar off is still where the ear says that it begins.
+            found_at(&sections, &formed.sections_secs, 1.01 * bar_secs),
+            found_at(&bars(&heard), &formed.downbeats_secs, 0.07),
+        ];
+        let names: String = found.sections.iter().map(|section| section.name).collect();
+        let beats = beat_score(&found.beats_secs, &formed.made.beats_secs, 0.07).f_measure;
+        eprintln!(
+            "{}: beats {beats:.2}, bars, sections, bars listening {scores:.2?}, form {names}",
+            formed.made.name
+        );
+        eprintln!("    {sections:.1?} for {:.1?}", formed.sections_secs);
+        sums.iter_mut().zip(scores).for_each(|(sum, score)| *sum += score / count);
+        assert!(found.energy.iter().all(|energy| (0.0..=1.0).contains(energy)));
+        assert!(found.bars.iter().all(|bar| found.beats_secs.contains(&bar.at_secs)));
+    }
+    eprintln!("means {sums:.3?}");
+    assert!(sums[0] > 0.75 && sums[1] > 0.75 && sums[2] > 0.5, "{sums:?}");
+}

@@ -208,6 +208,19 @@ impl Camera {
         leaves
     }
 
+    /// Goes back until none of `points` is beside or behind the eye, with some room between, and reaches all of them.
+    pub fn keep_outside(&mut self, points: impl IntoIterator<Item = [f32; 3]>) {
+        const CLEARANCE: f32 = 0.12;
+        let [_, _, back] = self.axes();
+        let target = Vec3::from(self.target);
+        let (mut near, mut reach) = (0.0_f32, 1e-6_f32);
+        for p in points.into_iter().map(|p| Vec3::from(p) - target).filter(|p| p.is_finite()) {
+            (near, reach) = (near.max(p.dot(back)), reach.max(p.length()));
+        }
+        self.reach = reach;
+        self.distance = self.distance.max(near + CLEARANCE * reach);
+    }
+
     /// As [`fit`](Self::fit), but so that `points` stay in the frame at every yaw: for turntables.
     pub fn fit_turntable(&mut self, points: &[[f32; 3]], aspect: f32, fill: f32) {
         // Only the profile counts: the widest radius about the vertical through the centre at each height.

@@ -35,6 +35,7 @@ mod colormap;
 mod cpu;
 mod device;
 mod error;
+pub mod filling;
 pub mod film;
 mod finish;
 pub mod framing;

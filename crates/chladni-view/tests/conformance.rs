@@ -9,8 +9,8 @@ mod shapes;
 
 use chladni_view::{
     Answer, Background, BrushRing, Camera, Canvas, Cell, ColorMap, Curve, Device, Figure, Finish, Floor,
-    Gradient, Grain, Grains, ItemBuffers, Lights, Look, Marker, Material, Paint, Palette, Picture, Projection,
-    Rect, Renderer, RestShape, Scale, Skin, Topology, VertexPaint, View, ViewError, Wire, layout,
+    Gradient, Grain, Grains, ItemBuffers, Lights, Look, Marker, Material, Paint, Palette, Picture,
+    Projection, Rect, Renderer, RestShape, Scale, Skin, Topology, VertexPaint, View, ViewError, Wire, layout,
     smooth_normals,
 };
 use shapes::{gpu, sphere};
@@ -77,7 +77,18 @@ impl Model {
         let rest = RestShape::new(device, &still, &heights).unwrap();
         let mut camera = Camera::looking(View::ThreeQuarter);
         camera.fit(positions.iter().copied(), 1.0, 0.85);
-        Self { device: device.clone(), topology, buffers, values, colors, skin, ring, rest, camera, triangles }
+        Self {
+            device: device.clone(),
+            topology,
+            buffers,
+            values,
+            colors,
+            skin,
+            ring,
+            rest,
+            camera,
+            triangles,
+        }
     }
 
     /// Grains here and there, some of which fly.

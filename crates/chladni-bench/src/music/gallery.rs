@@ -2,8 +2,8 @@
 
 use chladni_caricature::{Surface, flipped_triangles};
 use chladni_music::{
-    Action, Bands, Beat, Ensemble, Form, GalleryShape, Instrument, Moment, Player, Playing, Resonators,
-    Timbre,
+    Action, Bands, Beat, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Parameters, Player,
+    Playing, Resonators, Timbre, repertoire,
 };
 use chladni_sound::{Song, SpectrumAnalyser, SpectrumSettings};
 use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer, displacements_f64};
@@ -26,7 +26,8 @@ pub struct Folds {
     pub shape: String,
     pub triangles: usize,
     pub form: Form,
-    pub gallery: &'static str,
+    /// Which gallery, or the name of a built-in dance.
+    pub gallery: String,
     /// Every band of both channels at full scale, and of one.
     pub all_bands: f64,
     /// One band at full scale.
@@ -72,8 +73,37 @@ fn galleries(ready: &Ready, form: Form) -> Result<[(&'static str, Instrument); 2
     Ok([("initial", initial), ("bred", bred)])
 }
 
-/// Folds in all forms.
+/// Folds in all forms, and of the built-in dances, each in its own.
 pub fn folds(ready: &Ready) -> Result<Vec<Folds>, Error> {
+    let bands = SpectrumSettings::new(44_100).bands;
+    let mut rows = Vec::new();
+    let row = |form, gallery: &str, [all_bands, one_band]: [f64; 2]| {
+        let (shape, triangles) = (ready.name.clone(), ready.body.triangles.len());
+        Folds { shape, triangles, form, gallery: gallery.to_owned(), all_bands, one_band }
+    };
+    for form in [Form::HalfMask, Form::Filter, Form::Modal] {
+        let playing = Playing { form, ..Playing::default() };
+        for (gallery, instrument) in galleries(ready, form)? {
+            let mut worst = [0.0f64; 2];
+            for shown in instrument.gallery().items() {
+                let folded = worst_folds(ready, &shown.mapping, playing)?;
+                worst = std::array::from_fn(|i| worst[i].max(folded[i]));
+            }
+            rows.push(row(form, gallery, worst));
+        }
+    }
+    let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands };
+    for preset in repertoire()? {
+        let mut parameters = Parameters::default();
+        parameters.apply(&preset.settings)?;
+        let worst = worst_folds(ready, &preset.mapping_on(&shape), parameters.playing())?;
+        rows.push(row(parameters.form, &preset.name, worst));
+    }
+    Ok(rows)
+}
+
+/// The share of triangles that are turned over by all bands, and by one, at full scale.
+fn worst_folds(ready: &Ready, mapping: &Mapping, playing: Playing) -> Result<[f64; 2], Error> {
     let surface = Surface::new(&ready.body);
     let folded = |item: &Item| -> Result<f64, Error> {
         let x = &ready.body.positions;
@@ -84,39 +114,27 @@ pub fn folds(ready: &Ready) -> Result<Vec<Folds>, Error> {
     };
     let bands = SpectrumSettings::new(44_100).bands;
     let (full, silence) = (vec![1.0; bands], vec![0.0; bands]);
-    let mut rows = Vec::new();
-    for form in [Form::HalfMask, Form::Filter, Form::Modal] {
-        let playing = Playing { form, ..Playing::default() };
-        for (gallery, instrument) in galleries(ready, form)? {
-            let (mut all_bands, mut one_band) = (0.0f64, 0.0f64);
-            for shown in instrument.gallery().items() {
-                let mut player = Player::new(&shown.mapping, &ready.dancer, bands, playing)?;
-                let mut item = player.item();
-                let mut worst = |left: &[f32], right: &[f32], mid: &[f32], side: &[f32]| {
-                    let heard = Bands { left, right, mid, side, side_gain: 1.0, ringing: None };
-                    player.play(&heard, &mut item)?;
-                    folded(&item)
-                };
-                for (left, right, mid, side) in [
-                    (&full, &full, &full, &silence),
-                    (&full, &silence, &full, &full),
-                    (&full, &full, &full, &full),
-                ] {
-                    all_bands = all_bands.max(worst(left, right, mid, side)?);
-                }
-                // Bands that drive the same harmonic have the same effect.
-                let targets = shown.mapping.targets(bands, HARMONICS);
-                for band in (0..bands).filter(|&b| !targets[..b].contains(&targets[b])) {
-                    let mut one = silence.clone();
-                    one[band] = 1.0;
-                    one_band = one_band.max(worst(&one, &one, &one, &one)?);
-                }
-            }
-            let triangles = ready.body.triangles.len();
-            rows.push(Folds { shape: ready.name.clone(), triangles, form, gallery, all_bands, one_band });
-        }
+    let mut player = Player::new(mapping, &ready.dancer, bands, playing)?;
+    let mut item = player.item();
+    let mut worst = |left: &[f32], right: &[f32], mid: &[f32], side: &[f32]| {
+        let heard = Bands { left, right, mid, side, side_gain: 1.0, ringing: None };
+        player.play(&heard, &mut item)?;
+        folded(&item)
+    };
+    let (mut all_bands, mut one_band) = (0.0f64, 0.0f64);
+    for (left, right, mid, side) in
+        [(&full, &full, &full, &silence), (&full, &silence, &full, &full), (&full, &full, &full, &full)]
+    {
+        all_bands = all_bands.max(worst(left, right, mid, side)?);
     }
-    Ok(rows)
+    // Bands that drive the same harmonic have the same effect.
+    let targets = mapping.targets(bands, HARMONICS);
+    for band in (0..bands).filter(|&b| !targets[..b].contains(&targets[b])) {
+        let mut one = silence.clone();
+        one[band] = 1.0;
+        one_band = one_band.max(worst(&one, &one, &one, &one)?);
+    }
+    Ok([all_bands, one_band])
 }
 
 /// Movement in the default form.

@@ -92,6 +92,9 @@ pub struct Dance {
     /// classes by the vote of the extrema, the filter form, linear bands and blended normals.
     #[arg(long)]
     paper: bool,
+    /// Lean back: dances, looks and strength change with the music, where sections and bars begin.
+    #[arg(long, conflicts_with_all = ["preset", "show", "gallery"])]
+    autopilot: bool,
     /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here.
     #[arg(long, value_name = "C.npz")]
     coefficients: Option<PathBuf>,
@@ -235,6 +238,7 @@ impl Dance {
         film.harmonics = self.harmonics.unwrap_or(film.harmonics);
         film.stance = self.stance.into();
         film.paper = self.paper;
+        film.autopilot = self.autopilot;
         film.start_secs = self.start;
         film.duration_secs = self.duration;
         film.look = self.look(film.look);

@@ -110,6 +110,8 @@ keys! {
     DRAW = key E, "Name it and draw its curves";
     STAGE = key S, "Put it on stage";
     SHOW = key G, "Put the favourites on stage";
+    AUTOPILOT = key A, "Lean back: the autopilot, on or off";
+    HOLD = key H, "The autopilot stays with this dance, or goes on";
     LEAVE = key Escape, "Leave the stage, or back to the gallery";
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Rooms read their engines' state and emit actions; only the engines change state.
 
+mod awake;
 mod caricature;
 mod choose;
 mod closing;

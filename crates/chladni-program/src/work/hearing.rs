@@ -4,9 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use chladni_music::{
-    Bands, Beat, BeatReading, Parameter, Parameters, Resonators, Ringing, Stretch, Switch, Timbre,
+    Bands, BarLine, Beat, BeatReading, Director, Framing, Parameter, Parameters, Resonators, Ringing,
+    Stretch, Switch, Timbre,
 };
-use chladni_sound::{Beats, FrontEnd, Hop, Song, SongSpectrum, SoundError, Spectrum, SpectrumSettings};
+use chladni_sound::{
+    Bar, Beats, ENERGY_RATE_HZ, FrontEnd, Hop, Section, Song, SongSpectrum, SoundError, Spectrum,
+    SpectrumSettings,
+};
 
 /// A jump within a song, or to another one, fades over this time.
 const FADE_SECS: f64 = 0.3;
@@ -44,6 +48,8 @@ pub struct Hearing {
     songs: BTreeMap<usize, KnownSong>,
     /// Each with the whole beats to be added to those of its song.
     stretches: Vec<(Stretch, f64)>,
+    /// Who films each song, by its seed.
+    directors: BTreeMap<usize, (u64, Director)>,
     tuning: Option<Tuning>,
     resonators: Option<Resonators>,
     /// Where in its song the ear began to listen.
@@ -106,7 +112,33 @@ pub fn read_beats(beats: &Beats, reading: BeatReading) -> Beats {
         beats_secs: reading.of(&beats.beats_secs),
         confidence: beats.confidence,
         other_octaves_bpm: beats.other_octaves_bpm.map(|bpm| factor * bpm),
+        // A bar stays one, however its beats are counted.
+        bars: beats
+            .bars
+            .iter()
+            .map(|bar| Bar { at_secs: bar.at_secs + reading.shift_secs, ..*bar })
+            .collect(),
+        sections: beats
+            .sections
+            .iter()
+            .map(|section| Section { at_secs: section.at_secs + reading.shift_secs, ..*section })
+            .collect(),
+        energy: beats.energy.clone(),
     }
+}
+
+/// The bars of a song, as a director is told of them.
+pub fn bar_lines(beats: &Beats) -> impl Iterator<Item = BarLine> {
+    let bars = &beats.bars;
+    bars.iter().enumerate().map(move |(i, bar)| {
+        let next = bars.get(i + 1).map(|next| next.at_secs - bar.at_secs);
+        let beat_secs = if beats.tempo_bpm > 0.0 { 60.0 / beats.tempo_bpm } else { 0.5 };
+        let secs = next.unwrap_or(f64::from(bar.beats) * beat_secs);
+        let middle = ((bar.at_secs + 0.5 * secs) * ENERGY_RATE_HZ).round().max(0.0) as usize;
+        let energy = beats.energy.get(middle).or(beats.energy.last()).copied().unwrap_or(0.5);
+        let begins_section = beats.sections.iter().any(|section| section.at_secs == bar.at_secs);
+        BarLine { at_secs: bar.at_secs, secs, energy, begins_section }
+    })
 }
 
 /// A spectrum as the instrument takes it, without what rings.
@@ -130,6 +162,7 @@ impl Hearing {
     /// A song of the show, by its number, is known from now on.
     pub fn know(&mut self, number: usize, song: KnownSong) {
         self.songs.insert(number, song);
+        self.directors.remove(&number);
         if self.stretch().is_some_and(|stretch| stretch.song == Some(number)) {
             self.ear = None;
         }
@@ -141,6 +174,7 @@ impl Hearing {
         if let Some(song) = self.songs.get_mut(&number) {
             song.beats = Some(beats);
         }
+        self.directors.remove(&number);
         self.count_again();
     }
 
@@ -241,6 +275,41 @@ impl Hearing {
         };
         let beat = self.beat_of_song(*stretch, stretch.song_secs_at(at_secs));
         Beat { count: beat.count + added, ..beat }
+    }
+
+    /// How the camera frames the shape then: by the bars of the song that is heard, and a seed.
+    pub fn framing_at(&mut self, at_secs: f64, seed: u64) -> Framing {
+        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
+        let Some((stretch, _)) = self.stretches.get(begun.saturating_sub(1)) else {
+            return Framing::default();
+        };
+        let song_secs = stretch.song_secs_at(at_secs);
+        let Some(number) = stretch.song else { return Framing::default() };
+        let beats = self.songs.get(&number).and_then(|song| song.beats.as_ref());
+        let direct = || {
+            // Another song is filmed in another way.
+            let seed = seed.wrapping_add(number as u64);
+            Director::of_song(seed, beats.into_iter().flat_map(bar_lines))
+        };
+        let known = self.directors.entry(number).or_insert_with(|| (seed, direct()));
+        if known.0 != seed {
+            *known = (seed, direct());
+        }
+        known.1.at(song_secs)
+    }
+
+    /// The bars that have begun after `from_secs` of the show, up to `to_secs`, in the stretch that is heard then.
+    pub fn bars_between(&self, from_secs: f64, to_secs: f64) -> Vec<BarLine> {
+        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= to_secs);
+        let stretch = self.stretches.get(begun.saturating_sub(1)).map(|(stretch, _)| *stretch);
+        let Some(stretch) = stretch.filter(|stretch| stretch.playing) else { return Vec::new() };
+        let beats = stretch.song.and_then(|song| self.songs.get(&song)?.beats.as_ref());
+        // A bar with which the stretch begins has begun with it.
+        let from_secs = from_secs.max(stretch.at_secs - 1e-9);
+        let later_secs = stretch.at_secs - stretch.song_secs;
+        let bars = beats.into_iter().flat_map(bar_lines);
+        let bars = bars.map(|bar| BarLine { at_secs: bar.at_secs + later_secs, ..bar });
+        bars.filter(|bar| bar.at_secs > from_secs && bar.at_secs <= to_secs).collect()
     }
 
     fn beat_of_song(&self, stretch: Stretch, song_secs: f64) -> Beat {

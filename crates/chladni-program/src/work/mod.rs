@@ -15,6 +15,7 @@ mod mood;
 mod opening_look;
 pub mod outputs;
 mod own_look;
+mod programme;
 mod sand;
 mod sculpture;
 pub mod source;
@@ -28,15 +29,18 @@ pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
 pub use error::{Error, Warning};
 pub use files::{refer, resolve};
-pub use hearing::{Heard, Hearing, KnownSong, bands_of, read_beats, spectrum_settings};
+pub use hearing::{Heard, Hearing, KnownSong, bands_of, bar_lines, read_beats, spectrum_settings};
 pub use opening_look::{opening_looks, opening_view};
 pub use own_look::OwnLook;
+pub use programme::Programme;
 pub use sand::SandTable;
 pub use sculpture::{Made, Sculpture, make, settled};
 pub use stance::Stance;
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, template_mesh};
-pub use theatre::{FIRST_VIEW, Staged, Staging, along, dots, first_looks, look_named, reaction};
+pub use theatre::{
+    FIRST_VIEW, Staged, Staging, along, chooses_shots, dots, first_looks, look_named, reaction,
+};
 pub use watcher::{Aside, Watcher};
 
 /// The default K, in the window and on the command line.

@@ -32,7 +32,7 @@ pub fn opening_view(body: &str) -> Viewpoint {
 pub fn opening_looks(body: &str) -> Looks {
     own(body).map_or_else(first_looks, |(_, looks, _)| {
         let [material, lights, background] = looks.map(str::to_owned);
-        Looks { material, lights, background }
+        Looks { material, lights, background, ..Looks::default() }
     })
 }
 

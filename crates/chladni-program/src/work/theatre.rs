@@ -5,7 +5,11 @@ use std::sync::Arc;
 
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
-use chladni_music::{Beat, Class, Dancer, Instrument, Looks, Parameter, Reaction, Switch, Viewpoint, react};
+use chladni_music::{
+    Beat, Class, Dancer, Framing, Instrument, Looks, Parameter, Parameters, Reaction, Switch, Viewpoint,
+    react,
+};
+use chladni_view::filling::{Filling, Standpoint, surface_points};
 use chladni_view::framing::extremes;
 use chladni_view::{
     Background, Camera, Cell, Device, Figure, Floor, ItemBuffers, Lights, Look, Marker, Material, Paint,
@@ -77,6 +81,11 @@ pub fn reaction(instrument: &Instrument, beat: Beat, fading: Option<(Beat, f32)>
     }
 }
 
+/// Whether the camera chooses how the dance is seen: where it may, and one dance is on stage.
+pub fn chooses_shots(instrument: &Instrument, beat: Beat) -> bool {
+    instrument.parameters().is_on(Switch::Camera) && instrument.scene(beat.count).is_some()
+}
+
 impl Heard<'_> {
     /// What the beat does to the picture.
     pub fn reaction(&self, instrument: &Instrument) -> Reaction {
@@ -109,6 +118,56 @@ pub struct Staging {
     stands: Orientation,
     /// The limit of displacement, and what has to fit into a cell for it.
     room: (f32, Vec<[f32; 3]>),
+    /// Points of the surface, and from how far they fill a picture.
+    surface: Vec<[f32; 3]>,
+    filled: Option<Filled>,
+}
+
+/// From how far the shape fills pictures of about one aspect.
+struct Filled {
+    aspect: f32,
+    /// The middle of the shape, and where the whole of it is seen from.
+    middle: [f32; 3],
+    whole: Filling,
+    /// The same near the part that moves most.
+    part: [f32; 3],
+    near: Filling,
+}
+
+/// The shares of the picture that the figure covers, seen as a whole and near.
+const COVERS: [f32; 2] = [0.34, 0.46];
+/// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
+const PART: f32 = 0.4;
+/// Points that stand for the surface.
+const SURFACE_POINTS: usize = 5000;
+/// An aspect may change by so much before distances are measured again.
+const SAME_ASPECT: f32 = 0.02;
+
+impl Filled {
+    fn new(surface: &[[f32; 3]], dancer: &Dancer, stands: Orientation, aspect: f32) -> Self {
+        let (low, high) = surface.iter().fold(([f32::MAX; 3], [f32::MIN; 3]), |(low, high), p| {
+            (std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i])))
+        });
+        let middle: [f32; 3] =
+            std::array::from_fn(|i| if low[i] <= high[i] { 0.5 * (low[i] + high[i]) } else { 0.0 });
+        let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
+        let whole = Filling::new(surface, stands, middle, aspect, COVERS[0], true);
+        let near = Filling::new(surface, stands, part, aspect, COVERS[1], false);
+        Self { aspect, middle, whole, part, near }
+    }
+
+    /// A camera that sees it so, before the viewer's own distance and shift.
+    fn camera(&self, yaw_rad: f32, pitch_rad: f32, framing: &Framing, stands: Orientation) -> Camera {
+        let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
+        let (whole, near) = (self.whole.from(yaw_rad, pitch_rad), self.near.from(yaw_rad, pitch_rad));
+        let Standpoint { lift, .. } = whole;
+        let target =
+            std::array::from_fn(|i| mix(self.middle[i], self.part[i], framing.toward_part.clamp(0.0, 1.0)));
+        let distance = mix(whole.distance.ln(), near.distance.ln(), framing.closeness).exp();
+        let mut camera = Camera { yaw_rad, pitch_rad, target, distance, stands, ..Camera::default() };
+        camera.pan(0.0, lift * (1.0 - framing.toward_part), 1.0);
+        camera
+    }
 }
 
 /// All that a picture shows beside the shapes themselves.
@@ -126,9 +185,16 @@ pub struct Staged {
 }
 
 impl Staging {
-    /// For a body at rest, with what is [`along`] it, and how it stands.
-    pub fn new(dancer: Arc<Dancer>, rest: Vec<[f32; 3]>, along: Vec<f32>, stands: Orientation) -> Self {
-        Self { dancer, rest, along, stands, room: (0.0, Vec::new()) }
+    /// For a body at rest, its triangles, what is [`along`] it, and how it stands.
+    pub fn new(
+        dancer: Arc<Dancer>,
+        rest: Vec<[f32; 3]>,
+        triangles: &[[u32; 3]],
+        along: Vec<f32>,
+        stands: Orientation,
+    ) -> Self {
+        let surface = surface_points(&rest, triangles, SURFACE_POINTS);
+        Self { dancer, rest, along, stands, room: (0.0, Vec::new()), surface, filled: None }
     }
 
     /// How the body stands.
@@ -153,12 +219,12 @@ impl Staging {
         (layout::grid(area, rows, columns, gap, items), columns)
     }
 
-    /// The picture of `items` items.
+    /// The picture of `items` items, seen from the viewpoint: as a whole, or as `framing` says.
     pub fn set(
         &mut self,
         area: Rect,
         items: usize,
-        viewpoint: &Viewpoint,
+        (viewpoint, framing): (&Viewpoint, Option<&Framing>),
         look: &Look,
         reaction: Reaction,
         instrument: &Instrument,
@@ -169,15 +235,10 @@ impl Staging {
         }
         let (viewports, columns) = Self::cells(area, items);
         let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        let Viewpoint { yaw_rad, pitch_rad, .. } = *viewpoint;
-        let mut camera = Camera { yaw_rad, pitch_rad, stands: self.stands, ..Camera::default() };
-        let turns = instrument.parameters().is_on(Switch::BeatTurns);
-        let swing_rad = if turns { instrument.parameters().get(Parameter::TurnRad) } else { 0.0 };
-        camera.fit_swing(&self.room.1, aspect, FILL, swing_rad);
-        camera.distance *= viewpoint.distance;
-        // The shape turns about its own axis, wherever the picture is shifted to.
-        camera.yaw_rad = viewpoint.yaw_rad - reaction.turn_rad;
-        camera.pan(viewpoint.shift[0], viewpoint.shift[1], 1.0);
+        let camera = match framing {
+            Some(framing) => self.chosen(aspect, viewpoint, framing, reaction),
+            None => self.usual(aspect, viewpoint, instrument.parameters(), reaction),
+        };
         let mut look = look.scaled(limit * self.dancer.box_diagonal);
         look.lights = look.lights.turned(reaction.light_turn_rad);
         look.lights.exposure *= reaction.light_gain;
@@ -187,6 +248,39 @@ impl Staging {
             Some(Floor { at, radius, ..floor })
         });
         Staged { area, camera, look, viewports, columns }
+    }
+
+    /// All of the shape, however the beat turns it.
+    fn usual(&self, aspect: f32, viewpoint: &Viewpoint, knobs: &Parameters, reaction: Reaction) -> Camera {
+        let Viewpoint { yaw_rad, pitch_rad, .. } = *viewpoint;
+        let mut camera = Camera { yaw_rad, pitch_rad, stands: self.stands, ..Camera::default() };
+        let swing_rad = if knobs.is_on(Switch::BeatTurns) { knobs.get(Parameter::TurnRad) } else { 0.0 };
+        camera.fit_swing(&self.room.1, aspect, FILL, swing_rad);
+        camera.distance *= viewpoint.distance;
+        // The shape turns about its own axis, wherever the picture is shifted to.
+        camera.yaw_rad = viewpoint.yaw_rad - reaction.turn_rad;
+        camera.pan(viewpoint.shift[0], viewpoint.shift[1], 1.0);
+        camera
+    }
+
+    /// A shot that fills the picture, from outside the shape.
+    fn chosen(
+        &mut self,
+        aspect: f32,
+        viewpoint: &Viewpoint,
+        framing: &Framing,
+        reaction: Reaction,
+    ) -> Camera {
+        let known = self.filled.take().filter(|filled| (filled.aspect / aspect - 1.0).abs() < SAME_ASPECT);
+        let filled = known.unwrap_or_else(|| Filled::new(&self.surface, &self.dancer, self.stands, aspect));
+        let pitch_rad = (viewpoint.pitch_rad + framing.pitch_rad).clamp(-1.2, 1.4);
+        let yaw_rad = viewpoint.yaw_rad + framing.yaw_rad - reaction.turn_rad;
+        let mut camera = filled.camera(yaw_rad, pitch_rad, framing, self.stands);
+        self.filled = Some(filled);
+        camera.distance *= viewpoint.distance;
+        camera.keep_outside(self.room.1.iter().copied());
+        camera.pan(viewpoint.shift[0], viewpoint.shift[1], 1.0);
+        camera
     }
 
     /// The point on the ground below the middle of the body at rest, and half its width there.

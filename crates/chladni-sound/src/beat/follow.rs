@@ -3,6 +3,7 @@
 use super::meter::{Meter, Normaliser};
 use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 use crate::SoundError;
+use crate::structure::{BarFollower, HeardBar};
 
 /// What is known about the beat at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,6 +44,8 @@ pub struct BeatFollower {
     best: Best,
     last_beat_secs: f64,
     pending: Option<f64>,
+    bars: BarFollower,
+    begun: Option<HeardBar>,
     /// Beats announced per beat tracked: 2 after "double", ½ after "halve".
     speed: f64,
     taps: Taps,
@@ -83,6 +86,8 @@ impl BeatFollower {
             best: Best::default(),
             last_beat_secs: f64::MIN,
             pending: None,
+            bars: BarFollower::new(rate_hz)?,
+            begun: None,
             speed: 1.0,
             taps: Taps::default(),
             clarity: 0.0,
@@ -98,6 +103,7 @@ impl BeatFollower {
         for &onset in &fresh {
             self.step(onset);
         }
+        self.bars.push(left, right, &fresh);
         self.fresh = fresh;
         self.announce();
     }
@@ -110,6 +116,11 @@ impl BeatFollower {
     /// A beat that was due since the last call, if any.
     pub fn take_beat(&mut self) -> Option<f64> {
         self.pending.take()
+    }
+
+    /// A bar that has begun since the last call, if any.
+    pub fn take_bar(&mut self) -> Option<HeardBar> {
+        self.begun.take()
     }
 
     /// Tempo, phase and confidence now.
@@ -269,6 +280,7 @@ impl BeatFollower {
         if rested && now - last <= LATEST_SECS {
             self.last_beat_secs = now;
             self.pending = Some(now);
+            self.begun = self.bars.beat(now).or(self.begun.take());
         }
     }
 }

@@ -5,9 +5,10 @@ use chladni_task::{Cancelled, Task};
 use super::follow::BeatFollower;
 use super::meter::{FASTEST_BPM, Meter, Normaliser};
 use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
-use crate::{Song, SoundError};
+use crate::structure::{HeardBar, structure};
+use crate::{Bar, ENERGY_RATE_HZ, Section, Song, SoundError};
 
-/// The beats of a song.
+/// The beats of a song, what they group into, and how much goes on.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Beats {
     /// Beats per minute; 0 where no beat was found. An octave (half, double) is a matter of taste:
@@ -19,13 +20,42 @@ pub struct Beats {
     pub confidence: f64,
     /// Half and twice the tempo: what other listeners may tap.
     pub other_octaves_bpm: [f64; 2],
+    /// Ascending; each begins with a beat.
+    pub bars: Vec<Bar>,
+    /// Ascending; each begins with a bar.
+    pub sections: Vec<Section>,
+    /// How much goes on, in [0, 1]: [`ENERGY_RATE_HZ`] values a second from the song's beginning on.
+    pub energy: Vec<f32>,
 }
 
 impl Beats {
     fn new(beats_secs: Vec<f64>, confidence: f64) -> Self {
         let tempo_bpm = tempo_of(&beats_secs);
         let other_octaves_bpm = [tempo_bpm / 2.0, tempo_bpm * 2.0];
-        Self { tempo_bpm, beats_secs, confidence, other_octaves_bpm }
+        Self { tempo_bpm, beats_secs, confidence, other_octaves_bpm, ..Self::default() }
+    }
+
+    /// With the bars that were heard while listening.
+    fn with_heard(self, bars: &[HeardBar], secs: f64) -> Self {
+        let sections = bars.iter().enumerate().filter(|(i, bar)| *i == 0 || bar.begins_section);
+        let named = |(i, (_, bar)): (usize, (usize, &HeardBar))| Section {
+            at_secs: bar.at_secs,
+            // A listener does not look for what it has heard before.
+            name: (b'A' + (i % 26) as u8) as char,
+            energy: bar.energy,
+        };
+        let energy_at = |secs: f64| {
+            let begun = bars.partition_point(|bar| bar.at_secs <= secs);
+            begun.checked_sub(1).map_or(0.0, |bar| bars[bar].energy)
+        };
+        Self {
+            sections: sections.enumerate().map(named).collect(),
+            energy: (0..(secs * ENERGY_RATE_HZ).ceil() as usize)
+                .map(|i| energy_at(i as f64 / ENERGY_RATE_HZ))
+                .collect(),
+            bars: bars.iter().map(|bar| Bar { at_secs: bar.at_secs, beats: bar.beats }).collect(),
+            ..self
+        }
     }
 }
 
@@ -37,8 +67,10 @@ pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let frames = at_the_pulse(within_the_music(&frames, &heard), &heard);
     let strengths = frames.iter().map(|&f| peak_near(&heard, f));
     let confidence = agreement(strengths, &heard);
-    let beats_secs = frames.iter().map(|&f| refined(&heard, f) / ONSET_RATE_HZ).collect();
-    Ok(Beats::new(beats_secs, confidence))
+    let beats_secs: Vec<f64> = frames.iter().map(|&f| refined(&heard, f) / ONSET_RATE_HZ).collect();
+    let structure = structure(song, &beats_secs, &onsets, task)?;
+    let beats = Beats::new(beats_secs, confidence);
+    Ok(Beats { bars: structure.bars, sections: structure.sections, energy: structure.energy, ..beats })
 }
 
 /// The beats without knowledge of the future: what [`BeatFollower`] announces while the song is played to it
@@ -47,15 +79,16 @@ pub fn track_beats_causally(song: &Song, task: &Task) -> Result<Beats, SoundErro
     let mut follower = BeatFollower::new(song.rate_hz)?;
     let block = (song.rate_hz / 100) as usize;
     let stage = task.stage("following the beat", song.frames() as u64);
-    let mut beats_secs = Vec::new();
+    let (mut beats_secs, mut bars) = (Vec::new(), Vec::new());
     for (left, right) in song.left.chunks(block).zip(song.right.chunks(block)) {
         task.check()?;
         follower.push(left, right);
         beats_secs.extend(follower.take_beat());
+        bars.extend(follower.take_bar());
         stage.advance(left.len() as u64);
     }
     let confidence = follower.moment().confidence;
-    Ok(Beats::new(beats_secs, confidence))
+    Ok(Beats::new(beats_secs, confidence).with_heard(&bars, song.duration_secs()))
 }
 
 fn onsets(song: &Song, task: &Task) -> Result<Vec<Onset>, SoundError> {

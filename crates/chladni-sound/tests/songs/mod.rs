@@ -152,6 +152,24 @@ const BREAKBEAT: Pattern = &[
     (2.5, Bass(31), 0.5),
 ];
 
+const JAZZ_WALTZ: Pattern = &[
+    (0.0, Ride, 0.5),
+    (1.0, Ride, 0.4),
+    (1.667, Ride, 0.3),
+    (2.0, Ride, 0.4),
+    (1.0, Hat, 0.3),
+    (0.0, Kick, 0.4),
+    (0.0, Bass(36), 0.6),
+    (1.0, Bass(43), 0.4),
+    (2.0, Bass(40), 0.5),
+    (0.0, Piano(60), 0.3),
+    (1.667, Piano(67), 0.3),
+];
+const THREE_CHORALE: Pattern =
+    &[(0.0, Strings(57), 0.6), (0.0, Bass(33), 0.5), (1.0, Strings(57), 0.4), (2.0, Strings(60), 0.4)];
+const DRONE: Pattern = &[(0.0, Strings(57), 0.3), (2.0, Strings(57), 0.2)];
+const NOTHING: Pattern = &[];
+
 fn steady(bpm: f64, _: usize) -> f64 {
     bpm
 }
@@ -193,6 +211,127 @@ pub fn songs() -> Vec<Made> {
         ("breakbeat", 170.0, 4.0, BREAKBEAT, steady),
     ];
     list.iter().map(|&(name, bpm, bar, pattern, tempo)| make(name, bpm, bar, pattern, tempo)).collect()
+}
+
+/// A song whose bars and sections are known, too.
+pub struct Formed {
+    pub made: Made,
+    /// First beats of bars.
+    pub downbeats_secs: Vec<f64>,
+    /// Where another part begins, and each repetition of one that is not the one before.
+    pub sections_secs: Vec<f64>,
+}
+
+/// A part of a song: what is played, in bars of how many beats, how many of them, and the steps of its harmony.
+type Part = (Pattern, usize, usize, [u8; 4]);
+
+const TURN: [u8; 4] = [0, 5, 3, 7];
+const OTHER: [u8; 4] = [9, 2, 10, 4];
+const STILL: [u8; 4] = [0, 0, 5, 0];
+
+/// Songs with a form: 4/4, 3/4, changes of metre, breaks, AABA, an upbeat, a bar that is cut short.
+pub fn formed() -> Vec<Formed> {
+    let list: [(&str, f64, Tempo, usize, &[Part]); 14] = [
+        (
+            "verse-chorus",
+            112.0,
+            steady,
+            0,
+            &[
+                (PIANO, 4, 4, TURN),
+                (ROCK, 4, 8, TURN),
+                (SYNCOPATED, 4, 8, OTHER),
+                (ROCK, 4, 8, TURN),
+                (SYNCOPATED, 4, 8, OTHER),
+            ],
+        ),
+        ("waltz", 138.0, human, 0, &[(WALTZ, 3, 8, TURN), (WALTZ, 3, 8, OTHER), (WALTZ, 3, 8, TURN)]),
+        ("to-three", 104.0, steady, 0, &[(ROCK, 4, 12, TURN), (WALTZ, 3, 12, TURN), (ROCK, 4, 12, TURN)]),
+        (
+            "house-break",
+            124.0,
+            steady,
+            0,
+            &[(HOUSE, 4, 12, TURN), (DRONE, 4, 8, STILL), (HOUSE, 4, 12, TURN)],
+        ),
+        (
+            "aaba",
+            132.0,
+            human,
+            0,
+            &[(SWING, 4, 8, TURN), (SWING, 4, 8, TURN), (SWING, 4, 8, OTHER), (SWING, 4, 8, TURN)],
+        ),
+        (
+            "jazz-waltz",
+            152.0,
+            steady,
+            0,
+            &[(JAZZ_WALTZ, 3, 16, TURN), (WALTZ, 3, 8, OTHER), (JAZZ_WALTZ, 3, 16, TURN)],
+        ),
+        ("upbeat", 96.0, steady, 2, &[(PIANO, 4, 8, TURN), (BREAKBEAT, 4, 8, OTHER), (PIANO, 4, 8, TURN)]),
+        ("three-chorale", 92.0, human, 1, &[(THREE_CHORALE, 3, 8, TURN), (THREE_CHORALE, 3, 8, OTHER)]),
+        ("silence", 120.0, steady, 0, &[(ROCK, 4, 8, TURN), (NOTHING, 4, 2, TURN), (ROCK, 4, 8, TURN)]),
+        ("cut-bar", 110.0, steady, 0, &[(ROCK, 4, 8, TURN), (ROCK, 2, 1, TURN), (SYNCOPATED, 4, 8, OTHER)]),
+        (
+            "four-on-the-floor",
+            128.0,
+            steady,
+            0,
+            &[(HOUSE, 4, 8, STILL), (HOUSE, 4, 8, OTHER), (ROCK, 4, 8, STILL)],
+        ),
+        ("chorale", 80.0, human, 0, &[(CHORALE, 4, 8, TURN), (PIANO, 4, 8, OTHER), (CHORALE, 4, 8, TURN)]),
+        ("three-to-four", 120.0, steady, 0, &[(JAZZ_WALTZ, 3, 12, TURN), (SWING, 4, 12, TURN)]),
+        (
+            "breakbeat",
+            168.0,
+            steady,
+            0,
+            &[(BREAKBEAT, 4, 16, TURN), (DRONE, 4, 8, STILL), (BREAKBEAT, 4, 16, OTHER)],
+        ),
+    ];
+    list.iter().map(|(name, bpm, tempo, upbeat, parts)| form(name, *bpm, *tempo, *upbeat, parts)).collect()
+}
+
+fn form(name: &str, bpm: f64, tempo: Tempo, upbeat: usize, parts: &[Part]) -> Formed {
+    let bars: Vec<(Pattern, usize, u8, bool)> = parts
+        .iter()
+        .flat_map(|&(pattern, beats, count, steps)| {
+            (0..count).map(move |bar| (pattern, beats, steps[bar % 4], bar == 0))
+        })
+        .collect();
+    let count = upbeat + bars.iter().map(|bar| bar.1).sum::<usize>();
+    let mut times = vec![0.613];
+    (0..count).for_each(|beat| times.push(times[beat] + 60.0 / tempo(bpm, beat)));
+    let silence = vec![0.0; ((times[count] + 0.8) * f64::from(RATE_HZ)) as usize];
+    let mut song = Song { rate_hz: RATE_HZ, left: silence.clone(), right: silence };
+    let (mut noise, mut beat) = (0x2545_f491u32, 0);
+    let (mut downbeats_secs, mut sections_secs) = (Vec::new(), Vec::new());
+    let played =
+        |beat: usize, place: f64| times[beat] + (place - place.floor()) * (times[beat + 1] - times[beat]);
+    for place in 0..upbeat {
+        add(&mut song, times[place], 0.4, Piano(67), place as u8, &mut noise);
+        beat += 1;
+    }
+    for (i, &(pattern, beats, step, begins)) in bars.iter().enumerate() {
+        downbeats_secs.push(times[beat]);
+        // The same part once more is none that begins.
+        let same = i > 0 && bars[i - 1].0.as_ptr() == pattern.as_ptr() && {
+            let steps = |bar: usize| bars[bar..].iter().take(4).map(|bar| bar.2).collect::<Vec<_>>();
+            i >= 4 && steps(i) == steps(i - 4)
+        };
+        if begins && !same {
+            sections_secs.push(times[beat]);
+        }
+        for &(place, instrument, gain) in pattern.iter().filter(|note| note.0 < beats as f64) {
+            add(&mut song, played(beat + place as usize, place), gain, instrument, step, &mut noise);
+        }
+        beat += beats;
+    }
+    for sample in song.left.iter_mut().chain(&mut song.right) {
+        *sample = 0.9 * sample.tanh();
+    }
+    times.truncate(count);
+    Formed { made: Made { name: name.into(), song, beats_secs: times }, downbeats_secs, sections_secs }
 }
 
 fn make(name: &str, bpm: f64, beats_per_bar: f64, pattern: Pattern, tempo: Tempo) -> Made {

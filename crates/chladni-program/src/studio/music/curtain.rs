@@ -16,6 +16,8 @@ pub struct Curtain {
     filled: bool,
     /// When the pointer last moved, by the window's clock.
     moved_secs: Option<f64>,
+    /// The song that is heard, and since when.
+    title: (String, f64),
 }
 
 impl Curtain {
@@ -42,8 +44,12 @@ impl Curtain {
     }
 
     /// Hides the pointer; where it moves, shows it for a moment with the keys that help.
-    pub fn show(&mut self, ui: &mut Ui, concert: &Concert) {
+    pub fn show(&mut self, ui: &mut Ui, concert: &Concert, title: &str) {
         let now_secs = ui.input(|input| input.time);
+        if self.title.0 != title {
+            self.title = (title.to_owned(), now_secs);
+        }
+        self.show_title(ui, now_secs);
         if ui.input(|input| input.pointer.is_moving()) {
             self.moved_secs = Some(now_secs);
         }
@@ -51,12 +57,48 @@ impl Curtain {
             ui.ctx().set_cursor_icon(egui::CursorIcon::None);
             return;
         }
-        let hint = match concert.instrument().favourites().len() {
+        let hint = match concert.is_piloted() {
+            true if concert.is_held() => Some("H goes on · ← → another dance · Escape leaves the stage"),
+            true => Some("H holds this dance · ← → another · Escape leaves the stage"),
+            false => None,
+        };
+        let favourites = || match concert.instrument().favourites().len() {
             0 | 1 => "Escape leaves the stage · F11 full screen".to_owned(),
             count => format!("Escape leaves the stage · ← → another of {count} favourites · F11 full screen"),
         };
+        let hint = hint.map_or_else(favourites, str::to_owned);
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
         let color = Color32::from_white_alpha(150);
         ui.painter().text(at, Align2::CENTER_BOTTOM, hint, FontId::proportional(14.0), color);
+    }
+
+    /// The name of the song, for a while after it has begun.
+    fn show_title(&self, ui: &Ui, now_secs: f64) {
+        let age_secs = now_secs - self.title.1;
+        let opacity = title_opacity(age_secs);
+        if opacity > 0.0 {
+            let at = ui.max_rect().left_bottom() + egui::vec2(32.0, -48.0);
+            let color = Color32::from_white_alpha((220.0 * opacity) as u8);
+            ui.painter().text(at, Align2::LEFT_BOTTOM, &self.title.0, FontId::proportional(26.0), color);
+        }
+    }
+}
+
+/// In within a second, there for four, out within two.
+fn title_opacity(age_secs: f64) -> f32 {
+    let x = age_secs.min(0.5 * (7.0 - age_secs)).clamp(0.0, 1.0) as f32;
+    x * x * (3.0 - 2.0 * x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::title_opacity;
+
+    #[test]
+    fn a_title_fades_in_and_out() {
+        assert_eq!([0.0, 1.0, 3.0, 5.0, 7.0, 60.0].map(title_opacity), [0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+        let steps = (0..700)
+            .map(|i| (title_opacity(f64::from(i + 1) * 0.01) - title_opacity(f64::from(i) * 0.01)).abs());
+        assert!(steps.fold(0.0, f32::max) < 0.02);
     }
 }

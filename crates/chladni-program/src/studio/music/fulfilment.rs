@@ -33,6 +33,12 @@ impl MusicRoom {
                 concert.mark_neighbor(right, down);
                 Ok(())
             }
+            Wish::Autopilot => concert.pilot(self.drawers.shelf.kept()),
+            Wish::Hold => {
+                concert.hold();
+                Ok(())
+            }
+            Wish::StepFavourite(forward) if concert.is_piloted() => concert.overrule(forward),
             Wish::StepFavourite(forward) => match concert.next_favourite(forward) {
                 Some(first) => concert.act(Action::PerformFavourites { first }),
                 None => Ok(()),
@@ -42,10 +48,7 @@ impl MusicRoom {
                 self.drawers.shelf.ask(concert.instrument(), item);
                 Ok(())
             }
-            Wish::Take(path) => match self.drawers.shelf.find(&path) {
-                Some(preset) => take(concert, preset.clone(), shared),
-                None => Ok(()),
-            },
+            Wish::Take(preset) => take(concert, *preset, shared),
             Wish::Discard(path) => self.drawers.shelf.discard(&path),
             Wish::SavePreset(item) => match concert.instrument().item(item) {
                 Some(item) => {

@@ -7,8 +7,9 @@ use super::listening::Listening;
 use super::view::View;
 use super::wish::Wish;
 use crate::studio::keys::music::{
-    BACK, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FORTH, HALVE, LEAVE, LOCK, MARK_ABOVE, MARK_BELOW,
-    MARK_LEFT, MARK_RIGHT, MUTATE, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW, STAGE, TAP,
+    AUTOPILOT, BACK, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FORTH, HALVE, HOLD, LEAVE, LOCK,
+    MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW,
+    STAGE, TAP,
 };
 use crate::studio::room::Shared;
 use crate::studio::shortcut::Shortcut;
@@ -43,7 +44,9 @@ impl MusicRoom {
                 wishes.push(wish);
             }
         };
+        when(&mut wishes, AUTOPILOT, Wish::Autopilot);
         if concert.on_stage() {
+            when(&mut wishes, HOLD, Wish::Hold);
             when(&mut wishes, LEAVE, Wish::Do(Action::LeaveStage));
             when(&mut wishes, MARK_LEFT, Wish::StepFavourite(false));
             when(&mut wishes, MARK_RIGHT, Wish::StepFavourite(true));

@@ -186,6 +186,7 @@ const SWITCHES: &[(&str, &[Choice])] = &[
             (Switch::BeatTurns, "Turn the shape", "The beat turns the shape"),
             (Switch::BeatLights, "Move the lights", "The beat moves the lights"),
             (Switch::BeatSteps, "Next favourite", "The beat steps through the favourites on stage"),
+            (Switch::Camera, "Choose shots", "On stage the camera chooses its shots, bar by bar"),
         ],
     ),
     (

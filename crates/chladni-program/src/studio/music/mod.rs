@@ -13,6 +13,7 @@ mod glimpse;
 mod harmonics;
 mod keyboard;
 mod knobs;
+mod leaning;
 mod lineage;
 mod listening;
 mod loading;
@@ -41,12 +42,14 @@ use self::concert::Concert;
 use self::curtain::Curtain;
 use self::drawer::{Drawer, Drawers};
 use self::film::{Filming, Scene};
+use self::leaning::Leaning;
 use self::listening::Listening;
 use self::loading::Ready;
 pub use self::preferences::Preferences;
 use self::shows::{MOST_HARMONICS, save_show, songs_of, the_show};
 use self::wish::Wish;
 use super::Trace;
+use super::awake::Awake;
 use super::icon::{self, Icon};
 use super::job::{self, Job};
 use super::room::{Room, Shared};
@@ -74,6 +77,8 @@ pub struct MusicRoom {
     trace: Option<Trace>,
     drawers: Drawers,
     curtain: Curtain,
+    leaning: Leaning,
+    awake: Awake,
     /// Presets and shows that wait for a shape.
     waiting: Vec<PathBuf>,
     /// A show that waits for its own shape.
@@ -115,6 +120,17 @@ impl Room for MusicRoom {
         let mut wishes = self.keys(&shared.ctx);
         self.follow_remote(shared, &mut wishes);
         let on_stage = self.concert.as_ref().is_some_and(Concert::on_stage);
+        let plays = self.listening.as_ref().is_some_and(Listening::plays_songs);
+        if on_stage || !shared.settings.music.leans_back {
+            self.leaning.end();
+        } else if self.leaning.is_at_rest(&shared.ctx) && plays {
+            self.drawers.shelf.ready(shared.folders.dances.as_deref(), shared.notices);
+            wishes.push(Wish::Autopilot);
+        }
+        let piloted = self.concert.as_ref().is_some_and(Concert::is_piloted);
+        if let Some(why) = self.awake.keep(piloted) {
+            shared.notices.warn(why);
+        }
         self.curtain.follow(&shared.ctx, on_stage, shared.settings.music.screen);
         if !on_stage {
             self.panels(ui, shared, &mut wishes);
@@ -137,7 +153,7 @@ impl Room for MusicRoom {
                 shared.notices.failed(why);
             }
             if on_stage {
-                self.curtain.show(ui, concert);
+                self.curtain.show(ui, concert, &listening.source_name());
             }
         });
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening)
@@ -249,7 +265,10 @@ impl Room for MusicRoom {
         }
         if !songs.is_empty() {
             match self.listening(shared) {
-                Some(listening) => listening.add(songs),
+                Some(listening) => {
+                    listening.add(songs);
+                    self.leaning.begin(&shared.ctx);
+                }
                 None => shared.notices.warn("There is no player for these songs."),
             }
         }

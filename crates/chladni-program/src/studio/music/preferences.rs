@@ -27,6 +27,8 @@ pub struct Preferences {
     pub volume: f32,
     /// The device that plays them; `None` is the system's own.
     pub output_device: Option<String>,
+    /// The autopilot begins where a song is opened and nothing is touched.
+    pub leans_back: bool,
     /// Which controls turn what.
     pub bindings: Vec<Binding>,
 }
@@ -56,6 +58,7 @@ impl Default for Preferences {
             osc_port: None,
             volume: 1.0,
             output_device: None,
+            leans_back: true,
             bindings: Vec::new(),
         }
     }

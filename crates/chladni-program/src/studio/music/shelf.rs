@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Action, Instrument, ItemId, Mapping, Preset};
+use chladni_music::{Action, Instrument, ItemId, Mapping, Preset, repertoire};
 use egui::{RichText, Sense, Stroke, TextEdit, Ui, vec2};
 
 use super::curve;
@@ -20,6 +20,8 @@ const MOST: usize = 2000;
 pub struct Shelf {
     folder: Option<PathBuf>,
     kept: Vec<(PathBuf, Preset)>,
+    /// Dances that come with the program.
+    built_in: Vec<Preset>,
     read: bool,
     search: String,
     form: Option<Form>,
@@ -41,6 +43,10 @@ impl Shelf {
         self.read = true;
         self.folder = folder.map(Path::to_owned);
         self.kept.clear();
+        match repertoire() {
+            Ok(built_in) => self.built_in = built_in,
+            Err(why) => notices.warn(why.to_string()),
+        }
         // A folder that is not there yet holds nothing.
         let Some(Ok(entries)) = self.folder.as_deref().map(std::fs::read_dir) else { return };
         let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
@@ -62,14 +68,14 @@ impl Shelf {
         self.form = Some(Form { item, name, tags: String::new() });
     }
 
-    /// The preset in a file of the shelf.
-    pub fn find(&self, path: &Path) -> Option<&Preset> {
-        self.kept.iter().find(|(known, _)| known == path).map(|(_, preset)| preset)
+    /// The dances that are kept in files.
+    pub fn kept(&self) -> Vec<Preset> {
+        self.kept.iter().map(|(_, preset)| preset.clone()).collect()
     }
 
     /// Deletes a file of the shelf.
     pub fn discard(&mut self, path: &Path) -> Result<(), Error> {
-        if self.find(path).is_none() {
+        if !self.kept.iter().any(|(known, _)| known == path) {
             return Err(Error::Input(format!("{}: is not on the shelf", path.display())));
         }
         std::fs::remove_file(path).map_err(|why| Error::unwritten(path, why))?;
@@ -88,21 +94,27 @@ impl Shelf {
         self.show_form(ui, instrument, notices);
         favourites(ui, instrument, wishes);
         ui.add_space(theme::GAP);
-        ui.label(RichText::new("Kept").strong());
-        if self.kept.is_empty() {
-            weak(ui, "Nothing yet. What you keep here is there the next time, for any shape.");
-            return;
-        }
         let search = TextEdit::singleline(&mut self.search).hint_text("Search names and tags");
         ui.add(search.desired_width(f32::INFINITY));
         let wanted: Vec<String> = self.search.to_lowercase().split_whitespace().map(str::to_owned).collect();
-        let mut found = 0;
-        for (path, preset) in &self.kept {
+        let is_wanted = |preset: &Preset| {
             let text = format!("{} {}", preset.name, preset.tags.join(" ")).to_lowercase();
-            if wanted.iter().all(|word| text.contains(word)) {
-                kept_row(ui, path, preset, wishes);
-                found += 1;
-            }
+            wanted.iter().all(|word| text.contains(word))
+        };
+        ui.label(RichText::new("Kept").strong());
+        if self.kept.is_empty() {
+            weak(ui, "Nothing yet. What you keep here is there the next time, for any shape.");
+        }
+        let mut found = 0;
+        for (path, preset) in self.kept.iter().filter(|(_, preset)| is_wanted(preset)) {
+            preset_row(ui, Some(path), preset, wishes);
+            found += 1;
+        }
+        ui.add_space(theme::GAP);
+        ui.label(RichText::new("Built in").strong());
+        for preset in self.built_in.iter().filter(|preset| is_wanted(preset)) {
+            preset_row(ui, None, preset, wishes);
+            found += 1;
         }
         if found == 0 {
             weak(ui, "Nothing here is called that.");
@@ -195,7 +207,8 @@ fn favourites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
     }
 }
 
-fn kept_row(ui: &mut Ui, path: &Path, preset: &Preset, wishes: &mut Vec<Wish>) {
+/// A preset, and its file where it has one.
+fn preset_row(ui: &mut Ui, path: Option<&Path>, preset: &Preset, wishes: &mut Vec<Wish>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 40.0), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &preset.name));
     // A long shelf is mostly out of sight.
@@ -218,8 +231,9 @@ fn kept_row(ui: &mut Ui, path: &Path, preset: &Preset, wishes: &mut Vec<Wish>) {
     let response =
         response.on_hover_text("It dances while you point at it; a click takes it into the gallery");
     if response.clicked() {
-        wishes.push(Wish::Take(path.to_owned()));
+        wishes.push(Wish::Take(Box::new(preset.clone())));
     }
+    let Some(path) = path else { return };
     response.context_menu(|ui| {
         if ui.button(icon::label(Icon::Trash2, "Delete from the shelf")).clicked() {
             wishes.push(Wish::Discard(path.to_owned()));

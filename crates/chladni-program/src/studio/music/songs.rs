@@ -60,6 +60,9 @@ pub fn show(
         inputs.look(ui.ctx());
     }
     playlist(ui, listening, wishes);
+    let tip =
+        "Where a song is opened and nothing is touched, dances, looks and camera change with the music (A)";
+    ui.checkbox(&mut preferences.leans_back, "Lean back").on_hover_text(tip);
     ui.add_space(theme::GAP_LARGE);
     sound(ui, listening, inputs, preferences);
     ui.add_space(theme::GAP_LARGE);

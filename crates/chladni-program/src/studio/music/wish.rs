@@ -30,12 +30,16 @@ pub enum Wish {
     /// Save an item as a preset file anywhere.
     SavePreset(ItemId),
     /// Take a preset of the shelf into the gallery.
-    Take(PathBuf),
+    Take(Box<Preset>),
     /// Delete a preset of the shelf.
     Discard(PathBuf),
     /// Mark the item so many columns to the right and rows below.
     #[allow(missing_docs, reason = "the words above say it")]
     Mark { right: isize, down: isize },
+    /// Lean back, or no longer.
+    Autopilot,
+    /// The autopilot stays with what it shows, or goes on.
+    Hold,
     /// On stage: the favourite after (true) or before the one that plays.
     StepFavourite(bool),
 }

@@ -58,6 +58,8 @@ pub struct Film {
     pub look: Look,
     /// Where the viewer stands.
     pub viewpoint: Viewpoint,
+    /// Dances, looks and strength change with the music, whatever is on stage in the beginning.
+    pub autopilot: bool,
     /// Where in the show the film begins.
     pub start_secs: f64,
     /// How much of it is filmed; all unless said.
@@ -113,6 +115,7 @@ impl Film {
             heard: Vec::new(),
             show_secs: None,
             beginning,
+            autopilot: false,
             start_secs: 0.0,
             duration_secs: None,
             output,
@@ -133,6 +136,7 @@ impl Film {
             show_secs: show.duration_secs,
             look: look_named(&looks).0,
             viewpoint: show.viewpoint,
+            autopilot: false,
             start_secs: 0.0,
             duration_secs: None,
             output,
@@ -183,6 +187,9 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     )?;
     if output.allow_flashes {
         performance.allow_flashes();
+    }
+    if wanted.autopilot {
+        performance.pilot()?;
     }
     if output.shows_rest {
         performance.show_rest();

@@ -5,7 +5,8 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Ensemble, Form, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch, Viewpoint,
+    Ensemble, Form, Framing, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch,
+    Viewpoint,
 };
 use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
 use chladni_task::Task;
@@ -19,7 +20,7 @@ use super::Seconds;
 use super::deformed::Deformed;
 use super::guard::FrameGuard;
 use super::record::Recording;
-use crate::work::{Error, Hearing, SandTable, Staging, along, dots};
+use crate::work::{Error, Hearing, Programme, SandTable, Staging, along, chooses_shots, dots};
 
 /// What computes and draws; by default what suits the device.
 #[derive(Clone, Copy, Default)]
@@ -74,6 +75,8 @@ struct Shot {
     /// In the film.
     time_secs: f64,
     reaction: Reaction,
+    /// Of a shot that the camera chose.
+    framing: Option<Framing>,
     mood: Mood,
 }
 
@@ -92,6 +95,7 @@ pub struct Performance {
     rate: FrameRate,
     flashes_allowed: bool,
     shows_rest: bool,
+    programme: Option<Programme>,
 }
 
 impl Performance {
@@ -105,8 +109,13 @@ impl Performance {
         rate: FrameRate,
     ) -> Result<Self, Error> {
         let (model, dancer) = (SynthModel::new(body)?, ensemble.dancer());
-        let staging =
-            Staging::new(dancer.clone(), model.rest_positions().to_vec(), along(body, dancer), stands);
+        let staging = Staging::new(
+            dancer.clone(),
+            model.rest_positions().to_vec(),
+            &body.triangles,
+            along(body, dancer),
+            stands,
+        );
         let mut performance = Self {
             hearing,
             heard: heard.into_iter().peekable(),
@@ -121,6 +130,7 @@ impl Performance {
             rate,
             flashes_allowed: false,
             shows_rest: false,
+            programme: None,
         };
         performance.hearing.tune(0.0, performance.instrument.parameters());
         Ok(performance)
@@ -133,6 +143,18 @@ impl Performance {
     /// Shows the shape at rest, too, as dots.
     pub fn show_rest(&mut self) {
         self.shows_rest = true;
+    }
+
+    /// Dances, looks and strength change with the music.
+    pub fn pilot(&mut self) -> Result<(), Error> {
+        let mut programme = Programme::new(&self.instrument, Vec::new(), self.start_secs)?;
+        let at_secs = self.start_secs;
+        for action in programme.step(at_secs, true, &self.instrument) {
+            self.instrument.apply(Moment { at_secs, at_beat: 0.0 }, action)?;
+        }
+        self.hearing.tune(0.0, self.instrument.parameters());
+        self.programme = Some(programme);
+        Ok(())
     }
 
     pub fn allow_flashes(&mut self) {
@@ -155,9 +177,21 @@ impl Performance {
                 self.instrument.apply(Moment { at_secs, at_beat }, line.action)?;
                 self.hearing.tune(at_secs, self.instrument.parameters());
             } else {
-                return Ok(());
+                return self.follow_programme(at_secs);
             }
         }
+    }
+
+    /// Does what the autopilot wants by a time of the show.
+    fn follow_programme(&mut self, now_secs: f64) -> Result<(), Error> {
+        let Some(programme) = &mut self.programme else { return Ok(()) };
+        let bars = self.hearing.bars_between(programme.heard_secs(), now_secs);
+        for (at_secs, action) in programme.hear(&bars, now_secs, &self.instrument) {
+            let at_beat = self.hearing.beat_at(at_secs).count;
+            self.instrument.apply(Moment { at_secs, at_beat }, action)?;
+            self.hearing.tune(at_secs, self.instrument.parameters());
+        }
+        Ok(())
     }
 
     /// Plays a frame: what is done to its picture, and the items to draw.
@@ -171,10 +205,13 @@ impl Performance {
         }
         self.go_to(at_secs)?;
         let unheard = || Error::other(format!("nothing is known of what is heard at {at_secs} s"));
+        let framing = self.hearing.framing_at(at_secs, self.instrument.seed());
         let heard = self.hearing.hear(at_secs)?.ok_or_else(unheard)?;
         seconds.analysis += listening.elapsed().as_secs_f64();
         let mapping = Instant::now();
-        let shot = Shot { time_secs, reaction: heard.reaction(&self.instrument), mood: heard.mood() };
+        let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
+        let (reaction, mood) = (heard.reaction(&self.instrument), heard.mood());
+        let shot = Shot { time_secs, reaction, framing, mood };
         let items = self.ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
         seconds.mapping += mapping.elapsed().as_secs_f64();
         Ok((shot, items))
@@ -273,16 +310,17 @@ impl Performance {
         renderer: &mut Renderer,
         canvas: &Canvas,
         (look, viewpoint): (&Look, &Viewpoint),
-        Shot { time_secs, reaction, mood }: Shot,
+        Shot { time_secs, reaction, framing, mood }: Shot,
     ) -> Result<(), ViewError> {
         let buffers = deformed.buffers()?;
         let area = Rect::of_size(canvas.width(), canvas.height());
         let (instrument, items) = (&self.instrument, buffers.items());
-        let look = look.answering(&mood);
-        let staged = self.staging.set(area, items, viewpoint, &look, reaction, instrument);
+        let piloted = self.programme.as_ref().and_then(Programme::look);
+        let look = piloted.as_ref().unwrap_or(look).answering(&mood);
+        let from = (viewpoint, framing.as_ref());
+        let staged = self.staging.set(area, items, from, &look, reaction, instrument);
         let grains = self.sand.drawn();
-        let figure =
-            |item| Figure { grains, ..staged.figure(&deformed.topology, &buffers, item, rest) };
+        let figure = |item| Figure { grains, ..staged.figure(&deformed.topology, &buffers, item, rest) };
         let figures: Vec<Figure<'_>> = (0..items).map(figure).collect();
         let dots = match self.shows_rest {
             true => dots(self.model.rest_positions().iter().copied()),

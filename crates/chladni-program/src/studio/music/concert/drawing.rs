@@ -1,6 +1,6 @@
 //! The picture of all items, which is shown once its brightness is known.
 
-use chladni_music::{Reaction, Switch, Veil};
+use chladni_music::{Framing, Reaction, Switch, Veil};
 use chladni_view::{Figure, Gpu, ItemBuffers, Look, Rect, Topology};
 use egui::{Color32, Ui};
 
@@ -19,12 +19,13 @@ impl Concert {
         shared: &Shared<'_>,
         (rect, area): (egui::Rect, Rect),
         cells: &[Rect],
-        (reaction, at_secs): (Reaction, f64),
+        (reaction, framing, at_secs): (Reaction, Option<Framing>, f64),
         look: Look,
         pose: u64,
     ) -> Result<(), Error> {
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
-        let staged = self.staging.set(area, cells.len(), &self.viewpoint, &look, reaction, &self.instrument);
+        let from = (&self.viewpoint, framing.as_ref());
+        let staged = self.staging.set(area, cells.len(), from, &look, reaction, &self.instrument);
         self.viewport.finish(staged.look.finish, at_secs);
         let shown = StillPicture { pose, staged: staged.clone() };
         self.moving = self.shown.as_ref() != Some(&shown);

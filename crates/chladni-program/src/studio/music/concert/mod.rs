@@ -2,6 +2,7 @@
 
 mod drawing;
 mod marking;
+mod piloted;
 mod standing;
 mod suggesting;
 
@@ -17,7 +18,8 @@ use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
 use drawing::on_device;
-use standing::{camera_at, navigate};
+use piloted::Piloted;
+use standing::{Hand, camera_at, navigate};
 use suggesting::Recent;
 
 use super::close_up::{self, Draft};
@@ -36,7 +38,7 @@ use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
-use crate::work::{Error, SandTable, Staging, along, reaction};
+use crate::work::{Error, SandTable, Staging, along, chooses_shots, reaction};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -60,6 +62,8 @@ pub struct Concert {
     staging: Staging,
     sand: SandTable,
     viewpoint: Viewpoint,
+    hand: Hand,
+    piloted: Option<Piloted>,
     glimpse: Glimpse,
     guard: FlashGuard,
     /// The last picture; `None` where something else was shown.
@@ -95,7 +99,8 @@ impl Concert {
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
         let vertices = rest.len();
-        let staging = Staging::new(dancer.clone(), rest, along(&body, &dancer), ready.stands);
+        let along = along(&body, &dancer);
+        let staging = Staging::new(dancer.clone(), rest, &body.triangles, along, ready.stands);
         let rest = staging.rest_on(gpu)?;
         let details = on_device(gpu, vertices, ready.details)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
@@ -114,6 +119,8 @@ impl Concert {
             viewport,
             sand: SandTable::new(body.clone(), 0.0),
             viewpoint: ready.opening_view,
+            hand: Hand::default(),
+            piloted: None,
             glimpse: Glimpse::default(),
             guard: FlashGuard::default(),
             shown: None,
@@ -198,6 +205,9 @@ impl Concert {
             action => action,
         };
         self.instrument.apply(self.moment, action)?;
+        if curtain || opens {
+            self.end_piloting()?;
+        }
         let count = self.instrument.gallery().items().len();
         if matches!(self.view, View::CloseUp(item) if item >= count) {
             self.look_at(View::Gallery);
@@ -288,6 +298,7 @@ impl Concert {
         if listening.beats_changed() {
             self.count_beats(|at_secs| listening.beats_at(at_secs))?;
         }
+        self.follow_bars(&listening.new_bars())?;
         let (sand, ensemble, instrument) = (&mut self.sand, &mut self.ensemble, &self.instrument);
         let before = |hearing: &mut _, at_secs| sand.follow(hearing, ensemble, instrument, at_secs);
         let heard = listening.hear(self.seconds, instrument.parameters(), before)?;
@@ -359,9 +370,14 @@ impl Concert {
         let (cells, columns) = Staging::cells(area, count);
         self.columns = columns;
         let cells_high = cells.first().map_or(1.0, |cell| area.height as f32 / cell.height.max(1) as f32);
+        let before = self.viewpoint;
         navigate(ui, &response, &mut self.viewpoint, cells_high);
-        let look = shared.settings.music.look().answering(&mood);
-        self.draw(ui, shared, (rect, area), &cells, (reaction, at_secs), look, pose)?;
+        let framing = chooses_shots(&self.instrument, beat).then(|| {
+            let chosen = listening.framing(self.instrument.seed());
+            self.hand.over(self.seconds, before, &mut self.viewpoint, chosen)
+        });
+        let look = self.piloted_look().unwrap_or_else(|| shared.settings.music.look()).answering(&mood);
+        self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)?;
         match self.view {
             View::CloseUp(item) if close_up => {
                 let (spectrum, bands_hz) = listening.spectrum();

@@ -1,7 +1,7 @@
-//! The viewpoint of the dance.
+//! The viewpoint of the dance, by hand or by the camera's own choice.
 
 use chladni_mesh::Orientation;
-use chladni_music::Viewpoint;
+use chladni_music::{Framing, Viewpoint};
 use chladni_view::Camera;
 use egui::Ui;
 
@@ -36,5 +36,110 @@ pub fn navigate(ui: &Ui, response: &egui::Response, viewpoint: &mut Viewpoint, c
     let asks = response.hovered() || response.has_focus();
     if asks && keys::view::FIT.pressed(ui.ctx()) {
         *viewpoint = Viewpoint { distance: 1.0, shift: [0.0; 2], ..*viewpoint };
+    }
+}
+
+/// A camera that was taken by hand chooses its shots again after this time.
+const LET_GO_SECS: f64 = 6.0;
+/// It glides back in this time.
+const RETURN_SECS: f64 = 2.5;
+
+/// A hand on the camera that else chooses its own shots.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Hand {
+    /// The framing that was shown last.
+    shown: Framing,
+    hold: Option<Hold>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Hold {
+    /// When the hand last moved it.
+    at_secs: f64,
+    /// Where the viewer stood before, and where the hand has brought him.
+    home: Viewpoint,
+    left: Viewpoint,
+    /// The shot that the hand has stopped.
+    framing: Framing,
+}
+
+impl Hand {
+    /// The framing to be shown where the camera has chosen `framing`, and a hand has moved `viewpoint` from `before`
+    /// if the two differ. The viewpoint goes home once the hand has let go.
+    pub fn over(
+        &mut self,
+        now_secs: f64,
+        before: Viewpoint,
+        viewpoint: &mut Viewpoint,
+        framing: Framing,
+    ) -> Framing {
+        if *viewpoint != before {
+            let home = self.hold.map_or(before, |hold| hold.home);
+            let stopped = self.hold.map_or(self.shown, |hold| hold.framing);
+            // A hand that takes hold while the camera returns begins where it has come to.
+            let framing = if self.is_returning(now_secs) { self.shown } else { stopped };
+            self.hold = Some(Hold { at_secs: now_secs, home, left: *viewpoint, framing });
+        }
+        self.shown = match self.hold {
+            None => framing,
+            Some(hold) => {
+                let x = ((now_secs - hold.at_secs - LET_GO_SECS) / RETURN_SECS).clamp(0.0, 1.0) as f32;
+                let share = x * x * (3.0 - 2.0 * x);
+                *viewpoint = between(hold.left, hold.home, share);
+                if x >= 1.0 {
+                    self.hold = None;
+                }
+                hold.framing.toward(framing, share)
+            }
+        };
+        self.shown
+    }
+
+    fn is_returning(&self, now_secs: f64) -> bool {
+        self.hold.is_some_and(|hold| now_secs - hold.at_secs > LET_GO_SECS)
+    }
+}
+
+fn between(from: Viewpoint, to: Viewpoint, share: f32) -> Viewpoint {
+    use std::f32::consts::{PI, TAU};
+    let mix = |from: f32, to: f32| from + share * (to - from);
+    // The shorter way round.
+    let turn_rad = (to.yaw_rad - from.yaw_rad + PI).rem_euclid(TAU) - PI;
+    Viewpoint {
+        yaw_rad: if share < 1.0 { from.yaw_rad + share * turn_rad } else { to.yaw_rad },
+        pitch_rad: mix(from.pitch_rad, to.pitch_rad),
+        distance: mix(from.distance.ln(), to.distance.ln()).exp(),
+        shift: std::array::from_fn(|i| mix(from.shift[i], to.shift[i])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_stops_the_camera_and_it_comes_back_without_a_jump() {
+        let (mut hand, mut viewpoint) = (Hand::default(), Viewpoint::default());
+        let chosen = |secs: f64| Framing { yaw_rad: 0.1 * secs as f32, ..Framing::default() };
+        let (mut last, mut steps) = (None, 0.0f32);
+        for i in 0..1200 {
+            let secs = f64::from(i) / 60.0;
+            let before = viewpoint;
+            if (2.0..3.0).contains(&secs) {
+                viewpoint.yaw_rad -= 0.02;
+            }
+            let framing = hand.over(secs, before, &mut viewpoint, chosen(secs));
+            let yaw_rad = viewpoint.yaw_rad + framing.yaw_rad;
+            if let Some(last) = last.replace(yaw_rad) {
+                steps = steps.max((yaw_rad - last).abs());
+            }
+            if (3.1..8.0).contains(&secs) {
+                assert_eq!(framing.yaw_rad, chosen(2.0 - 1.0 / 60.0).yaw_rad, "{secs}");
+            }
+        }
+        assert!(steps < 0.05, "{steps}");
+        assert_eq!(viewpoint, Viewpoint::default());
+        let framing = hand.over(20.0, viewpoint, &mut viewpoint.clone(), chosen(20.0));
+        assert_eq!(framing, chosen(20.0));
     }
 }

@@ -1,9 +1,9 @@
 //! Live hearing: an analyzer and a beat tracker that know only what was heard so far.
 
-use chladni_music::Parameters;
-use chladni_sound::{BeatFollower, PlayerStatus, SpectrumAnalyser};
+use chladni_music::{BarLine, Director, Parameters};
+use chladni_sound::{BeatFollower, HeardBar, PlayerStatus, SpectrumAnalyser};
 
-use super::Listening;
+use super::{LIVE_SEED, Listening};
 use crate::work::{Error, spectrum_settings};
 
 /// If the song's position deviates from the clock by more than this, the user has sought: the beat tracker is
@@ -112,11 +112,22 @@ impl Listening {
         while self.follower.take_beat().is_some() {
             self.beats.gone += 1.0;
         }
+        if let Some(bar) = self.follower.take_bar() {
+            let beat_secs = 60.0 / self.follower.moment().tempo_bpm.max(1.0);
+            let HeardBar { at_secs, energy, begins_section, .. } = bar;
+            let secs = f64::from(bar.beats) * beat_secs;
+            let bar = BarLine { at_secs, secs, energy, begins_section };
+            self.director.hear(bar);
+            // Nobody may ask for them for hours.
+            self.fresh_bars.truncate(8);
+            self.fresh_bars.push(BarLine { at_secs: self.clock.at_secs(), ..bar });
+        }
     }
 
     /// After a seek the old beat is meaningless; a tracker that cannot be reset continues as it is.
     pub(super) fn forget_beat(&mut self) {
         let _ = self.follower.reset();
+        self.director = Director::live(LIVE_SEED);
     }
 }
 

@@ -9,7 +9,9 @@ pub use ear::Loudness;
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Bands, Beat, BeatReading, Parameters, Resonators, Stretch, Timbre};
+use chladni_music::{
+    Bands, BarLine, Beat, BeatReading, Director, Framing, Parameters, Resonators, Stretch, Timbre,
+};
 use chladni_sound::{
     BeatFollower, Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings, PlayerState,
     PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune, write_wav,
@@ -20,6 +22,9 @@ use ear::BeatCount;
 use super::study::{Learned, Study};
 use crate::work::source::TUNE;
 use crate::work::{Error, Heard, Hearing, KnownSong, Playing, ShowClock, bands_of, read_beats};
+
+/// Seed of the shots of what is not known as a whole.
+const LIVE_SEED: u64 = 1;
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
 /// song until it is read, through an analyzer and a beat tracker that know only what was heard so far.
@@ -46,6 +51,11 @@ pub struct Listening {
     last_secs: f64,
     last_position_secs: f64,
     beats: BeatCount,
+    /// Films what is not known as a whole.
+    director: Director,
+    /// Bars that began by ear, and up to when those of known songs were told.
+    fresh_bars: Vec<BarLine>,
+    bars_told_secs: f64,
     levels: [Loudness; 2],
     songs: Vec<PathBuf>,
     repeat: Repeat,
@@ -113,6 +123,9 @@ impl Listening {
             last_secs: 0.0,
             last_position_secs: 0.0,
             beats: BeatCount::default(),
+            director: Director::live(LIVE_SEED),
+            fresh_bars: Vec::new(),
+            bars_told_secs: 0.0,
             levels: [Loudness::default(); 2],
             songs: vec![tune.clone()],
             repeat: Repeat::Off,
@@ -150,6 +163,11 @@ impl Listening {
     /// The live input's name.
     pub fn live(&self) -> Option<&str> {
         self.live.as_ref().map(|live| live.name.as_str())
+    }
+
+    /// Whether a song is heard.
+    pub fn plays_songs(&self) -> bool {
+        self.live.is_none() && self.player.status().state == PlayerState::Playing
     }
 
     /// How loud left and right are.
@@ -303,6 +321,25 @@ impl Listening {
         let beat = if has_beats { heard.beat } else { by_ear };
         self.last_beat = beat;
         Ok(Heard { beat, is_known: has_beats, ..heard })
+    }
+
+    /// The bars that have begun since the last call, by the time of the show.
+    pub fn new_bars(&mut self) -> Vec<BarLine> {
+        let to_secs = self.at_secs();
+        let from_secs = std::mem::replace(&mut self.bars_told_secs, to_secs);
+        let by_ear = std::mem::take(&mut self.fresh_bars);
+        if self.by_ear || self.known_beats().is_none() {
+            return by_ear;
+        }
+        self.hearing.bars_between(from_secs, to_secs)
+    }
+
+    /// How the camera frames what was heard last.
+    pub fn framing(&mut self, seed: u64) -> Framing {
+        if self.by_ear || self.known_beats().is_none() {
+            return self.director.at(self.follower.now_secs());
+        }
+        self.hearing.framing_at(self.clock.at_secs(), seed)
     }
 
     /// The show's number of a song of the list.

@@ -1,0 +1,237 @@
+//! Who dances when nobody chooses: another dance and another look where a section of the music begins.
+
+use crate::BarLine;
+use crate::stage::hash;
+
+/// Nothing is danced again before so long has gone by, as long as there is something else.
+pub const REPEAT_SECS: f64 = 600.0;
+/// A dance lasts at least so long; with 40 dances none has to come back too soon.
+const SHORTEST_SECS: f64 = 15.0;
+/// Where no section begins, a group of four bars does after this time.
+const LONG_SECS: f64 = 30.0;
+const GROUP: u32 = 4;
+
+/// A dance that may be chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// How much more often it is chosen than one of weight 1.
+    pub weight: u32,
+    /// The energy of the music that it suits, in [0, 1].
+    pub suits: f32,
+}
+
+impl Candidate {
+    /// How much more often a favourite comes.
+    pub const FAVOURITE: u32 = 4;
+
+    /// By the words that a preset is found by: calm and lively say what it suits.
+    pub fn tagged(tags: &[String], weight: u32) -> Self {
+        let has = |word: &str| tags.iter().any(|tag| tag == word);
+        Self {
+            weight,
+            suits: if has("calm") {
+                0.2
+            } else if has("lively") {
+                0.85
+            } else {
+                0.5
+            },
+        }
+    }
+}
+
+/// What is shown from a bar on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// Which candidate dances.
+    pub dance: usize,
+    /// Which look it has.
+    pub look: usize,
+    /// How strongly it moves: more where more goes on.
+    pub gain: f32,
+}
+
+/// Chooses turns bar by bar, from a seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Autopilot {
+    seed: u64,
+    candidates: Vec<Candidate>,
+    looks: usize,
+    /// When each danced last.
+    danced_secs: Vec<Option<f64>>,
+    /// All turns, and the one that is shown.
+    turns: Vec<Turn>,
+    shown: usize,
+    since_secs: f64,
+    bars: u32,
+    energy: f32,
+    holds: bool,
+}
+
+impl Autopilot {
+    /// Among `candidates` and so many looks.
+    pub fn new(seed: u64, candidates: Vec<Candidate>, looks: usize) -> Self {
+        Self {
+            seed,
+            danced_secs: vec![None; candidates.len()],
+            candidates,
+            looks: looks.max(1),
+            turns: Vec::new(),
+            shown: 0,
+            since_secs: 0.0,
+            bars: 0,
+            energy: 0.5,
+            holds: false,
+        }
+    }
+
+    /// What is shown now; `None` before the first bar.
+    pub fn shown(&self) -> Option<Turn> {
+        self.turns.get(self.shown).copied()
+    }
+
+    /// Whether it stays with what is shown.
+    pub fn holds(&self) -> bool {
+        self.holds
+    }
+
+    /// Stays with what is shown, or goes on.
+    pub fn hold(&mut self, on: bool) {
+        self.holds = on;
+    }
+
+    /// A bar begins; returns the turn that begins with it, if one does.
+    pub fn hear(&mut self, bar: BarLine) -> Option<Turn> {
+        self.bars += 1;
+        self.energy = bar.energy;
+        let gone_secs = bar.at_secs - self.since_secs;
+        let in_groups = gone_secs >= LONG_SECS && self.bars % GROUP == 1;
+        let due = self.turns.is_empty() || (bar.begins_section && gone_secs >= SHORTEST_SECS) || in_groups;
+        if !due || self.holds {
+            return None;
+        }
+        self.turn(bar.at_secs)
+    }
+
+    /// The next turn at once, or the one before; it may come on any beat, because somebody asked for it.
+    pub fn step(&mut self, at_secs: f64, forward: bool) -> Option<Turn> {
+        if forward && self.shown + 1 >= self.turns.len() {
+            return self.turn(at_secs);
+        }
+        self.shown = if forward { self.shown + 1 } else { self.shown.checked_sub(1)? };
+        self.begin(at_secs)
+    }
+
+    fn turn(&mut self, at_secs: f64) -> Option<Turn> {
+        let count = self.turns.len() as u64;
+        let dance = self.choose(at_secs, hash(self.seed, 4 * count))?;
+        let before = self.turns.last().map(|turn| turn.look);
+        let others = self.looks - usize::from(before.is_some() && self.looks > 1);
+        let look = hash(self.seed, 4 * count + 1) as usize % others.max(1);
+        // Never the same look twice in a row.
+        let look = look + usize::from(self.looks > 1 && before.is_some_and(|before| look >= before));
+        self.turns.push(Turn { dance, look, gain: 0.8 + 0.4 * self.energy.clamp(0.0, 1.0) });
+        self.shown = self.turns.len() - 1;
+        self.begin(at_secs)
+    }
+
+    fn begin(&mut self, at_secs: f64) -> Option<Turn> {
+        let turn = self.shown()?;
+        (self.since_secs, self.bars) = (at_secs, 0);
+        *self.danced_secs.get_mut(turn.dance)? = Some(at_secs);
+        Some(turn)
+    }
+
+    fn choose(&self, at_secs: f64, draw: u64) -> Option<usize> {
+        let rested = |dance: &usize| {
+            self.danced_secs[*dance].is_none_or(|danced_secs| at_secs - danced_secs >= REPEAT_SECS)
+        };
+        let free: Vec<usize> = (0..self.candidates.len()).filter(rested).collect();
+        if free.is_empty() {
+            let last = |dance: &usize| self.danced_secs[*dance].unwrap_or(f64::MIN);
+            return (0..self.candidates.len()).min_by(|a, b| last(a).total_cmp(&last(b)));
+        }
+        let weight = |dance: &usize| {
+            let Candidate { weight, suits } = self.candidates[*dance];
+            let off = (suits - self.energy).abs();
+            u64::from(weight.max(1))
+                * (if off < 0.3 {
+                    6
+                } else if off < 0.5 {
+                    2
+                } else {
+                    1
+                })
+        };
+        let mut left = draw % free.iter().map(weight).sum::<u64>().max(1);
+        for dance in &free {
+            if left < weight(dance) {
+                return Some(*dance);
+            }
+            left -= weight(dance);
+        }
+        free.first().copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bar(i: usize) -> BarLine {
+        let energy = [0.2, 0.5, 0.9][i / 32 % 3];
+        BarLine { at_secs: 2.0 * i as f64, secs: 2.0, energy, begins_section: i.is_multiple_of(8) }
+    }
+
+    fn candidates() -> Vec<Candidate> {
+        let suits = [0.2, 0.5, 0.85];
+        (0..44).map(|i| Candidate { weight: if i < 3 { 4 } else { 1 }, suits: suits[i % 3] }).collect()
+    }
+
+    #[test]
+    fn nothing_comes_back_within_ten_minutes_and_favourites_come_more_often() {
+        let mut counts = vec![0; 44];
+        for seed in 0..10 {
+            let mut autopilot = Autopilot::new(seed, candidates(), 6);
+            let mut last: Vec<Option<f64>> = vec![None; 44];
+            let mut look = None;
+            for i in 0..5400 {
+                let Some(turn) = autopilot.hear(bar(i)) else { continue };
+                let at_secs = bar(i).at_secs;
+                if let Some(before) = last[turn.dance].replace(at_secs) {
+                    assert!(at_secs - before >= REPEAT_SECS, "{} after {}", turn.dance, at_secs - before);
+                }
+                assert_ne!(look.replace(turn.look), Some(turn.look));
+                assert!(turn.look < 6 && (0.8..=1.2).contains(&turn.gain));
+                counts[turn.dance] += 1;
+            }
+        }
+        let favourite = counts[..3].iter().sum::<u32>() as f32 / 3.0;
+        let other = counts[3..].iter().sum::<u32>() as f32 / 41.0;
+        assert!(favourite > 1.1 * other, "{favourite} {other}");
+        assert!(counts.iter().all(|count| *count > 10), "{counts:?}");
+    }
+
+    #[test]
+    fn it_turns_on_bar_lines_holds_and_can_be_overruled() {
+        let mut autopilot = Autopilot::new(1, candidates(), 6);
+        assert!(autopilot.shown().is_none() && autopilot.step(0.0, false).is_none());
+        let first = autopilot.hear(bar(0)).unwrap();
+        assert!((1..8).all(|i| autopilot.hear(bar(i)).is_none()));
+        let second = autopilot.hear(bar(8)).unwrap();
+        assert_ne!(first.dance, second.dance);
+        autopilot.hold(true);
+        assert!((9..200).all(|i| autopilot.hear(bar(i)).is_none()));
+        assert_eq!(autopilot.step(401.0, false), Some(first));
+        assert_eq!(autopilot.step(402.0, true), Some(second));
+        let third = autopilot.step(403.0, true).unwrap();
+        assert!(third.dance != second.dance && autopilot.shown() == Some(third));
+        autopilot.hold(false);
+        assert!(autopilot.hear(bar(202)).is_none() && autopilot.hear(bar(216)).is_some());
+        // Without a section four bars are a group.
+        let plain = |i: usize| BarLine { begins_section: false, ..bar(i) };
+        let turns = (217..400).filter(|i| autopilot.hear(plain(*i)).is_some()).count();
+        assert!((8..=12).contains(&turns), "{turns}");
+        assert!(Autopilot::new(1, Vec::new(), 0).hear(bar(0)).is_none());
+    }
+}

@@ -1,0 +1,63 @@
+//! Keeps the screen awake: by the system's own program for it, as long as that runs.
+
+use std::process::{Child, Command, Stdio};
+
+/// The program that holds off sleep while it runs, and its arguments.
+const KEEPER: Option<(&str, &[&str])> = if cfg!(target_os = "linux") {
+    let until_ended = &["--what=idle:sleep", "--who=Chladni", "--why=A dance is shown", "sleep", "86400"];
+    Some(("systemd-inhibit", until_ended))
+} else if cfg!(target_os = "macos") {
+    Some(("caffeinate", &["-d", "-i"]))
+} else {
+    None
+};
+
+/// Asks the system not to let the screen sleep.
+#[derive(Debug, Default)]
+pub struct Awake {
+    keeper: Option<Child>,
+    wanted: bool,
+}
+
+impl Awake {
+    /// Keeps it awake from now on, or no longer; says why that cannot be done, once.
+    pub fn keep(&mut self, on: bool) -> Option<String> {
+        if std::mem::replace(&mut self.wanted, on) == on {
+            return None;
+        }
+        self.let_go();
+        if !on {
+            return None;
+        }
+        let Some((program, arguments)) = KEEPER else {
+            return Some("The screen may go to sleep: this system has no program that prevents it.".into());
+        };
+        let silent = Command::new(program)
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        match silent {
+            Ok(keeper) => {
+                self.keeper = Some(keeper);
+                None
+            }
+            Err(why) => Some(format!("The screen may go to sleep: {program}: {why}.")),
+        }
+    }
+
+    fn let_go(&mut self) {
+        if let Some(mut keeper) = self.keeper.take() {
+            // It may have ended by itself.
+            let _ = keeper.kill();
+            let _ = keeper.wait();
+        }
+    }
+}
+
+impl Drop for Awake {
+    fn drop(&mut self) {
+        self.let_go();
+    }
+}

@@ -1,0 +1,82 @@
+//! The autopilot in the window.
+
+use chladni_music::{Action, BarLine, Preset};
+
+use super::Concert;
+use crate::work::{Error, Programme};
+
+/// The autopilot, and the generation to come back to.
+pub struct Piloted {
+    programme: Programme,
+    generation: usize,
+}
+
+impl Concert {
+    /// Whether the autopilot chooses what is on stage.
+    pub fn is_piloted(&self) -> bool {
+        self.piloted.is_some()
+    }
+
+    /// Whether it stays with what is shown.
+    pub fn is_held(&self) -> bool {
+        self.piloted.as_ref().is_some_and(|piloted| piloted.programme.holds())
+    }
+
+    /// Puts the autopilot on stage, with the dances that are kept as favourites; or ends it.
+    pub fn pilot(&mut self, kept: Vec<Preset>) -> Result<(), Error> {
+        if self.piloted.is_some() {
+            return self.act(Action::LeaveStage);
+        }
+        let favourites = self.instrument.favourites().iter();
+        let favourites = favourites.map(|item| Preset::of(&self.instrument, item, Vec::new()));
+        let favourites = favourites.chain(kept).collect();
+        let programme = Programme::new(&self.instrument, favourites, self.moment.at_secs)?;
+        let generation = self.instrument.gallery().current();
+        let mut piloted = Piloted { programme, generation };
+        let actions = piloted.programme.step(self.moment.at_secs, true, &self.instrument);
+        actions.into_iter().try_for_each(|action| self.act(action))?;
+        self.piloted = Some(piloted);
+        Ok(())
+    }
+
+    /// Holds what is shown, or goes on.
+    pub fn hold(&mut self) {
+        if let Some(piloted) = &mut self.piloted {
+            let holds = piloted.programme.holds();
+            piloted.programme.hold(!holds);
+        }
+    }
+
+    /// The next dance of the autopilot, or the one before.
+    pub fn overrule(&mut self, forward: bool) -> Result<(), Error> {
+        let Some(piloted) = &mut self.piloted else { return Ok(()) };
+        for action in piloted.programme.step(self.moment.at_secs, forward, &self.instrument) {
+            self.instrument.apply(self.moment, action)?;
+        }
+        Ok(())
+    }
+
+    /// These bars have begun.
+    pub(super) fn follow_bars(&mut self, bars: &[BarLine]) -> Result<(), Error> {
+        let Some(piloted) = &mut self.piloted else { return Ok(()) };
+        for (_, action) in piloted.programme.hear(bars, self.moment.at_secs, &self.instrument) {
+            self.instrument.apply(self.moment, action)?;
+        }
+        Ok(())
+    }
+
+    /// The look that the autopilot has chosen.
+    pub(super) fn piloted_look(&self) -> Option<chladni_view::Look> {
+        self.piloted.as_ref()?.programme.look()
+    }
+
+    /// The stage was left or taken by hand: back to the gallery as it was.
+    pub(super) fn end_piloting(&mut self) -> Result<(), Error> {
+        let Some(piloted) = self.piloted.take() else { return Ok(()) };
+        let current = self.instrument.gallery().current();
+        if current != piloted.generation {
+            self.instrument.apply(self.moment, Action::GoTo { generation: piloted.generation })?;
+        }
+        Ok(())
+    }
+}

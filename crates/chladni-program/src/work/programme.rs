@@ -1,0 +1,124 @@
+//! The autopilot at work: dances, looks and strength change with the music, on any instrument.
+
+use chladni_music::{Action, Autopilot, BarLine, Candidate, Instrument, Parameter, Preset, Turn, repertoire};
+
+use chladni_view::Look;
+
+use super::Error;
+
+/// What is danced while nobody chooses.
+pub struct Programme {
+    autopilot: Autopilot,
+    dances: Vec<Preset>,
+    looks: Vec<Look>,
+    /// What the gain of each turn is multiplied by.
+    gain: f32,
+    /// Bars up to then were heard.
+    heard_secs: f64,
+    turns: usize,
+}
+
+impl Programme {
+    /// The built-in dances and `favourites`, which come more often; from `at_secs` of a show on.
+    ///
+    /// # Errors
+    /// Where the built-in dances cannot be read.
+    pub fn new(instrument: &Instrument, favourites: Vec<Preset>, at_secs: f64) -> Result<Self, Error> {
+        let mut dances = repertoire()?;
+        let weights = vec![1; dances.len()].into_iter().chain(vec![Candidate::FAVOURITE; favourites.len()]);
+        let weights: Vec<u32> = weights.collect();
+        dances.extend(favourites);
+        let candidates =
+            dances.iter().zip(weights).map(|(preset, weight)| Candidate::tagged(&preset.tags, weight));
+        let looks: Vec<Look> = Look::PRESETS.iter().map(|(_, look)| *look).collect();
+        Ok(Self {
+            autopilot: Autopilot::new(instrument.seed(), candidates.collect(), looks.len()),
+            dances,
+            looks,
+            gain: instrument.parameters().get(Parameter::Gain),
+            heard_secs: at_secs,
+            turns: 0,
+        })
+    }
+
+    /// Bars up to then were heard.
+    pub fn heard_secs(&self) -> f64 {
+        self.heard_secs
+    }
+
+    /// The look of what is shown.
+    pub fn look(&self) -> Option<Look> {
+        self.looks.get(self.autopilot.shown()?.look).copied()
+    }
+
+    /// Whether it stays with what is shown.
+    pub fn holds(&self) -> bool {
+        self.autopilot.holds()
+    }
+
+    /// Stays with what is shown, or goes on.
+    pub fn hold(&mut self, on: bool) {
+        self.autopilot.hold(on);
+    }
+
+    /// Hears the bars that begin up to `at_secs`; what is to be done, and when.
+    pub fn hear(&mut self, bars: &[BarLine], at_secs: f64, instrument: &Instrument) -> Vec<(f64, Action)> {
+        self.heard_secs = at_secs;
+        let mut actions = Vec::new();
+        for bar in bars {
+            if let Some(turn) = self.autopilot.hear(*bar) {
+                actions.extend(self.actions(turn, instrument).map(|action| (bar.at_secs, action)));
+            }
+        }
+        actions
+    }
+
+    /// The next dance at once, or the one before: what is to be done.
+    pub fn step(&mut self, at_secs: f64, forward: bool, instrument: &Instrument) -> Vec<Action> {
+        let turn = self.autopilot.step(at_secs, forward);
+        turn.into_iter().flat_map(|turn| self.actions(turn, instrument)).collect()
+    }
+
+    /// What puts a turn on stage, in the last two places of the gallery by turns: the dance before it is still seen
+    /// while it leaves.
+    fn actions(&mut self, turn: Turn, instrument: &Instrument) -> impl Iterator<Item = Action> + use<> {
+        self.turns += 1;
+        let item = instrument.gallery().items().len().saturating_sub(1 + self.turns % 2);
+        let preset = self.dances.get(turn.dance).cloned();
+        let (low, high) = Parameter::Gain.range();
+        let value = (self.gain * turn.gain).clamp(low, high);
+        preset.into_iter().flat_map(move |preset| {
+            [
+                Action::Take { item, preset: Box::new(preset) },
+                Action::Set { parameter: Parameter::Gain, value },
+                Action::Perform { item },
+            ]
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_music::{GalleryShape, Moment};
+
+    #[test]
+    fn its_actions_can_be_done_and_no_dance_follows_itself() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        let mut programme = Programme::new(&instrument, Vec::new(), 0.0).unwrap();
+        let mut last = None;
+        for i in 0..60 {
+            let at_secs = f64::from(i) * 20.0;
+            let bar = BarLine { at_secs, secs: 2.0, energy: 0.5, begins_section: true };
+            let actions = programme.hear(&[bar], at_secs, &instrument);
+            assert_eq!(actions.len(), 3);
+            for (at_secs, action) in actions {
+                instrument.apply(Moment { at_secs, at_beat: 2.0 * at_secs }, action).unwrap();
+            }
+            let scene = instrument.scene(2.0 * at_secs).unwrap();
+            assert_ne!(last.replace(scene.to), Some(scene.to));
+            assert!(programme.look().is_some());
+        }
+    }
+}

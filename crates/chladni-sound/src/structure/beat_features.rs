@@ -1,0 +1,96 @@
+//! What one beat sounds like, and how much speaks for a bar that begins with it.
+
+use super::frame::{CLASSES, FRAME_RATE_HZ, Frame, OCTAVES};
+use crate::{ONSET_RATE_HZ, Onset};
+
+/// A beat is heard in so many parts.
+const PARTS: usize = 4;
+
+/// What is heard from one beat to the next.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct BeatFeatures {
+    /// Pitch classes above the bass, of length 1 where there are any.
+    pub chroma: [f32; CLASSES],
+    /// Those of the bass.
+    pub bass: [f32; CLASSES],
+    /// Logarithms of the power of each octave.
+    pub octaves: [f32; OCTAVES],
+    /// Onsets in all bands and in the bass, for each quarter of the beat.
+    pub rhythm: [[f32; PARTS]; 2],
+    /// Mean square.
+    pub power: f32,
+}
+
+impl BeatFeatures {
+    /// From `begin_secs` to `end_secs`; frames and onsets begin at time 0.
+    pub fn between(begin_secs: f64, end_secs: f64, frames: &[Frame], onsets: &[Onset]) -> Self {
+        let span = (end_secs - begin_secs).max(1e-3);
+        // A window that reaches over the beat hears what was before it.
+        let from = ((begin_secs + 0.2 * span) * FRAME_RATE_HZ).round().max(0.0) as usize;
+        let to = ((end_secs * FRAME_RATE_HZ).round().max(0.0) as usize).max(from + 1);
+        let heard = frames.get(from.min(frames.len())..to.min(frames.len())).unwrap_or_default();
+        let mut beat = Self::default();
+        for frame in heard {
+            let share = 1.0 / heard.len() as f32;
+            beat.chroma.iter_mut().zip(frame.chroma).for_each(|(sum, note)| *sum += share * note);
+            beat.bass.iter_mut().zip(frame.bass).for_each(|(sum, note)| *sum += share * note);
+            beat.octaves.iter_mut().zip(frame.octaves).for_each(|(sum, power)| *sum += share * power);
+            beat.power += share * frame.power;
+        }
+        beat.octaves.iter_mut().for_each(|power| *power = (1e-8 + *power).ln());
+        (beat.chroma, beat.bass) = (unit(beat.chroma), unit(beat.bass));
+        for part in 0..PARTS {
+            let at = |share: f64| ((begin_secs + share * span) * ONSET_RATE_HZ).round().max(0.0) as usize;
+            let (a, b) = (at((part as f64 - 0.4) / PARTS as f64), at((part as f64 + 0.6) / PARTS as f64));
+            for onset in onsets.get(a.min(onsets.len())..b.min(onsets.len())).unwrap_or_default() {
+                beat.rhythm[0][part] = beat.rhythm[0][part].max(onset.all);
+                beat.rhythm[1][part] = beat.rhythm[1][part].max(onset.bass);
+            }
+        }
+        beat
+    }
+
+    /// How alike two beats are, in [-1, 1]: their notes and their rhythm.
+    pub fn likeness(&self, other: &Self) -> f32 {
+        let rhythm = cosine(self.rhythm.as_flattened(), other.rhythm.as_flattened());
+        let notes = 0.5 * (cosine(&self.chroma, &other.chroma) + cosine(&self.bass, &other.bass));
+        0.5 * (rhythm + notes)
+    }
+}
+
+/// A change of harmony is looked for between so many beats on either side: as long as bars may be.
+pub(super) const CONTEXT: usize = 4;
+
+/// What speaks for a bar that begins between `before` and `after`, the beats around it, nearest first: another
+/// harmony, another bass, a stroke in the bass, any stroke.
+pub(super) fn signs(before: &[&BeatFeatures], after: &[&BeatFeatures]) -> [f32; 4] {
+    let sum = |beats: &[&BeatFeatures], of: fn(&BeatFeatures) -> &[f32; CLASSES]| {
+        let mut sum = [0.0; CLASSES];
+        beats.iter().for_each(|beat| sum.iter_mut().zip(of(beat)).for_each(|(s, note)| *s += note));
+        sum
+    };
+    let change = |of: fn(&BeatFeatures) -> &[f32; CLASSES]| {
+        let between = |beats: usize| {
+            let near = |side: &[&BeatFeatures]| sum(&side[..beats.min(side.len())], of);
+            1.0 - cosine(&near(before), &near(after))
+        };
+        between(2) + 0.5 * (3..=CONTEXT).map(between).sum::<f32>()
+    };
+    let struck = |row: usize| after.first().map_or(0.0, |beat| beat.rhythm[row][0]);
+    [change(|beat| &beat.chroma), change(|beat| &beat.bass), struck(1), struck(0)]
+}
+
+fn unit(mut notes: [f32; CLASSES]) -> [f32; CLASSES] {
+    let length = notes.iter().map(|note| note * note).sum::<f32>().sqrt();
+    if length > 1e-6 {
+        notes.iter_mut().for_each(|note| *note /= length);
+    }
+    notes
+}
+
+/// Of the angle between two vectors; 1 where either is nothing.
+pub(super) fn cosine(a: &[f32], b: &[f32]) -> f32 {
+    let dot = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
+    let lengths = (dot(a, a) * dot(b, b)).sqrt();
+    if lengths > 1e-12 { dot(a, b) / lengths } else { 1.0 }
+}

@@ -1,0 +1,151 @@
+//! Bars, sections and energy while listening: no future samples.
+
+use super::bars::BarPointer;
+use super::beat_features::{BeatFeatures, cosine};
+use super::energy;
+use super::frame::{FRAME_RATE_HZ, Frame, FrameReader};
+use crate::{ONSET_RATE_HZ, Onset, SoundError};
+
+/// A bar that begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeardBar {
+    /// When.
+    pub at_secs: f64,
+    /// How many beats it is likely to have.
+    pub beats: u8,
+    /// How much goes on, in [0, 1], relative to the last minutes.
+    pub energy: f32,
+    /// The music has lately become another one.
+    pub begins_section: bool,
+}
+
+/// Seconds of frames and onsets that are kept: more than the slowest beat.
+const KEPT_SECS: f64 = 4.0;
+/// Bars that are compared with as many before them.
+const COMPARED: usize = 4;
+/// Bars at least between two sections.
+const SHORTEST: usize = 8;
+/// A section begins where the last bars are less like those before than those are like each other by this much.
+const NOVEL: f32 = 0.12;
+/// Loudest and busiest moment fall to 1/e in this many beats.
+const MEMORY_BEATS: f32 = 200.0;
+
+/// Groups the beats that a [`BeatFollower`](crate::BeatFollower) announces into bars.
+pub(crate) struct BarFollower {
+    reader: FrameReader,
+    frames: Vec<Frame>,
+    onsets: Vec<Onset>,
+    /// Frames and onsets that are no longer kept.
+    gone: [usize; 2],
+    pointer: BarPointer,
+    last_beat_secs: Option<f64>,
+    /// The beats of this bar, then the means of the bars before it, newest last.
+    beats: Vec<BeatFeatures>,
+    bars: Vec<Vec<f32>>,
+    since_section: usize,
+    loud: f32,
+    busy: f32,
+    energy: f32,
+}
+
+impl BarFollower {
+    /// For samples at `rate_hz`.
+    pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
+        Ok(Self {
+            reader: FrameReader::new(rate_hz)?,
+            frames: Vec::new(),
+            onsets: Vec::new(),
+            gone: [0; 2],
+            pointer: BarPointer::new(),
+            last_beat_secs: None,
+            beats: Vec::new(),
+            bars: Vec::new(),
+            since_section: 0,
+            loud: 0.0,
+            busy: 0.0,
+            energy: 0.0,
+        })
+    }
+
+    /// Takes the next samples that have been heard, and the onsets found in them.
+    pub(crate) fn push(&mut self, left: &[f32], right: &[f32], onsets: &[Onset]) {
+        self.reader.push(left, right, &mut self.frames);
+        self.onsets.extend_from_slice(onsets);
+        let kept = [KEPT_SECS * FRAME_RATE_HZ, KEPT_SECS * ONSET_RATE_HZ].map(|count| count as usize);
+        if self.frames.len() > 2 * kept[0] {
+            let [frames, onsets] = [self.frames.len() - kept[0], self.onsets.len().saturating_sub(kept[1])];
+            self.frames.drain(..frames);
+            self.onsets.drain(..onsets);
+            self.gone = [self.gone[0] + frames, self.gone[1] + onsets];
+        }
+    }
+
+    /// A beat begins; returns the bar that begins with it, if one does.
+    pub(crate) fn beat(&mut self, at_secs: f64) -> Option<HeardBar> {
+        let begin_secs = self.last_beat_secs.replace(at_secs)?;
+        let from_secs = self.gone[0] as f64 / FRAME_RATE_HZ;
+        // Both are counted from the frames that are kept; onsets are the finer of the two.
+        let skipped = (from_secs * ONSET_RATE_HZ).round() as usize;
+        let onsets = self.onsets.get(skipped.saturating_sub(self.gone[1])..).unwrap_or_default();
+        let ended = BeatFeatures::between(begin_secs - from_secs, at_secs - from_secs, &self.frames, onsets);
+        self.measure(&ended);
+        self.beats.push(ended.clone());
+        let beats = self.pointer.beat(ended)?;
+        let bar = std::mem::take(&mut self.beats);
+        self.bars.push(mean(&bar));
+        if self.bars.len() > 2 * COMPARED {
+            self.bars.remove(0);
+        }
+        self.since_section += 1;
+        let begins_section = self.since_section >= SHORTEST && self.is_another();
+        if begins_section {
+            self.since_section = 0;
+        }
+        Some(HeardBar { at_secs, beats: beats as u8, energy: self.energy, begins_section })
+    }
+
+    fn measure(&mut self, beat: &BeatFeatures) {
+        let activity = beat.rhythm[0].iter().sum::<f32>();
+        let keep = (-1.0 / MEMORY_BEATS).exp();
+        self.loud = (self.loud * keep).max(beat.power);
+        self.busy = (self.busy * keep).max(activity);
+        let now = energy::mix(beat.power, self.loud, activity, self.busy);
+        self.energy += 0.25 * (now - self.energy);
+    }
+
+    /// Whether the last bars are unlike those before them.
+    fn is_another(&self) -> bool {
+        if self.bars.len() < 2 * COMPARED {
+            return false;
+        }
+        let (before, after) = self.bars.split_at(COMPARED);
+        let alike = |a: &[Vec<f32>], b: &[Vec<f32>]| {
+            let pairs = a.iter().flat_map(|a| b.iter().map(move |b| cosine(a, b)));
+            pairs.sum::<f32>() / (a.len() * b.len()) as f32
+        };
+        0.5 * (alike(before, before) + alike(after, after)) - alike(before, after) > NOVEL
+    }
+}
+
+fn mean(beats: &[BeatFeatures]) -> Vec<f32> {
+    let values = |beat: &BeatFeatures| -> Vec<f32> {
+        // Powers in bels, so that they weigh about as much as notes and strokes do.
+        let octaves = beat.octaves.iter().map(|power| 0.1 * (power + 8.0).max(0.0));
+        beat.chroma
+            .iter()
+            .chain(&beat.bass)
+            .copied()
+            .chain(octaves)
+            .chain(beat.rhythm.as_flattened().iter().copied())
+            .collect()
+    };
+    let mut mean = vec![];
+    for beat in beats {
+        let values = values(beat);
+        mean.resize(values.len(), 0.0);
+        mean.iter_mut()
+            .zip(values)
+            .for_each(|(mean, value): (&mut f32, f32)| *mean += value / beats.len() as f32);
+    }
+    mean
+}

@@ -1,0 +1,77 @@
+//! What beats group into: bars and sections; and how much goes on.
+
+mod bars;
+mod beat_features;
+mod energy;
+mod follow;
+mod frame;
+mod sections;
+
+use chladni_task::Task;
+
+use crate::{Onset, Song, SoundError};
+use beat_features::BeatFeatures;
+use frame::FrameReader;
+
+pub use energy::ENERGY_RATE_HZ;
+pub(crate) use follow::BarFollower;
+pub use follow::HeardBar;
+
+/// A bar of a song.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Bar {
+    /// When its first beat falls.
+    pub at_secs: f64,
+    /// How many beats it has: 3 or 4, fewer where it is cut short.
+    pub beats: u8,
+}
+
+/// A part of a song that sounds unlike the one before it.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Section {
+    /// When its first bar begins.
+    pub at_secs: f64,
+    /// A letter: sections that sound alike have the same.
+    pub name: char,
+    /// Its mean energy, in [0, 1].
+    pub energy: f32,
+}
+
+/// What the beats of a song group into.
+pub(crate) struct Structure {
+    pub bars: Vec<Bar>,
+    pub sections: Vec<Section>,
+    pub energy: Vec<f32>,
+}
+
+/// Of a whole song, given its beats and onsets.
+pub(crate) fn structure(
+    song: &Song,
+    beats_secs: &[f64],
+    onsets: &[Onset],
+    task: &Task,
+) -> Result<Structure, SoundError> {
+    let mut reader = FrameReader::new(song.rate_hz)?;
+    let stage = task.stage("hearing bars and sections", song.frames() as u64);
+    let mut frames = Vec::new();
+    for (left, right) in song.left.chunks(1 << 16).zip(song.right.chunks(1 << 16)) {
+        task.check()?;
+        reader.push(left, right, &mut frames);
+        stage.advance(left.len() as u64);
+    }
+    let silence = vec![0.0; (reader.latency_secs() * f64::from(song.rate_hz)) as usize + 1];
+    reader.push(&silence, &silence, &mut frames);
+    let energy = energy::energy(&frames, onsets);
+    // The last beat lasts as long as the one before it.
+    let last =
+        beats_secs.last().zip(beats_secs.iter().rev().nth(1)).map(|(last, before)| 2.0 * last - before);
+    let ends = beats_secs.iter().skip(1).copied().chain(last);
+    let heard: Vec<BeatFeatures> =
+        beats_secs.iter().zip(ends).map(|(&a, b)| BeatFeatures::between(a, b, &frames, onsets)).collect();
+    let bars = bars::bars(beats_secs, &heard);
+    let first_beats: Vec<usize> =
+        bars.iter().map(|bar| beats_secs.partition_point(|&beat| beat < bar.at_secs)).collect();
+    let energy_between = |from, to| energy::between(&energy, from, to);
+    let sections = sections::sections(&first_beats, beats_secs, &heard, energy_between);
+    Ok(Structure { bars, sections, energy })
+}
