@@ -12,7 +12,8 @@ HEAD = """## The processor beside the graphics device
 
 `bench/draw/run` on {machine}. Levels of detail off, four samples a pixel on both. Milliseconds of a frame: the median of 21, the
 best, the processor time of all threads together, and times the first column's median. The load of the machine was {load:.1f} when
-it began; where that is more than 0, ratios and the best say more than medians.
+it began; where that is more than 0, ratios and the best say more than medians. Each effect (docs/looks.md) is drawn beside the shadow of
+*one shape* alone; the last two rows are whole looks.
 """
 
 

@@ -7,8 +7,9 @@
 use std::time::Instant;
 
 use chladni_view::{
-    Background, Camera, Canvas, Cell, Device, Draw, Figure, ItemBuffers, Lights, Picture, Rect, Renderer,
-    Samples, Topology, View, ViewError, layout, smooth_normals,
+    Answer, Camera, Canvas, Cell, Curve, Device, Draw, Figure, Finish, Floor, ItemBuffers, Lights, Look,
+    Material, Paint, Picture, Rect, Renderer, RestShape, Samples, Topology, View, ViewError, layout,
+    smooth_normals,
 };
 
 /// A closed sphere with waves, of about `vertices` vertices, wound outwards.
@@ -69,34 +70,36 @@ const SCENES: [Scene; 3] = [
 const FRAMES: usize = 21;
 
 /// Milliseconds of each frame, in order; those of all threads together, on average; the last picture.
-fn measure(device: &Device, scene: &Scene, shadow: f32) -> Result<(Vec<f64>, f64, Picture), ViewError> {
+fn measure(device: &Device, scene: &Scene, look: &Look) -> Result<(Vec<f64>, f64, Picture), ViewError> {
     let (positions, triangles) = bumpy(scene.vertices);
     let normals = smooth_normals(&positions, &triangles);
     let topology = Topology::new(device, positions.len(), &triangles)?;
     let buffers = ItemBuffers::new(device, positions.len(), scene.items);
     (0..scene.items).try_for_each(|item| buffers.write(device, item, &positions, &normals))?;
-    let figures: Vec<Figure<'_>> =
-        (0..scene.items).map(|item| Figure::new(&topology, &buffers, item)).collect();
+    let still: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|c| c * (1.0 + 0.3 * p[1]))).collect();
+    let rest = RestShape::new(device, &still, &vec![0.0; still.len()])?;
+    let paint = look.answer.map_or(Paint::Material, |answer| Paint::Answer(&rest, answer));
+    let figure = |item| Figure { material: look.material, paint, ..Figure::new(&topology, &buffers, item) };
+    let figures: Vec<Figure<'_>> = (0..scene.items).map(figure).collect();
     let area = Rect::of_size(scene.size[0], scene.size[1]);
     let (rows, columns) = layout::rows_and_columns(area.width, area.height, scene.items, 1.0);
     let viewports = layout::grid(area, rows, columns, 0, scene.items);
     let mut camera = Camera::looking(View::ThreeQuarter);
     camera.fit(positions.iter().copied(), viewports[0].aspect(), 0.88);
-    let lights = Lights { shadow, ..Lights::STAGE };
     let mut renderer = Renderer::new(device);
     let canvas = Canvas::with_samples(device, area.width, area.height, Samples::Four)?;
     let (mut times, mut cpu) = (Vec::new(), 0.0);
     for frame in 0..FRAMES + 2 {
         let turned = Camera { yaw_rad: camera.yaw_rad + 0.02 * frame as f32, ..camera };
         let placed = viewports.iter().copied().zip(&figures);
-        let cells: Vec<Cell<'_>> = Cell::gallery(area, Background::NIGHT, turned, lights, placed);
+        let cells: Vec<Cell<'_>> = Cell::gallery(area, look.background, turned, look.lights, placed);
         // The first two compile and fill caches.
         if frame == 2 {
             times.clear();
             cpu = cpu_ms();
         }
         let start = Instant::now();
-        renderer.draw(&canvas, &cells)?;
+        renderer.draw_finished(&canvas, &cells, &look.finish, frame as f64 / 30.0)?;
         if let Some(gpu) = device.gpu() {
             let done = gpu.device.poll(wgpu::PollType::wait_indefinitely());
             done.map_err(|error| ViewError::Device(error.to_string()))?;
@@ -108,6 +111,30 @@ fn measure(device: &Device, scene: &Scene, shadow: f32) -> Result<(Vec<f64>, f64
     Ok((times, cpu, canvas.read(device)?))
 }
 
+/// Clay under the lights of the stage.
+fn bare(shadow: f32) -> Look {
+    Look { material: Material::CLAY, lights: Lights { shadow, ..Lights::STAGE }, ..Look::PLAIN }
+}
+
+/// One effect each beside the bare look, then two whole ones.
+fn effects() -> [(&'static str, Look); 8] {
+    let look = bare(0.7);
+    let lights = Lights { horizon: [0.5; 3], strips: 1.0, curve: Curve::Filmic, ..look.lights };
+    let mut floor = look.background;
+    floor.floor = Some(Floor { color: [60; 3], shadow: 0.8, at: [0.0, -0.5, 0.0], radius: 0.5 });
+    let finish = |finish| Look { finish, ..look };
+    [
+        ("palette", Look { answer: Some(Answer { glow: 0.3, ..Answer::MOVED }), ..look }),
+        ("studio of lines, film's curve", Look { lights, ..look }),
+        ("floor", Look { background: floor, ..look }),
+        ("glow", finish(Finish { bloom: 1.0, bloom_from: 0.5, ..Finish::NOTHING })),
+        ("trails", finish(Finish { trail_secs: 0.2, trail_growth: 0.2, ..Finish::NOTHING })),
+        ("rim and grain", finish(Finish { vignette: 0.3, grain: 0.03, ..Finish::NOTHING })),
+        ("the look aurora", Look::AURORA),
+        ("the look neon", Look::NEON),
+    ]
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1);
     let mut devices = vec![Device::open(Draw::Cpu)?];
@@ -115,27 +142,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for device in &devices {
         println!("{}", device.description());
     }
-    println!(
-        "| scene | shadows | {} |",
-        devices.iter().map(|_| "ms a frame").collect::<Vec<_>>().join(" | ")
-    );
-    for scene in &SCENES {
-        for (what, shadow) in [("none", 0.0), ("key light", 0.7)] {
-            let mut line = format!("| {} {} x {} | {what}", scene.name, scene.items, scene.vertices);
-            let mut first = None;
-            for (device, who) in devices.iter().zip(["processor", "device"]) {
-                let (times, cpu, picture) = measure(device, scene, shadow)?;
-                let median = times[times.len() / 2];
-                let ratio = median / *first.get_or_insert(median);
-                line +=
-                    &format!(" | {median:.1}, best {:.1}, processor {cpu:.0}, {ratio:.1} times", times[0]);
-                if let Some(folder) = &folder {
-                    let path = format!("{folder}/{}-{what}-{who}.png", scene.name);
-                    std::fs::write(path, picture.to_png()?)?;
-                }
+    let columns: Vec<&str> = devices.iter().map(|_| "ms a frame").collect();
+    println!("| scene | with | {} |", columns.join(" | "));
+    let plain = [("no shadow", bare(0.0)), ("shadow", bare(0.7))];
+    let of = |scene| plain.map(|(what, look)| (scene, what, look));
+    let with_effects = effects().map(|(what, look)| (&SCENES[1], what, look));
+    for (scene, what, look) in SCENES.iter().flat_map(of).chain(with_effects) {
+        let mut line = format!("| {} {} x {} | {what}", scene.name, scene.items, scene.vertices);
+        let mut first = None;
+        for (device, who) in devices.iter().zip(["processor", "device"]) {
+            let (times, cpu, picture) = measure(device, scene, &look)?;
+            let median = times[times.len() / 2];
+            let ratio = median / *first.get_or_insert(median);
+            line += &format!(" | {median:.1}, best {:.1}, processor {cpu:.0}, {ratio:.1} times", times[0]);
+            if let Some(folder) = &folder {
+                let path = format!("{folder}/{}-{what}-{who}.png", scene.name);
+                std::fs::write(path, picture.to_png()?)?;
             }
-            println!("{line} |");
         }
+        println!("{line} |");
     }
     Ok(())
 }

@@ -29,6 +29,11 @@ const fn answer_from(
     Some(Answer { palette, offset, span, swing, travel, glow, ..Answer::MOVED })
 }
 
+/// A glow behind the shape.
+const fn halo(center: [u8; 3], corner: [u8; 3]) -> Background {
+    Background { gradient: Gradient::Halo, ..Background::between(center, corner) }
+}
+
 /// A floor that is put under the shape later.
 const fn floor(color: [u8; 3], shadow: f32) -> Option<Floor> {
     Some(Floor { color, shadow, at: [0.0; 3], radius: 0.0 })
@@ -59,7 +64,7 @@ impl Look {
         material: Material {
             roughness: 0.32,
             softness: 0.5,
-            glow: 0.08,
+            glow: 0.02,
             edge: [40, 90, 190],
             ..Material::BARE
         },
@@ -77,16 +82,16 @@ impl Look {
             curve: Curve::Filmic,
             ..Lights::BARE
         },
-        background: Background::between([30, 48, 104], [4, 5, 18]),
-        finish: Finish { bloom: 0.8, bloom_from: 0.6, vignette: 0.35, ..Finish::NOTHING },
+        background: halo([26, 66, 138], [5, 6, 20]),
+        finish: Finish { bloom: 0.9, bloom_from: 0.6, vignette: 0.35, ..Finish::NOTHING },
         response: Response {
             flow: 0.04,
             timbre: 0.2,
             sides: 0.2,
-            glow: 0.14,
-            light: 0.35,
-            halo: 0.6,
-            saturation: 0.2,
+            glow: 0.3,
+            light: 0.6,
+            halo: 0.9,
+            saturation: 0.0,
             rim: 0.7,
         },
     };
@@ -113,7 +118,7 @@ impl Look {
             curve: Curve::Filmic,
             ..Lights::BARE
         },
-        background: Background::between([58, 18, 8], [8, 4, 4]),
+        background: halo([92, 30, 8], [9, 5, 5]),
         finish: Finish {
             bloom: 0.9,
             bloom_from: 0.55,
@@ -123,9 +128,9 @@ impl Look {
             ..Finish::NOTHING
         },
         response: Response {
-            glow: 0.06,
-            light: 0.3,
-            halo: 0.75,
+            glow: 0.12,
+            light: 0.6,
+            halo: 0.95,
             timbre: 0.15,
             rim: 1.0,
             ..Self::AURORA.response
@@ -167,7 +172,7 @@ impl Look {
         material: Material {
             roughness: 0.2,
             softness: 0.0,
-            glow: 0.2,
+            glow: 0.3,
             edge: [255, 30, 160],
             ..Material::BARE
         },
@@ -185,7 +190,7 @@ impl Look {
             curve: Curve::Filmic,
             ..Lights::BARE
         },
-        background: Background::between([44, 8, 66], [5, 2, 14]),
+        background: halo([84, 10, 110], [6, 3, 16]),
         finish: Finish {
             bloom: 0.8,
             bloom_from: 0.55,
@@ -211,7 +216,7 @@ impl Look {
             curve: Curve::Filmic,
             ..Lights::BARE
         },
-        background: Background::between([8, 26, 44], [2, 5, 11]),
+        background: halo([6, 44, 78], [3, 6, 12]),
         finish: Finish {
             bloom: 1.1,
             bloom_from: 0.4,
@@ -245,7 +250,7 @@ impl Look {
             ..Background::between([58, 66, 84], [10, 11, 16])
         },
         finish: Finish { bloom: 0.5, bloom_from: 0.72, vignette: 0.4, ..Finish::NOTHING },
-        response: Response { light: 0.45, halo: 0.5, rim: 0.9, ..Self::PLAIN.response },
+        response: Response { light: 0.6, halo: 0.8, rim: 0.9, ..Self::PLAIN.response },
         ..Self::PLAIN
     };
 
@@ -378,7 +383,7 @@ impl Look {
             curve: Curve::Filmic,
             ..Lights::BARE
         },
-        background: Background::between([34, 34, 44], [7, 7, 10]),
+        background: halo([54, 54, 74], [8, 8, 11]),
         finish: Finish { bloom: 0.4, bloom_from: 0.62, vignette: 0.35, ..Finish::NOTHING },
         response: Response { flow: 0.25, timbre: 0.4, ..Self::AURORA.response },
     };
@@ -507,7 +512,7 @@ impl Look {
             ..Background::between([58, 12, 30], [10, 3, 8])
         },
         finish: Finish { bloom: 0.4, bloom_from: 0.6, vignette: 0.45, ..Finish::NOTHING },
-        response: Response { light: 0.45, halo: 0.6, rim: 1.2, ..Self::PLAIN.response },
+        response: Response { light: 0.6, halo: 0.6, rim: 1.2, ..Self::PLAIN.response },
         ..Self::PLAIN
     };
 

@@ -234,6 +234,8 @@ pub enum Gradient {
     Round,
     /// From the bottom (the middle's colour) to the top (the corners').
     Upright,
+    /// A glow behind the shape, gone well before the edges.
+    Halo,
 }
 
 /// A floor that fades into the background, with a soft shadow under the shape.

@@ -244,7 +244,10 @@ const LOOKS: [(&str, Drawn); 20] = [
     }),
     ("glow, rim and grain", |m, size| {
         let figures = [m.figure()];
-        let cell = Cell { background: Background::NIGHT, ..m.cell(&figures, size) };
+        let cell = Cell {
+            background: Background { gradient: Gradient::Halo, ..Background::NIGHT },
+            ..m.cell(&figures, size)
+        };
         let finish = Finish { bloom: 1.0, bloom_from: 0.4, vignette: 0.5, grain: 0.1, ..Finish::NOTHING };
         m.finish(size, &[cell], &finish)
     }),

@@ -20,6 +20,8 @@ use super::Heard;
 
 /// How much of its cell the shape may fill where it is moved as far as the limit allows.
 const FILL: f32 = 0.96;
+/// The floor is this share of the farthest movement below the shape, which seldom goes through it then.
+const FLOOR_BELOW: f32 = 0.4;
 /// Between cells lies one part in so many of the picture's shorter side.
 const GAP: u32 = 100;
 
@@ -244,7 +246,7 @@ impl Staging {
         look.lights.exposure *= reaction.light_gain;
         // Many shapes do not stand on one floor.
         look.background.floor = look.background.floor.filter(|_| items == 1).and_then(|floor| {
-            let (at, radius) = self.ground()?;
+            let (at, radius) = self.ground(FLOOR_BELOW * limit * self.dancer.box_diagonal)?;
             Some(Floor { at, radius, ..floor })
         });
         Staged { area, camera, look, viewports, columns }
@@ -283,8 +285,8 @@ impl Staging {
         camera
     }
 
-    /// The point on the ground below the middle of the body at rest, and half its width there.
-    fn ground(&self) -> Option<([f32; 3], f32)> {
+    /// The point so far below the middle of the body at rest, and half its width there.
+    fn ground(&self, below: f32) -> Option<([f32; 3], f32)> {
         let axes =
             [self.stands.right(), self.stands.up(), self.stands.front()].map(|axis| axis.map(|c| c as f32));
         let along = |p: &[f32; 3], axis: &[f32; 3]| (0..3).map(|i| p[i] * axis[i]).sum::<f32>();
@@ -294,7 +296,7 @@ impl Staging {
         });
         let [right, up, front] = ends;
         let middle = |(low, high): (f32, f32)| 0.5 * (low + high);
-        let at = [middle(right), up.0, middle(front)];
+        let at = [middle(right), up.0 - below, middle(front)];
         let radius = 0.5 * (right.1 - right.0).max(front.1 - front.0);
         let point = std::array::from_fn(|i| (0..3).map(|a| at[a] * axes[a][i]).sum());
         (radius > 0.0 && radius.is_finite()).then_some((point, radius))
@@ -325,5 +327,30 @@ impl Staged {
         let placed = self.viewports.iter().copied().zip(figures);
         let Look { background, lights, .. } = self.look;
         Cell::gallery(self.area, background, self.camera, lights, placed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_make_a_look_and_unknown_ones_are_told() {
+        let names = |[look, material, lights, background]: [&str; 4]| Looks {
+            look: look.into(),
+            material: material.into(),
+            lights: lights.into(),
+            background: background.into(),
+        };
+        assert_eq!(look_named(&names(["ember", "", "", ""])), (Look::EMBER, vec![]));
+        assert_eq!(look_named(&first_looks()), (Look::AURORA, vec![]));
+        // Shows of before looks had names.
+        let (old, missing) = look_named(&names(["", "pearl", "stage", "night"]));
+        assert_eq!((old, missing), (Look::PLAIN, vec![]));
+        let (mixed, missing) = look_named(&names(["ember", "bronze", "candle", ""]));
+        assert_eq!((mixed.material, mixed.answer), (Material::BRONZE, None));
+        assert_eq!((mixed.lights, mixed.finish), (Look::EMBER.lights, Look::EMBER.finish));
+        assert_eq!(missing, ["candle"]);
+        assert_eq!(look_named(&names(["dawn", "", "", ""])), (Look::PLAIN, vec!["dawn".to_owned()]));
     }
 }

@@ -72,6 +72,9 @@ pub const COMMANDS: &[Recorded] = recorded! {
         "dance sample:octopus sample:tune -k 48 --duration 0.2 --fps 10 --size 192x144 --frames frames";
     "dance-gallery":
         "dance sample:octopus sample:tune -k 48 --duration 0.2 --fps 10 --size 320x240 --gallery 6 --frames frames";
+    "dance-looks":
+        "dance sample:octopus sample:tune -k 48 --duration 0.2 --fps 10 --size 192x144 --look neon --frames neon",
+        "dance sample:octopus sample:tune -k 48 --duration 0.2 --fps 10 --size 192x144 --look porcelain --palette prism --frames paler";
     "dance-project":
         "project new sample:head -k 48 -o me.chladni",
         "project add-layer me.chladni --template ellipsoid --mu -1",

@@ -52,13 +52,15 @@ impl Kernel for Row<'_> {
         let [left, top, width, height] = self.cell.viewport;
         let (center, corner) = (self.cell.background_center, self.cell.background_corner);
         let at_y = 1.0 - 2.0 * (self.y as f32 + 0.5) / height;
-        let (y, upright) = (at_y - 0.1, corner[3] > 0.5);
+        let (y, gradient) = (at_y - 0.1, corner[3]);
         let row = top as u32 + self.y as u32;
         let floor = self.cell.floor_plane[..3].iter().any(|axis| *axis != 0.0);
         for (i, pixel) in self.pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
             let x = 2.0 * (i as f32 + 0.5) / width - 1.0;
-            let round = smoothstep(0.1, 1.5, (x * x + y * y).sqrt());
-            let share = if upright { 0.5 + 0.5 * at_y } else { round };
+            let r = (x * x + y * y).sqrt();
+            let (round, halo) = (smoothstep(0.1, 1.5, r), smoothstep(0.0, 1.1, r));
+            let share = if gradient > 1.5 { halo } else { round };
+            let share = if (gradient - 1.0).abs() < 0.5 { 0.5 + 0.5 * at_y } else { share };
             let mut behind = [0.0; 3];
             for k in 0..3 {
                 behind[k] = mix(center[k], corner[k], share);

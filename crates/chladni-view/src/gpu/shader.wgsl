@@ -10,7 +10,8 @@ struct Cell {
     // w: brightness of the upright softboxes.
     sky: vec4f,
     ground: vec4f,
-    // Colours as sRGB numbers; w of the first: opacity; of the second: 1 where they run upright.
+    // Colours as sRGB numbers; w of the first: opacity; of the second: 1 where they run
+    // upright, 2 for a halo.
     background_center: vec4f,
     background_corner: vec4f,
     // x, y, width, height in pixels.
@@ -533,7 +534,9 @@ fn floored(behind: vec3f, at: vec2f) -> vec3f {
 @fragment
 fn backdrop_fragment(in: Screen) -> @location(0) vec4f {
     let r = length(in.at * vec2f(1.0, 1.0) + vec2f(0.0, -0.1));
-    let away = select(smoothstep(0.1, 1.5, r), 0.5 + 0.5 * in.at.y, cell.background_corner.w > 0.5);
+    let gradient = cell.background_corner.w;
+    var away = select(smoothstep(0.1, 1.5, r), smoothstep(0.0, 1.1, r), gradient > 1.5);
+    away = select(away, 0.5 + 0.5 * in.at.y, abs(gradient - 1.0) < 0.5);
     var c = mix(cell.background_center.rgb, cell.background_corner.rgb, away);
     c = floored(c, in.at);
     // An ordered dither hides the steps of eight bits, and unlike noise it compresses well.
