@@ -3,7 +3,7 @@
 
 usage: bench/beats/measure.py [--data FOLDER] [--write]
 The songs are those of the data folder (default ../shared/data/audio or $CHLADNI_DATA/audio) that have
-known beats, 24 that `beat_songs` composes, and 31 that other people wrote as MIDI (see midi_songs.py; left
+known beats, 24 that `beat_songs` composes (and 14 whose bars and sections are known, too), and 31 that other people wrote as MIDI (see midi_songs.py; left
 out where Debian's openttd-openmsx, fluidsynth and timgm6mb-soundfont are not installed). Every other one of these
 31 was held out when the tracker's constants were chosen. PEERS_PYTHON names a Python with librosa; aubio
 is looked for in /usr/bin/python3. --write puts the table into BENCHMARKS.md.
@@ -35,12 +35,12 @@ def truth_of(path):
     return [float(line.split()[0]) for line in lines if line.strip() and not line.startswith("#")]
 
 
-def f_measure(found, truth):
-    """Beats paired one to one within ±70 ms."""
+def f_measure(found, truth, window_secs=WINDOW_SECS):
+    """Beats paired one to one within ±70 ms, or another window."""
     i = j = hits = 0
     while i < len(found) and j < len(truth):
         off = found[i] - truth[j]
-        if abs(off) <= WINDOW_SECS:
+        if abs(off) <= window_secs:
             hits, i, j = hits + 1, i + 1, j + 1
         elif off < 0:
             i += 1
@@ -75,7 +75,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([target / "beat_songs", folder], check=True)
         beside = lambda wav: (wav, wav.with_name(wav.name.removesuffix(".wav") + ".beats.txt"))
-        composed = [beside(wav) for wav in sorted(pathlib.Path(folder).glob("*.wav"))]
+        composed = [beside(wav) for wav in sorted(pathlib.Path(folder).glob("*.wav")) if not wav.name.startswith("form-")]
         written = [beside(midi_songs.render(midi, pathlib.Path(folder))) for midi in midi_songs.installed()]
         groups = {
             "recordings": [(data / song, data / truth) for song, truth in KNOWN if (data / song).exists()],
@@ -96,10 +96,37 @@ def main():
             "aubio, listening": lines_of(["/usr/bin/python3", str(here / "peer_aubio.py"), *paths]),
         }
     columns = {name: column for name, column in columns.items() if column}
-    table = render(groups, truths, columns)
+        forms = form_table(sorted(pathlib.Path(folder).glob("form-*.wav")), target, python, here)
+    table = render(groups, truths, columns) + "\n" + forms
     print(table)
     if "--write" in arguments:
         write_section("beats", f"## Beats\n\n{table}")
+
+
+def form_table(songs, target, python, here):
+    """Bars and sections of the songs with a form; each second one was held out."""
+    truth = lambda song, what: truth_of(song.with_suffix(f".{what}.txt"))
+    ours = lines_of([str(target / "beat_lists"), *map(str, songs)])
+    counted = [word for song in songs for word in (str(len(truth(song, "sections"))), str(song))]
+    peer = lines_of([python, str(here / "peer_librosa_sections.py"), *counted])
+    names = ["bars, whole song", "bars, listening", "sections, whole song", "sections, listening"]
+    names += ["sections, librosa (told how many)"] if peer else []
+    rows = ["| song | " + " | ".join(names) + " |", "|---|" + "---|" * len(names)]
+    scores = []
+    for k, song in enumerate(songs):
+        bars, sections = truth(song, "bars"), truth(song, "sections")
+        bar_secs = 1.01 * (bars[1] - bars[0])
+        score = [f_measure(ours[k][by]["bars_secs"], bars) for by in ("whole", "causal")]
+        score += [f_measure(ours[k][by]["sections_secs"], sections, bar_secs) for by in ("whole", "causal")]
+        score += [f_measure(peer[k]["sections_secs"], sections, bar_secs)] if peer else []
+        scores.append(score)
+        rows.append(f"| {song.stem[8:]} | " + " | ".join(f"{s:.3f}" for s in score) + " |")
+    for name, part in (("used to choose constants", scores[0::2]), ("held out", scores[1::2])):
+        means = " | ".join(f"**{sum(column) / len(part):.3f}**" for column in zip(*part))
+        rows.append(f"| **mean of {len(part)} {name}** | {means} |")
+    head = ("Bars and sections of songs that `beat_songs` composes with a known form: F-measure, bars within ±70 ms, sections within "
+            "a bar.\n\n")
+    return head + "\n".join(rows) + "\n"
 
 
 def render(groups, truths, columns):

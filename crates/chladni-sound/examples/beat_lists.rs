@@ -20,9 +20,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             let beats = tracker(&song, &Task::new())?;
             write!(
                 out,
-                ", \"{name}\": {{\"tempo_bpm\": {}, \"beats_secs\": {:?}, \"confidence\": {}, \"took_secs\": {}}}",
+                ", \"{name}\": {{\"tempo_bpm\": {}, \"beats_secs\": {:?}, \"bars_secs\": {:?}, \"sections_secs\": {:?}, \
+                 \"confidence\": {}, \"took_secs\": {}}}",
                 beats.tempo_bpm,
                 beats.beats_secs,
+                beats.bars.iter().map(|bar| bar.at_secs).collect::<Vec<_>>(),
+                beats.sections.iter().map(|section| section.at_secs).collect::<Vec<_>>(),
                 beats.confidence,
                 start.elapsed().as_secs_f64()
             )?;

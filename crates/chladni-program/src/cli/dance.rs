@@ -93,7 +93,7 @@ pub struct Dance {
     #[arg(long)]
     paper: bool,
     /// Lean back: dances, looks and strength change with the music, where sections and bars begin.
-    #[arg(long, conflicts_with_all = ["preset", "show", "gallery"])]
+    #[arg(long, conflicts_with_all = ["preset", "show", "gallery", "coefficients"])]
     autopilot: bool,
     /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here.
     #[arg(long, value_name = "C.npz")]

@@ -123,6 +123,8 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
         source: egui::MouseWheelSource::Wheel,
     });
     run_for(&mut window, 0.5);
+    // The wheel runs out over many frames; on stage it would be a hand on the camera.
+    window.run_steps(60);
     window.event(Event::PointerMoved(window.get_by_label("Dance 3").rect().center()));
     window.run_steps(2);
     window.key_press(Key::S);
