@@ -35,8 +35,9 @@ const MOST_DRIVERS: usize = 12;
 const LEAST_SHARE: f32 = 0.02;
 /// A figure is new as far as it differs from that of about this time.
 const HABIT_SECS: f32 = 0.8;
-/// How far a new figure throws grains about, as a share of the bounding box's diagonal.
-const SCATTER: f32 = 0.16;
+/// S, and the most: how far a new figure throws grains about, as a share of the bounding box's diagonal.
+const SCATTER: f32 = 1.5;
+const MOST_SCATTER: f32 = 0.2;
 /// C: how fast grains slide down.
 const SLIDE: f64 = 0.32;
 /// J: how far grains are thrown about.
@@ -183,8 +184,9 @@ impl Sand {
         let (seed, tray, speed) = (self.seed, &*self.tray, &self.speed);
         let (most, level, rest) = (self.most_speed, self.level, self.rest());
         let slide = -SLIDE * self.wave * self.wave * f64::from(self.vigor);
-        let scatter = f64::from(SCATTER * self.novelty * tray.box_diagonal);
-        let throw = (THROW * self.wave + scatter) * f64::from(self.vigor);
+        let new = (SCATTER * self.novelty.powi(3)).min(MOST_SCATTER);
+        let scatter = f64::from(new * tray.box_diagonal * self.vigor);
+        let throw = THROW * self.wave * f64::from(self.vigor);
         self.grains.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, grains)| {
             for (i, grain) in (chunk * CHUNK..).zip(grains) {
                 if !(step + i as u64).is_multiple_of(HOP_STEPS) || step < landing(seed, i) {
@@ -199,7 +201,7 @@ impl Sand {
                 }
                 // ∇u² = 2 u ∇u.
                 let slope = tray.ground.slope(grain.triangle, speeds).map(|s| 2.0 * here * s);
-                let thrown = throw * f64::from(moved);
+                let thrown = throw * f64::from(moved) + scatter;
                 let [x, y] = at_random(draw(seed, i, 2 + step));
                 let way = [slide * slope[0] + thrown * x, slide * slope[1] + thrown * y];
                 *grain = tray.ground.walk(*grain, way);
@@ -228,14 +230,14 @@ impl Sand {
         if curved > 0.0 {
             self.wave = (total / curved).sqrt();
         }
-        let waves_of = |powers: &Vec<f32>| -> Vec<(f32, &[f64])> {
+        let waves_of = |powers: &Vec<f32>| -> Waves<'_> {
             drivers.iter().map(|&(k, share)| (share * powers[k].sqrt(), basis.harmonic(k))).collect()
         };
-        let waves: Vec<Vec<(f32, &[f64])>> = self.powers.iter().map(waves_of).collect();
+        let waves: Vec<Waves<'_>> = self.powers.iter().map(waves_of).collect();
         let masks: Vec<Option<&[f32]>> =
             (0..waves.len()).map(|t| item.terms.get(t).and_then(|term| term.mask.as_deref())).collect();
         self.speed.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(v, speed)| {
-            let of_term = |(waves, mask): (&Vec<(f32, &[f64])>, &Option<&[f32]>)| {
+            let of_term = |(waves, mask): (&Waves<'_>, &Option<&[f32]>)| {
                 mask.map_or(1.0, |mask| mask[v]) * waves.iter().map(|(a, h)| a * h[v] as f32).sum::<f32>()
             };
             *speed = waves.iter().zip(&masks).map(of_term).sum();
@@ -304,6 +306,9 @@ impl Sand {
         4.0 * phase * (1.0 - phase) * own * moved * self.vigor * HOP_HEIGHT * self.tray.box_diagonal
     }
 }
+
+/// Harmonics and what each is multiplied by.
+type Waves<'a> = Vec<(f32, &'a [f64])>;
 
 /// The step at which a grain that is poured has landed.
 fn landing(seed: u64, grain: usize) -> u64 {

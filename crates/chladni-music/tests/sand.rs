@@ -1,5 +1,9 @@
 //! Sand on plates: Chladni's figures, and what must hold of grains on any surface.
-#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a panic is how a test fails, and docs quote its figures"
+)]
 
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
@@ -167,4 +171,18 @@ fn the_number_of_threads_does_not_matter() {
         })
     };
     assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn a_higher_tone_draws_a_finer_figure_that_the_middle_can_sound() {
+    use chladni_music::{Class, Mapping};
+    let classes: Vec<Class> =
+        (0..300).map(|k| [Class::Symmetric, Class::Antisymmetric, Class::Undecided][k % 3]).collect();
+    let mapping = Mapping::figures(&classes, 128);
+    mapping.validate().unwrap();
+    let targets = mapping.targets(128, 300);
+    assert!(targets.is_sorted() && targets[0] > 3 && targets[127] > 85 && targets[127] < 96, "{targets:?}");
+    assert!(targets.iter().all(|k| classes[*k as usize] != Class::Antisymmetric));
+    // Shapes of few harmonics have a mapping, too.
+    (0..6).for_each(|k| Mapping::figures(&classes[..k], 128).validate().unwrap());
 }

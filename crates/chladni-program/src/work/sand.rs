@@ -109,3 +109,66 @@ impl SandTable {
         self.sand.as_ref().map_or(0, |sand| sand.version() ^ u64::from(self.radius.to_bits()) << 32)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use chladni_harmonics::BasisSettings;
+    use chladni_mesh::{Orientation, samples};
+    use chladni_music::{Action, Dancer, GalleryShape, Moment, Stretch, Symmetry, experiment};
+    use chladni_sound::sample_tune;
+    use chladni_task::Task;
+
+    use super::*;
+    use crate::work::KnownSong;
+
+    fn stage() -> (Body, Arc<Dancer>, Instrument) {
+        let mesh = samples::sample("plate").unwrap();
+        let body = Body::build(&mesh, &BasisSettings::new(24), &Task::new()).unwrap();
+        let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
+        let body = symmetry.rotated(&body);
+        let dancer = Arc::new(Dancer::new(&body, &symmetry.classes, &Orientation::Y_UP).unwrap());
+        let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands: 128 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        for action in experiment(&dancer.classes, 128) {
+            instrument.apply(Moment::default(), action).unwrap();
+        }
+        instrument
+            .apply(Moment::default(), Action::Set { parameter: Parameter::Grains, value: 2000.0 })
+            .unwrap();
+        (body, dancer, instrument)
+    }
+
+    fn hearing(instrument: &Instrument) -> Hearing {
+        let mut hearing = Hearing::default();
+        hearing.know(0, KnownSong { song: Arc::new(sample_tune()), beats: None });
+        hearing.tune(0.0, instrument.parameters());
+        hearing.begin(Stretch { at_secs: 0.0, song: Some(0), song_secs: 2.0, playing: true }).unwrap();
+        hearing
+    }
+
+    #[test]
+    fn the_same_grains_lie_there_at_any_frame_rate_until_they_are_swept() {
+        let (body, dancer, mut instrument) = stage();
+        let run = |instrument: &Instrument, fps: u32| {
+            let (mut hearing, mut ensemble) = (hearing(instrument), Ensemble::new(Arc::clone(&dancer)));
+            let mut table = SandTable::new(body.clone(), 0.0);
+            for frame in 0..=2 * fps {
+                let at_secs = f64::from(frame) / f64::from(fps);
+                table.follow(&mut hearing, &mut ensemble, instrument, at_secs).unwrap();
+                hearing.hear(at_secs).unwrap();
+            }
+            (table.drawn().unwrap().grains.to_vec(), table)
+        };
+        let (often, mut table) = run(&instrument, 50);
+        assert_eq!(often.len(), 2000);
+        assert_eq!(often, run(&instrument, 24).0);
+        let (version, before) = (table.version(), often);
+        instrument.apply(Moment::default(), Action::Sweep).unwrap();
+        let (mut hearing, mut ensemble) = (hearing(&instrument), Ensemble::new(dancer));
+        table.follow(&mut hearing, &mut ensemble, &instrument, 2.1).unwrap();
+        assert!(table.version() != version && table.drawn().unwrap().grains != before);
+        instrument.apply(Moment::default(), Action::Switch { switch: Switch::Sand, on: false }).unwrap();
+        table.follow(&mut hearing, &mut ensemble, &instrument, 2.2).unwrap();
+        assert!(table.drawn().is_none());
+    }
+}
