@@ -50,6 +50,7 @@ mod error;
 mod exaggeration;
 mod fold;
 mod geodesic;
+mod head_parts;
 mod history;
 mod keeping;
 mod layer;
@@ -77,6 +78,7 @@ pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};
 pub use error::CaricatureError;
 pub use exaggeration::{Field, Signals};
 pub use fold::{flipped_triangles, furthest};
+pub use head_parts::HeadParts;
 pub use history::History;
 pub use keeping::{KeepRequest, Kept};
 pub use layer::{GivenEllipsoid, Layer, LayerId, MAX_MU, Template};
@@ -93,6 +95,7 @@ pub use surface::Surface;
 pub use wavelength::{parse_wavelength, size, usual_wavelength, wavelengths};
 
 pub use chladni_mesh::ShapeSource;
+pub use chladni_mesh::samples::HEAD_PARTS;
 pub use chladni_mesh::surface::SurfacePoint;
 
 #[cfg(test)]

@@ -60,6 +60,7 @@ mod similarity;
 mod small_system;
 mod sphere;
 mod surface;
+mod transfer;
 mod unfold;
 
 pub use analytic::{Ellipsoid, onto_ellipsoid, self_scaled};
@@ -70,6 +71,7 @@ pub use landmarks::{Landmark, load_landmarks, read_landmarks, write_landmarks};
 pub use matching::{Match, MatchSettings, Method, match_shapes};
 pub use quality::MatchReport;
 pub use similarity::{Scaling, Similarity};
+pub use transfer::{Transfer, transfer};
 
 /// The examples of README.md, compiled.
 #[cfg(doctest)]

@@ -475,3 +475,48 @@ fn a_picture_shows_the_panels_asked_for_in_a_row_for_each_mu() {
     let black = |panel: Vec<[u8; 4]>| panel.iter().filter(|p| p[..3].iter().all(|c| *c < 40)).count();
     assert!(black(panel(1, 5)) > black(panel(1, 2)) + 30);
 }
+
+#[test]
+fn a_project_that_keeps_triangles_says_how_much_it_keeps() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj self:lowpass=6 -k 64 --mu -14 -o";
+    let plain = desk.ok(&format!("{line} plain.ply"));
+    assert!(!plain.contains("keeps") && !plain.contains(" 0 triangles folded"), "{plain}");
+    let kept = desk.ok(&format!("{line} kept.ply --keep-triangles"));
+    assert!(kept.contains("% of its movement"), "{kept}");
+    assert_ne!(desk.mesh("plain.ply").positions, desk.mesh("kept.ply").positions);
+    desk.ok("project new shape.obj -k 64 -o p.chladni --keep-triangles");
+    desk.ok("project add-layer p.chladni --template self:lowpass=6 --mu -14");
+    assert!(desk.ok("project show p.chladni").contains("keeps triangles"));
+    desk.ok("caricature --recipe p.chladni -o again.ply");
+    assert_eq!(desk.mesh("again.ply").positions, desk.mesh("kept.ply").positions);
+}
+
+#[test]
+fn a_difference_moves_onto_another_shape() {
+    let desk = Desk::new();
+    desk.ok("caricature shape.obj ellipsoid -k 64 --mu -0.3 -o much.obj");
+    save_mesh(&lump(2.0), &desk.path("large.obj")).unwrap();
+    desk.ok("transfer shape.obj much.obj large.obj --match same -o out.obj");
+    let (out, much) = (desk.mesh("out.obj").positions, desk.mesh("much.obj").positions);
+    // As large as the target, twice the shape.
+    assert!(out.iter().zip(&much).all(|(a, b)| (0..3).all(|i| (a[i] - 2.0 * b[i]).abs() < 1e-3)));
+    desk.ok("transfer shape.obj much.obj large.obj --match same --amount 0 -o still.obj");
+    assert_eq!(desk.mesh("still.obj").positions, desk.mesh("large.obj").positions);
+    desk.refused("transfer shape.obj much.obj large.obj --amount inf -o out.obj");
+}
+
+#[test]
+fn a_part_of_a_head_is_a_region() {
+    let desk = Desk::new();
+    let parts = desk.ok("parts sample:head --json -o parts.npz");
+    assert!(parts.contains("\"nose\"") && parts.contains("confidence"), "{parts}");
+    desk.ok("caricature sample:head ellipsoid -k 48 --part nose -o nose.ply");
+    let (before, after) = (samples::sample("head").unwrap().positions, desk.mesh("nose.ply").positions);
+    let moved = |v: usize| (0..3).map(|i| (after[v][i] - before[v][i]).powi(2)).sum::<f64>().sqrt();
+    let back = (0..before.len()).filter(|v| before[*v][2] < -0.3).map(moved).fold(0.0, f64::max);
+    let most = (0..before.len()).max_by(|a, b| moved(*a).total_cmp(&moved(*b))).unwrap();
+    assert!(before[most][2] > 0.4 && back < 0.02 * moved(most), "{:?}, {back}", before[most]);
+    let said = desk.refused("caricature sample:head ellipsoid --part elbow -o nose.ply");
+    assert!(said.contains("nose, brow"), "{said}");
+}

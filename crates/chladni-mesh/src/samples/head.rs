@@ -85,6 +85,44 @@ fn modelled(features: &Features, cell: f64) -> TriMesh {
     surface(|p| solid(p, features), &grid)
 }
 
+/// What [`part_of`] tells apart.
+pub(crate) const PARTS: [&str; 10] =
+    ["nose", "brow", "eyes", "mouth", "chin", "jaw", "cheeks", "ears", "crown", "neck"];
+
+/// For each vertex of the plain head its part; of the head of character where `of_character`.
+pub(crate) fn parts(mesh: &TriMesh, of_character: bool) -> Vec<u8> {
+    let features = if of_character { &CHARACTER } else { &PLAIN };
+    mesh.positions.iter().map(|[x, y, z]| part_of([x.abs(), *y, *z], features)).collect()
+}
+
+/// The part, as an index of [`PARTS`], of a point on the half at x ≥ 0: a feature that it lies on, else the nearest of the
+/// large forms.
+fn part_of(p: Vec3, f: &Features) -> u8 {
+    let Skull { cranium, face, jaw, chin, bone, flesh, brow } = Skull::at(p, f);
+    let (upper, lower) = lips(p, f);
+    let [nose, brow_part, eyes, mouth, chin_part, jaw_part, cheeks, ears, crown, neck_part] =
+        std::array::from_fn(|i| i as u8);
+    let features = [
+        (eyes, socket(p).min(sphere(p, EYE, 0.195)), 0.01),
+        (nose, nose_of(p, f), 0.02),
+        (mouth, upper.min(lower), 0.04),
+        (ears, ear(p, f), 0.02),
+    ];
+    if let Some((part, ..)) = features.into_iter().find(|(_, distance, near)| distance < near) {
+        return part;
+    }
+    // What joins two forms lies off both: the smaller ones reach out for it.
+    let forms = [
+        (jaw_part, jaw),
+        (cheeks, face.min(bone).min(flesh)),
+        (crown, cranium),
+        (neck_part, neck(p, f)),
+        (chin_part, chin - 0.03),
+        (brow_part, brow - 0.03),
+    ];
+    forms.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(crown, |(part, _)| part)
+}
+
 /// The half of the head at x ≥ 0.
 fn solid(p: Vec3, f: &Features) -> f64 {
     let mut d = skull(p, f);
@@ -96,14 +134,33 @@ fn solid(p: Vec3, f: &Features) -> f64 {
     common(d, -1.42 - p[1], 0.12)
 }
 
+/// The distances of a point from the forms of the skull.
+struct Skull {
+    cranium: f64,
+    face: f64,
+    jaw: f64,
+    chin: f64,
+    bone: f64,
+    flesh: f64,
+    brow: f64,
+}
+
+impl Skull {
+    fn at(p: Vec3, f: &Features) -> Self {
+        let cranium = ellipsoid(p, [0.0, 0.28 + 0.5 * f.crown, -0.12], [0.70, 0.70 + 0.5 * f.crown, 0.85]);
+        let face = ellipsoid(p, [0.0, -0.26, 0.14], [0.57, 0.70, 0.58]);
+        let jaw =
+            rod(p, [0.36 + f.jaw, -0.52, 0.02], [0.13, -0.83 - 0.5 * f.chin, 0.44 + f.chin], 0.20, 0.16);
+        let chin = ellipsoid(p, [0.0, -0.87 - 0.6 * f.chin, 0.50 + 1.2 * f.chin], [0.19, 0.14, 0.15]);
+        let bone = sphere(p, [0.40, -0.13, 0.43 + 0.4 * f.cheeks], 0.19 + 0.5 * f.cheeks);
+        let flesh = sphere(p, [0.27, -0.44, 0.42], 0.19);
+        let brow = rod(p, [0.08, 0.165, 0.66], [0.42, 0.175, 0.50], f.brow, 0.85 * f.brow);
+        Self { cranium, face, jaw, chin, bone, flesh, brow }
+    }
+}
+
 fn skull(p: Vec3, f: &Features) -> f64 {
-    let cranium = ellipsoid(p, [0.0, 0.28 + 0.5 * f.crown, -0.12], [0.70, 0.70 + 0.5 * f.crown, 0.85]);
-    let face = ellipsoid(p, [0.0, -0.26, 0.14], [0.57, 0.70, 0.58]);
-    let jaw = rod(p, [0.36 + f.jaw, -0.52, 0.02], [0.13, -0.83 - 0.5 * f.chin, 0.44 + f.chin], 0.20, 0.16);
-    let chin = ellipsoid(p, [0.0, -0.87 - 0.6 * f.chin, 0.50 + 1.2 * f.chin], [0.19, 0.14, 0.15]);
-    let bone = sphere(p, [0.40, -0.13, 0.43 + 0.4 * f.cheeks], 0.19 + 0.5 * f.cheeks);
-    let flesh = sphere(p, [0.27, -0.44, 0.42], 0.19);
-    let brow = rod(p, [0.08, 0.165, 0.66], [0.42, 0.175, 0.50], f.brow, 0.85 * f.brow);
+    let Skull { cranium, face, jaw, chin, bone, flesh, brow } = Skull::at(p, f);
     let mut d = join(cranium, face, 0.35);
     d = join(d, jaw, 0.25);
     d = join(d, chin, 0.14);
@@ -112,10 +169,16 @@ fn skull(p: Vec3, f: &Features) -> f64 {
     join(d, brow, 0.14)
 }
 
+/// The center of the ball.
+const EYE: Vec3 = [0.265, 0.0, 0.565];
+
+fn socket(p: Vec3) -> f64 {
+    ellipsoid(p, [0.275, 0.005, 0.76], [0.20, 0.125, 0.13])
+}
+
 /// The socket, the ball with its iris, and the lids.
 fn eye(d: f64, p: Vec3) -> f64 {
-    let center = [0.265, 0.0, 0.565];
-    let socket = ellipsoid(p, [0.275, 0.005, 0.76], [0.20, 0.125, 0.13]);
+    let center = EYE;
     let iris = sphere(p, [center[0] - 0.008, center[1] + 0.004, center[2] + 0.178], 0.062);
     let ball = carve(sphere(p, center, 0.155), iris, 0.03);
     // The opening between the lids: a lens that rises a little outward.
@@ -126,13 +189,18 @@ fn eye(d: f64, p: Vec3) -> f64 {
         0.02,
     );
     let lids = carve(sphere(p, center, 0.195), opening, 0.05);
-    let d = carve(d, socket, 0.10);
+    let d = carve(d, socket(p), 0.10);
     join(join(d, lids, 0.05), ball, 0.025)
 }
 
-fn nose(d: f64, p: Vec3, f: &Features) -> f64 {
+fn tip_of_nose(f: &Features) -> Vec3 {
+    [0.0, -0.29 - 0.25 * f.nose, 0.82 + f.nose]
+}
+
+/// The nose alone, without nostrils.
+fn nose_of(p: Vec3, f: &Features) -> f64 {
     let r = f.nose_radius;
-    let tip = [0.0, -0.29 - 0.25 * f.nose, 0.82 + f.nose];
+    let tip = tip_of_nose(f);
     let middle = [0.0, -0.06, 0.735 + 0.45 * f.nose + f.hump];
     let upper = rod(p, [0.0, 0.16, 0.66], middle, 0.072, 0.082);
     let lower = rod(p, middle, tip, 0.082, r);
@@ -143,17 +211,28 @@ fn nose(d: f64, p: Vec3, f: &Features) -> f64 {
         [0.74 * r + 0.045, tip[1] - 0.015, 0.745 + 0.62 * f.nose],
         [0.5 * r + 0.02, 0.55 * r + 0.015, 0.09 + 0.25 * f.nose],
     );
+    join(join(join(upper, lower, 0.08), body, 0.10), wing, 0.05)
+}
+
+fn nose(d: f64, p: Vec3, f: &Features) -> f64 {
+    let (r, tip) = (f.nose_radius, tip_of_nose(f));
     let nostril =
         ellipsoid(p, [0.52 * r + 0.012, tip[1] - 0.80 * r, 0.775 + 0.72 * f.nose], [0.034, 0.036, 0.052]);
-    let nose = join(join(join(upper, lower, 0.08), body, 0.10), wing, 0.05);
-    carve(join(d, nose, 0.10), nostril, 0.03)
+    carve(join(d, nose_of(p, f), 0.10), nostril, 0.03)
+}
+
+/// The upper and the lower lip.
+fn lips(p: Vec3, f: &Features) -> (f64, f64) {
+    let full = f.lips;
+    let upper = rod(p, [0.04, -0.540, 0.712 + full], [0.19, -0.568, 0.608], 0.042 + 0.5 * full, 0.020);
+    let lower = rod(p, [0.0, -0.636, 0.704 + full], [0.155, -0.602, 0.620], 0.060 + 0.6 * full, 0.028);
+    (upper, lower)
 }
 
 fn mouth(d: f64, p: Vec3, f: &Features) -> f64 {
     let full = f.lips;
     let mound = ellipsoid(p, [0.0, -0.565, 0.53], [0.28, 0.19, 0.20]);
-    let upper = rod(p, [0.04, -0.540, 0.712 + full], [0.19, -0.568, 0.608], 0.042 + 0.5 * full, 0.020);
-    let lower = rod(p, [0.0, -0.636, 0.704 + full], [0.155, -0.602, 0.620], 0.060 + 0.6 * full, 0.028);
+    let (upper, lower) = lips(p, f);
     let slit = rod(p, [0.0, -0.586, 0.786 + full], [0.195, -0.574, 0.658], 0.018, 0.012);
     let groove = rod(p, [0.0, -0.42, 0.79], [0.0, -0.49, 0.77], 0.022, 0.026);
     let mut d = join(d, mound, 0.15);

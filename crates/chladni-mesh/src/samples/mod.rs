@@ -42,6 +42,19 @@ pub fn sample(name: &str) -> Option<TriMesh> {
     }
 }
 
+/// The names of the parts of a head, in the order of their numbers in [`head_parts`].
+pub const HEAD_PARTS: [&str; 10] = head::PARTS;
+
+/// For each vertex of the sample `head` or `template` the part on which it lies, an index of [`HEAD_PARTS`]; `None` of
+/// other samples. The forms that the heads are modelled of are the parts.
+pub fn head_parts(name: &str, mesh: &TriMesh) -> Option<Vec<u8>> {
+    match name {
+        "head" => Some(head::parts(mesh, true)),
+        "template" => Some(head::parts(mesh, false)),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,6 +91,30 @@ mod tests {
             assert!(narrow * 200 < mesh.triangles.len(), "{name}: {narrow} narrow triangles");
             assert!(mirror_error(&mesh) < 1e-6, "{name}: {}", mirror_error(&mesh));
         }
+    }
+
+    #[test]
+    fn heads_have_all_parts_where_they_belong() {
+        for name in ["head", "template"] {
+            let mesh = sample(name).unwrap();
+            let parts = head_parts(name, &mesh).unwrap();
+            let mean = |part: &str| {
+                let part = HEAD_PARTS.iter().position(|p| *p == part).unwrap() as u8;
+                let of: Vec<_> =
+                    (0..parts.len()).filter(|v| parts[*v] == part).map(|v| mesh.positions[v]).collect();
+                assert!(of.len() * 200 > parts.len(), "{name}: {} vertices", of.len());
+                [0, 1, 2].map(|i| {
+                    of.iter().map(|p| p[i].abs() * if i == 0 { 1.0 } else { p[i].signum() }).sum::<f64>()
+                        / of.len() as f64
+                })
+            };
+            let all = HEAD_PARTS.map(mean);
+            let [nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown, neck] = all;
+            assert!(crown[1] > brow[1] && brow[1] > eyes[1] && eyes[1] > nose[1], "{all:?}");
+            assert!(nose[1] > mouth[1] && mouth[1] > chin[1] && chin[1] > neck[1], "{all:?}");
+            assert!(nose[2] > cheeks[2] && cheeks[2] > ears[2] && ears[0] > jaw[0], "{all:?}");
+        }
+        assert!(head_parts("octopus", &sample("octopus").unwrap()).is_none());
     }
 
     fn narrowest_angle(mesh: &TriMesh, triangle: &[u32; 3]) -> f64 {

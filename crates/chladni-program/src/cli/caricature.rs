@@ -6,11 +6,12 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, Project, ShapeSource, Template};
-use chladni_mesh::{Format, TriMesh};
+use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, HEAD_PARTS, Project, ShapeSource, Template};
+use chladni_mesh::{Format, TriMesh, weld};
 
 use super::Terminal;
 use super::layer_options::LayerOptions;
+use super::parts;
 use super::portrait::{self, Portrait};
 use super::sheet::SheetOptions;
 use crate::work::body::{self, laplacian};
@@ -44,6 +45,10 @@ pub struct Caricature {
     keep_triangles: bool,
     #[command(flatten)]
     layer: LayerOptions,
+    /// Act only on this part of a head: nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown or neck, found by a match
+    /// with a head whose parts are known; may be repeated.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["recipe", "region"], value_parser = part)]
+    part: Vec<String>,
     /// Draw the shape before and after, side by side. With --batch a folder.
     #[arg(long, value_name = "P.png")]
     render: Option<PathBuf>,
@@ -111,7 +116,12 @@ impl Caricature {
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.laplacian = laplacian(self.paper);
         project.keep_triangles = self.keep_triangles;
-        let layer = self.layer.layer("caricature", template.clone(), &project)?;
+        let mut layer = self.layer.layer("caricature", template.clone(), &project)?;
+        if !self.part.is_empty() {
+            let mesh = source::mesh(shape, terminal)?;
+            let found = parts::found(shape, &mesh, terminal)?;
+            layer.region.painted = found.painted(&weld(&mesh).operator_vertex, &self.part)?;
+        }
         project.push(layer)?;
         one(shape, &project, None, &self.output, self.picture(self.render.as_deref()), terminal)
     }
@@ -183,6 +193,11 @@ fn named(folder: &Path, stem: &OsStr, extension: &OsStr) -> PathBuf {
     name.push(".");
     name.push(extension);
     folder.join(name)
+}
+
+fn part(text: &str) -> Result<String, String> {
+    let known = HEAD_PARTS.contains(&text).then(|| text.to_owned());
+    known.ok_or_else(|| format!("must be one of {}", HEAD_PARTS.join(", ")))
 }
 
 /// A picture that is asked for.

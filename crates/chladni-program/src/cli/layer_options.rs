@@ -83,7 +83,8 @@ fn roll_off(text: &str) -> Result<RollOff, String> {
     }
 }
 
-fn method(text: &str) -> Result<Method, String> {
+/// What `--match` says.
+pub fn method(text: &str) -> Result<Method, String> {
     serde_json::from_value(serde_json::Value::String(text.to_owned()))
         .map_err(|error| error.to_string().replace("variant", "method"))
 }

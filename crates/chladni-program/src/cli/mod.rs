@@ -10,6 +10,7 @@ mod info;
 mod layer_options;
 mod match_shapes;
 mod open;
+mod parts;
 mod portrait;
 mod project;
 mod sheet;
@@ -17,6 +18,7 @@ mod spectrum;
 mod stance;
 mod symmetry;
 mod terminal;
+mod transfer;
 
 use chladni_view::Draw;
 use clap::{Parser, Subcommand};
@@ -52,6 +54,8 @@ enum Command {
     Project(project::ProjectCommand),
     Dance(Box<dance::Dance>),
     Match(match_shapes::MatchShapes),
+    Transfer(transfer::TransferCommand),
+    Parts(parts::Parts),
     Basis(basis::Args),
     Beats(beats::Beats),
     Spectrum(spectrum::Spectrum),
@@ -134,6 +138,8 @@ impl Command {
             Self::ChooseFile(command) => command.run(terminal),
             Self::Basis(args) => args.run(terminal),
             Self::Match(command) => command.run(terminal),
+            Self::Transfer(command) => command.run(terminal),
+            Self::Parts(command) => command.run(terminal),
             Self::Info(info) => info.run(terminal),
             Self::Demo(demo) => demo.run(terminal),
             Self::Beats(command) => command.run(terminal),

@@ -1,0 +1,107 @@
+//! The named parts of a head, found through a match with the sample template.
+
+use std::sync::Arc;
+
+use chladni_match::{MatchError, MatchReport, MatchSettings, match_shapes};
+use chladni_mesh::TriMesh;
+use chladni_mesh::samples::{HEAD_PARTS, head_parts, sample};
+use chladni_task::Task;
+
+use crate::{CaricatureError, Painted};
+
+/// For each vertex of a head the part on which it lies.
+#[derive(Clone, Debug)]
+pub struct HeadParts {
+    /// An index of [`HEAD_PARTS`] for each of the n file vertices.
+    pub part: Vec<u8>,
+    /// How far to trust it, in [0, 1], n: the match's confidence.
+    pub confidence: Vec<f64>,
+    /// How well the shape matches a head.
+    pub report: MatchReport,
+}
+
+impl HeadParts {
+    /// Matches `shape` with the sample template, whose parts are known, and carries them over: each vertex takes the part
+    /// that most of its point's triangle has. Of a shape that is no head the report has warnings or a large distance.
+    ///
+    /// # Errors
+    /// A shape that cannot be matched; [`CaricatureError::Cancelled`].
+    pub fn of(shape: &TriMesh, task: &Task) -> Result<Self, CaricatureError> {
+        let failed = |why: String| CaricatureError::Template { template: "sample:template".into(), why };
+        let template = sample("template").ok_or_else(|| failed("is missing".into()))?;
+        let known = head_parts("template", &template).ok_or_else(|| failed("has no parts".into()))?;
+        let found = match_shapes(shape, &template, &MatchSettings::default(), task);
+        task.check()?;
+        let found = found.map_err(|error: MatchError| failed(error.to_string()))?;
+        let on = found.correspondence.on_template.ok_or_else(|| failed("has no triangles".into()))?;
+        let part = on.iter().map(|on| {
+            let corners = template.triangles.get(on.triangle as usize).copied().unwrap_or_default();
+            let mut votes = [0.0; HEAD_PARTS.len()];
+            for (v, w) in corners.iter().zip(on.weights) {
+                if let Some(vote) = known.get(*v as usize).and_then(|part| votes.get_mut(usize::from(*part)))
+                {
+                    *vote += w;
+                }
+            }
+            (0..votes.len()).max_by(|a, b| votes[*a].total_cmp(&votes[*b])).unwrap_or(0) as u8
+        });
+        Ok(Self { part: part.collect(), confidence: found.correspondence.confidence, report: found.report })
+    }
+
+    /// χ01 of the parts called `names`; `operator_vertex` are those of the n file vertices.
+    ///
+    /// # Errors
+    /// A name that is none of [`HEAD_PARTS`]; another shape's vertices.
+    pub fn painted(
+        &self,
+        operator_vertex: &[Option<u32>],
+        names: &[String],
+    ) -> Result<Painted, CaricatureError> {
+        let wanted = names.iter().map(|name| {
+            let unknown =
+                || CaricatureError::syntax("part", name, format!("must be one of {}", HEAD_PARTS.join(", ")));
+            HEAD_PARTS.iter().position(|part| part == name).ok_or_else(unknown)
+        });
+        let wanted: Vec<usize> = wanted.collect::<Result<_, _>>()?;
+        if self.part.len() != operator_vertex.len() {
+            let (found, expected) = (self.part.len(), operator_vertex.len());
+            return Err(CaricatureError::VertexCount { what: "the parts", found, expected });
+        }
+        let vertices = operator_vertex.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+        let mut values = vec![0.0_f32; vertices];
+        for (part, vertex) in self.part.iter().zip(operator_vertex) {
+            if let Some(value) = vertex.and_then(|v| values.get_mut(v as usize))
+                && wanted.contains(&usize::from(*part))
+            {
+                *value = 1.0;
+            }
+        }
+        Ok(Painted::Vertices(Arc::from(values)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Intersection over union of each part, over vertices.
+    fn overlaps(found: &[u8], known: &[u8]) -> [f64; HEAD_PARTS.len()] {
+        std::array::from_fn(|part| {
+            let pairs =
+                || found.iter().zip(known).map(|(a, b)| (usize::from(*a) == part, usize::from(*b) == part));
+            let both = pairs().filter(|(a, b)| *a && *b).count();
+            both as f64 / pairs().filter(|(a, b)| *a || *b).count().max(1) as f64
+        })
+    }
+
+    #[test]
+    fn the_parts_of_a_head_of_character_are_found() {
+        let head = sample("head").unwrap();
+        let known = head_parts("head", &head).unwrap();
+        let found = HeadParts::of(&head, &Task::new()).unwrap();
+        let overlaps = overlaps(&found.part, &known);
+        let mean = overlaps.iter().sum::<f64>() / overlaps.len() as f64;
+        assert!(mean > 0.8 && overlaps.iter().all(|o| *o > 0.6), "{mean}: {overlaps:?}");
+        println!("mean {mean:.3}: {overlaps:.3?}");
+    }
+}

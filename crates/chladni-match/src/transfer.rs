@@ -1,0 +1,123 @@
+//! Moving what makes two shapes differ onto a third.
+
+use chladni_mesh::TriMesh;
+use chladni_task::Task;
+
+use crate::{Correspondence, MatchError, MatchReport, MatchSettings, infilled, match_shapes};
+
+/// A difference, such as an expression or a caricature, on another shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transfer {
+    /// Where the n vertices of the target go, in its own coordinates.
+    pub positions: Vec<[f64; 3]>,
+    /// How far to trust the match of each with the neutral shape, in [0, 1].
+    pub confidence: Vec<f64>,
+    /// How well the target and the neutral shape match.
+    pub report: MatchReport,
+}
+
+/// Moves the difference between `neutral` and `expression` onto `target`.
+///
+/// Where the two have the same triangles, the difference is that of their vertices as they stand in their files, else
+/// that of a match, less position, pose and size. `target` is matched with `neutral` as `settings` say; each of its vertices
+/// takes the difference at its point of the neutral shape, turned and scaled by the similarity that brings the neutral
+/// shape to it. Where that match is not trusted, the difference is filled in from its surroundings ([`infilled`]).
+///
+/// # Errors
+/// As [`match_shapes`].
+pub fn transfer(
+    neutral: &TriMesh,
+    expression: &TriMesh,
+    target: &TriMesh,
+    settings: &MatchSettings,
+    task: &Task,
+) -> Result<Transfer, MatchError> {
+    let difference = difference(neutral, expression, settings, task)?;
+    let found = match_shapes(target, neutral, settings, task)?;
+    let Correspondence { on_template, similarity, confidence, .. } = &found.correspondence;
+    let still = similarity.apply([0.0; 3]);
+    let turned = |d: [f64; 3]| -> [f64; 3] {
+        let at = similarity.apply(d);
+        std::array::from_fn(|i| at[i] - still[i])
+    };
+    let on = on_template.as_ref().ok_or(MatchError::NoSurface(crate::Side::Template))?;
+    let moved = |(p, on): (&[f64; 3], &chladni_mesh::surface::SurfacePoint)| {
+        let at = on.position(&neutral.triangles, |v| difference[v as usize]).unwrap_or([0.0; 3]);
+        let by = turned(at);
+        std::array::from_fn(|i| p[i] + by[i])
+    };
+    let positions: Vec<[f64; 3]> = target.positions.iter().zip(on).map(moved).collect();
+    let direct = Correspondence::direct(positions, confidence.clone());
+    let filled = infilled(target, &direct)?;
+    let positions = filled.map_or(direct.target, |filled| filled.target);
+    Ok(Transfer { positions, confidence: direct.confidence, report: found.report })
+}
+
+/// What each vertex of `neutral` does to become `expression`, in the coordinates of `neutral`.
+fn difference(
+    neutral: &TriMesh,
+    expression: &TriMesh,
+    settings: &MatchSettings,
+    task: &Task,
+) -> Result<Vec<[f64; 3]>, MatchError> {
+    let less = |(x, r): (&[f64; 3], &[f64; 3])| std::array::from_fn(|i| r[i] - x[i]);
+    if neutral.triangles == expression.triangles && neutral.positions.len() == expression.positions.len() {
+        return Ok(neutral.positions.iter().zip(&expression.positions).map(less).collect());
+    }
+    // Landmarks are pairs of the target and the neutral shape.
+    let settings = MatchSettings { landmarks: Vec::new(), ..settings.clone() };
+    let found = match_shapes(neutral, expression, &settings, task)?;
+    let target =
+        infilled(neutral, &found.correspondence)?.map_or(found.correspondence.target, |filled| filled.target);
+    Ok(neutral.positions.iter().zip(&target).map(less).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Method;
+    use chladni_mesh::samples::sample;
+
+    /// A grimace: what is in front goes down and out, the more the farther forward.
+    fn grimace(p: &[f64; 3]) -> [f64; 3] {
+        let front = ((p[2] - 0.3) / 0.5).clamp(0.0, 1.0);
+        let below = ((-0.3 - p[1]) / 0.4).clamp(0.0, 1.0);
+        [0.0, -0.12 * front * below, 0.04 * front * below]
+    }
+
+    fn moved(mesh: &TriMesh) -> TriMesh {
+        let positions = mesh.positions.iter().map(|p| {
+            let d = grimace(p);
+            std::array::from_fn(|i| p[i] + d[i])
+        });
+        TriMesh { positions: positions.collect(), ..mesh.clone() }
+    }
+
+    #[test]
+    fn of_the_same_triangles_the_answer_is_exact_in_any_pose_and_size() {
+        let neutral = sample("template").unwrap();
+        let expression = moved(&neutral);
+        // The target: the neutral head, three times as large and turned on its side.
+        let pose = |p: &[f64; 3]| [3.0 * p[1] + 5.0, -3.0 * p[0], 3.0 * p[2] - 1.0];
+        let posed =
+            |mesh: &TriMesh| TriMesh { positions: mesh.positions.iter().map(pose).collect(), ..mesh.clone() };
+        let settings = MatchSettings { method: Method::Same, ..MatchSettings::default() };
+        let found = transfer(&neutral, &expression, &posed(&neutral), &settings, &Task::new()).unwrap();
+        for (found, expected) in found.positions.iter().zip(posed(&expression).positions) {
+            assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-9));
+        }
+    }
+
+    #[test]
+    fn another_head_makes_the_same_grimace() {
+        let (neutral, target) = (sample("template").unwrap(), sample("head").unwrap());
+        let expected = moved(&target);
+        let found =
+            transfer(&neutral, &moved(&neutral), &target, &MatchSettings::default(), &Task::new()).unwrap();
+        let distance = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        let error: f64 = found.positions.iter().zip(&expected.positions).map(|(a, b)| distance(a, b)).sum();
+        let whole: f64 = target.positions.iter().zip(&expected.positions).map(|(a, b)| distance(a, b)).sum();
+        assert!(error < 0.35 * whole, "{error} of {whole}");
+        println!("off by {:.3} of the mean movement", error / whole);
+    }
+}

@@ -1,0 +1,121 @@
+//! `chladni parts MESH`: the named parts of a head.
+
+use std::path::{Path, PathBuf};
+
+use chladni_caricature::{HEAD_PARTS, HeadParts};
+use chladni_harmonics::npz::write_npz;
+use chladni_mesh::TriMesh;
+use chladni_view::{Camera, PictureRequest, PictureShape, Style, View, render_picture};
+use serde::Serialize;
+
+use super::Terminal;
+use crate::work::outputs::{check_file, check_picture};
+use crate::work::{Error, Stance, Warning, Watcher, source};
+
+/// Find the parts of a head: nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown and neck.
+#[derive(clap::Args)]
+pub struct Parts {
+    /// The head: a mesh file or sample:NAME.
+    mesh: PathBuf,
+    /// Write the part of each vertex here (NumPy archive: part, confidence; the names are those printed, from 0).
+    #[arg(short, long, value_name = "P.npz")]
+    output: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+    /// Draw the head with its parts, from two sides.
+    #[arg(long, value_name = "P.png")]
+    render: Option<PathBuf>,
+}
+
+/// What is printed of a part.
+#[derive(Serialize)]
+struct Printed {
+    name: &'static str,
+    vertices: usize,
+    /// The mean of its vertices' confidence; `None` of a part that was not found.
+    confidence: Option<f64>,
+}
+
+impl Parts {
+    /// Finds, writes and prints them.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        self.output.as_deref().map_or(Ok(()), check_file)?;
+        self.render.as_deref().map_or(Ok(()), check_picture)?;
+        let mesh = source::mesh(&self.mesh, terminal)?;
+        let name = self.mesh.display().to_string();
+        let found = found(&name, &mesh, terminal)?;
+        if let Some(path) = &self.output {
+            let n = found.part.len() as u64;
+            let written = write_npz(path, |npz| {
+                npz.array("part", &[n], found.part.iter().copied())?;
+                npz.array("confidence", &[n], found.confidence.iter().copied())
+            });
+            written.map_err(|error| Error::unwritten(path, error))?;
+        }
+        if let Some(path) = &self.render {
+            draw(path, &name, &mesh, &found, terminal)?;
+        }
+        let parts: Vec<Printed> =
+            HEAD_PARTS.iter().enumerate().map(|(i, name)| Printed::of(name, i, &found)).collect();
+        if self.json {
+            return terminal.json(&parts);
+        }
+        for Printed { name, vertices, confidence } in &parts {
+            let trust = confidence.map_or_else(String::new, |c| format!(", confidence {c:.2}"));
+            terminal.result(format_args!("{name:<8} {vertices} vertices{trust}"))?;
+        }
+        [&self.output, &self.render].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
+    }
+}
+
+impl Printed {
+    fn of(name: &'static str, part: usize, found: &HeadParts) -> Self {
+        let own = found.part.iter().zip(&found.confidence).filter(|(p, _)| usize::from(**p) == part);
+        let (vertices, sum) = own.fold((0, 0.0), |(n, sum), (_, c)| (n + 1, sum + c));
+        Self { name, vertices, confidence: (vertices > 0).then(|| sum / f64::from(vertices as u32)) }
+    }
+}
+
+/// The parts of the head `mesh`, which is called `name`; warns where it hardly matches one.
+pub fn found(name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<HeadParts, Error> {
+    let found = terminal.watch("finding the parts of the head", |task| HeadParts::of(mesh, task));
+    let found = found.map_err(|error| Error::from(error).of(name))?;
+    for warning in &found.report.warnings {
+        terminal.warn(Warning::of(format_args!("{name}, matched with a head"), warning));
+    }
+    Ok(found)
+}
+
+/// A color for each part.
+const COLORS: [[f32; 4]; HEAD_PARTS.len()] = [
+    [0.84, 0.23, 0.18, 1.0],
+    [0.95, 0.62, 0.18, 1.0],
+    [0.16, 0.45, 0.78, 1.0],
+    [0.78, 0.30, 0.55, 1.0],
+    [0.22, 0.60, 0.38, 1.0],
+    [0.55, 0.72, 0.28, 1.0],
+    [0.93, 0.77, 0.62, 1.0],
+    [0.45, 0.33, 0.68, 1.0],
+    [0.62, 0.66, 0.70, 1.0],
+    [0.36, 0.62, 0.66, 1.0],
+];
+
+fn draw(
+    path: &Path,
+    name: &str,
+    mesh: &TriMesh,
+    found: &HeadParts,
+    terminal: &Terminal,
+) -> Result<(), Error> {
+    let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect();
+    let colors: Vec<[f32; 4]> =
+        found.part.iter().map(|p| COLORS.get(usize::from(*p)).copied().unwrap_or([1.0; 4])).collect();
+    let plain = PictureShape { positions: &positions, triangles: &mesh.triangles, ..PictureShape::default() };
+    let shapes = [PictureShape { colors: Some(&colors), ..plain }, plain];
+    let stands = Stance::default().of(name, mesh, None, None, terminal)?;
+    let from = Camera::on(stands, View::ThreeQuarter);
+    let request = PictureRequest { shapes: &shapes, width: 1000, height: 600, from, style: Style::default() };
+    let png = render_picture(&terminal.device()?, &request).and_then(|picture| picture.to_png())?;
+    chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
+}
