@@ -23,7 +23,7 @@ pub struct Look {
 /// How a look answers to a [`Mood`]; all 0 is not at all.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response {
-    /// How much of the palette goes by in a beat.
+    /// How much of the palette goes by in a beat, there and back.
     pub flow: f32,
     /// How much of the palette lies between dull and shrill sound.
     pub timbre: f32,
@@ -52,6 +52,8 @@ pub struct Mood {
     pub sides: f32,
     /// Beats so far, with the phase as the fraction.
     pub beats: f64,
+    /// How sure the beat is.
+    pub certainty: f32,
     /// 1 on a beat, fading until the next.
     pub accent: f32,
 }
@@ -77,9 +79,9 @@ impl Look {
         let Response { flow, timbre, sides, glow, light, halo, saturation, rim } = self.response;
         let with_level = |share: f32| 1.0 - share * (1.0 - mood.level);
         if let Some(answer) = &mut self.answer {
-            // Whole turns there and back are two: a long song loses no digits.
-            let gone = (f64::from(flow) * mood.beats).rem_euclid(2.0) as f32;
-            answer.offset += gone + timbre * mood.timbre + sides * mood.sides;
+            // There and back, so that a beat that is lost or found makes no jump.
+            let gone = 1.0 - ((f64::from(flow) * mood.beats).rem_euclid(2.0) - 1.0).abs() as f32;
+            answer.offset += mood.certainty * gone + timbre * mood.timbre + sides * mood.sides;
             answer.saturation *= with_level(saturation);
         }
         self.material.glow += glow * mood.level * f32::from(u8::from(self.answer.is_some()));
@@ -115,10 +117,12 @@ mod tests {
             assert_eq!(loud.lights.exposure, look.lights.exposure, "{name}");
             assert_eq!(loud.background, look.background, "{name}");
             for beats in [0.0, 7.9, 1e6] {
-                let at = |beats| look.answering(&Mood { beats, ..Mood::default() }).answer.map(|a| a.offset);
+                let at = |beats| {
+                    let mood = Mood { beats, certainty: 1.0, ..Mood::default() };
+                    look.answering(&mood).answer.map(|a| a.offset)
+                };
                 if let (Some(a), Some(b)) = (at(beats), at(beats + 0.01)) {
-                    let step = (b - a).rem_euclid(2.0);
-                    assert!(step.min(2.0 - step) < 0.01, "{name}: {a} to {b}");
+                    assert!((b - a).abs() < 0.01, "{name}: {a} to {b}");
                 }
             }
         }

@@ -190,7 +190,7 @@ mod tests {
     fn the_slowest_machine_draws_less_and_a_slow_screen_recovers() {
         for frame_secs in [0.25, 0.5, 1.5] {
             let (mut effort, mut now_secs) = (Effort::new(Samples::One), 0.0);
-            play(&mut effort, &mut now_secs, 12.0 * frame_secs + 3.0, frame_secs);
+            play(&mut effort, &mut now_secs, 12.0 * frame_secs + 5.0, frame_secs);
             assert_eq!(effort.quality().percent, 50, "{frame_secs}");
         }
         for screen_hz in [30.0, 50.0] {

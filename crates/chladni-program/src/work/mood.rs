@@ -25,12 +25,13 @@ impl Heard<'_> {
             (apart + (l - r).abs(), both + l.abs() + r.abs())
         });
         let share = |part: f32, of: f32| if of > 1e-6 { (part / of).clamp(0.0, 1.0) } else { 0.0 };
-        let (beats, accent) = match self.fading {
-            None => (self.beat.count, accent(self.beat)),
+        let (beats, certainty, accent) = match self.fading {
+            None => (self.beat.count, self.beat.confidence, accent(self.beat)),
             Some((before, done)) => {
                 let mix = |from: f64, to: f64| from + f64::from(done) * (to - from);
                 let of_both = mix(f64::from(accent(before)), f64::from(accent(self.beat)));
-                (mix(before.count, self.beat.count), of_both as f32)
+                let certainty = mix(before.confidence.into(), self.beat.confidence.into()) as f32;
+                (mix(before.count, self.beat.count), certainty, of_both as f32)
             }
         };
         Mood {
@@ -38,6 +39,7 @@ impl Heard<'_> {
             timbre: share(weighted, total * last),
             sides: share(apart, both),
             beats,
+            certainty,
             accent,
         }
     }
@@ -64,7 +66,7 @@ mod tests {
     #[test]
     fn louder_shriller_and_more_apart_are_more() {
         let silent = mood(&[0.0; 4], &[0.0; 4], &[0.0; 4], 0.0);
-        assert_eq!(silent, Mood::default());
+        assert_eq!(silent, Mood { certainty: 1.0, ..Mood::default() });
         let (low, high) = ([0.4, 0.1, 0.0, 0.0], [0.0, 0.0, 0.1, 0.4]);
         let [dull, shrill] = [low, high].map(|bands| mood(&bands, &bands, &bands, 0.0));
         assert!(dull.timbre < 0.3 && shrill.timbre > 0.7 && dull.level == shrill.level);
@@ -72,7 +74,7 @@ mod tests {
         assert_eq!((dull.sides, apart.sides), (0.0, 1.0));
         let loud = mood(&[0.9; 4], &low, &low, 0.0);
         assert!(dull.level < loud.level && loud.level < 1.0);
-        assert_eq!(mood(&[], &[], &[], 0.0), Mood::default());
+        assert_eq!(mood(&[], &[], &[], 0.0), silent);
     }
 
     #[test]

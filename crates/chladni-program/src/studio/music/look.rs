@@ -12,7 +12,7 @@ const SCREENS: usize = 4;
 /// Draws the drawer.
 pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
     let before = preferences.look.clone();
-    choose(ui, "Look", &mut preferences.look, &Look::PRESETS.map(|preset| preset.0));
+    scene(ui, &mut preferences.look);
     if preferences.look != before {
         // A look is a whole: parts that were chosen for another one go.
         let parts = [&mut preferences.material, &mut preferences.lights, &mut preferences.background];
@@ -32,6 +32,22 @@ pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
     let tip = "Nothing but the dance is shown on stage. Escape comes back. A screen that is not there is \
                left out: the stage then stays where it is.";
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
+}
+
+/// The whole scene: too many for a row of buttons.
+fn scene(ui: &mut Ui, chosen: &mut String) {
+    let known = Look::PRESETS.iter().any(|(name, _)| name == chosen);
+    let shown = theme::capitalized(if known { chosen } else { "plain" });
+    let list = egui::ComboBox::from_id_salt("look").width(160.0).height(480.0).selected_text(shown);
+    let response = list.show_ui(ui, |ui| {
+        for (name, _) in Look::PRESETS {
+            ui.selectable_value(chosen, name.to_owned(), theme::capitalized(name));
+        }
+    });
+    response.response.on_hover_text(
+        "The whole scene: what shapes are made of, how movement and music color them, and light",
+    );
+    ui.add_space(theme::GAP);
 }
 
 /// A part of the look: no name is the look's own.
