@@ -53,7 +53,7 @@ mod tests {
     #[test]
     fn a_press_ends_it_and_a_move_begins_it_anew() {
         let ctx = Context::default();
-        let mut at_rest = |leaning: &mut Leaning, secs: f64, events: Vec<Event>| {
+        let at_rest = |leaning: &mut Leaning, secs: f64, events: Vec<Event>| {
             let input = egui::RawInput { time: Some(secs), events, ..egui::RawInput::default() };
             let mut rests = false;
             let _ = ctx.run_ui(input, |ui| rests = leaning.is_at_rest(ui.ctx()));
