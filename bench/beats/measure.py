@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Beats of known songs: ours (whole song known, and while listening), librosa and aubio, in one run.
 
-usage: bench/beats/measure.py [--data FOLDER] [--write]
+usage: bench/beats/measure.py [--data FOLDER] [--forms] [--write]
 The songs are those of the data folder (default ../shared/data/audio or $CHLADNI_DATA/audio) that have
 known beats, 24 that `beat_songs` composes (and 14 whose bars and sections are known, too), and 31 that other people wrote as MIDI (see midi_songs.py; left
 out where Debian's openttd-openmsx, fluidsynth and timgm6mb-soundfont are not installed). Every other one of these
 31 was held out when the tracker's constants were chosen. PEERS_PYTHON names a Python with librosa; aubio
-is looked for in /usr/bin/python3. --write puts the table into BENCHMARKS.md.
+is looked for in /usr/bin/python3. --forms measures bars and sections alone; --write puts the tables into BENCHMARKS.md.
 """
 import json
 import os
@@ -74,6 +74,14 @@ def main():
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "examples"
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([target / "beat_songs", folder], check=True)
+        python = os.environ.get("PEERS_PYTHON", "python3")
+        here = pathlib.Path(__file__).parent
+        forms = form_table(sorted(pathlib.Path(folder).glob("form-*.wav")), target, python, here)
+        print(forms)
+        if "--write" in arguments:
+            write_section("forms", f"## Bars and sections\n\n{forms}")
+        if "--forms" in arguments:
+            return
         beside = lambda wav: (wav, wav.with_name(wav.name.removesuffix(".wav") + ".beats.txt"))
         composed = [beside(wav) for wav in sorted(pathlib.Path(folder).glob("*.wav")) if not wav.name.startswith("form-")]
         written = [beside(midi_songs.render(midi, pathlib.Path(folder))) for midi in midi_songs.installed()]
@@ -87,8 +95,6 @@ def main():
         paths = [str(song) for song, _ in songs]
         truths = [truth_of(truth) for _, truth in songs]
         ours = lines_of([str(target / "beat_lists"), *paths])
-        python = os.environ.get("PEERS_PYTHON", "python3")
-        here = pathlib.Path(__file__).parent
         columns = {
             "Chladni, whole song": ours and [line["whole"] for line in ours],
             "librosa, whole song": lines_of([python, str(here / "peer_librosa.py"), *paths]),
@@ -96,8 +102,7 @@ def main():
             "aubio, listening": lines_of(["/usr/bin/python3", str(here / "peer_aubio.py"), *paths]),
         }
     columns = {name: column for name, column in columns.items() if column}
-        forms = form_table(sorted(pathlib.Path(folder).glob("form-*.wav")), target, python, here)
-    table = render(groups, truths, columns) + "\n" + forms
+    table = render(groups, truths, columns)
     print(table)
     if "--write" in arguments:
         write_section("beats", f"## Beats\n\n{table}")
@@ -117,15 +122,17 @@ def form_table(songs, target, python, here):
         bars, sections = truth(song, "bars"), truth(song, "sections")
         bar_secs = 1.01 * (bars[1] - bars[0])
         score = [f_measure(ours[k][by]["bars_secs"], bars) for by in ("whole", "causal")]
-        score += [f_measure(ours[k][by]["sections_secs"], sections, bar_secs) for by in ("whole", "causal")]
+        score += [f_measure(ours[k]["whole"]["sections_secs"], sections, bar_secs),
+                  f_measure(ours[k]["causal"]["sections_secs"], sections, 5 * bar_secs)]
         score += [f_measure(peer[k]["sections_secs"], sections, bar_secs)] if peer else []
         scores.append(score)
         rows.append(f"| {song.stem[8:]} | " + " | ".join(f"{s:.3f}" for s in score) + " |")
     for name, part in (("used to choose constants", scores[0::2]), ("held out", scores[1::2])):
         means = " | ".join(f"**{sum(column) / len(part):.3f}**" for column in zip(*part))
         rows.append(f"| **mean of {len(part)} {name}** | {means} |")
-    head = ("Bars and sections of songs that `beat_songs` composes with a known form: F-measure, bars within ±70 ms, sections within "
-            "a bar.\n\n")
+    head = (f"F-measure for songs that `beat_songs` composes with a known form, on {processor()}; made by `bench/beats/measure.py --forms "
+            "--write`. Bars within ±70 ms; sections within a bar, and within five while listening, where they are noticed late by design. "
+            "Each second song was held out when the constants were chosen.\n\n")
     return head + "\n".join(rows) + "\n"
 
 

@@ -591,7 +591,7 @@ fn the_built_in_dances_move_the_samples_and_fold_hardly_any_triangle_at_full_sca
             }
             eprintln!("{name}, {}: {:.3} % folds, moves {way:.3}", preset.name, 100.0 * folds);
             assert!(folds <= 0.005, "{name}, {}: {folds}", preset.name);
-            assert!(way > 0.002, "{name}, {}: {way}", preset.name);
+            assert!(way > 0.03, "{name}, {}: {way}", preset.name);
         }
     }
 }

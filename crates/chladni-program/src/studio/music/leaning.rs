@@ -1,6 +1,6 @@
 //! Somebody who drops a song and leans back.
 
-use egui::Context;
+use egui::{Context, Event};
 
 /// So long after the last touch it counts as leaning back.
 const REST_SECS: f64 = 8.0;
@@ -25,14 +25,52 @@ impl Leaning {
     /// True once, when nothing was touched for a while.
     pub fn is_at_rest(&mut self, ctx: &Context) -> bool {
         let Some(since_secs) = &mut self.since_secs else { return false };
-        let (now_secs, touched) = ctx.input(|input| (input.time, !input.events.is_empty()));
+        // A pointer may be moved out of the way; whoever presses something wants something else.
+        let presses = |event: &Event| {
+            matches!(event, Event::PointerButton { pressed: true, .. } | Event::Key { pressed: true, .. })
+        };
+        let (now_secs, touched, pressed) =
+            ctx.input(|input| (input.time, !input.events.is_empty(), input.events.iter().any(presses)));
         if touched {
             *since_secs = now_secs;
+        }
+        if pressed {
+            self.end();
+            return false;
         }
         let rests = now_secs - *since_secs > REST_SECS;
         if rests {
             self.end();
         }
         rests
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_press_ends_it_and_a_move_begins_it_anew() {
+        let ctx = Context::default();
+        let at_rest = |leaning: &mut Leaning, secs: f64, events: Vec<Event>| {
+            let input = egui::RawInput { time: Some(secs), events, ..egui::RawInput::default() };
+            let mut rests = false;
+            let _ = ctx.run_ui(input, |ui| rests = leaning.is_at_rest(ui.ctx()));
+            rests
+        };
+        let mut leaning = Leaning { since_secs: Some(0.0) };
+        assert!(!at_rest(&mut leaning, 7.0, vec![Event::PointerMoved(egui::pos2(3.0, 4.0))]));
+        assert!(!at_rest(&mut leaning, 9.0, Vec::new()));
+        assert!(at_rest(&mut leaning, 15.5, Vec::new()) && !at_rest(&mut leaning, 30.0, Vec::new()));
+        leaning.since_secs = Some(30.0);
+        let press = Event::Key {
+            key: egui::Key::C,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        };
+        assert!(!at_rest(&mut leaning, 31.0, vec![press]) && !at_rest(&mut leaning, 60.0, Vec::new()));
     }
 }
