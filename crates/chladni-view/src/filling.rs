@@ -12,12 +12,13 @@ const PITCHES: [f32; 6] = [-0.8, -0.4, 0.0, 0.4, 0.8, 1.2];
 const ROWS: usize = 24;
 /// Halvings until a distance is found.
 const HALVINGS: usize = 9;
-/// Where the figure is larger than the picture, its upper end stays this share of half a picture from the middle.
-const HEADROOM: f32 = 0.78;
-/// A figure is at most this many pictures high, so that a standing one is seen from the knees up, however slim.
-const MOST_HEIGHTS: f32 = 1.6;
+/// Where the figure is larger than the picture, its upper end at rest stays this share of half a picture from the
+/// middle: it moves.
+const HEADROOM: f32 = 0.62;
+/// A figure is at most this many pictures high, so that most of a standing one is seen, however slim.
+const MOST_HEIGHTS: f32 = 1.25;
 /// And a part of one that is looked at.
-const MOST_HEIGHTS_OF_PART: f32 = 4.0;
+const MOST_HEIGHTS_OF_PART: f32 = 1.7;
 /// The nearest an eye comes to a shape, as a share of the shape's reach about the point looked at.
 const CLEARANCE: f32 = 0.15;
 
@@ -189,7 +190,7 @@ mod tests {
         let Standpoint { distance, lift } = filling.from(0.0, 0.0);
         let tan_y = (0.5 * Camera::default().fov_y_rad).tan();
         let top = 1.0 / (distance * tan_y) - 2.0 * lift;
-        assert!(lift > 0.1 && (0.6..0.9).contains(&top), "{lift} {top}");
+        assert!(lift > 0.1 && (0.45..0.75).contains(&top), "{lift} {top}");
         let near = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 1.0, false);
         assert!(near.from(0.0, 0.0).distance > 0.15);
     }

@@ -7,16 +7,17 @@ use chladni_music::{Looks, Viewpoint};
 
 use super::{FIRST_VIEW, first_looks};
 
-/// Samples that are not seen in the default way: material, lights, background, yaw and pitch in radians.
-const OWN: [(&str, [&str; 3], [f32; 2]); 8] = [
-    ("plate", ["dark", "studio", "paper"], [0.30, 0.88]),
-    ("disc", ["dark", "studio", "paper"], [0.0, 0.85]),
-    ("drum", ["clay", "studio", "slate"], [0.0, 0.52]),
-    ("bell", ["bronze", "stage", "night"], [0.25, 0.12]),
-    ("ring", ["bronze", "stage", "night"], [0.45, 0.25]),
-    ("jellyfish", ["pearl", "stage", "night"], [0.15, 0.05]),
-    ("human", ["clay", "studio", "slate"], [0.30, 0.10]),
-    ("cat", ["porcelain", "studio", "slate"], [0.55, 0.18]),
+/// Samples that are not seen in the default way: a look, or material, lights and background; yaw and pitch in
+/// radians.
+const OWN: [(&str, &[&str], [f32; 2]); 8] = [
+    ("plate", &["dark", "studio", "paper"], [0.30, 0.88]),
+    ("disc", &["dark", "studio", "paper"], [0.0, 0.85]),
+    ("drum", &["clay", "studio", "slate"], [0.0, 0.52]),
+    ("bell", &["gold"], [0.25, 0.12]),
+    ("ring", &["chrome"], [0.45, 0.25]),
+    ("jellyfish", &["abyss"], [0.15, 0.05]),
+    ("human", &["dusk"], [0.30, 0.10]),
+    ("cat", &["porcelain"], [0.55, 0.18]),
 ];
 
 /// Where the viewer of a body stands first, as the command line calls it.
@@ -30,13 +31,19 @@ pub fn opening_view(body: &str) -> Viewpoint {
 
 /// Its look.
 pub fn opening_looks(body: &str) -> Looks {
-    own(body).map_or_else(first_looks, |(_, looks, _)| {
-        let [material, lights, background] = looks.map(str::to_owned);
-        Looks { material, lights, background, ..Looks::default() }
-    })
+    match own(body) {
+        Some((_, [look], _)) => Looks { look: (*look).into(), ..Looks::default() },
+        Some((_, [material, lights, background], _)) => Looks {
+            material: (*material).into(),
+            lights: (*lights).into(),
+            background: (*background).into(),
+            ..Looks::default()
+        },
+        _ => first_looks(),
+    }
 }
 
-fn own(body: &str) -> Option<(&'static str, [&'static str; 3], [f32; 2])> {
+fn own(body: &str) -> Option<(&'static str, &'static [&'static str], [f32; 2])> {
     let name = ShapeSource::sample_name(Path::new(body))?;
     OWN.into_iter().find(|(known, ..)| *known == name)
 }

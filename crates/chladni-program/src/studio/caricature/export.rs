@@ -14,6 +14,10 @@ use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::Error;
 
+/// While it is not known how far layers are held back.
+const STILL_SETTLING: &str = "How far triangles allow is still being computed: what is written is held back by what is \
+                              known so far. Export again once the meter shows a share.";
+
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
@@ -132,6 +136,9 @@ impl CaricatureRoom {
         let Some(path) = shared.chooser.save(&[(&extension.to_uppercase(), &[extension])], &suggested) else {
             return;
         };
+        if session.is_settling() {
+            shared.notices.warn(STILL_SETTLING);
+        }
         let Export { what, size: [width, height], secs, fps, .. } = self.export;
         let label = format!("Writing {}", path.file_name().unwrap_or_default().to_string_lossy());
         let shot = stage.shot(self.look, self.export.background(ui));

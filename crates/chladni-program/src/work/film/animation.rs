@@ -25,9 +25,9 @@ pub struct Animation {
     form: Form,
 }
 
-/// What a file with morph targets holds of a dance.
+/// How near a file with morph targets comes to a dance.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Held {
+pub struct Approximation {
     /// Morph targets.
     pub targets: usize,
     /// How far its positions are from those of the film, as a share of the bounding box's diagonal: mean over
@@ -70,7 +70,7 @@ impl Animation {
         body: &Body,
         rate: FrameRate,
         most: usize,
-    ) -> Result<Held, Error> {
+    ) -> Result<Approximation, Error> {
         let found = self.movement.morphs(most);
         if found.morphs.is_empty() {
             let path = path.display();
@@ -84,7 +84,7 @@ impl Animation {
             .map(|morph| displacements_f64(body, &morph.item))
             .collect::<Result<_, _>>()?;
         let (displacements, weights) = from_zero_to_one(displacements, &found.weights);
-        let held = self.held(body, &weights, &displacements)?;
+        let approximation = self.approximation(body, &weights, &displacements)?;
         let names = found.morphs.iter().map(|morph| self.name(morph)).chain([OFFSET.to_owned()]);
         let targets: Vec<MorphTarget> = (names.zip(&displacements))
             .map(|(name, d)| MorphTarget { name, displacements: body.displacements_in_file(d) })
@@ -95,11 +95,16 @@ impl Animation {
         let bytes =
             write_animated_glb(mesh, &targets, animation).map_err(|error| Error::unwritten(path, error))?;
         write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
-        Ok(held)
+        Ok(approximation)
     }
 
     /// Compares with the film.
-    fn held(&self, body: &Body, weights: &[f32], targets: &[Vec<[f64; 3]>]) -> Result<Held, Error> {
+    fn approximation(
+        &self,
+        body: &Body,
+        weights: &[f32],
+        targets: &[Vec<[f64; 3]>],
+    ) -> Result<Approximation, Error> {
         let count = targets.len();
         let frames: Vec<(f64, f64)> = self
             .judged
@@ -117,7 +122,11 @@ impl Animation {
         let diagonal = diagonal(&body.positions);
         let all = (self.judged.len() * body.positions.len()).max(1) as f64;
         let (sum, most) = frames.iter().fold((0.0, 0.0), |(s, m), frame| (s + frame.0, f64::max(m, frame.1)));
-        Ok(Held { targets: count, mean_deviation: sum / all / diagonal, largest_deviation: most / diagonal })
+        Ok(Approximation {
+            targets: count,
+            mean_deviation: sum / all / diagonal,
+            largest_deviation: most / diagonal,
+        })
     }
 
     fn name(&self, morph: &Morph) -> String {

@@ -25,7 +25,7 @@ use super::{
     opening_view,
 };
 use animation::Animation;
-pub use animation::Held;
+pub use animation::Approximation;
 pub use beginning::Beginning;
 use performance::{Means, Performance};
 pub use report::{Report, Seconds};
@@ -229,15 +229,15 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
             })
         })?,
     };
-    let held = match (&output.animation, &animation) {
+    let approximation = match (&output.animation, &animation) {
         (Some(path), Some(animation)) => {
             let path_of_sound = path.with_extension("wav");
-            let held = watcher.watch("writing the morph targets", |_| {
+            let approximation = watcher.watch("writing the morph targets", |_| {
                 animation.write(path, &mesh, &body, output.rate, output.targets)
             })?;
             write_wav(&path_of_sound, &songs.sound()?, WavSample::Int16)
                 .map_err(|error| Error::unwritten(&path_of_sound, error))?;
-            Some(held)
+            Some(approximation)
         }
         _ => None,
     };
@@ -271,7 +271,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
         synthesis: done.drawn.map(|drawn| drawn.synthesis),
         flashes_in_worst_second: done.most_flashes,
         frames_damped: done.damped_frames,
-        held,
+        approximation,
         seconds,
     })
 }

@@ -3,7 +3,7 @@
 use chladni_view::Samples;
 use serde::Serialize;
 
-use super::Held;
+use super::Approximation;
 
 /// Where the time went, in seconds.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -55,7 +55,7 @@ pub struct Report {
     pub(super) flashes_in_worst_second: usize,
     pub(super) frames_damped: usize,
     /// What a GLB holds of the dance; null for films.
-    pub(super) held: Option<Held>,
+    pub(super) approximation: Option<Approximation>,
     pub(super) seconds: Seconds,
 }
 
@@ -69,13 +69,13 @@ impl Report {
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let s = &self.seconds;
-        if let Some(held) = &self.held {
+        if let Some(approximation) = &self.approximation {
             writeln!(
                 f,
                 "{} morph targets: {:.3} % of the size from the film on average, {:.2} % at most",
-                held.targets,
-                100.0 * held.mean_deviation,
-                100.0 * held.largest_deviation
+                approximation.targets,
+                100.0 * approximation.mean_deviation,
+                100.0 * approximation.largest_deviation
             )?;
         }
         write!(

@@ -233,6 +233,11 @@ impl Session {
         Some(kept.map_or(Held::Unknown, |kept| Held::Back { kept: kept.share }))
     }
 
+    /// Whether it is still being found how far layers must be held back: what is seen is the last limit known.
+    pub fn is_settling(&self) -> bool {
+        self.keeping.is_some()
+    }
+
     /// What it looks like now; later edits do not change it.
     pub fn sculpture(&self) -> Sculpture {
         let (mesh, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
