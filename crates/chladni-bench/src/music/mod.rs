@@ -37,7 +37,7 @@ pub struct BenchMusic {
     #[arg(long, value_name = "SONG")]
     song: Vec<String>,
     /// Hidden targets that a simulated person breeds toward.
-    #[arg(long, default_value_t = 50)]
+    #[arg(long, default_value_t = 12)]
     targets: usize,
     /// Print JSON instead of lines.
     #[arg(long)]

@@ -128,9 +128,9 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
     window.key_press(Key::S);
     run_for(&mut window, 1.2);
     window.key_press(Key::Space);
-    // Until the wheel, which runs out on stage and is a hand on the camera, has let go of it and it has returned; and
-    // until it rests, and is drawn as finely as a film: on a busy machine there are few frames in a while.
-    run_for(&mut window, 10.0);
+    // Until the wheel has run out, and the picture is drawn as finely as a film: on a busy machine there are few
+    // frames in a while.
+    run_for(&mut window, 3.0);
     window.run_steps(20);
     let picture = window.render().unwrap();
     let (width, height) = (picture.width(), picture.height());

@@ -19,7 +19,7 @@ use egui::Ui;
 
 use drawing::on_device;
 use piloted::Piloted;
-use standing::{Hand, camera_at, navigate};
+use standing::{Hand, camera_at, navigate, touches};
 use suggesting::Recent;
 
 use super::close_up::{self, Draft};
@@ -374,7 +374,7 @@ impl Concert {
         navigate(ui, &response, &mut self.viewpoint, cells_high);
         let framing = chooses_shots(&self.instrument, beat).then(|| {
             let chosen = listening.framing(self.instrument.seed());
-            self.hand.over(self.seconds, before, &mut self.viewpoint, chosen)
+            self.hand.over(self.seconds, (before, touches(ui)), &mut self.viewpoint, chosen)
         });
         let look = self.piloted_look().unwrap_or_else(|| shared.settings.music.look()).answering(&mood);
         self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)?;

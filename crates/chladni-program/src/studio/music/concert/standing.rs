@@ -39,6 +39,22 @@ pub fn navigate(ui: &Ui, response: &egui::Response, viewpoint: &mut Viewpoint, c
     }
 }
 
+/// Whether a hand is at pointer, wheel or keys in this frame.
+pub fn touches(ui: &Ui) -> bool {
+    ui.input(|input| {
+        let is_hand = |event: &egui::Event| {
+            use egui::Event;
+            matches!(
+                event,
+                Event::MouseWheel { .. } | Event::Zoom(_) | Event::Key { .. } | Event::Touch { .. }
+            )
+        };
+        input.pointer.any_down()
+            || input.keys_down.iter().next().is_some()
+            || input.events.iter().any(is_hand)
+    })
+}
+
 /// A camera that was taken by hand chooses its shots again after this time.
 const LET_GO_SECS: f64 = 6.0;
 /// It glides back in this time.
@@ -64,16 +80,21 @@ struct Hold {
 }
 
 impl Hand {
-    /// The framing to be shown where the camera has chosen `framing`, and a hand has moved `viewpoint` from `before`
-    /// if the two differ. The viewpoint goes home once the hand has let go.
+    /// The framing to be shown where the camera has chosen `framing`, and `viewpoint` was `before`. If a hand that
+    /// `touches` has moved it, it goes home once the hand has let go; what runs out of a wheel after that, or from
+    /// before the stage was taken, is no hand.
     pub fn over(
         &mut self,
         now_secs: f64,
-        before: Viewpoint,
+        (before, touches): (Viewpoint, bool),
         viewpoint: &mut Viewpoint,
         framing: Framing,
     ) -> Framing {
-        if *viewpoint != before {
+        if *viewpoint != before && !touches {
+            if let Some(hold) = &mut self.hold {
+                hold.left = *viewpoint;
+            }
+        } else if *viewpoint != before {
             let home = self.hold.map_or(before, |hold| hold.home);
             let stopped = self.hold.map_or(self.shown, |hold| hold.framing);
             // A hand that takes hold while the camera returns begins where it has come to.
@@ -128,7 +149,7 @@ mod tests {
             if (2.0..3.0).contains(&secs) {
                 viewpoint.yaw_rad -= 0.02;
             }
-            let framing = hand.over(secs, before, &mut viewpoint, chosen(secs));
+            let framing = hand.over(secs, (before, true), &mut viewpoint, chosen(secs));
             let yaw_rad = viewpoint.yaw_rad + framing.yaw_rad;
             if let Some(last) = last.replace(yaw_rad) {
                 steps = steps.max((yaw_rad - last).abs());
@@ -139,7 +160,11 @@ mod tests {
         }
         assert!(steps < 0.05, "{steps}");
         assert_eq!(viewpoint, Viewpoint::default());
-        let framing = hand.over(20.0, viewpoint, &mut viewpoint.clone(), chosen(20.0));
+        let framing = hand.over(20.0, (viewpoint, false), &mut viewpoint.clone(), chosen(20.0));
         assert_eq!(framing, chosen(20.0));
+        // A wheel runs out.
+        let mut nearer = Viewpoint { distance: 0.9, ..viewpoint };
+        let framing = hand.over(20.1, (viewpoint, false), &mut nearer, chosen(20.1));
+        assert_eq!((framing, nearer.distance), (chosen(20.1), 0.9));
     }
 }
