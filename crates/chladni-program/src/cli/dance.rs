@@ -161,7 +161,7 @@ impl Dance {
         if json {
             return terminal.json(&report);
         }
-        let sound = output.animation.as_ref().map(|path| path.with_extension("wav"));
+        let sound = output.animation.as_deref().map(film::sound_beside);
         let made = [output.presets, output.film, output.animation, sound, output.coefficients];
         made.iter().flatten().try_for_each(|path| terminal.wrote(path))?;
         terminal.note(report);

@@ -23,6 +23,7 @@ pub struct Animation {
     judged: Vec<(usize, Item)>,
     judge_every: u64,
     form: Form,
+    box_diagonal: f32,
 }
 
 /// How near a file with morph targets comes to a dance.
@@ -38,13 +39,14 @@ pub struct Approximation {
 }
 
 impl Animation {
-    /// Of a dance of this many frames.
-    pub fn new(frames: u64) -> Self {
+    /// Of a dance of this many frames, by a body whose box has this diagonal.
+    pub fn new(frames: u64, box_diagonal: f32) -> Self {
         Self {
             movement: Movement::default(),
             judged: Vec::new(),
             judge_every: frames.div_ceil(JUDGED_FRAMES).max(1),
             form: Form::default(),
+            box_diagonal,
         }
     }
 
@@ -119,7 +121,7 @@ impl Animation {
                 Ok(lengths.fold((0.0, 0.0), |(sum, most), d| (sum + d, f64::max(most, d))))
             })
             .collect::<Result<_, Error>>()?;
-        let diagonal = diagonal(&body.positions);
+        let diagonal = f64::from(self.box_diagonal).max(f64::MIN_POSITIVE);
         let all = (self.judged.len() * body.positions.len()).max(1) as f64;
         let (sum, most) = frames.iter().fold((0.0, 0.0), |(s, m), frame| (s + frame.0, f64::max(m, frame.1)));
         Ok(Approximation {
@@ -164,15 +166,6 @@ fn from_zero_to_one(mut targets: Vec<Vec<[f64; 3]>>, weights: &[f32]) -> (Vec<Ve
     (targets, positive)
 }
 
-fn diagonal(positions: &[[f64; 3]]) -> f64 {
-    let bound = |pick: fn(f64, f64) -> f64| {
-        let all = positions.iter().copied();
-        all.reduce(|a, b| std::array::from_fn(|i| pick(a[i], b[i]))).unwrap_or_default()
-    };
-    let (low, high) = (bound(f64::min), bound(f64::max));
-    (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
-}
-
 #[cfg(test)]
 mod tests {
     use chladni_harmonics::BasisSettings;
@@ -199,7 +192,7 @@ mod tests {
         let mut mesh = samples::icosphere(2);
         mesh.positions.iter_mut().for_each(|p| *p = [50.0 * p[0] + 3.0, 40.0 * p[1], 20.0 * p[2]]);
         let body = Body::build(&mesh, &BasisSettings::new(9), &Task::new()).unwrap();
-        let mut animation = Animation::new(20);
+        let mut animation = Animation::new(20, 2.0);
         (0..20).for_each(|f| animation.push(Form::Filter, &frame(f)));
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.glb");
@@ -217,7 +210,7 @@ mod tests {
     fn a_dance_without_movement_is_refused() {
         let mesh = samples::icosphere(1);
         let body = Body::build(&mesh, &BasisSettings::new(4), &Task::new()).unwrap();
-        let mut animation = Animation::new(1);
+        let mut animation = Animation::new(1, 2.0);
         animation.push(Form::Filter, &Item::default());
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.glb");

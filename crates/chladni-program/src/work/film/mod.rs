@@ -173,6 +173,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let frames = output.rate.frames_in(songs.film_secs());
     let film_secs = output.rate.start_secs(frames);
     let (tempo_bpm, beat_confidence) = songs.tempo();
+    let box_diagonal = dancer.box_diagonal;
     let ensemble = Ensemble::new(dancer).with_voices(voices.into_iter().map(|(_, term)| term).collect())?;
     let mut hearing = Hearing::from(wanted.start_secs);
     songs.tell(&mut hearing);
@@ -200,7 +201,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
         std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
     }
     let recording = output.coefficients.is_some();
-    let mut animation = output.animation.as_ref().map(|_| Animation::new(frames));
+    let mut animation = output.animation.as_ref().map(|_| Animation::new(frames, box_diagonal));
     let done = match &output.film {
         Some(path) => {
             let sound = sound_for(path, &songs, watcher)?;
@@ -231,20 +232,16 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     };
     let approximation = match (&output.animation, &animation) {
         (Some(path), Some(animation)) => {
-            let path_of_sound = path.with_extension("wav");
             let approximation = watcher.watch("writing the morph targets", |_| {
                 animation.write(path, &mesh, &body, output.rate, output.targets)
             })?;
-            write_wav(&path_of_sound, &songs.sound()?, WavSample::Int16)
-                .map_err(|error| Error::unwritten(&path_of_sound, error))?;
+            save_sound(&sound_beside(path), &songs)?;
             Some(approximation)
         }
         _ => None,
     };
     if let Some(folder) = folder {
-        let path = folder.join("sound.wav");
-        write_wav(&path, &songs.sound()?, WavSample::Int16)
-            .map_err(|error| Error::unwritten(&path, error))?;
+        save_sound(&folder.join("sound.wav"), &songs)?;
     }
     if let Some(path) = &output.coefficients {
         done.recording.write(path).map_err(|error| Error::unwritten(path, error))?;
@@ -360,6 +357,15 @@ fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
         Preset::of(instrument, item, Vec::new()).save(&path).map_err(Error::unsaved)?;
     }
     Ok(())
+}
+
+/// Where the sound of an animation goes.
+pub fn sound_beside(animation: &Path) -> PathBuf {
+    animation.with_extension("wav")
+}
+
+fn save_sound(path: &Path, songs: &Songs) -> Result<(), Error> {
+    write_wav(path, &songs.sound()?, WavSample::Int16).map_err(|error| Error::unwritten(path, error))
 }
 
 /// The sound that an MP4 is given, as a temporary file.
