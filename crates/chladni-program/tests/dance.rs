@@ -65,6 +65,12 @@ fn a_dance_becomes_a_glb_with_its_sound_beside_it() {
     assert!(text.contains(r#""offset"]"#));
     let sound = Song::open(&folder.path().join("dance.wav")).unwrap();
     assert!((sound.duration_secs() - 1.0).abs() < 0.01, "{}", sound.duration_secs());
+    // The sound would replace the song.
+    let song = folder.path().join("dance.wav");
+    let before = std::fs::read(&song).unwrap();
+    let [song_name, out] = [&song, &glb].map(|path| path.to_str().unwrap());
+    assert_eq!(run(&["dance", "sample:octopus", song_name, "-k", "24", "-o", out]), 2);
+    assert!(std::fs::read(&song).unwrap() == before);
 }
 
 #[test]
