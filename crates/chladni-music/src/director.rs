@@ -94,7 +94,7 @@ impl Shot {
         let (side, reach) = (self.side, self.reach);
         let drift = side * (gone - 0.5);
         let [yaw_rad, pitch_rad, closeness, toward_part] = match self.kind {
-            Kind::Front => [0.16 * drift, 0.0, 0.15, 0.0],
+            Kind::Front => [0.06 * drift, 0.0, 0.15, 0.0],
             Kind::Orbit => [(0.7 + 0.5 * reach) * drift, 0.08 * reach, 0.15, 0.0],
             Kind::PushIn => [0.25 * side + 0.2 * drift, 0.02, 0.8 * gone, 0.3 * gone],
             Kind::PullOut => [0.3 * drift - 0.2 * side, 0.06, 0.8 - 0.7 * gone, 0.3 * (1.0 - gone).max(0.0)],

@@ -32,7 +32,7 @@ pub enum SideSource {
 }
 
 /// Half the width of the step, as a share of the signal's root mean square.
-const STEP: f64 = 0.45;
+const STEP: f64 = 0.28;
 /// The least correlation with the viewer's sides of a signal that separates them.
 const PARTED: f64 = 0.9;
 

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
-use chladni_sound::{FrontEnd, Level, Song, SongReader, SpectrumAnalyser, SpectrumSettings};
+use std::sync::Arc;
+
+use chladni_sound::{FrontEnd, Level, Song, SongReader, SongSpectrum, SpectrumAnalyser, SpectrumSettings};
 use chladni_testdata::shared;
 
 const RATE_HZ: u32 = 44_100;
@@ -73,18 +75,18 @@ fn pulses(amplitude: f32) -> Vec<f32> {
 }
 
 #[test]
-fn quiet_and_loud_masters_move_alike_after_three_seconds() {
+fn quiet_and_loud_masters_move_alike() {
     let settings = || SpectrumSettings { bands: 64, ..SpectrumSettings::new(RATE_HZ) };
-    let after_three = |samples: &[f32]| {
+    let after_all = |samples: &[f32]| {
         let found = peaks(settings(), samples, samples, 735);
         found[found.len() - 40..].to_vec()
     };
     let (loud, quiet) = (pulses(1.0), pulses(0.01));
-    // A song that is 40 dB quieter, and one that was loud before (4 s are 240 whole steps).
+    // A song that is 40 dB quieter, and one that was loud 40 s before (4 s are 240 whole steps).
     let mut after_loud = pulses(1.0);
-    after_loud.extend(&quiet);
+    (0..10).for_each(|_| after_loud.extend(&quiet));
     for (name, other) in [("quiet", &quiet), ("after a loud song", &after_loud)] {
-        for ((band, a), (other_band, b)) in after_three(&loud).iter().zip(after_three(other)) {
+        for ((band, a), (other_band, b)) in after_all(&loud).iter().zip(after_all(other)) {
             assert_eq!(*band, other_band, "{name}");
             assert!((20.0 * (a / b).log10()).abs() < 2.0, "{name}: {a} and {b}");
         }
@@ -230,4 +232,51 @@ fn the_side_has_a_level_of_its_own() {
     // A narrow one: its side is 40 dB softer than its middle, of which 20 dB are made up for.
     let [mid, side] = hear([1.0, 0.98]);
     assert!((0.06..0.14).contains(&(most(&side) / most(&mid))), "{mid:?} {side:?}");
+}
+
+/// A song of passages of a tone, each so loud for so many seconds.
+fn passages(parts: &[(f32, f64)]) -> Song {
+    let mut left = Vec::new();
+    for (amplitude, secs) in parts {
+        let begun = left.len();
+        left.extend((0..(secs * f64::from(RATE_HZ)) as usize).map(|i| {
+            let phase = std::f64::consts::TAU * 440.0 * (begun + i) as f64 / f64::from(RATE_HZ);
+            amplitude * phase.sin() as f32
+        }));
+    }
+    Song { rate_hz: RATE_HZ, right: left.clone(), left }
+}
+
+/// The loudest band at some times of a song, which is known beforehand or not.
+fn loudest(song: Song, is_known: bool, at_secs: &[f64]) -> Vec<f32> {
+    let loud = is_known.then(|| song.loud_level().unwrap());
+    let settings = SpectrumSettings { loud, ..SpectrumSettings::new(RATE_HZ) };
+    let mut ear = SongSpectrum::new(Arc::new(song), settings, 0.0).unwrap();
+    at_secs.iter().map(|&secs| ear.at(secs).mid.iter().copied().fold(0.0, f32::max)).collect()
+}
+
+#[test]
+fn the_noise_before_a_song_does_not_move_what_the_song_moves() {
+    // 70 dB softer than the song: over the floor, so that only the song tells that it is no music.
+    let song = passages(&[(1.5e-4, 3.0), (0.5, 5.0)]);
+    let heard = loudest(song, true, &[1.5, 6.0]);
+    assert!(heard[0] < 0.05 && heard[1] > 0.9, "{heard:?}");
+}
+
+#[test]
+fn a_soft_passage_is_shown_softer_by_half_of_its_decibels() {
+    let song = || passages(&[(0.5, 8.0), (0.05, 8.0), (0.5, 8.0)]);
+    let db = |heard: &[f32], i: usize| 20.0 * (heard[i] / heard[0]).log10();
+    let known = loudest(song(), true, &[6.0, 14.0, 22.0]);
+    assert!((-10.5..-9.5).contains(&db(&known, 1)) && db(&known, 2).abs() < 0.2, "{known:?}");
+    // While it is learnt, what was loud is forgotten slowly.
+    let learnt = loudest(song(), false, &[6.0, 12.0, 15.9, 22.0]);
+    assert!(db(&learnt, 1) < -5.0 && db(&learnt, 1) + 1.0 < db(&learnt, 2), "{learnt:?}");
+    assert!(db(&learnt, 3).abs() < 0.2, "{learnt:?}");
+    // A master 30 dB softer looks the same.
+    let mut soft = song();
+    soft.left.iter_mut().chain(&mut soft.right).for_each(|x| *x *= 0.03);
+    let heard = loudest(soft, true, &[6.0, 14.0, 22.0]);
+    assert!(heard.iter().zip(&known).all(|(a, b)| (a - b).abs() < 0.01), "{heard:?} {known:?}");
+    assert_eq!(passages(&[(0.0, 2.0)]).loud_level().unwrap(), 0.0);
 }

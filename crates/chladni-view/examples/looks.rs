@@ -43,7 +43,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rows = (Look::PRESETS.len() as u32).div_ceil(columns);
     let mut sheet = Picture::filled(columns * SIZE[0], rows * SIZE[1], [0, 0, 0, 255]);
     for (i, (_, look)) in (0u32..).zip(Look::PRESETS) {
-        let mood = Mood { level: 0.7, timbre: 0.4, sides: 0.1, beats: 3.2, certainty: 1.0, accent: 0.6 };
+        let mood =
+            Mood { levels: [0.7; 2], timbre: 0.4, sides: 0.1, beats: 3.2, certainty: 1.0, accent: 0.6 };
         let mut look = look.answering(&mood).scaled(1.4 * far);
         let at = [0.5 * (left + right), bottom, 0.5 * (back + front)];
         let radius = 0.5 * (right - left).max(front - back);

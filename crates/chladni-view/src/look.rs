@@ -29,13 +29,14 @@ pub struct Response {
     pub timbre: f32,
     /// How much of the palette lies between what both channels share and what they do not.
     pub sides: f32,
-    /// What full level adds to the glow.
+    /// What full level in both channels adds to the glow.
     pub glow: f32,
-    /// How much of the light comes with the level, in [0, 1].
+    /// How much of the light comes with the level, in [0, 1]: with that of the left channel in the left of the
+    /// picture.
     pub light: f32,
-    /// How much of the background's light comes with the level, in [0, 1].
+    /// How much of the background's light comes with the level, in [0, 1], in the same way.
     pub halo: f32,
-    /// How much of the colours' strength comes with the level, in [0, 1].
+    /// How much of the colours' strength comes with the level of both channels, in [0, 1].
     pub saturation: f32,
     /// What a beat adds to the rim light, as a share of it.
     pub rim: f32,
@@ -44,8 +45,8 @@ pub struct Response {
 /// What is heard, for a look to answer to. Each in [0, 1] but `beats`, which only grows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mood {
-    /// How loud it is.
-    pub level: f32,
+    /// How loud it is left and right.
+    pub levels: [f32; 2],
     /// How shrill.
     pub timbre: f32,
     /// How much of it the two channels do not share.
@@ -74,24 +75,36 @@ impl Look {
         self
     }
 
+    /// This look from a camera that is turned by `yaw_rad` from the front: what is lit is the side of the shape that
+    /// a channel moves, wherever in the picture it is. Seen edge on, both sides have the mean of their light.
+    pub fn seen_from(mut self, yaw_rad: f32) -> Self {
+        let own = 0.5 + 0.5 * yaw_rad.cos();
+        let mix = |near: f32, far: f32| own * near + (1.0 - own) * far;
+        let turned = |[left, right]: [f32; 2]| [mix(left, right), mix(right, left)];
+        self.lights.exposure = turned(self.lights.exposure);
+        self.background.strength = turned(self.background.strength);
+        self
+    }
+
     /// This look while that is heard. It depends on nothing else, so that a film shows what a window did.
     pub fn answering(mut self, mood: &Mood) -> Self {
         let Response { flow, timbre, sides, glow, light, halo, saturation, rim } = self.response;
-        let with_level = |share: f32| 1.0 - share * (1.0 - mood.level);
+        let with_level = |share: f32, level: f32| 1.0 - share * (1.0 - level);
+        let sided = |share: f32| mood.levels.map(|level| with_level(share, level));
+        // Light that has no place must not tell of one channel alone.
+        let level = (mood.levels[0] * mood.levels[1]).sqrt();
         if let Some(answer) = &mut self.answer {
             // There and back, so that a beat that is lost or found makes no jump.
             let gone = 1.0 - ((f64::from(flow) * mood.beats).rem_euclid(2.0) - 1.0).abs() as f32;
             answer.offset += mood.certainty * gone + timbre * mood.timbre + sides * mood.sides;
-            answer.saturation *= with_level(saturation);
+            answer.saturation *= with_level(saturation, level);
         }
-        self.material.glow += glow * mood.level * f32::from(u8::from(self.answer.is_some()));
-        self.lights.exposure *= with_level(light);
+        self.material.glow += glow * level * f32::from(u8::from(self.answer.is_some()));
+        let exposure = &mut self.lights.exposure;
+        *exposure = std::array::from_fn(|side| exposure[side] * sided(light)[side]);
         self.lights.lights[2].color = self.lights.lights[2].color.map(|c| c * (1.0 + rim * mood.accent));
-        let Background { center, corner, .. } = &mut self.background;
-        for (center, corner) in center.iter_mut().zip(corner) {
-            let (from, to) = (f32::from(*corner), f32::from(*center));
-            *center = (from + (to - from) * with_level(halo)).round() as u8;
-        }
+        // In steps that nobody sees: a background that did not change is not painted again.
+        self.background.strength = sided(halo).map(|strength| (strength * 255.0).round() / 255.0);
         self
     }
 }
@@ -109,9 +122,29 @@ mod tests {
     }
 
     #[test]
+    fn light_is_on_the_side_that_sounds_and_turns_with_the_shape() {
+        let look = Look::AURORA.answering(&Mood { levels: [1.0, 0.0], ..Mood::default() });
+        let sides = |look: &Look| [look.lights.exposure, look.background.strength];
+        let [[bright, dim], [strong, weak]] = sides(&look);
+        assert!(bright > 1.5 * dim && strong > 1.5 * weak, "{look:?}");
+        assert_eq!(bright, Look::AURORA.lights.exposure[0]);
+        assert_eq!(sides(&look.seen_from(0.0)), sides(&look));
+        let near = |a: f32, b: f32| (a - b).abs() < 1e-5;
+        let behind = sides(&look.seen_from(std::f32::consts::PI));
+        assert!(near(behind[0][0], dim) && near(behind[0][1], bright) && near(behind[1][1], strong));
+        let [light, _] = sides(&look.seen_from(std::f32::consts::FRAC_PI_2));
+        assert!(near(light[0], light[1]) && near(light[0], 0.5 * (bright + dim)));
+        for (name, look) in Look::PRESETS {
+            let both = look.answering(&Mood { levels: [0.4; 2], ..Mood::default() });
+            assert_eq!(both.lights.exposure[0], both.lights.exposure[1], "{name}");
+            assert_eq!(both.background.strength[0], both.background.strength[1], "{name}");
+        }
+    }
+
+    #[test]
     fn light_and_color_grow_with_the_level_and_nothing_jumps() {
         for (name, look) in Look::PRESETS {
-            let at = |level: f32| look.answering(&Mood { level, ..Mood::default() });
+            let at = |level: f32| look.answering(&Mood { levels: [level; 2], ..Mood::default() });
             let (silent, loud) = (at(0.0), at(1.0));
             assert!(silent.lights.exposure <= loud.lights.exposure, "{name}");
             assert_eq!(loud.lights.exposure, look.lights.exposure, "{name}");

@@ -68,7 +68,7 @@ impl Look {
             edge: [40, 90, 190],
             ..Material::BARE
         },
-        answer: answer(Palette::Aurora, 0.4, 0.0, 0.6, 0.25),
+        answer: answer(Palette::Aurora, 0.4, 0.0, 0.55, 0.16),
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.75, 0.95, 1.1]),
@@ -88,7 +88,7 @@ impl Look {
             flow: 0.04,
             timbre: 0.2,
             sides: 0.2,
-            glow: 0.3,
+            glow: 0.18,
             light: 0.6,
             halo: 0.9,
             saturation: 0.0,

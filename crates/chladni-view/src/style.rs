@@ -96,8 +96,8 @@ pub struct Lights {
     pub sky: [f32; 3],
     /// Linear-light RGB from below.
     pub ground: [f32; 3],
-    /// Multiplies all light.
-    pub exposure: f32,
+    /// Multiplies all light: in the picture's left and right, one passing into the other across its middle.
+    pub exposure: [f32; 2],
     /// How dark the key light's shadows are, in [0, 1]; 0 draws none and saves a pass.
     pub shadow: f32,
     /// Linear-light RGB of a bright line all around at the height of the eye, which surfaces mirror.
@@ -134,7 +134,7 @@ impl Lights {
         ],
         sky: [0.0; 3],
         ground: [0.0; 3],
-        exposure: 1.0,
+        exposure: [1.0; 2],
         shadow: 0.0,
         horizon: [0.0; 3],
         strips: 0.0,
@@ -218,6 +218,8 @@ pub struct Background {
     pub center: [u8; 3],
     /// Colour in the corners.
     pub corner: [u8; 3],
+    /// How much of the middle's colour there is, in [0, 1], in the picture's left and right.
+    pub strength: [f32; 2],
     /// 1 is opaque; 0 leaves only the shape, for pictures with alpha.
     pub opacity: f32,
     /// Which way the colours run.
@@ -289,6 +291,6 @@ impl Background {
 
     /// Opaque, from the colour of the middle to that of the corners.
     pub const fn between(center: [u8; 3], corner: [u8; 3]) -> Self {
-        Self { center, corner, opacity: 1.0, gradient: Gradient::Round, floor: None }
+        Self { center, corner, strength: [1.0; 2], opacity: 1.0, gradient: Gradient::Round, floor: None }
     }
 }

@@ -26,6 +26,7 @@ pub(crate) struct CellUniform {
     pub(crate) floor: [f32; 4],
     pub(crate) floor_plane: [f32; 4],
     pub(crate) floor_axes: [[f32; 4]; 2],
+    pub(crate) wings: [f32; 4],
 }
 
 /// A figure, as `shader.wgsl` describes it.
@@ -117,6 +118,7 @@ pub(crate) fn cell_uniform(cell: &Cell<'_>, encode: bool) -> CellUniform {
     let rgb = |[r, g, b]: [f32; 3], w| [r, g, b, w];
     let srgb = |color: [u8; 3], w| rgb(color.map(|c| f32::from(c) / 255.0), w);
     let r = cell.viewport;
+    let strength = cell.background.strength;
     let orthographic = cell.camera.projection == crate::Projection::Orthographic;
     CellUniform {
         view: cell.camera.view_matrix().to_cols_array_2d(),
@@ -132,11 +134,12 @@ pub(crate) fn cell_uniform(cell: &Cell<'_>, encode: bool) -> CellUniform {
         viewport: [r.x as f32, r.y as f32, r.width as f32, r.height as f32],
         output: [
             f32::from(u8::from(encode)),
-            cell.lights.exposure,
+            0.0,
             f32::from(u8::from(orthographic)),
             f32::from(cell.lights.curve as u8),
         ],
         horizon: rgb(cell.lights.horizon, 0.0),
+        wings: [cell.lights.exposure[0], cell.lights.exposure[1], strength[0], strength[1]],
         ..floor_uniform(cell)
     }
 }

@@ -9,7 +9,7 @@ mod shapes;
 
 use chladni_view::{
     Answer, Background, BrushRing, Camera, Canvas, Cell, ColorMap, Curve, Device, Figure, Finish, Floor,
-    Gradient, Grain, Grains, ItemBuffers, Lights, Look, Marker, Material, Paint, Palette, Picture,
+    Gradient, Grain, Grains, ItemBuffers, Lights, Look, Marker, Material, Mood, Paint, Palette, Picture,
     Projection, Rect, Renderer, RestShape, Scale, Skin, Topology, VertexPaint, View, ViewError, Wire, layout,
     smooth_normals,
 };
@@ -258,7 +258,8 @@ const LOOKS: [(&str, Drawn); 20] = [
         m.finish(size, &[cell], &finish)
     }),
     ("a whole look", |m, size| {
-        let look = Look::DUSK.scaled(0.2);
+        let heard = Mood { levels: [0.9, 0.1], ..Mood::default() };
+        let look = Look::DUSK.answering(&heard).scaled(0.2);
         let figures = [Figure { material: look.material, ..m.answering(look.answer.unwrap()) }];
         let (lights, background) = (look.lights, look.background);
         m.finish(size, &[Cell { lights, background, ..m.cell(&figures, size) }], &look.finish)

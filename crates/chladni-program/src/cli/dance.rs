@@ -68,8 +68,8 @@ pub struct Dance {
     /// else half-mask.
     #[arg(long, value_parser = parse_form)]
     form: Option<Form>,
-    /// How harmonics ring when the sound strikes them: jelly, bell, drum, cloth, metal; none: they follow its
-    /// level, as in the paper. A show's or preset's own unless given, else jelly.
+    /// How harmonics ring when the sound strikes them: rubber, jelly, bell, drum, cloth, metal; none: they follow its
+    /// level, as in the paper. A show's or preset's own unless given, else rubber.
     #[arg(long, value_parser = parse_timbre)]
     timbre: Option<Ring>,
     /// Which harmonics may sound: all, symmetric or antisymmetric.

@@ -24,6 +24,19 @@ pub struct KnownSong {
     pub song: Arc<Song>,
     /// Its beats, once they are tracked.
     pub beats: Option<Beats>,
+    /// [`Song::loud_level`]; 0 for silence.
+    loud: f32,
+}
+
+impl KnownSong {
+    /// Of its samples, which are heard once to know how loud they get.
+    ///
+    /// # Errors
+    /// [`SoundError::Setting`] where their rate is out of range.
+    pub fn new(song: Arc<Song>) -> Result<Self, SoundError> {
+        let loud = song.loud_level()?;
+        Ok(Self { song, beats: None, loud })
+    }
 }
 
 /// What is heard at one moment.
@@ -348,7 +361,8 @@ impl Hearing {
         let ear = match &mut self.ear {
             Some(ear) => ear,
             None => {
-                let settings = tuning.settings(known.song.rate_hz);
+                let settings =
+                    SpectrumSettings { loud: Some(known.loud), ..tuning.settings(known.song.rate_hz) };
                 let song = Arc::clone(&known.song);
                 self.ear.insert(SongSpectrum::new(song, settings, self.from_song_secs)?)
             }
@@ -388,7 +402,7 @@ mod tests {
 
     fn known() -> KnownSong {
         let beats = Beats { beats_secs: sample_tune_beats_secs(), confidence: 1.0, ..Beats::default() };
-        KnownSong { song: Arc::new(sample_tune()), beats: Some(beats) }
+        KnownSong { beats: Some(beats), ..KnownSong::new(Arc::new(sample_tune())).unwrap() }
     }
 
     fn stretch(at_secs: f64, song_secs: f64, playing: bool) -> Stretch {

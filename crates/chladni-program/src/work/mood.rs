@@ -5,7 +5,7 @@ use chladni_view::Mood;
 
 use super::Heard;
 
-/// The mean of the bands at which a picture is two thirds as bright as it gets; half of it gives a fifth, so that
+/// The mean of a channel's bands at which a picture is two thirds as bright as it gets; half of it gives a fifth, so that
 /// beats stand out.
 const USUAL: f32 = 0.22;
 /// A beat's accent rises over this part of it, so that nothing flickers.
@@ -18,7 +18,6 @@ impl Heard<'_> {
     pub fn mood(&self) -> Mood {
         let Bands { mid, left, right, .. } = self.bands;
         let total: f32 = mid.iter().sum();
-        let mean = total / mid.len().max(1) as f32;
         let weighted: f32 = mid.iter().zip(0u16..).map(|(band, i)| band * f32::from(i)).sum();
         let last = mid.len().saturating_sub(1).max(1) as f32;
         let (apart, both) = left.iter().zip(right).fold((0.0f32, 0.0f32), |(apart, both), (l, r)| {
@@ -35,7 +34,7 @@ impl Heard<'_> {
             }
         };
         Mood {
-            level: 1.0 - (-(mean.max(0.0) / USUAL).powi(2)).exp(),
+            levels: [left, right].map(level),
             timbre: share(weighted, total * last),
             sides: share(apart, both),
             beats,
@@ -43,6 +42,12 @@ impl Heard<'_> {
             accent,
         }
     }
+}
+
+/// How loud a channel is, in [0, 1).
+fn level(bands: &[f32]) -> f32 {
+    let mean = bands.iter().sum::<f32>() / bands.len().max(1) as f32;
+    1.0 - (-(mean.max(0.0) / USUAL).powi(2)).exp()
 }
 
 /// How much of a beat is still felt.
@@ -69,11 +74,12 @@ mod tests {
         assert_eq!(silent, Mood { certainty: 1.0, ..Mood::default() });
         let (low, high) = ([0.4, 0.1, 0.0, 0.0], [0.0, 0.0, 0.1, 0.4]);
         let [dull, shrill] = [low, high].map(|bands| mood(&bands, &bands, &bands, 0.0));
-        assert!(dull.timbre < 0.3 && shrill.timbre > 0.7 && dull.level == shrill.level);
+        assert!(dull.timbre < 0.3 && shrill.timbre > 0.7 && dull.levels == shrill.levels);
         let apart = mood(&low, &low, &[0.0; 4], 0.0);
         assert_eq!((dull.sides, apart.sides), (0.0, 1.0));
-        let loud = mood(&[0.9; 4], &low, &low, 0.0);
-        assert!(dull.level < loud.level && loud.level < 1.0);
+        assert!(apart.levels[0] == dull.levels[0] && apart.levels[1] == 0.0);
+        let loud = mood(&low, &[0.9; 4], &[0.8; 4], 0.0);
+        assert!(dull.levels[0] < loud.levels[1] && loud.levels[1] < loud.levels[0] && loud.levels[0] < 1.0);
         assert_eq!(mood(&[], &[], &[], 0.0), silent);
     }
 

@@ -140,7 +140,7 @@ mod tests {
 
     fn hearing(instrument: &Instrument) -> Hearing {
         let mut hearing = Hearing::default();
-        hearing.know(0, KnownSong { song: Arc::new(sample_tune()), beats: None });
+        hearing.know(0, KnownSong::new(Arc::new(sample_tune())).unwrap());
         hearing.tune(0.0, instrument.parameters());
         hearing.begin(Stretch { at_secs: 0.0, song: Some(0), song_secs: 2.0, playing: true }).unwrap();
         hearing

@@ -243,7 +243,8 @@ impl Staging {
         };
         let mut look = look.scaled(limit * self.dancer.box_diagonal);
         look.lights = look.lights.turned(reaction.light_turn_rad);
-        look.lights.exposure *= reaction.light_gain;
+        look.lights.exposure = look.lights.exposure.map(|light| light * reaction.light_gain);
+        look = look.seen_from(camera.yaw_rad);
         // Many shapes do not stand on one floor.
         look.background.floor = look.background.floor.filter(|_| items == 1).and_then(|floor| {
             let (at, radius) = self.ground(FLOOR_BELOW * limit * self.dancer.box_diagonal)?;

@@ -33,6 +33,9 @@ pub struct SpectrumSettings {
     pub side_gain: f32,
     /// Automatic or fixed level.
     pub level: Level,
+    /// The automatic level of the song's loud passages, [`Song::loud_level`](crate::Song::loud_level), so that soft
+    /// ones are softer from the first moment on; `None` learns it while listening.
+    pub loud: Option<f32>,
 }
 
 impl SpectrumSettings {
@@ -50,6 +53,7 @@ impl SpectrumSettings {
             decay: 0.5,
             side_gain: 10.0,
             level: Level::Auto,
+            loud: None,
         }
     }
 
@@ -79,8 +83,8 @@ impl SpectrumSettings {
     }
 }
 
-/// Amplitudes of the bands; 1 is a sine of full scale at fixed level 1, or the louder channel of the
-/// loudest band of the last two seconds at automatic level.
+/// Amplitudes of the bands; 1 is a sine of full scale at fixed level 1, or, in a loud passage at automatic level, the
+/// louder channel of the loudest band of the last two seconds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spectrum {
     /// Of (left + right) / 2, one per band.
@@ -222,7 +226,7 @@ impl SpectrumAnalyser {
             fresh: silence.clone(),
             followed: vec![Followed::default(); settings.bands],
             spectrum: silence,
-            leveller: Leveller::new(settings.bands),
+            leveller: Leveller::new(settings.bands, settings.loud),
             gains: vec![0.0; settings.bands],
             lag_secs: lag_secs(&settings),
             settings,
@@ -253,7 +257,7 @@ impl SpectrumAnalyser {
     pub fn reset(&mut self) {
         self.spectrum = Spectrum::silent(self.settings.bands);
         self.followed.fill(Followed::default());
-        self.leveller = Leveller::new(self.settings.bands);
+        self.leveller = Leveller::new(self.settings.bands, self.settings.loud);
     }
 
     /// The delay, in seconds, from a click to the peak of its spectrum, caused by the decay: a window placed

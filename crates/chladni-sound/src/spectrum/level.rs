@@ -4,8 +4,8 @@
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// The loudest band of the last two seconds is 1, and softer bands are raised by most of the difference
-    /// (docs/sound.md, "Level").
+    /// The loudest band of the last two seconds is 1 in loud passages and less in soft ones, and softer bands are
+    /// raised by most of the difference (docs/sound.md, "Level").
     Auto,
     /// Amplitudes are multiplied by this.
     Fixed(f32),
@@ -30,35 +30,60 @@ const BAND_RELEASE_SECS: f64 = 4.0;
 /// Leveled amplitudes are raised to this power: what is 10 dB softer than its band's level shows as 7 dB.
 const COMPRESSION: f32 = 0.7;
 
+/// A passage's difference from the loud ones, in decibels, is shown by this share: 20 dB softer looks 10 dB softer.
+const DYNAMICS: f32 = 0.5;
+/// Where it is not known how loud a song gets, its loud passages are forgotten with this time constant, in decibels.
+const LOUD_RELEASE_SECS: f64 = 15.0;
+
 /// The gain of each band and of the side.
 pub(super) struct Leveller {
     whole: LevelFollower,
+    /// The level of loud passages: known, or learnt.
+    loud: f32,
+    is_known: bool,
+    /// The gain of the present passage.
+    softness: f32,
     side: LevelFollower,
     /// For each band, its own level over that of the loudest, in [`SOFTEST`, 1].
     bands: Vec<f32>,
 }
 
 impl Leveller {
-    pub fn new(bands: usize) -> Self {
-        Self { whole: LevelFollower::new(), side: LevelFollower::new(), bands: vec![SOFTEST; bands] }
+    /// For `bands` bands of a song whose loud passages have the level `loud`, if that is known.
+    pub fn new(bands: usize, loud: Option<f32>) -> Self {
+        let loud = loud.filter(|loud| *loud > FLOOR && loud.is_finite());
+        Self {
+            whole: LevelFollower::new(),
+            loud: loud.unwrap_or(FLOOR),
+            is_known: loud.is_some(),
+            softness: 1.0,
+            side: LevelFollower::new(),
+            bands: vec![SOFTEST; bands],
+        }
     }
 
     /// Takes the louder channel of each band, `dt_secs` after the last; replaces it by the band's gain.
     pub fn follow(&mut self, amplitudes: &mut [f32], dt_secs: f64) {
         let level = self.whole.follow(amplitudes.iter().fold(0.0, |a: f32, &b| a.max(b)), dt_secs);
+        if !self.is_known {
+            let keep = (-dt_secs / LOUD_RELEASE_SECS).exp() as f32;
+            self.loud = if level >= self.loud { level } else { level * (self.loud / level).powf(keep) };
+        }
+        self.softness = (level / self.loud).min(1.0).powf(DYNAMICS);
         let keep = (-dt_secs / BAND_RELEASE_SECS).exp() as f32;
         for (own, amplitude) in self.bands.iter_mut().zip(amplitudes) {
             let now = (*amplitude / level).clamp(SOFTEST, 1.0);
             *own = if now >= *own { now } else { now * (*own / now).powf(keep) };
             let levelled = *amplitude / (level * own.powf(LIFT));
-            *amplitude = if levelled > 0.0 { levelled.powf(COMPRESSION) / *amplitude } else { 0.0 };
+            let gain = self.softness * levelled.powf(COMPRESSION) / *amplitude;
+            *amplitude = if levelled > 0.0 { gain } else { 0.0 };
         }
     }
 
     /// The gain of the side: `most`, or, if less, the gain that brings its `loudest` leveled band of the last
     /// two seconds to 1.
     pub fn side_gain(&mut self, loudest: f32, most: f32, dt_secs: f64) -> f32 {
-        most.min(1.0 / self.side.follow(loudest, dt_secs))
+        most.min(1.0 / self.side.follow(loudest / self.softness, dt_secs))
     }
 }
 

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::curves::{clamp, max, min, mix, smoothstep};
 use super::instructions::{Instructions, Kernel};
+use super::shade::wing;
 use crate::Rect;
 use crate::uniforms::CellUniform;
 
@@ -15,14 +16,16 @@ pub(super) struct Backdrop {
 }
 
 /// All that a background depends on.
-type Painted = (Rect, [[f32; 4]; 6], [[f32; 4]; 4]);
+type Painted = (Rect, [[f32; 4]; 6], [f32; 2], [[f32; 4]; 4]);
 
 impl Backdrop {
     /// Paints the cell's background, unless it is there.
     pub(super) fn paint(&mut self, with: Instructions, cell: &CellUniform, rect: Rect) {
         let [x_axis, z_axis] = cell.floor_axes;
         let (center, corner, floor) = (cell.background_center, cell.background_corner, cell.floor);
-        let of = (rect, [center, corner, floor, cell.floor_plane, x_axis, z_axis], cell.projection);
+        let [.., left, right] = cell.wings;
+        let colors = [center, corner, floor, cell.floor_plane, x_axis, z_axis];
+        let of = (rect, colors, [left, right], cell.projection);
         if self.of == Some(of) {
             return;
         }
@@ -51,6 +54,7 @@ impl Kernel for Row<'_> {
     fn run(self) {
         let [left, top, width, height] = self.cell.viewport;
         let (center, corner) = (self.cell.background_center, self.cell.background_corner);
+        let [.., strength_left, strength_right] = self.cell.wings;
         let at_y = 1.0 - 2.0 * (self.y as f32 + 0.5) / height;
         let (y, gradient) = (at_y - 0.1, corner[3]);
         let row = top as u32 + self.y as u32;
@@ -61,6 +65,7 @@ impl Kernel for Row<'_> {
             let (round, halo) = (smoothstep(0.1, 1.5, r), smoothstep(0.0, 1.1, r));
             let share = if gradient > 1.5 { halo } else { round };
             let share = if (gradient - 1.0).abs() < 0.5 { 0.5 + 0.5 * at_y } else { share };
+            let share = 1.0 - (1.0 - share) * wing(strength_left, strength_right, x);
             let mut behind = [0.0; 3];
             for k in 0..3 {
                 behind[k] = mix(center[k], corner[k], share);

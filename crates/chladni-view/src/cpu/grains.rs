@@ -197,7 +197,9 @@ impl<'a> Lens<'a> {
         let center =
             [left + (0.5 + 0.5 * clip.x / clip.w) * width, top + (0.5 - 0.5 * clip.y / clip.w) * height];
         let there = center.iter().all(|c| c.is_finite()) && drawn < width.max(height);
-        let lit = rgb(self.figure.grain) * own * self.light(turned, self.key(scene, scene_normal, turned));
+        let lit = rgb(self.figure.grain)
+            * own
+            * self.light(turned, self.key(scene, scene_normal, turned), clip.x / clip.w);
         there.then(|| GrainDisc {
             center,
             depth,
@@ -221,13 +223,13 @@ impl<'a> Lens<'a> {
         mix(1.0, map.lit_disc((on + off).to_array()), self.cell.shadow_map[0])
     }
 
-    fn light(&self, n: Vec3, key: f32) -> Vec3 {
+    fn light(&self, n: Vec3, key: f32, x: f32) -> Vec3 {
         let cell = self.cell;
         let mut c = rgb(cell.ground).lerp(rgb(cell.sky), 0.5 + 0.5 * n.y);
         for (i, [direction, color]) in cell.lights.into_iter().enumerate() {
             let facing = clamp(0.35 + 0.65 * n.dot(rgb(direction)), 0.0, 1.0);
             c += rgb(color) * if i == 0 { key } else { 1.0 } * facing;
         }
-        c * cell.output[1]
+        c * shade::wing(cell.wings[0], cell.wings[1], x)
     }
 }

@@ -77,6 +77,21 @@ fn curved(cell: &CellUniform, linear: Vec3) -> Vec3 {
     vec3(pick(neutral.x, film.x), pick(neutral.y, film.y), pick(neutral.z, film.z))
 }
 
+/// Half the width, of 2, in which the picture's left passes into its right.
+const WING: f32 = 0.4;
+
+/// What the sides make at `x`, -1 at the left edge of the picture and 1 at the right.
+#[inline(always)]
+pub(super) fn wing(left: f32, right: f32, x: f32) -> f32 {
+    mix(left, right, smoothstep(-WING, WING, x))
+}
+
+/// Where in the picture, from -1 to 1, something lies whose viewer is towards `v`.
+#[inline(always)]
+fn across(cell: &CellUniform, v: Vec3) -> f32 {
+    -cell.projection[0][0] * v.x / max(v.z, 1e-3)
+}
+
 #[inline(always)]
 fn studio(cell: &CellUniform, d: Vec3, roughness: f32) -> Vec3 {
     let blur = mix(0.18, 0.9, roughness);
@@ -148,7 +163,8 @@ fn shaded<const FILM: bool>(
     let mirror = studio(cell, reflected, roughness) * share;
     let grazing = 1.0 - nv;
     let own = tint * glow + rgb(figure.edge) * (grazing * grazing * grazing);
-    (tint * (1.0 - metal) * diffuse + gloss + mirror + own) * cell.output[1]
+    (tint * (1.0 - metal) * diffuse + gloss + mirror + own)
+        * wing(cell.wings[0], cell.wings[1], across(cell, v))
 }
 
 #[inline(always)]

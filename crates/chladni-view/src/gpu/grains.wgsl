@@ -53,14 +53,14 @@ fn grain_vertex(
     return GrainDisc(clip, from_middle, vec3f(drawn, share * share, own), s.normal, s.map_at, s.map_step);
 }
 
-// Light on grains of a surface of normal `n`, which are rough and scatter it.
-fn grain_light(n: vec3f, key: f32) -> vec3f {
+// Light on grains at `x` of the picture on a surface of normal `n`, which are rough and scatter it.
+fn grain_light(n: vec3f, key: f32, x: f32) -> vec3f {
     var c = mix(cell.ground.rgb, cell.sky.rgb, 0.5 + 0.5 * n.y);
     for (var i = 0; i < 3; i++) {
         let facing = clamp(0.35 + 0.65 * dot(n, cell.lights[i].direction.xyz), 0.0, 1.0);
         c += cell.lights[i].color.rgb * select(1.0, key, i == 0) * facing;
     }
-    return c * cell.output.y;
+    return c * wing(cell.wings.xy, x);
 }
 
 @fragment
@@ -68,7 +68,8 @@ fn grain_fragment(in: GrainDisc) -> @location(0) vec4f {
     let r = length(in.from_middle);
     let cover = 1.0 - smoothstep(in.disc.x - 0.7, in.disc.x + 0.7, r);
     let key = lit_by_key(in.map_at, in.map_step, in.clip.xy);
-    let lit = encoded(toned(figure.grain.rgb * in.disc.z * grain_light(in.normal, key)));
+    let x = 2.0 * (in.clip.x - cell.viewport.x) / cell.viewport.z - 1.0;
+    let lit = encoded(toned(figure.grain.rgb * in.disc.z * grain_light(in.normal, key, x)));
     // Each is round: brighter toward the key light.
     let across = in.from_middle / (in.disc.x + 0.7);
     var round = 0.86 + 0.30 * dot(across, cell.lights[0].direction.xy);

@@ -16,8 +16,8 @@ struct Cell {
     background_corner: vec4f,
     // x, y, width, height in pixels.
     viewport: vec4f,
-    // x: 1 where the target wants sRGB-encoded numbers; y: exposure; z: 1 in orthographic views; w: 1
-    // for the curve of film.
+    // x: 1 where the target wants sRGB-encoded numbers; z: 1 in orthographic views; w: 1 for the curve
+    // of film.
     output: vec4f,
     // From the scene to the key light's clip space.
     shadow: mat4x4f,
@@ -33,6 +33,8 @@ struct Cell {
     floor_plane: vec4f,
     // Along the floor from the shadow's middle, 1 at its edge.
     floor_axes: array<vec4f, 2>,
+    // Exposure in the picture's left and right; strength of the background's middle in the left and right.
+    wings: vec4f,
 }
 
 struct Figure {
@@ -66,6 +68,8 @@ struct Figure {
 override SHADOWS = true;
 // Whether shadows are filtered between the texels of their map: without, a pixel must be no smaller.
 override FILTERED = true;
+// Half the width, of 2, in which the picture's left passes into its right.
+const WING = 0.4;
 
 @group(0) @binding(0) var<uniform> cell: Cell;
 @group(1) @binding(0) var<uniform> figure: Figure;
@@ -267,6 +271,16 @@ fn curved(linear: vec3f) -> vec3f {
     return select(toned(linear), filmed(linear), cell.output.w > 0.5);
 }
 
+// What `sides` makes at `x`, -1 at the left edge of the picture and 1 at the right.
+fn wing(sides: vec2f, x: f32) -> f32 {
+    return mix(sides.x, sides.y, smoothstep(-WING, WING, x));
+}
+
+// Where in the picture, from -1 to 1, something lies whose viewer is towards `v`.
+fn across(v: vec3f) -> f32 {
+    return -cell.projection[0][0] * v.x / max(v.z, 1e-3);
+}
+
 // What the studio looks like along `d`: a floor, a ceiling, a horizon, two upright softboxes and one per light.
 fn studio(d: vec3f, roughness: f32) -> vec3f {
     let blur = mix(0.18, 0.9, roughness);
@@ -372,7 +386,7 @@ fn shaded(base: vec3f, n: vec3f, v: vec3f, key: f32, glow: f32) -> vec3f {
     let mirror = studio(reflect(-v, n), roughness) * share;
     let grazing = 1.0 - nv;
     let own = tint * glow + figure.edge.rgb * (grazing * grazing * grazing);
-    return (tint * (1.0 - metal) * diffuse + gloss + mirror + own) * cell.output.y;
+    return (tint * (1.0 - metal) * diffuse + gloss + mirror + own) * wing(cell.wings.xy, across(v));
 }
 
 // Painted values must stay readable against their legend: light only darkens, and gently.
@@ -537,6 +551,7 @@ fn backdrop_fragment(in: Screen) -> @location(0) vec4f {
     let gradient = cell.background_corner.w;
     var away = select(smoothstep(0.1, 1.5, r), smoothstep(0.0, 1.1, r), gradient > 1.5);
     away = select(away, 0.5 + 0.5 * in.at.y, abs(gradient - 1.0) < 0.5);
+    away = 1.0 - (1.0 - away) * wing(cell.wings.zw, in.at.x);
     var c = mix(cell.background_center.rgb, cell.background_corner.rgb, away);
     c = floored(c, in.at);
     // An ordered dither hides the steps of eight bits, and unlike noise it compresses well.

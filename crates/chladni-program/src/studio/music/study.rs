@@ -7,10 +7,12 @@ use std::sync::mpsc::{Receiver, channel};
 use chladni_sound::{Beats, Song, SongOptions, SongReader, SoundError, track_beats};
 use chladni_task::Task;
 
+use crate::work::KnownSong;
+
 /// What was learned of a song.
 pub enum Learned {
     /// Its samples.
-    Song(Arc<Song>),
+    Song(KnownSong),
     /// Its beats.
     Beats(Beats),
     /// Nothing, and why, unless the player reports the same.
@@ -43,7 +45,10 @@ impl Study {
                 }
                 Err(_) => return tell(Learned::Nothing(None)),
             };
-            tell(Learned::Song(Arc::clone(&song)));
+            match KnownSong::new(Arc::clone(&song)) {
+                Ok(known) => tell(Learned::Song(known)),
+                Err(why) => return tell(Learned::Nothing(Some(why.to_string()))),
+            }
             if known {
                 return;
             }

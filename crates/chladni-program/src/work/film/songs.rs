@@ -45,7 +45,7 @@ impl Songs {
         for (number, (name, _)) in names.iter().enumerate() {
             let song = if numbers.contains(&number) {
                 let song = Arc::new(source::song(name, 0.0, None, watcher)?);
-                Some(KnownSong { song, beats: None })
+                Some(KnownSong::new(song)?)
             } else {
                 None
             };

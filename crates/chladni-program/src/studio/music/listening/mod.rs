@@ -21,7 +21,7 @@ use ear::BeatCount;
 
 use super::study::{Learned, Study};
 use crate::work::source::TUNE;
-use crate::work::{Error, Heard, Hearing, KnownSong, Playing, ShowClock, bands_of, read_beats};
+use crate::work::{Error, Heard, Hearing, Playing, ShowClock, bands_of, read_beats};
 
 /// Seed of the shots of what is not known as a whole.
 const LIVE_SEED: u64 = 1;
@@ -361,9 +361,9 @@ impl Listening {
         {
             let Some(song) = self.repertoire.get_mut(number) else { break };
             match learned {
-                Learned::Song(samples) => {
-                    let beats = song.beats.as_ref().map(|beats| read_beats(beats, song.reading));
-                    self.hearing.know(number, KnownSong { song: samples, beats });
+                Learned::Song(mut known) => {
+                    known.beats = song.beats.as_ref().map(|beats| read_beats(beats, song.reading));
+                    self.hearing.know(number, known);
                     self.hearing.forget_samples_but(number);
                 }
                 Learned::Beats(beats) => {
