@@ -82,7 +82,7 @@ impl Look {
             curve: Curve::Filmic,
             ..Lights::BARE
         },
-        background: halo([26, 66, 138], [5, 6, 20]),
+        background: halo([15, 36, 80], [5, 6, 20]),
         finish: Finish { bloom: 0.9, bloom_from: 0.6, vignette: 0.35, ..Finish::NOTHING },
         response: Response {
             flow: 0.04,
