@@ -58,7 +58,7 @@ pub use cache::BasisCache;
 pub use error::HarmonicsError;
 pub use heat::{HeatFlow, HeatStep};
 pub use operator::Operator;
-pub use pencil::Pencil;
+pub use pencil::{ConsistentPencil, Eigenpairs, Pencil};
 pub use report::{BasisWarning, BuildReport, BuildSeconds, SolveProfile};
 pub use settings::{BasisSettings, Laplacian};
 pub use sparse::SymmetricSparse;

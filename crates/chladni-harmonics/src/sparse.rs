@@ -53,21 +53,21 @@ impl SymmetricSparse {
         Ok(matrix)
     }
 
-    /// What is wrong with it as a symmetric matrix with all of its diagonal stored.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    /// What is wrong with it as a symmetric matrix with all of its diagonal stored; `name` is what it is called.
+    pub(crate) fn check(&self, name: &str) -> Result<(), String> {
         let (n, entries) = (self.size(), self.rows.len());
         let starts = &self.column_starts;
         let ascend = starts.first() == Some(&0) && starts.is_sorted() && starts.last() == Some(&entries);
         if !ascend || self.values.len() != entries {
-            return Err("the starts of the columns of S do not fit its entries".into());
+            return Err(format!("the starts of the columns of {name} do not fit its entries"));
         }
         for j in 0..n {
             let rows = &self.rows[starts[j]..starts[j + 1]];
             if !rows.is_sorted_by(|a, b| a < b) || rows.last().is_none_or(|last| *last as usize >= n) {
-                return Err(format!("the rows in column {j} of S do not ascend, or go beyond {n}"));
+                return Err(format!("the rows in column {j} of {name} do not ascend, or go beyond {n}"));
             }
             if rows.binary_search(&(j as u32)).is_err() {
-                return Err(format!("S stores no value at ({j}, {j})"));
+                return Err(format!("{name} stores no value at ({j}, {j})"));
             }
         }
         for j in 0..n {
@@ -76,7 +76,7 @@ impl SymmetricSparse {
                 let alike = (value - mirrored).abs() <= 1e-12 * value.abs().max(mirrored.abs());
                 if !alike || !value.is_finite() {
                     return Err(format!(
-                        "S is not symmetric: {value} at ({i}, {j}), {mirrored} at ({j}, {i})"
+                        "{name} is not symmetric: {value} at ({i}, {j}), {mirrored} at ({j}, {i})"
                     ));
                 }
             }
@@ -102,6 +102,30 @@ impl SymmetricSparse {
             }
         }
         sum
+    }
+
+    /// The matrix plus `factor` times `other`, which has the same places (see [`at_places_of`](Self::at_places_of)).
+    pub(crate) fn plus(&self, other: &Self, factor: f64) -> Self {
+        let values = self.values.iter().zip(&other.values).map(|(a, b)| a + factor * b).collect();
+        Self { values, ..self.clone() }
+    }
+
+    /// The matrix with zeros stored wherever `other`, of the same size, has entries and it has none.
+    pub(crate) fn at_places_of(&self, other: &Self) -> Self {
+        let mut all = Self { column_starts: vec![0], ..Self::default() };
+        for j in 0..self.size() {
+            let mut theirs = other.column(j).map(|(i, _)| i).peekable();
+            for (i, value) in self.column(j) {
+                while let Some(before) = theirs.next_if(|row| *row < i) {
+                    all.push(before as u32, 0.0);
+                }
+                theirs.next_if(|row| *row == i);
+                all.push(i as u32, value);
+            }
+            theirs.for_each(|row| all.push(row as u32, 0.0));
+            all.column_starts.push(all.rows.len());
+        }
+        all
     }
 
     /// Sums `edges` (i, j, w), i ≠ j, as −w at (i, j) and (j, i) and +w at (i, i) and (j, j):
@@ -182,10 +206,14 @@ impl SymmetricSparse {
 }
 
 impl SymmetricSparse {
+    /// The diagonal, n values.
+    pub fn diagonal(&self) -> Vec<f64> {
+        (0..self.size()).map(|j| self.at(j, j).unwrap_or(0.0)).collect()
+    }
+
     /// The largest diagonal value.
     pub(crate) fn largest_diagonal(&self) -> f64 {
-        let diagonal = |j: usize| self.column(j).find(|(i, _)| *i == j).map_or(0.0, |(_, v)| v);
-        (0..self.size()).map(diagonal).fold(0.0, f64::max)
+        self.diagonal().into_iter().fold(0.0, f64::max)
     }
 
     /// The rows and columns of `vertices`, which no entry joins to others; vertex v gets the

@@ -28,13 +28,16 @@ pub(crate) fn solve(
 ) -> Result<Solved, HarmonicsError> {
     let stage = task.stage("harmonics", harmonics as u64);
     let mut profile = Profile::default();
-    let bound = pencil.bound();
-    let mut problem = Problem::given(pencil);
+    let mut problem = Problem::given(pencil)?;
+    let bound = pencil.bound() * problem.stretch();
     let spacing = if bound > 0.0 { spacing(&problem, bound, harmonics, &mut profile, task)? } else { 1.0 };
     let lift = spacing.max(LEAST_LIFT * bound);
     problem.lift(lift);
-    let stiffness = pencil.stiffness.plus_diagonal(pencil.mass, lift);
-    let lifted = Pencil { stiffness: &stiffness, mass: pencil.mass };
+    let stiffness = match pencil.consistent {
+        None => pencil.stiffness.plus_diagonal(pencil.mass, lift),
+        Some(consistent) => pencil.stiffness.plus(consistent, lift),
+    };
+    let lifted = Pencil { stiffness: &stiffness, ..pencil };
     let solved = solve_connected(lifted, 0, Some(problem), harmonics, true, &stage, task);
     let mut solved = or_dense(solved, lifted, 0, harmonics, true)?;
     solved.profile.add(&profile);

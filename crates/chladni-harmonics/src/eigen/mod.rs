@@ -9,6 +9,7 @@ mod given;
 mod join;
 mod krylov;
 mod lanczos;
+mod metric;
 mod plan;
 mod polish;
 mod problem;
@@ -144,12 +145,13 @@ fn certify(pencil: Pencil, zeros: usize, eigenvalues: &[f64], vectors: &[f64], i
         let h = &vectors[j * n..(j + 1) * n];
         let s = pencil.stiffness.times(h);
         let norm = s.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let error: f64 = (0..n).map(|v| (s[v] - lambda * pencil.mass[v] * h[v]).powi(2)).sum();
+        let weighted = pencil.mass_times(h);
+        let error: f64 = s.iter().zip(weighted).map(|(s, m)| (s - lambda * m).powi(2)).sum();
         residual = residual.max(error.sqrt() / norm);
     }
     let h = MatRef::from_column_major_slice(vectors, n, k);
-    let weighted = faer::Mat::from_fn(n, k, |v, j| pencil.mass[v] * h[(v, j)]);
-    let gram = h.transpose() * &weighted;
+    let weighted: Vec<f64> = vectors.chunks_exact(n.max(1)).flat_map(|h| pencil.mass_times(h)).collect();
+    let gram = h.transpose() * MatRef::from_column_major_slice(&weighted, n, k);
     let mut orthogonality = 0.0_f64;
     for j in 0..k {
         for i in 0..k {
