@@ -1,9 +1,12 @@
 //! Mass matrices that are not diagonal, against closed forms, a dense solver and the definition.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use std::f64::consts::PI;
 
 use chladni_harmonics::{
-    BasisSettings, ConsistentPencil, Eigenpairs, HarmonicsError, Laplacian, Operator, Pencil, SymmetricSparse,
+    BasisSettings, ConsistentPencil, Eigenpairs, HarmonicsError, Laplacian, Operator, Pencil,
+    SymmetricSparse, mesh_laplacian,
 };
 use chladni_mesh::samples;
 use chladni_task::Task;
@@ -168,4 +171,53 @@ fn what_is_no_metric_is_refused() {
     let mut slanted = path(1.0, 0.1);
     slanted.values[1] = 0.2;
     assert!(reason(&slanted).contains("M is not symmetric"));
+}
+
+#[test]
+fn matrices_come_in_compressed_columns_of_any_order() {
+    // [[2, -1, 0], [-1, 2, 0], [0, 0, 0]]: rows in any order, a place twice, mirrored to within rounding.
+    let columns = (&[0, 3, 5, 5][..], &[1, 0, 0, 1, 0][..]);
+    let values = [-1.0, 1.5, 0.5, 2.0, -1.0 - 1e-15];
+    let matrix = SymmetricSparse::from_columns("S", columns.0, columns.1, &values).unwrap();
+    assert_eq!(matrix.diagonal(), [2.0, 2.0, 0.0]);
+    assert_eq!(matrix.column(0).collect::<Vec<_>>()[1], (1, matrix.column(1).next().unwrap().1));
+    let refused = |starts: &[usize], rows: &[usize], values: &[f64]| {
+        SymmetricSparse::from_columns("S", starts, rows, values).unwrap_err().to_string()
+    };
+    assert!(
+        refused(&[0, 1, 1], &[1], &[1.0]).contains("S is not symmetric: 1 at (1, 0), 0 at (0, 1)"),
+        "one triangle only"
+    );
+    assert!(refused(&[0, 2], &[0], &[1.0]).contains("starts"));
+    assert!(refused(&[0, 1], &[1], &[1.0]).contains("row 1"));
+    assert!(refused(&[0, 1], &[0], &[f64::NAN]).contains("NaN"));
+    assert!(refused(&[], &[], &[1.0]).contains("starts"));
+}
+
+#[test]
+fn the_laplacian_of_a_mesh_as_it_is_has_its_rows_and_units() {
+    let mut mesh = samples::icosphere(2);
+    mesh.positions.iter_mut().flatten().for_each(|x| *x = 3.0 * *x + 7.0);
+    let (stiffness, mass) = mesh_laplacian(&mesh, 1e-5).unwrap();
+    let total = chladni_mesh::surface::total_area(&mesh.positions, &mesh.triangles);
+    assert!((mass.iter().sum::<f64>() / total - 1.0).abs() < 1e-12);
+    // In other rows, beside a vertex that is not used: the same values.
+    let n = mesh.positions.len() as u32;
+    let mut moved = mesh.clone();
+    moved.positions.insert(0, [0.5; 3]);
+    moved.triangles.iter_mut().flatten().for_each(|v| *v += 1);
+    let (shifted, shifted_mass) = mesh_laplacian(&moved, 1e-5).unwrap();
+    assert_eq!((shifted_mass[0], shifted.column(0).collect::<Vec<_>>()), (0.0, vec![(0, 0.0)]));
+    for j in 0..n as usize {
+        assert!((shifted_mass[j + 1] - mass[j]).abs() < 1e-12 * total);
+        for ((i, a), (k, b)) in stiffness.column(j).zip(shifted.column(j + 1)) {
+            assert!(i + 1 == k && (a - b).abs() < 1e-10);
+        }
+    }
+    // Vertices in one place stay apart: a row of zeros is what a seam is not.
+    let mut seam = mesh.clone();
+    seam.positions.push(seam.positions[seam.triangles[0][0] as usize]);
+    seam.triangles[0][0] = n;
+    assert!(mesh_laplacian(&seam, 1e-5).unwrap().1.iter().all(|a| *a > 0.0));
+    assert!(mesh_laplacian(&mesh, f64::NAN).is_err());
 }

@@ -30,6 +30,8 @@ use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, Pencil, Sol
 const DENSE: usize = 300;
 /// Up to this many vertices a dense solve is used if a large share of all pairs is asked for.
 const DENSE_SHARE: usize = 4000;
+/// A dense solve of more vertices would hold four matrices of 3 GB.
+const DENSE_MOST: usize = 20_000;
 /// Two eigenvalues that agree to this relative tolerance count as one multiple eigenvalue.
 const CLUSTER: f64 = 1e-7;
 
@@ -55,6 +57,7 @@ pub(crate) fn solve(
         return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices: n });
     }
     task.check()?;
+    check_memory(n, harmonics)?;
     let pencil = operator.pencil();
     let solved = if operator.components() > 1 {
         components::solve(operator, harmonics, true, task)
@@ -70,6 +73,13 @@ pub(crate) fn solve(
     }
     solved.basis.certificate.laplacian = operator.laplacian;
     Ok(solved)
+}
+
+/// Refuses what the system would not even promise memory for.
+fn check_memory(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError> {
+    let refused = Vec::<f64>::new().try_reserve_exact(vertices.saturating_mul(harmonics)).is_err();
+    let reason = "they are more than this machine's memory";
+    if refused { Err(HarmonicsError::TooMany { harmonics, vertices, reason }) } else { Ok(()) }
 }
 
 /// The last resort where slices could not be certified, if affordable: a dense solve.
@@ -107,6 +117,10 @@ fn solve_connected(
         return Ok(constant(pencil));
     }
     if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
+        if n > DENSE_MOST {
+            let reason = "half of all and more take a dense solver, which is for at most 20000 vertices";
+            return Err(HarmonicsError::TooMany { harmonics, vertices: n, reason });
+        }
         let solved = dense::solve(pencil, zeros, harmonics, whole_clusters)?;
         // Where slivers make the largest eigenvalues huge, slices are more accurate for the lowest.
         if n > DENSE || harmonics * 2 > n || solved.basis.certificate.is_precise() {
