@@ -1,5 +1,7 @@
 """Laplacians of meshes, and the smallest eigenpairs of sparse matrices."""
 
+from numbers import Real
+
 import numpy as np
 import scipy.sparse
 
@@ -89,6 +91,8 @@ def eigsh(
     """
     if mode != "normal":
         raise InputError(f"mode is {mode!r}: only 'normal' is solved")
+    if not (sigma is None or isinstance(sigma, Real)):
+        raise InputError(f"sigma is {sigma!r}, where a number is needed")
     smallest = which in ("SM", "SA") if sigma is None else which == "LM"
     if not smallest:
         asked = f"which={which!r}" + ("" if sigma is None else f" with sigma={sigma!r}")
@@ -106,10 +110,7 @@ def eigsh(
 
 def _are_nearest(w, sigma):
     """Whether no other eigenvalue can be nearer to sigma than all of the smallest ones, w."""
-    try:
-        return 2 * float(sigma) <= w[0] + w[-1] or sigma <= w[0]
-    except (TypeError, ValueError):
-        raise InputError(f"sigma is {sigma!r}, where a number is needed") from None
+    return 2 * sigma <= w[0] + w[-1] or sigma <= w[0]
 
 
 def _columns(matrix, name):

@@ -105,7 +105,7 @@ def test_what_is_not_asked_of_this_solver_is_refused(ball, elements):
     for change, reason in refused:
         arguments = dict(A=S, k=12, M=M) | change
         with pytest.raises(chladni.InputError, match="(?i)" + reason):
-            chladni.eigsh(**arguments)
+            print(change, chladni.eigsh(**arguments))
     # A sigma as small as rounding is at the smallest; one far below, too.
     for sigma in (1e-8, -100):
         assert chladni.eigsh(S, 12, M, sigma=sigma)[0][0] == 0
@@ -129,5 +129,5 @@ def test_the_laplacian_of_a_mesh(sphere, square):
 def test_a_vertex_that_is_not_used_has_zeros(ball):
     V, F = ball
     S, M = chladni.mesh_laplacian(np.vstack([V, [[7, 7, 7]]]), F)
-    assert S.shape == (643, 643) and S[642].nnz == S[642, 642] == M.diagonal()[642] == 0
+    assert S.shape == (643, 643) and abs(S[642]).max() == M.diagonal()[642] == 0
     assert abs(S[:642, :642] - chladni.mesh_laplacian(V, F)[0]).max() < 1e-12
