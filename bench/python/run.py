@@ -20,6 +20,7 @@ import pyFM.signatures
 import pyFM.spectral
 import robust_laplacian
 import scipy.sparse.linalg
+from threadpoolctl import threadpool_limits
 
 HERE = Path(__file__).resolve().parent
 sys.path += [str(HERE.parent), str(HERE.parent / "basis")]
@@ -51,6 +52,13 @@ def timed(call):
     return statistics.median(seconds), result
 
 
+def peer_timed(call):
+    """The faster of one BLAS thread and all of them: on a busy machine many threads wait for each other."""
+    with threadpool_limits(1):
+        best = timed(call)
+    return best if best[0] > 20 else min(best, timed(call), key=lambda run: run[0])
+
+
 class Table:
     def __init__(self):
         self.rows = []
@@ -80,11 +88,11 @@ def pairs_agree(S, M, ours, theirs):
 def spectra(table, name, V, F, k):
     n = f"n = {len(V):,}, K = {k}"
     ours, (S, M) = timed(lambda: chladni.mesh_laplacian(V, F))
-    theirs, (L, areas) = timed(lambda: robust_laplacian.mesh_laplacian(V, F))
+    theirs, (L, areas) = peer_timed(lambda: robust_laplacian.mesh_laplacian(V, F))
     table.add(f"`mesh_laplacian` {name}, n = {len(V):,}", ours, "robust_laplacian", theirs,
               f"S within {abs(S - L).max() / abs(L).max():.0e} of its largest value")
     ours, mine = timed(lambda: chladni.eigsh(L, k, areas, sigma=-0.01))
-    theirs, peer = timed(lambda: SCIPY_EIGSH(L, k, areas, sigma=-0.01))
+    theirs, peer = peer_timed(lambda: SCIPY_EIGSH(L, k, areas, sigma=-0.01))
     table.add(f"`eigsh` {name}, {n}", ours, "SciPy", theirs, pairs_agree(L, areas, mine, peer))
     return S, M
 
@@ -94,7 +102,7 @@ def consistent(table, name, V, F, k):
     n = f"n = {len(V):,}, K = {k}"
     S, M = solver.stiffness, solver.mass
     lapy.solver._eigsh = SCIPY_EIGSH
-    theirs, peer = timed(lambda: solver.eigs(k=k))
+    theirs, peer = peer_timed(lambda: solver.eigs(k=k))
     lapy.solver._eigsh = chladni.eigsh
     patched, again = timed(lambda: solver.eigs(k=k))
     lapy.solver._eigsh = SCIPY_EIGSH
@@ -111,7 +119,7 @@ def bases(table, name, V, F, k):
         return shape
 
     ours, basis = timed(lambda: chladni.Basis(V, F, k))
-    theirs, peer = timed(process)
+    theirs, peer = peer_timed(process)
     n = f"n = {len(V):,}, K = {k}"
     # pyFM takes its areas from robust_laplacian: thirds of triangles, where ours are Voronoi areas.
     difference = np.abs(basis.eigenvalues[1:] / peer.eigenvalues[1:] - 1).max()
@@ -123,7 +131,7 @@ def bases(table, name, V, F, k):
               f"λ within {np.abs(again.eigenvalues[1:] / peer.eigenvalues[1:] - 1).max():.0e}")
     for kind in ("HKS", "WKS"):
         mine, a = timed(lambda: getattr(chladni, f"auto_{kind}")(peer.eigenvalues, peer.eigenvectors, 100))
-        other, b = timed(lambda: getattr(pyFM.signatures, f"auto_{kind}")(peer.eigenvalues, peer.eigenvectors, 100))
+        other, b = peer_timed(lambda: getattr(pyFM.signatures, f"auto_{kind}")(peer.eigenvalues, peer.eigenvectors, 100))
         table.add(f"`auto_{kind}` {name}, {n}, 100 values", mine, "pyFM", other, f"within {np.abs(a - b).max() / b.max():.0e}")
     return basis
 
@@ -136,7 +144,7 @@ def geodesics(table, name, V, F, exact=None):
         return np.array([solver.compute_distance(s) for s in sources])
 
     ours, mine = timed(lambda: distances(chladni))
-    theirs, peer = timed(lambda: distances(potpourri3d))
+    theirs, peer = peer_timed(lambda: distances(potpourri3d))
     error = f"apart by {np.abs(mine - peer).mean() / peer.max():.1e} of the diameter (mean)"
     if exact is not None:
         truth = np.array([exact(s) for s in sources])
@@ -150,7 +158,7 @@ def zoomout(table, name, basis, start, rounds, step):
     arguments = (chladni.p2p_to_FM(order, h[:, :start], h[order][:, :start], mass[order]), h, h[order])
     options = dict(nit=rounds, step=step, return_p2p=True)
     ours, (_, mine) = timed(lambda: chladni.zoomout_refine(*arguments, A2=mass[order], **options))
-    theirs, (_, peer) = timed(lambda: pyFM.refine.zoomout_refine(*arguments, A2=mass[order], **options))
+    theirs, (_, peer) = peer_timed(lambda: pyFM.refine.zoomout_refine(*arguments, A2=mass[order], **options))
     table.add(f"`zoomout_refine` {name} to itself in other rows, {start} to {start + rounds * step} functions", ours, "pyFM", theirs,
               f"right: {(mine == order).mean():.1%} and {(peer == order).mean():.1%}; equal: {(mine == peer).mean():.1%}")
 
@@ -199,7 +207,8 @@ def main():
 Measured by `bench/python/run` on: {start} at the start. {versions}.
 
 One process makes every call and its counterpart on the same arrays, one after the other: the median of three, or one run
-where it takes more than three seconds. Every library uses all cores as it likes. `eigsh` includes all that happens
+where it takes more than three seconds. Peers are timed with one BLAS thread and, where that takes less than 20 s, with
+all of them, and the faster counts. `eigsh` includes all that happens
 between the call and the arrays; `Solver.eigs` and `process` with our `eigsh` are the libraries' own functions with the
 one line of docs/python.md, so that the rest of their work is in both times. Residual: max ‖S h − λ M h‖ / ‖S h‖, λ > 0,
 ours and the peer's, computed here from the arrays.

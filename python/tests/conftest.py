@@ -1,7 +1,5 @@
 """Small shapes with known answers."""
 
-import os
-
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
@@ -78,8 +76,3 @@ def elements():
         return [scipy.sparse.csc_matrix((x.ravel(), (i, j)), shape=(n, n)) for x in (s, m)]
 
     return assemble
-
-
-@pytest.fixture(scope="session")
-def on_windows():
-    return os.name == "nt"
