@@ -9,7 +9,10 @@ use chladni_task::Task;
 
 use crate::eigen::{self, Solved};
 use crate::operator::Domain;
-use crate::{Basis, BasisCache, BasisSettings, Body, BuildReport, HarmonicsError, Operator, Pencil};
+use crate::{
+    Basis, BasisCache, BasisSettings, Body, BuildReport, ConsistentPencil, Eigenpairs, HarmonicsError,
+    Operator, Pencil,
+};
 
 impl Body {
     /// Welds `mesh`, builds its Laplacian and solves for its harmonics.
@@ -86,6 +89,23 @@ impl Pencil<'_> {
         report.seconds.solve = start.elapsed().as_secs_f64();
         report.seconds.total = report.seconds.solve;
         Ok((basis, report))
+    }
+}
+
+impl ConsistentPencil {
+    /// The first K pairs, certified; see [`Pencil::solve`].
+    ///
+    /// # Errors
+    /// As [`Pencil::solve`]; and M that is not positive definite, or so nearly singular that nothing could be
+    /// certified.
+    pub fn solve(
+        &self,
+        settings: &BasisSettings,
+        task: &Task,
+    ) -> Result<(Eigenpairs, BuildReport), HarmonicsError> {
+        let (basis, report) = self.pencil().solve(settings, task)?;
+        let Basis { eigenvalues, vectors, certificate, .. } = basis;
+        Ok((Eigenpairs { eigenvalues, vectors, certificate }, report))
     }
 }
 

@@ -81,6 +81,40 @@ pub enum HarmonicsError {
         /// Its length, in squared units of the working frame.
         time: f64,
     },
+    /// A distance that the heat of a step does not reach: it would be measured along no direction.
+    #[error(
+        "vertex {vertex} is so many edges away from every source that no heat reaches it: take a longer step"
+    )]
+    TooFar {
+        /// The vertex in the file, from 0.
+        vertex: usize,
+    },
+    /// A source, or a vertex of a map, that is not on the surface.
+    #[error("vertex {vertex} is not on the surface, which has {vertices} vertices: {reason}")]
+    NotOnSurface {
+        /// The vertex asked for.
+        vertex: usize,
+        /// How many there are.
+        vertices: usize,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// A functional map whose size does not fit its eigenvectors.
+    #[error("functional map: {reason}")]
+    BadMap {
+        /// What does not fit.
+        reason: String,
+    },
+    /// More harmonics than can be held in memory, or than a solver for so many vertices finds.
+    #[error("{harmonics} harmonics of {vertices} vertices cannot be solved for: {reason}")]
+    TooMany {
+        /// K as asked for.
+        harmonics: usize,
+        /// N.
+        vertices: usize,
+        /// What stands against it.
+        reason: &'static str,
+    },
     /// The worker threads could not be started.
     #[error("the worker threads could not be started: {0}")]
     Threads(String),

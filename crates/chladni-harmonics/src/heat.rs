@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::laplacian::delaunay_laplacian;
+use crate::laplacian::{MOLLIFY, delaunay_laplacian};
 use crate::ldlt::{Factor, Symbolic, Workspace, nested_dissection};
 use crate::{Body, HarmonicsError, SymmetricSparse};
 
@@ -26,6 +26,8 @@ const LEAST_MASS: f64 = 4e-15;
 /// without overshoot at any t. Harmonic k is multiplied by 1 / (1 + tλ_k).
 pub struct HeatStep {
     flow: Arc<HeatFlow>,
+    /// t.
+    time: f64,
     factor: Factor,
     /// 1 / √(a + tS_vv), in the order of elimination: the matrix is factored with a unit diagonal.
     scale: Vec<f64>,
@@ -58,11 +60,16 @@ impl HeatFlow {
         if triangles.is_empty() {
             return Err(HarmonicsError::NoTriangle);
         }
-        let (stiffness, mass) = delaunay_laplacian(&body.positions, &triangles)?;
-        let symbolic = Symbolic::of(&stiffness, nested_dissection(&stiffness));
+        let (stiffness, mass) = delaunay_laplacian(&body.positions, &triangles, MOLLIFY)?;
+        Ok(Self::on(&stiffness, &mass))
+    }
+
+    /// The flow of a Laplacian without positive values off the diagonal.
+    pub(crate) fn on(stiffness: &SymmetricSparse, mass: &[f64]) -> Self {
+        let symbolic = Symbolic::of(stiffness, nested_dissection(stiffness));
         let stiffness = stiffness.permuted_and_scaled(&symbolic.old, &vec![1.0; mass.len()]);
         let mass = symbolic.old.iter().map(|v| mass[*v as usize]).collect();
-        Ok(Self { symbolic, stiffness, mass })
+        Self { symbolic, stiffness, mass }
     }
 
     /// N, the number of operator vertices.
@@ -83,8 +90,8 @@ impl HeatFlow {
         factor
             .compute(&self.symbolic, &matrix, 0.0, &mut Workspace::default())
             .map_err(|_| HarmonicsError::HeatStep { time })?;
-        let mut step = HeatStep { flow: self.clone(), factor, scale, inverse_ones: Vec::new() };
-        let ones = step.solve(|_| 1.0);
+        let mut step = HeatStep { flow: self.clone(), time, factor, scale, inverse_ones: Vec::new() };
+        let ones = step.solve(|v| step.flow.mass[v]);
         if !ones.iter().all(|x| x.is_finite() && *x > 0.0) {
             return Err(HarmonicsError::HeatStep { time });
         }
@@ -123,16 +130,27 @@ impl HeatStep {
     /// If `signal` has another number of values.
     pub fn apply(&self, signal: &[f32]) -> Vec<f64> {
         assert_eq!(signal.len(), self.inverse_ones.len(), "one value per operator vertex");
-        let smooth = self.solve(|v| f64::from(signal[v as usize]));
+        let old = |i: usize| self.flow.symbolic.old[i] as usize;
+        let smooth = self.solve(|i| self.flow.mass[i] * f64::from(signal[old(i)]));
         smooth.iter().zip(&self.inverse_ones).map(|(x, one)| x * one).collect()
     }
 
-    /// D (D (M + tS) D)⁻¹ D M f by operator vertex. Nothing in it is negative where f is not: L of an
-    /// M-matrix has no positive value off the diagonal, and nothing is ever subtracted.
-    fn solve(&self, signal: impl Fn(u32) -> f64) -> Vec<f64> {
-        let HeatFlow { symbolic, mass, .. } = &*self.flow;
+    /// t, in squared units of the working frame.
+    pub(crate) fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// (M + tS)⁻¹ b of a right-hand side b by operator vertex.
+    pub(crate) fn solve_for(&self, right: &[f64]) -> Vec<f64> {
+        self.solve(|i| right[self.flow.symbolic.old[i] as usize])
+    }
+
+    /// D (D (M + tS) D)⁻¹ D b by operator vertex, of a b in the order of elimination. Nothing in it is negative
+    /// where b is not: L of an M-matrix has no positive value off the diagonal, and nothing is ever subtracted.
+    fn solve(&self, right: impl Fn(usize) -> f64) -> Vec<f64> {
+        let symbolic = &self.flow.symbolic;
         let places = || symbolic.old.iter().zip(&self.scale);
-        let mut x: Vec<f64> = places().zip(mass).map(|((v, d), a)| d * a * signal(*v)).collect();
+        let mut x: Vec<f64> = self.scale.iter().enumerate().map(|(i, d)| d * right(i)).collect();
         self.factor.solve_one(symbolic, &mut x);
         let mut smooth = vec![0.0; x.len()];
         for ((v, d), x) in places().zip(x) {

@@ -3,7 +3,7 @@
 use chladni_mesh::surface::{Weld, components, total_area, weld};
 use chladni_mesh::{Frame, TriMesh};
 
-use crate::laplacian::{Refusal, cotangent_laplacian, delaunay_laplacian};
+use crate::laplacian::{MOLLIFY, Refusal, cotangent_laplacian, delaunay_laplacian};
 use crate::{HarmonicsError, Laplacian, SymmetricSparse};
 
 /// The discrete Laplacian of a mesh in the working frame: S and a of S h = λ diag(a) h.
@@ -40,17 +40,7 @@ pub(crate) struct Domain {
 
 impl Domain {
     pub(crate) fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
-        let vertices = mesh.positions.len();
-        for (triangle, corners) in mesh.triangles.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
-                return Err(HarmonicsError::IndexOutOfRange { triangle, vertex, vertices });
-            }
-        }
-        // Squares of lengths must neither overflow nor vanish before the frame scales them.
-        let measurable = |x: &f64| x.is_finite() && x.abs() < 1e150;
-        if let Some(vertex) = mesh.positions.iter().position(|p| !p.iter().all(measurable)) {
-            return Err(HarmonicsError::NotFinite { vertex });
-        }
+        check_mesh(mesh)?;
         let Weld { mut positions, triangles, operator_vertex } = weld(mesh);
         if triangles.is_empty() {
             return Err(HarmonicsError::NoTriangle);
@@ -60,6 +50,61 @@ impl Domain {
             *p = frame.to_working(*p);
         }
         Ok(Self { frame, positions, triangles, operator_vertex })
+    }
+}
+
+/// S and the diagonal of M of `mesh` as it is, in its own units: the intrinsic Delaunay Laplacian on its n vertices,
+/// which are not welded. Where no triangle uses a vertex, its row of S and its mass are 0.
+///
+/// Lengths are mollified so that every triangle keeps `mollify` ≥ 0 of the mean edge length between the sum of two
+/// sides and the third (Sharp & Crane 2020, §4.5); 1e-5 is usual.
+///
+/// # Errors
+/// As [`Operator::of`], and a `mollify` that is no share.
+pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, Vec<f64>), HarmonicsError> {
+    check_mesh(mesh)?;
+    if !(0.0..=1.0).contains(&mollify) {
+        let reason = format!("lengths cannot be mollified by {mollify} of the mean");
+        return Err(HarmonicsError::BadPencil { reason });
+    }
+    let whole = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().filter(whole).copied().collect();
+    if triangles.is_empty() {
+        return Err(HarmonicsError::NoTriangle);
+    }
+    // The vertices in use, and their numbers among themselves.
+    let mut local = vec![None; mesh.positions.len()];
+    triangles.as_flattened().iter().for_each(|v| local[*v as usize] = Some(0));
+    let used: Vec<usize> = (0..local.len()).filter(|v| local[*v].is_some()).collect();
+    used.iter().enumerate().for_each(|(i, v)| local[*v] = Some(i as u32));
+    let triangles: Vec<[u32; 3]> =
+        triangles.iter().map(|t| t.map(|v| local[v as usize].unwrap_or_default())).collect();
+    let frame = Frame::of(mesh);
+    let positions: Vec<[f64; 3]> = used.iter().map(|v| frame.to_working(mesh.positions[*v])).collect();
+    refuse_zero_area(&positions, &triangles, &components(positions.len(), &triangles), &local)?;
+    let (own, areas) = delaunay_laplacian(&positions, &triangles, mollify)?;
+    let entries = (0..own.size()).flat_map(|j| {
+        let used = &used;
+        own.column(j).filter(move |(i, _)| *i >= j).map(move |(i, value)| (used[i], used[j], value))
+    });
+    let stiffness = SymmetricSparse::from_entries(local.len(), entries)?;
+    let mut mass = vec![0.0; local.len()];
+    used.iter().zip(areas).for_each(|(v, a)| mass[*v] = a / (frame.scale * frame.scale));
+    Ok((stiffness, mass))
+}
+
+fn check_mesh(mesh: &TriMesh) -> Result<(), HarmonicsError> {
+    let vertices = mesh.positions.len();
+    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
+            return Err(HarmonicsError::IndexOutOfRange { triangle, vertex, vertices });
+        }
+    }
+    // Squares of lengths must neither overflow nor vanish before the frame scales them.
+    let measurable = |x: &f64| x.is_finite() && x.abs() < 1e150;
+    match mesh.positions.iter().position(|p| !p.iter().all(measurable)) {
+        Some(vertex) => Err(HarmonicsError::NotFinite { vertex }),
+        None => Ok(()),
     }
 }
 
@@ -87,7 +132,7 @@ impl Operator {
         let component = components(positions.len(), &triangles);
         refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
         let (stiffness, mass) = match laplacian {
-            Laplacian::Delaunay => delaunay_laplacian(&positions, &triangles)?,
+            Laplacian::Delaunay => delaunay_laplacian(&positions, &triangles, MOLLIFY)?,
             Laplacian::Cotangent => cotangent_laplacian(&positions, &triangles)
                 .map_err(|refusal| refused(refusal, &operator_vertex))?,
         };

@@ -1,6 +1,6 @@
 //! Generalized eigenproblems S h = λ M h, of a mesh or from elsewhere.
 
-use crate::{HarmonicsError, Operator, SymmetricSparse};
+use crate::{Certificate, HarmonicsError, Operator, SymmetricSparse};
 
 /// S and the diagonal of M of S h = λ M h: a Laplacian of your own, the energy of a shell, a graph.
 ///
@@ -23,7 +23,10 @@ use crate::{HarmonicsError, Operator, SymmetricSparse};
 #[derive(Clone, Copy, Debug)]
 pub struct Pencil<'a> {
     pub(crate) stiffness: &'a SymmetricSparse,
+    /// The diagonal of M.
     pub(crate) mass: &'a [f64],
+    /// All of M where it is not diagonal; stored at the same places as S.
+    pub(crate) consistent: Option<&'a SymmetricSparse>,
 }
 
 impl<'a> Pencil<'a> {
@@ -35,7 +38,7 @@ impl<'a> Pencil<'a> {
     /// where anything is not finite.
     pub fn new(stiffness: &'a SymmetricSparse, mass: &'a [f64]) -> Result<Self, HarmonicsError> {
         let bad = |reason: String| Err(HarmonicsError::BadPencil { reason });
-        stiffness.check().map_err(|reason| HarmonicsError::BadPencil { reason })?;
+        stiffness.check("S").map_err(|reason| HarmonicsError::BadPencil { reason })?;
         if mass.len() != stiffness.size() {
             return bad(format!("S has {} rows and M has {} values", stiffness.size(), mass.len()));
         }
@@ -43,10 +46,23 @@ impl<'a> Pencil<'a> {
         if let Some(i) = mass.iter().position(|m| !(*m > 0.0 && m.is_finite())) {
             return bad(format!("value {i} of M is {}, not positive and finite", mass[i]));
         }
-        Ok(Self { stiffness, mass })
+        Ok(Self::lumped(stiffness, mass))
     }
 
-    /// Gershgorin on M⁻¹ S: no eigenvalue is above the largest sum of sizes in a row. Where nothing off
+    /// What is known to be a pencil.
+    pub(crate) fn lumped(stiffness: &'a SymmetricSparse, mass: &'a [f64]) -> Self {
+        Self { stiffness, mass, consistent: None }
+    }
+
+    /// M x.
+    pub(crate) fn mass_times(&self, x: &[f64]) -> Vec<f64> {
+        match self.consistent {
+            None => x.iter().zip(self.mass).map(|(x, a)| x * a).collect(),
+            Some(consistent) => consistent.times(x),
+        }
+    }
+
+    /// Gershgorin on M⁻¹ S, with the diagonal of M: no eigenvalue is above the largest sum of sizes in a row. Where nothing off
     /// the diagonal is above zero that is twice the largest S_vv / a_v; plain cotangents may have more.
     pub(crate) fn bound(&self) -> f64 {
         let row = |v: usize| self.stiffness.column(v).map(|(_, s)| s.abs()).sum::<f64>() / self.mass[v];
@@ -54,9 +70,69 @@ impl<'a> Pencil<'a> {
     }
 }
 
+/// S and M of S h = λ M h where M is not diagonal: the consistent mass of finite elements.
+///
+/// ```
+/// use chladni_harmonics::{BasisSettings, ConsistentPencil, SymmetricSparse};
+/// use chladni_task::Task;
+///
+/// // A string of length 1 in 400 linear elements, free at both ends.
+/// let (n, h) = (401, 1.0 / 400.0);
+/// let elements = |own: f64, other: f64| {
+///     let all = (0..400).flat_map(move |i| [(i, i, own), (i + 1, i + 1, own), (i, i + 1, other)]);
+///     SymmetricSparse::from_entries(n, all.collect::<Vec<_>>())
+/// };
+/// let (stiffness, mass) = (elements(1.0 / h, -1.0 / h)?, elements(h / 3.0, h / 6.0)?);
+/// let pencil = ConsistentPencil::new(&stiffness, &mass)?;
+/// let (pairs, _) = pencil.solve(&BasisSettings::new(5), &Task::new())?;
+/// for (k, lambda) in pairs.eigenvalues.iter().enumerate() {
+///     let c = (std::f64::consts::PI * k as f64 * h).cos();
+///     assert!((lambda - 6.0 / (h * h) * (1.0 - c) / (2.0 + c)).abs() < 1e-7);
+/// }
+/// # Ok::<(), chladni_harmonics::HarmonicsError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ConsistentPencil {
+    stiffness: SymmetricSparse,
+    mass: SymmetricSparse,
+    diagonal: Vec<f64>,
+}
+
+impl ConsistentPencil {
+    /// S and M, both N×N.
+    ///
+    /// # Errors
+    /// [`HarmonicsError::BadPencil`] where S or M is no symmetric matrix with all of its diagonal stored, where the
+    /// two differ in size, or where the diagonal of M is not positive. That M is positive definite is found out by
+    /// [`solve`](Self::solve).
+    pub fn new(stiffness: &SymmetricSparse, mass: &SymmetricSparse) -> Result<Self, HarmonicsError> {
+        mass.check("M").map_err(|reason| HarmonicsError::BadPencil { reason })?;
+        let diagonal = mass.diagonal();
+        Pencil::new(stiffness, &diagonal)?;
+        let (stiffness, mass) = (stiffness.at_places_of(mass), mass.at_places_of(stiffness));
+        Ok(Self { stiffness, mass, diagonal })
+    }
+
+    /// S and M, as the solver takes them.
+    pub(crate) fn pencil(&self) -> Pencil<'_> {
+        Pencil { stiffness: &self.stiffness, mass: &self.diagonal, consistent: Some(&self.mass) }
+    }
+}
+
+/// The first K pairs S h = λ M h of a [`ConsistentPencil`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Eigenpairs {
+    /// λ_k, K values, ascending.
+    pub eigenvalues: Vec<f64>,
+    /// H, N×K, column-major, HᵀMH = I.
+    pub vectors: Vec<f64>,
+    /// How far the pairs can be trusted.
+    pub certificate: Certificate,
+}
+
 impl Operator {
     /// Its S and M, as a solver takes them.
     pub fn pencil(&self) -> Pencil<'_> {
-        Pencil { stiffness: &self.stiffness, mass: &self.mass }
+        Pencil::lumped(&self.stiffness, &self.mass)
     }
 }

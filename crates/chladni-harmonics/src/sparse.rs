@@ -53,21 +53,104 @@ impl SymmetricSparse {
         Ok(matrix)
     }
 
-    /// What is wrong with it as a symmetric matrix with all of its diagonal stored.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    /// The n×n matrix of compressed columns: column j has `values` in the `rows` from `starts[j]` to `starts[j + 1]`, in
+    /// any order, and sums where one place occurs twice. Values that mirror each other may differ by rounding and take
+    /// their mean. `name` is what an error calls the matrix.
+    ///
+    /// # Errors
+    /// [`HarmonicsError::BadPencil`] where the columns are no columns, an index is n or more, a value is not finite, or
+    /// the matrix is not symmetric.
+    pub fn from_columns(
+        name: &str,
+        starts: &[usize],
+        rows: &[usize],
+        values: &[f64],
+    ) -> Result<Self, HarmonicsError> {
+        let bad = |reason: String| HarmonicsError::BadPencil { reason };
+        let n = starts.len().saturating_sub(1);
+        let ascend = starts.first() == Some(&0) && starts.is_sorted() && starts.last() == Some(&rows.len());
+        if !ascend || values.len() != rows.len() || u32::try_from(n).is_err() {
+            return Err(bad(format!("the starts of the columns of {name} do not fit its entries")));
+        }
+        if let Some(at) = (0..rows.len()).find(|at| rows[*at] >= n || !values[*at].is_finite()) {
+            let (row, value) = (rows[at], values[at]);
+            return Err(bad(format!("{name} of {n} rows has {value} in row {row}")));
+        }
+        let mut matrix = Self { column_starts: vec![0], ..Self::default() };
+        let mut column: Vec<(u32, f64)> = Vec::new();
+        for j in 0..n {
+            let range = starts[j]..starts[j + 1];
+            column.clear();
+            column.push((j as u32, 0.0));
+            column
+                .extend(rows[range.clone()].iter().zip(&values[range]).map(|(i, value)| (*i as u32, *value)));
+            column.sort_by_key(|entry| entry.0);
+            for same in column.chunk_by(|a, b| a.0 == b.0) {
+                matrix.push(same[0].0, same.iter().map(|entry| entry.1).sum());
+            }
+            matrix.column_starts.push(matrix.rows.len());
+        }
+        matrix.mirrored(name).map_err(bad)
+    }
+
+    /// The mean of the matrix and its transpose, which agree but for rounding.
+    fn mirrored(&self, name: &str) -> Result<Self, String> {
+        let diagonal = self.diagonal();
+        // What is lost in summing an entry of a positive semidefinite matrix is a share of its diagonal values.
+        let size = |i: usize, j: usize| (diagonal[i].abs() * diagonal[j].abs()).sqrt();
+        // Places that only one triangle has get their mirror image in the other.
+        let mut transposed = self.transposed();
+        let mut matrix = self.at_places_of(&transposed);
+        transposed = transposed.at_places_of(self);
+        for j in 0..self.size() {
+            for at in matrix.column_starts[j]..matrix.column_starts[j + 1] {
+                let (i, a, b) = (matrix.rows[at] as usize, matrix.values[at], transposed.values[at]);
+                if (a - b).abs() > 1e-10 * a.abs().max(b.abs()) + 1e-12 * size(i, j) {
+                    return Err(format!("{name} is not symmetric: {a} at ({i}, {j}), {b} at ({j}, {i})"));
+                }
+                matrix.values[at] = 0.5 * (a + b);
+            }
+        }
+        Ok(matrix)
+    }
+
+    fn transposed(&self) -> Self {
+        let n = self.size();
+        let mut starts = vec![0; n + 1];
+        self.rows.iter().for_each(|i| starts[*i as usize + 1] += 1);
+        for j in 0..n {
+            starts[j + 1] += starts[j];
+        }
+        let mut next = starts.clone();
+        let mut out = Self {
+            column_starts: starts,
+            rows: vec![0; self.rows.len()],
+            values: vec![0.0; self.rows.len()],
+        };
+        for j in 0..n {
+            for (i, value) in self.column(j) {
+                (out.rows[next[i]], out.values[next[i]]) = (j as u32, value);
+                next[i] += 1;
+            }
+        }
+        out
+    }
+
+    /// What is wrong with it as a symmetric matrix with all of its diagonal stored; `name` is what it is called.
+    pub(crate) fn check(&self, name: &str) -> Result<(), String> {
         let (n, entries) = (self.size(), self.rows.len());
         let starts = &self.column_starts;
         let ascend = starts.first() == Some(&0) && starts.is_sorted() && starts.last() == Some(&entries);
         if !ascend || self.values.len() != entries {
-            return Err("the starts of the columns of S do not fit its entries".into());
+            return Err(format!("the starts of the columns of {name} do not fit its entries"));
         }
         for j in 0..n {
             let rows = &self.rows[starts[j]..starts[j + 1]];
             if !rows.is_sorted_by(|a, b| a < b) || rows.last().is_none_or(|last| *last as usize >= n) {
-                return Err(format!("the rows in column {j} of S do not ascend, or go beyond {n}"));
+                return Err(format!("the rows in column {j} of {name} do not ascend, or go beyond {n}"));
             }
             if rows.binary_search(&(j as u32)).is_err() {
-                return Err(format!("S stores no value at ({j}, {j})"));
+                return Err(format!("{name} stores no value at ({j}, {j})"));
             }
         }
         for j in 0..n {
@@ -76,7 +159,7 @@ impl SymmetricSparse {
                 let alike = (value - mirrored).abs() <= 1e-12 * value.abs().max(mirrored.abs());
                 if !alike || !value.is_finite() {
                     return Err(format!(
-                        "S is not symmetric: {value} at ({i}, {j}), {mirrored} at ({j}, {i})"
+                        "{name} is not symmetric: {value} at ({i}, {j}), {mirrored} at ({j}, {i})"
                     ));
                 }
             }
@@ -102,6 +185,30 @@ impl SymmetricSparse {
             }
         }
         sum
+    }
+
+    /// The matrix plus `factor` times `other`, which has the same places (see [`at_places_of`](Self::at_places_of)).
+    pub(crate) fn plus(&self, other: &Self, factor: f64) -> Self {
+        let values = self.values.iter().zip(&other.values).map(|(a, b)| a + factor * b).collect();
+        Self { values, ..self.clone() }
+    }
+
+    /// The matrix with zeros stored wherever `other`, of the same size, has entries and it has none.
+    pub(crate) fn at_places_of(&self, other: &Self) -> Self {
+        let mut all = Self { column_starts: vec![0], ..Self::default() };
+        for j in 0..self.size() {
+            let mut theirs = other.column(j).map(|(i, _)| i).peekable();
+            for (i, value) in self.column(j) {
+                while let Some(before) = theirs.next_if(|row| *row < i) {
+                    all.push(before as u32, 0.0);
+                }
+                theirs.next_if(|row| *row == i);
+                all.push(i as u32, value);
+            }
+            theirs.for_each(|row| all.push(row as u32, 0.0));
+            all.column_starts.push(all.rows.len());
+        }
+        all
     }
 
     /// Sums `edges` (i, j, w), i ≠ j, as −w at (i, j) and (j, i) and +w at (i, i) and (j, j):
@@ -182,10 +289,14 @@ impl SymmetricSparse {
 }
 
 impl SymmetricSparse {
+    /// The diagonal, n values.
+    pub fn diagonal(&self) -> Vec<f64> {
+        (0..self.size()).map(|j| self.at(j, j).unwrap_or(0.0)).collect()
+    }
+
     /// The largest diagonal value.
     pub(crate) fn largest_diagonal(&self) -> f64 {
-        let diagonal = |j: usize| self.column(j).find(|(i, _)| *i == j).map_or(0.0, |(_, v)| v);
-        (0..self.size()).map(diagonal).fold(0.0, f64::max)
+        self.diagonal().into_iter().fold(0.0, f64::max)
     }
 
     /// The rows and columns of `vertices`, which no entry joins to others; vertex v gets the

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::found::{Entry, Found};
 use super::join::Known;
 use super::problem::Problem;
-use super::tall::{BLOCK, Small, overlaps, residuals, subtract_products, upper_overlaps, write_columns};
+use super::tall::{BLOCK, Small, overlaps, subtract_products, upper_overlaps, write_columns};
 use crate::ldlt::Row;
 use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, pages};
 
@@ -83,16 +83,23 @@ pub(super) fn assemble(
         jobs.push((found, *own, out));
     }
     // Each slice is freed as soon as it is written, so that the vectors are in memory only once.
-    jobs.into_par_iter().with_max_len(1).for_each(|(found, own, out)| write(&found, own, &places, out));
+    jobs.into_par_iter()
+        .with_max_len(1)
+        .for_each(|(found, own, out)| write(problem, found, own, &places, out));
     let mut eigenvalues = vec![0.0; zeros];
     eigenvalues.extend(entries.iter().map(|e| e.value));
     Ok(Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate })
 }
 
 /// Writes one slice's pairs as columns of `out`.
-fn write(found: &Found, own: &[Entry], places: &[(u32, f64)], out: &mut [f64]) {
+fn write(problem: &Problem, mut found: Found, own: &[Entry], places: &[(u32, f64)], out: &mut [f64]) {
+    found
+        .runs
+        .iter_mut()
+        .flat_map(|pairs| pairs.blocks.iter_mut())
+        .for_each(|block| problem.untransform(block));
     let mut columns: Vec<Option<&mut [f64]>> = out.chunks_exact_mut(places.len()).map(Some).collect();
-    for (block, used) in used_blocks(found, own) {
+    for (block, used) in used_blocks(&found, own) {
         let mut outs = used.map(|column| columns[column?].take());
         write_columns(block, places, &mut outs);
     }
@@ -186,7 +193,7 @@ fn measure(problem: &Problem, found: &Found, own: &[Entry], shared: f64) -> Opti
     let (mut relative, mut absolute) = (0.0_f64, 0.0_f64);
     for (block, columns) in &blocks {
         let values = columns.map(|column| column.map_or(0.0, |i| own[i].value));
-        let [plain, weighted, image] = residuals(&problem.matrix, block, &values, &problem.mass);
+        let [plain, weighted, image] = problem.residuals(block, &values);
         for j in (0..BLOCK).filter(|&j| columns[j].is_some()) {
             absolute = absolute.max(plain[j].sqrt());
             let share = (weighted[j] / image[j]).sqrt();

@@ -61,7 +61,7 @@ pub(super) fn solve(
         .par_bridge()
         .map(|(c, component)| {
             let Component { vertices, stiffness, mass, problem } = component;
-            let pencil = Pencil { stiffness: &stiffness, mass: &mass };
+            let pencil = Pencil::lumped(&stiffness, &mass);
             let count = shift.counts[c];
             let solved = solve_connected(pencil, ZEROS, Some(problem), count, false, &stage, task);
             let solved = or_dense(solved, pencil, ZEROS, count, false)?;
@@ -94,7 +94,7 @@ impl Components {
         let component = |vertices: Vec<u32>| {
             let stiffness = operator.stiffness.block(&vertices, &local);
             let mass: Vec<f64> = vertices.iter().map(|&v| operator.mass[v as usize]).collect();
-            let problem = Problem::of(Pencil { stiffness: &stiffness, mass: &mass });
+            let problem = Problem::of(Pencil::lumped(&stiffness, &mass));
             Component { vertices, stiffness, mass, problem }
         };
         Self(vertices.into_par_iter().map(component).collect())
@@ -222,7 +222,7 @@ impl Bracket {
 
 impl Component {
     fn bound(&self) -> f64 {
-        Pencil { stiffness: &self.stiffness, mass: &self.mass }.bound()
+        Pencil::lumped(&self.stiffness, &self.mass).bound()
     }
 
     fn count(&self, lambda: f64, profile: &mut Profile) -> Result<usize, HarmonicsError> {

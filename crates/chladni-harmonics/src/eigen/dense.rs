@@ -1,10 +1,11 @@
 //! All eigenpairs of a small operator at once.
 
-use faer::{Mat, Par};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::{Mat, Par, Side};
 
 use super::{Solved, certify, cluster_end};
 use crate::symmetric_eigen::symmetric_eigen;
-use crate::{Basis, HarmonicsError, Pencil, SolveProfile};
+use crate::{Basis, HarmonicsError, Pencil, SolveProfile, SymmetricSparse};
 
 /// Solves M^-½ S M^-½, of which `zeros` eigenvalues are 0, as a dense matrix: all pairs are computed, so none
 /// can be missed.
@@ -15,10 +16,12 @@ pub(super) fn solve(
     whole_clusters: bool,
 ) -> Result<Solved, HarmonicsError> {
     let n = pencil.mass.len();
-    let symmetric = symmetrized(pencil);
     let par = Par::rayon(rayon::current_num_threads());
+    let root = Root::of(pencil)?;
+    let symmetric = root.symmetrized(pencil, par);
     let (mut eigenvalues, coordinates) = symmetric_eigen(&symmetric, par)
         .ok_or_else(|| HarmonicsError::not_certified("the dense solver failed"))?;
+    let coordinates = root.untransformed(coordinates, par);
     eigenvalues[..zeros].fill(0.0);
     let cluster_end = cluster_end(&eigenvalues, harmonics);
     let keep = if whole_clusters { cluster_end } else { harmonics };
@@ -26,7 +29,7 @@ pub(super) fn solve(
     let mut vectors = vec![0.0; n * keep];
     for (k, h) in vectors.chunks_exact_mut(n).enumerate() {
         for v in 0..n {
-            h[v] = coordinates[(v, k)] / pencil.mass[v].sqrt();
+            h[v] = coordinates[(v, k)];
         }
     }
     let certificate = certify(pencil, zeros, &eigenvalues, &vectors, true);
@@ -39,7 +42,67 @@ pub(super) fn solve(
     })
 }
 
-/// M^-½ S M^-½.
+/// G of M = G Gᵀ.
+enum Root {
+    /// Of a diagonal M, √M.
+    Diagonal(Vec<f64>),
+    /// Lower triangular.
+    Cholesky(Mat<f64>),
+}
+
+impl Root {
+    fn of(pencil: Pencil) -> Result<Self, HarmonicsError> {
+        let Some(consistent) = pencil.consistent else {
+            return Ok(Self::Diagonal(pencil.mass.iter().map(|a| a.sqrt()).collect()));
+        };
+        match full(consistent).llt(Side::Lower) {
+            Ok(factored) => Ok(Self::Cholesky(factored.L().to_owned())),
+            Err(_) => Err(HarmonicsError::BadPencil { reason: "M is not positive definite".into() }),
+        }
+    }
+
+    /// G⁻¹ S G⁻ᵀ.
+    fn symmetrized(&self, pencil: Pencil, par: Par) -> Mat<f64> {
+        match self {
+            Self::Diagonal(_) => symmetrized(pencil),
+            Self::Cholesky(lower) => {
+                let mut matrix = full(pencil.stiffness);
+                solve_lower_triangular_in_place(lower.as_ref(), matrix.as_mut(), par);
+                let mut matrix = matrix.transpose().to_owned();
+                solve_lower_triangular_in_place(lower.as_ref(), matrix.as_mut(), par);
+                matrix
+            }
+        }
+    }
+
+    /// G⁻ᵀ X.
+    fn untransformed(&self, mut vectors: Mat<f64>, par: Par) -> Mat<f64> {
+        match self {
+            Self::Diagonal(root) => {
+                for column in vectors.col_iter_mut() {
+                    column.iter_mut().zip(root).for_each(|(x, root)| *x /= root);
+                }
+            }
+            Self::Cholesky(lower) => {
+                solve_upper_triangular_in_place(lower.transpose(), vectors.as_mut(), par);
+            }
+        }
+        vectors
+    }
+}
+
+fn full(matrix: &SymmetricSparse) -> Mat<f64> {
+    let n = matrix.size();
+    let mut full = Mat::<f64>::zeros(n, n);
+    for j in 0..n {
+        for (i, value) in matrix.column(j) {
+            full[(i, j)] = value;
+        }
+    }
+    full
+}
+
+/// M^-½ S M^-½ of a diagonal M.
 pub(super) fn symmetrized(pencil: Pencil) -> Mat<f64> {
     let n = pencil.mass.len();
     let scale: Vec<f64> = pencil.mass.iter().map(|a| a.sqrt().recip()).collect();

@@ -7,7 +7,7 @@ use super::lanczos::{self, factor_near};
 use super::plan::{Slice, inertia};
 use super::polish::polish;
 use super::problem::{Problem, Profile};
-use super::tall::{BLOCK, residuals};
+use super::tall::BLOCK;
 use super::window::{Pairs, Reach, Stopped, Window};
 use crate::Certificate;
 use crate::ldlt::{Factor, Workspace};
@@ -246,7 +246,7 @@ pub(super) fn largest_residual(problem: &Problem, pairs: &Pairs) -> f64 {
     for (block, values) in pairs.blocks.iter().zip(pairs.values.chunks(BLOCK)) {
         let mut row = [0.0; 8];
         row[..values.len()].copy_from_slice(values);
-        let [_, weighted, image] = residuals(&problem.matrix, block, &row, &problem.mass);
+        let [_, weighted, image] = problem.residuals(block, &row);
         for ((error, size), _) in weighted.iter().zip(&image).zip(values) {
             let share = (error / size).sqrt();
             largest = if share.is_nan() { f64::INFINITY } else { largest.max(share) };

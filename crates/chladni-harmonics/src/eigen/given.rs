@@ -4,7 +4,7 @@ use chladni_task::Task;
 
 use super::plan::inertia;
 use super::problem::{Problem, Profile};
-use super::{Solved, or_dense, solve_connected};
+use super::{Solved, check_memory, or_dense, solve_connected};
 use crate::{HarmonicsError, Pencil, canonical};
 
 /// Shares of the largest possible eigenvalue: where the search for the first ones begins, how far rounding
@@ -12,8 +12,9 @@ use crate::{HarmonicsError, Pencil, canonical};
 const FIRST: f64 = 1e-13;
 const BELOW_ZERO: f64 = 1e-10;
 const LEAST_LIFT: f64 = 1e-10;
-/// Counts taken in that search.
+/// Counts taken in that search, and how many of the first take eigenvalues for evenly spread.
 const ROUNDS: usize = 60;
+const PROPORTIONAL: usize = 5;
 
 /// Solves for the first `harmonics` pairs of `pencil`.
 ///
@@ -27,14 +28,18 @@ pub(crate) fn solve(
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     let stage = task.stage("harmonics", harmonics as u64);
+    check_memory(pencil.mass.len(), harmonics)?;
     let mut profile = Profile::default();
-    let bound = pencil.bound();
-    let mut problem = Problem::given(pencil);
+    let mut problem = Problem::given(pencil)?;
+    let bound = pencil.bound() * problem.stretch();
     let spacing = if bound > 0.0 { spacing(&problem, bound, harmonics, &mut profile, task)? } else { 1.0 };
     let lift = spacing.max(LEAST_LIFT * bound);
     problem.lift(lift);
-    let stiffness = pencil.stiffness.plus_diagonal(pencil.mass, lift);
-    let lifted = Pencil { stiffness: &stiffness, mass: pencil.mass };
+    let stiffness = match pencil.consistent {
+        None => pencil.stiffness.plus_diagonal(pencil.mass, lift),
+        Some(consistent) => pencil.stiffness.plus(consistent, lift),
+    };
+    let lifted = Pencil { stiffness: &stiffness, ..pencil };
     let solved = solve_connected(lifted, 0, Some(problem), harmonics, true, &stage, task);
     let mut solved = or_dense(solved, lifted, 0, harmonics, true)?;
     solved.profile.add(&profile);
@@ -68,18 +73,25 @@ fn spacing(
         return Err(HarmonicsError::BadPencil { reason });
     }
     let (mut low, mut high) = (FIRST * bound, 1.01 * bound);
-    for _ in 0..ROUNDS {
+    // As if eigenvalues were evenly spread, which those of surfaces are; in the mean they are the diagonal's.
+    let wanted = 1.5 * harmonics as f64;
+    let n = problem.mass.len() as f64;
+    let mut at = wanted / n * problem.matrix.diagonal().iter().sum::<f64>() / n;
+    for round in 0..ROUNDS {
         task.check()?;
-        let middle = (low * high).sqrt();
-        let (_, count) = inertia(problem, middle, profile)?;
+        if round >= PROPORTIONAL || !(at > low && at < high) {
+            at = (low * high).sqrt();
+        }
+        let (_, count) = inertia(problem, at, profile)?;
         if count < harmonics {
-            low = middle;
+            low = at;
         } else {
-            high = middle;
+            high = at;
         }
         if high <= 1.1 * low || (harmonics..=2 * harmonics).contains(&count) {
             break;
         }
+        at *= wanted / (count as f64).max(0.5);
     }
     Ok(high / harmonics as f64)
 }

@@ -49,7 +49,7 @@ pub(super) fn run(
         task.check()?;
         let start = Instant::now();
         let image = krylov.extend(problem);
-        factor.solve(&problem.symbolic, image);
+        problem.solve(factor, image);
         profile.solve += start.elapsed().as_secs_f64();
         profile.solved_columns += BLOCK as u64;
         let start = Instant::now();
@@ -176,7 +176,7 @@ pub(super) fn factor_near(
     let start = Instant::now();
     let mut done = false;
     for attempt in 0..8 {
-        if factor.compute(&problem.symbolic, &problem.matrix, *shift, workspace).is_ok() {
+        if problem.factor(factor, *shift, workspace).is_ok() {
             done = true;
             break;
         }

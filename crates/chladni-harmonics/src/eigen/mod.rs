@@ -9,6 +9,7 @@ mod given;
 mod join;
 mod krylov;
 mod lanczos;
+mod metric;
 mod plan;
 mod polish;
 mod problem;
@@ -29,6 +30,8 @@ use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, Pencil, Sol
 const DENSE: usize = 300;
 /// Up to this many vertices a dense solve is used if a large share of all pairs is asked for.
 const DENSE_SHARE: usize = 4000;
+/// A dense solve of more vertices would hold four matrices of 3 GB.
+const DENSE_MOST: usize = 20_000;
 /// Two eigenvalues that agree to this relative tolerance count as one multiple eigenvalue.
 const CLUSTER: f64 = 1e-7;
 
@@ -54,6 +57,7 @@ pub(crate) fn solve(
         return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices: n });
     }
     task.check()?;
+    check_memory(n, harmonics)?;
     let pencil = operator.pencil();
     let solved = if operator.components() > 1 {
         components::solve(operator, harmonics, true, task)
@@ -69,6 +73,13 @@ pub(crate) fn solve(
     }
     solved.basis.certificate.laplacian = operator.laplacian;
     Ok(solved)
+}
+
+/// Refuses what the system would not even promise memory for.
+fn check_memory(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError> {
+    let refused = Vec::<f64>::new().try_reserve_exact(vertices.saturating_mul(harmonics)).is_err();
+    let reason = "they are more than this machine's memory";
+    if refused { Err(HarmonicsError::TooMany { harmonics, vertices, reason }) } else { Ok(()) }
 }
 
 /// The last resort where slices could not be certified, if affordable: a dense solve.
@@ -106,6 +117,10 @@ fn solve_connected(
         return Ok(constant(pencil));
     }
     if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
+        if n > DENSE_MOST {
+            let reason = "half of all and more take a dense solver, which is for at most 20000 vertices";
+            return Err(HarmonicsError::TooMany { harmonics, vertices: n, reason });
+        }
         let solved = dense::solve(pencil, zeros, harmonics, whole_clusters)?;
         // Where slivers make the largest eigenvalues huge, slices are more accurate for the lowest.
         if n > DENSE || harmonics * 2 > n || solved.basis.certificate.is_precise() {
@@ -144,12 +159,13 @@ fn certify(pencil: Pencil, zeros: usize, eigenvalues: &[f64], vectors: &[f64], i
         let h = &vectors[j * n..(j + 1) * n];
         let s = pencil.stiffness.times(h);
         let norm = s.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let error: f64 = (0..n).map(|v| (s[v] - lambda * pencil.mass[v] * h[v]).powi(2)).sum();
+        let weighted = pencil.mass_times(h);
+        let error: f64 = s.iter().zip(weighted).map(|(s, m)| (s - lambda * m).powi(2)).sum();
         residual = residual.max(error.sqrt() / norm);
     }
     let h = MatRef::from_column_major_slice(vectors, n, k);
-    let weighted = faer::Mat::from_fn(n, k, |v, j| pencil.mass[v] * h[(v, j)]);
-    let gram = h.transpose() * &weighted;
+    let weighted: Vec<f64> = vectors.chunks_exact(n.max(1)).flat_map(|h| pencil.mass_times(h)).collect();
+    let gram = h.transpose() * MatRef::from_column_major_slice(&weighted, n, k);
     let mut orthogonality = 0.0_f64;
     for j in 0..k {
         for i in 0..k {

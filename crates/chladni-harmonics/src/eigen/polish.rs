@@ -20,7 +20,7 @@ pub(super) fn polish(problem: &Problem, pairs: Pairs, mut factor: Factor, profil
     let Some(&lowest) = pairs.values.first() else { return pairs };
     let sigma = -0.5 * lowest;
     let start = std::time::Instant::now();
-    let factored = factor.compute(&problem.symbolic, &problem.matrix, sigma, &mut Workspace::default());
+    let factored = problem.factor(&mut factor, sigma, &mut Workspace::default());
     profile.factor += start.elapsed().as_secs_f64();
     profile.factored += 1;
     if factored.is_err() {
@@ -29,7 +29,7 @@ pub(super) fn polish(problem: &Problem, pairs: Pairs, mut factor: Factor, profil
     let start = std::time::Instant::now();
     let mut images = pairs.blocks.clone();
     images.par_iter_mut().with_max_len(1).for_each(|image| {
-        factor.solve(&problem.symbolic, image);
+        problem.solve(&factor, image);
         problem.remove_constants(true, image);
     });
     profile.solve += start.elapsed().as_secs_f64();

@@ -4,6 +4,7 @@
 /// Triangles glued side to side, with a length on every side and no boundary.
 ///
 /// Side h = 3f + i runs from `tail[h]`, corner i of triangle f, to the next corner.
+#[derive(Debug)]
 pub(crate) struct Cover {
     /// How often the surface is covered: 1 or 2.
     pub sheets: usize,

@@ -17,6 +17,16 @@ pub(super) fn cotangents(length: [f64; 3]) -> (f64, [f64; 3]) {
     (area, cotangent)
 }
 
+/// Area · ∇φ of the hat function φ of each corner of a triangle of these lengths, in a plane of its own: half of
+/// the opposite side, turned by a quarter.
+pub(crate) fn hat_slopes(length: [f64; 3]) -> [[f64; 2]; 3] {
+    let [along, _, back] = length;
+    let x = (along * along + back * back - length[1] * length[1]) / (2.0 * along);
+    let y = 2.0 * cotangents(length).0 / along;
+    // Corners at (0, 0), (along, 0) and (x, y).
+    [[-0.5 * y, 0.5 * (x - along)], [0.5 * y, -0.5 * x], [0.0, 0.5 * along]]
+}
+
 /// (cot β + cot β') / 2 of every edge between two vertices, times `share`. On a Delaunay cover they are
 /// negative only by rounding, which is clamped to 0.
 pub(super) fn cotangent_weights(cover: &Cover, share: f64) -> Vec<(u32, u32, f64)> {

@@ -9,28 +9,40 @@ mod intrinsic;
 use crate::HarmonicsError;
 use crate::sparse::SymmetricSparse;
 pub(crate) use cotangent::{Refusal, cotangent_laplacian};
-use cover::Cover;
+pub(crate) use cover::Cover;
+pub(crate) use intrinsic::hat_slopes;
 
 /// Lengths are mollified so that every triangle keeps this share of the mean edge length
 /// between the sum of two sides and the third (Sharp & Crane 2020, §4.5).
-const MOLLIFY: f64 = 1e-5;
+pub(crate) const MOLLIFY: f64 = 1e-5;
 
 /// S and a of a welded surface: no positive value off the diagonal of S, all areas positive.
 pub(crate) fn delaunay_laplacian(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    mollify: f64,
 ) -> Result<(SymmetricSparse, Vec<f64>), HarmonicsError> {
-    let cover = delaunay_cover(positions, triangles)?;
-    // Each sheet of the cover carries the whole surface.
-    let share = 1.0 / cover.sheets as f64;
-    let edges = intrinsic::cotangent_weights(&cover, share);
-    let mass = intrinsic::mixed_voronoi_areas(&cover, positions.len(), share);
-    Ok((SymmetricSparse::laplacian(positions.len(), &edges), mass))
+    let cover = delaunay_cover(positions, triangles, mollify)?;
+    Ok(cover_laplacian(&cover, positions.len()))
 }
 
-fn delaunay_cover(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Cover, HarmonicsError> {
+/// S and a of a Delaunay cover.
+pub(crate) fn cover_laplacian(cover: &Cover, vertices: usize) -> (SymmetricSparse, Vec<f64>) {
+    // Each sheet of the cover carries the whole surface.
+    let share = 1.0 / cover.sheets as f64;
+    let edges = intrinsic::cotangent_weights(cover, share);
+    let mass = intrinsic::mixed_voronoi_areas(cover, vertices, share);
+    (SymmetricSparse::laplacian(vertices, &edges), mass)
+}
+
+/// The surface in triangles that are Delaunay in its own geometry.
+pub(crate) fn delaunay_cover(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    mollify: f64,
+) -> Result<Cover, HarmonicsError> {
     let mut cover = Cover::of(positions, triangles);
-    cover.mollify(MOLLIFY);
+    cover.mollify(mollify);
     flips::flip_to_delaunay(&mut cover)?;
     Ok(cover)
 }

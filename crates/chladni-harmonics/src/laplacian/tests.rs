@@ -1,11 +1,11 @@
 //! The operator's promises on meshes that a plain cotangent Laplacian breaks on.
 
 use super::cover::Cover;
-use super::{Refusal, cotangent_laplacian, delaunay_cover, delaunay_laplacian, intrinsic};
+use super::{MOLLIFY, Refusal, cotangent_laplacian, delaunay_cover, delaunay_laplacian, intrinsic};
 use crate::Laplacian;
 
 fn promises(positions: &[[f64; 3]], triangles: &[[u32; 3]], area: f64) {
-    let (s, mass) = delaunay_laplacian(positions, triangles).unwrap();
+    let (s, mass) = delaunay_laplacian(positions, triangles, MOLLIFY).unwrap();
     assert!(mass.iter().all(|a| *a > 0.0));
     let total: f64 = mass.iter().sum();
     assert!((total - area).abs() <= 1e-4 * area, "{total} for {area}");
@@ -39,8 +39,8 @@ fn one_triangle_however_flat() {
 #[test]
 fn a_bad_diagonal_is_flipped_to_the_weights_of_the_good_one() {
     let positions = [[0.0; 3], [3.0, -1.0, 0.0], [6.0, 0.0, 0.0], [3.0, 1.0, 0.0]];
-    let (bad, _) = delaunay_laplacian(&positions, &[[0, 1, 2], [0, 2, 3]]).unwrap();
-    let (good, _) = delaunay_laplacian(&positions, &[[0, 1, 3], [1, 2, 3]]).unwrap();
+    let (bad, _) = delaunay_laplacian(&positions, &[[0, 1, 2], [0, 2, 3]], MOLLIFY).unwrap();
+    let (good, _) = delaunay_laplacian(&positions, &[[0, 1, 3], [1, 2, 3]], MOLLIFY).unwrap();
     for j in 0..4 {
         for i in 0..4 {
             let at = |s: &crate::SymmetricSparse| s.column(j).find(|(r, _)| *r == i).map_or(0.0, |(_, v)| v);
@@ -54,7 +54,7 @@ fn a_closed_delaunay_mesh_keeps_its_plain_cotangents_in_one_sheet() {
     let positions = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
     assert_eq!(Cover::of(&positions, &triangles).sheets, 1);
-    let (s, _) = delaunay_laplacian(&positions, &triangles).unwrap();
+    let (s, _) = delaunay_laplacian(&positions, &triangles, MOLLIFY).unwrap();
     for (i, v) in s.column(0) {
         // cot 60° = 1/√3.
         let exact = if i == 0 { 3.0 } else { -1.0 } / 3.0_f64.sqrt();
@@ -63,7 +63,7 @@ fn a_closed_delaunay_mesh_keeps_its_plain_cotangents_in_one_sheet() {
     // The tufted cover of the same surface, forced by turning one triangle over, agrees.
     let turned = [[0, 2, 1], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
     assert_eq!(Cover::of(&positions, &turned).sheets, 2);
-    let (t, _) = delaunay_laplacian(&positions, &turned).unwrap();
+    let (t, _) = delaunay_laplacian(&positions, &turned, MOLLIFY).unwrap();
     assert!(s.values.iter().zip(&t.values).all(|(a, b)| (a - b).abs() < 1e-14));
 }
 
@@ -81,7 +81,7 @@ fn covers_are_glued_in_pairs_that_run_opposite_ways_before_and_after_flips() {
         }
     };
     check(&Cover::of(&positions, &triangles));
-    let flipped = delaunay_cover(&positions, &triangles).unwrap();
+    let flipped = delaunay_cover(&positions, &triangles, MOLLIFY).unwrap();
     check(&flipped);
     let areas = intrinsic::barycentric_areas(&flipped, 6, 0.5);
     let voronoi = intrinsic::mixed_voronoi_areas(&flipped, 6, 0.5);
@@ -109,7 +109,7 @@ fn first_eigenvalues(file: &str, laplacian: Laplacian, barycentric: bool) -> Opt
     let mut operator = crate::Operator::with(&mesh, laplacian).unwrap();
     if barycentric {
         let cover = match laplacian {
-            Laplacian::Delaunay => delaunay_cover(&operator.positions, &operator.triangles).unwrap(),
+            Laplacian::Delaunay => delaunay_cover(&operator.positions, &operator.triangles, MOLLIFY).unwrap(),
             Laplacian::Cotangent => Cover::of(&operator.positions, &operator.triangles),
         };
         operator.mass = intrinsic::barycentric_areas(&cover, operator.vertices(), 1.0 / cover.sheets as f64);
@@ -169,7 +169,7 @@ fn every_edge_of_the_cover_is_delaunay_to_rounding() {
     }
     for (name, mesh) in &meshes {
         let Ok(operator) = crate::Operator::of(mesh) else { continue };
-        let cover = delaunay_cover(&operator.positions, &operator.triangles).unwrap();
+        let cover = delaunay_cover(&operator.positions, &operator.triangles, MOLLIFY).unwrap();
         let cotangent: Vec<f64> =
             cover.length.as_chunks::<3>().0.iter().flat_map(|l| intrinsic::cotangents(*l).1).collect();
         let least = (0..cotangent.len()).map(|h| cotangent[h] + cotangent[cover.twin[h] as usize]);

@@ -11,6 +11,7 @@ mod solve_one;
 mod symbolic;
 
 pub(crate) use factor::{Factor, Workspace};
+pub(crate) use front::ZeroPivot;
 pub(crate) use ordering::nested_dissection;
 pub(crate) use solve::Row;
 pub(crate) use symbolic::Symbolic;

@@ -12,14 +12,34 @@ pub(crate) type Row = [f64; 8];
 impl Factor {
     /// Overwrites the block `x` (n rows of right-hand sides, new order) by (A − σI)⁻¹ x.
     pub(crate) fn solve(&self, symbolic: &Symbolic, x: &mut [Row]) {
-        dispatch(Solve { factor: self, symbolic, x });
+        dispatch(Solve { factor: self, symbolic, x, part: Part::Whole });
     }
+
+    /// Of a positive definite A − σI = G Gᵀ: overwrites `x` by G⁻¹ x, whose rows are in the order of
+    /// elimination.
+    pub(crate) fn solve_half(&self, symbolic: &Symbolic, x: &mut [Row]) {
+        dispatch(Solve { factor: self, symbolic, x, part: Part::Forward });
+    }
+
+    /// Overwrites `x`, rows in the order of elimination, by G⁻ᵀ x (see [`solve_half`](Self::solve_half)).
+    pub(crate) fn solve_transposed_half(&self, symbolic: &Symbolic, x: &mut [Row]) {
+        dispatch(Solve { factor: self, symbolic, x, part: Part::Backward });
+    }
+}
+
+/// Of L D Lᵀ = A − σI: all of it, L √D, or its transpose.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Part {
+    Whole,
+    Forward,
+    Backward,
 }
 
 pub(super) struct Solve<'a> {
     pub factor: &'a Factor,
     pub symbolic: &'a Symbolic,
     pub x: &'a mut [Row],
+    pub part: Part,
 }
 
 impl Kernel for Solve<'_> {
@@ -27,8 +47,9 @@ impl Kernel for Solve<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let Self { factor, symbolic, x } = self;
-        for node in &symbolic.supernodes {
+        let Self { factor, symbolic, x, part } = self;
+        let forward = if part == Part::Backward { &[][..] } else { &symbolic.supernodes };
+        for node in forward {
             let (diagonal, below, rows) = parts(factor, symbolic, node);
             let end = node.first + node.width;
             let (head, tail) = x.split_at_mut(end);
@@ -37,12 +58,19 @@ impl Kernel for Solve<'_> {
             forward_diagonal(lanes, diagonal, own);
             forward_below(lanes, below, rows, own, tail, end);
         }
+        if part == Part::Forward {
+            for (x, d) in x.iter_mut().zip(&factor.inverse_pivots) {
+                lanes.store(lanes.mul(lanes.load(x), lanes.splat(d.sqrt())), x);
+            }
+            return;
+        }
         for node in symbolic.supernodes.iter().rev() {
             let (diagonal, below, rows) = parts(factor, symbolic, node);
             let end = node.first + node.width;
             let (head, tail) = x.split_at_mut(end);
             let own = &mut head[node.first..];
             for (x, &d) in own.iter_mut().zip(&factor.inverse_pivots[node.first..end]) {
+                let d = if part == Part::Backward { d.sqrt() } else { d };
                 lanes.store(lanes.mul(lanes.load(x), lanes.splat(d)), x);
             }
             backward_below(lanes, below, rows, own, tail, end);

@@ -1,0 +1,43 @@
+"""The natural vibrations of triangle meshes: certified eigenpairs, signatures, functional maps, geodesics, caricatures.
+
+Rows of every array are the vertices that were given, in their order; units are theirs. Long work gives up the
+interpreter's lock, stops at Ctrl-C, and calls ``progress(stage, done, total)`` where there is such an argument.
+"""
+
+from ._chladni import Certificate
+from ._errors import ChladniWarning, Error, FileError, InputError, InternalError, NotCertifiedError
+from .functional_maps import FM_to_p2p, p2p_to_FM, zoomout_refine
+from .geodesics import MeshHeatMethodDistanceSolver, compute_distance, compute_distance_multisource
+from .shapes import Basis, Match, Symmetry, caricature, match, read_mesh, symmetry, write_mesh
+from .signatures import HKS, WKS, auto_HKS, auto_WKS
+from .spectrum import eigsh, mesh_laplacian
+
+__all__ = [
+    "HKS",
+    "WKS",
+    "Basis",
+    "Certificate",
+    "ChladniWarning",
+    "Error",
+    "FM_to_p2p",
+    "FileError",
+    "InputError",
+    "InternalError",
+    "Match",
+    "MeshHeatMethodDistanceSolver",
+    "NotCertifiedError",
+    "Symmetry",
+    "auto_HKS",
+    "auto_WKS",
+    "caricature",
+    "compute_distance",
+    "compute_distance_multisource",
+    "eigsh",
+    "match",
+    "mesh_laplacian",
+    "p2p_to_FM",
+    "read_mesh",
+    "symmetry",
+    "write_mesh",
+    "zoomout_refine",
+]

@@ -1,0 +1,123 @@
+"""Bases of meshes, and what is made with them: matches, caricatures, symmetry classes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import _chladni
+from ._errors import InputError
+
+
+class Basis(_chladni.Basis):
+    """The first k harmonics of a mesh, certified.
+
+    ``Basis(V, F, k, *, whole_clusters=False, threads=None, progress=None)`` takes vertices (n, 3) and triangles (m, 3) of
+    any mesh with area. Vertices in one place are welded: they have equal rows and share their area. With
+    ``whole_clusters``, a k that would cut a multiple eigenvalue is raised to the end of its group.
+
+    Borders are free (Neumann). ``eigenvectors.T @ (mass[:, None] * eigenvectors)`` is the identity.
+    """
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True)
+class Match:
+    """For each vertex of shape 1 a point of shape 2."""
+
+    p2p: np.ndarray
+    """(n1,) the corner of that triangle with the largest weight: what pyFM calls p2p_12."""
+    triangles: np.ndarray
+    """(n1,) the triangle of shape 2 that the point lies in."""
+    weights: np.ndarray
+    """(n1, 3) its barycentric weights there."""
+    points: np.ndarray
+    """(n1, 3) the point, in the coordinates of shape 2."""
+    targets: np.ndarray
+    """(n1, 3) the point, in the coordinates of shape 1: ``transform`` applied."""
+    confidence: np.ndarray
+    """(n1,) how far to trust it, in [0, 1]."""
+    transform: np.ndarray
+    """(4, 4) the similarity from shape 2 to shape 1; it acts on columns (x, y, z, 1)."""
+    coverage: float
+    """Share of the area of shape 1 that is trusted."""
+    flipped_triangles: int
+    """Triangles of shape 1 that are turned over on shape 2."""
+    near_tie: bool
+    """Whether a different pose fits nearly as well."""
+
+
+def match(V1, F1, V2, F2, landmarks=None, *, method="fit", seed=0, rigid=False, progress=None):
+    """Which point of shape 2 belongs to each vertex of shape 1.
+
+    ``landmarks`` are (m, 2) vertices of shape 1 and shape 2 that belong together. ``method`` is "fit" (shape 1 is bent
+    onto shape 2), "icp" (closest points after a similarity), "map" (through a sphere, led by three or more landmarks) or
+    "same" (vertex i to vertex i). ``rigid`` keeps the size of shape 2. What is doubtful is a `ChladniWarning`.
+    """
+    return Match(**_chladni.match_meshes(V1, F1, V2, F2, landmarks, method, seed, rigid, progress))
+
+
+def caricature(
+    V,
+    F=None,
+    *,
+    template="ellipsoid",
+    mu=-0.5,
+    k=512,
+    model="coordinate",
+    landmarks=None,
+    method="fit",
+    seed=0,
+    progress=None,
+):
+    """Vertices (n, 3) of the shape with its difference from ``template`` exaggerated (``mu`` < 0) or reduced (``mu`` > 0).
+
+    ``caricature(basis, ...)`` uses the harmonics of a `Basis`, ``caricature(V, F, ...)`` solves for k of them (at most n).
+    The template is "ellipsoid" or "sphere" (fitted), a mesh ``(V2, F2)``, which is matched as `match` does it, or a whole
+    number: the shape's own first so many harmonics. ``model`` is "coordinate", "normal" or "distance", the three of the
+    paper.
+    """
+    basis = _basis(V, F, k, progress)
+    return _chladni.caricature(basis, template, mu, model, landmarks, method, seed, progress)
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """What the mirror plane of a shape does to its harmonics."""
+
+    classes: np.ndarray
+    """(k,) 1 symmetric, -1 antisymmetric, 0 neither."""
+    scores: np.ndarray
+    """(k,) the scalar product of each harmonic with its mirror image, in [-1, 1]."""
+    eigenvectors: np.ndarray
+    """(n, k) the harmonics that the classes are of: those of one eigenvalue mixed so that they have a class."""
+    normal: "np.ndarray | None"
+    """(3,) unit normal of the plane {p: normal · p = offset}; None where there is none and the classes are rough."""
+    offset: "float | None"
+
+
+def symmetry(V, F=None, *, k=64, progress=None):
+    """The symmetry classes of the harmonics of a `Basis`, or of ``V, F`` with k of them (at most n)."""
+    return Symmetry(**_chladni.symmetry(_basis(V, F, k, progress), progress))
+
+
+def read_mesh(path):
+    """Vertices (n, 3) and triangles (m, 3) of a file: OBJ, PLY, STL, OFF, GLB, glTF; polygons are cut into fans.
+    "sample:NAME" is a shape of our own: head, template, octopus, plate, disc, drum, bell, ring, jellyfish, human, cat."""
+    return _chladni.read_mesh(path)
+
+
+def write_mesh(path, V, F):
+    """Writes a mesh, whole or not at all, in the format of the name: .obj, .ply, .stl or .glb."""
+    _chladni.write_mesh(path, V, F)
+
+
+def _basis(V, F, k, progress):
+    if isinstance(V, Basis):
+        if F is not None:
+            raise InputError("a Basis has its own triangles: leave F out")
+        return V
+    if F is None:
+        raise InputError("give a Basis, or both V and F")
+    n = len(V) if hasattr(V, "__len__") else k
+    return Basis(V, F, min(k, max(n, 1)), progress=progress)

@@ -1,0 +1,58 @@
+"""Spectral signatures, as pyFM has them."""
+
+import numpy as np
+
+from ._errors import InputError
+
+
+def HKS(evals, evects, time_list, scaled=False):
+    """Heat kernel signature, (n, times): Σ_k exp(-t λ_k) φ_k(v)², over Σ_k exp(-t λ_k) where ``scaled``."""
+    evals, evects = _pairs(evals, evects)
+    times = np.asarray(time_list, dtype=float).ravel()
+    return _summed(np.exp(-np.outer(times, evals)), evects, scaled)
+
+
+def WKS(evals, evects, energy_list, sigma, scaled=False):
+    """Wave kernel signature, (n, energies): Σ_k exp(-(e - log λ_k)² / 2σ²) φ_k(v)², over the sum of the weights where
+    ``scaled``. Pairs of an eigenvalue of 1e-8 of the largest or less are left out."""
+    evals, evects = _pairs(evals, evects)
+    if not sigma > 0:
+        raise InputError(f"sigma is {sigma}, where a number above 0 is needed")
+    waving = evals > 1e-8 * evals.max()
+    energies = np.asarray(energy_list, dtype=float).ravel()
+    weights = np.exp(-np.square(energies[:, None] - np.log(evals[waving])) / (2 * sigma**2))
+    return _summed(weights, evects[:, waving], scaled)
+
+
+def auto_HKS(evals, evects, num_T, scaled=True):
+    """HKS at ``num_T`` times between 4 ln 10 / λ_K and 4 ln 10 / λ_2, evenly in their logarithm."""
+    evals, evects = _pairs(np.sort(np.abs(evals)), evects)
+    _check_several(evals)
+    low, high = 4 * np.log(10) / evals[-1], 4 * np.log(10) / evals[1]
+    return HKS(evals, evects, np.geomspace(low, high, num_T), scaled=scaled)
+
+
+def auto_WKS(evals, evects, num_E, scaled=True):
+    """WKS at ``num_E`` energies between log λ_2 and log λ_K, with a width of seven of their steps."""
+    evals, evects = _pairs(np.sort(np.abs(evals)), evects)
+    _check_several(evals)
+    low, high = np.log(evals[1]), np.log(evals[-1])
+    sigma = 7 * (high - low) / num_E
+    return WKS(evals, evects, np.linspace(low + 2 * sigma, high - 2 * sigma, num_E), sigma, scaled=scaled)
+
+
+def _pairs(evals, evects):
+    evals, evects = np.asarray(evals, dtype=float).ravel(), np.asarray(evects, dtype=float)
+    if evects.ndim != 2 or evects.shape[1] != len(evals) or len(evals) == 0:
+        raise InputError(f"eigenvectors of the shape {evects.shape} do not belong to {len(evals)} eigenvalues")
+    return evals, evects
+
+
+def _check_several(evals):
+    if len(evals) < 3 or not evals[1] > 0:
+        raise InputError("at least three pairs are needed, of which only the first has an eigenvalue of 0")
+
+
+def _summed(weights, evects, scaled):
+    signature = np.square(evects) @ weights.T
+    return signature / weights.sum(axis=1) if scaled else signature

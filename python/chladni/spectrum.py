@@ -1,0 +1,130 @@
+"""Laplacians of meshes, and the smallest eigenpairs of sparse matrices."""
+
+from numbers import Real
+
+import numpy as np
+import scipy.sparse
+
+from . import _chladni
+from ._errors import InputError, NotCertifiedError
+
+
+def mesh_laplacian(verts, faces, mollify_factor=1e-5):
+    """The intrinsic Delaunay Laplacian of a mesh: signature and sign of ``robust_laplacian.mesh_laplacian``.
+
+    Parameters
+    ----------
+    verts : (n, 3) array_like
+        Vertices; equal ones stay apart (``Basis`` welds them).
+    faces : (m, 3) array_like of int
+        Triangles: any, also of surfaces with borders, without orientation, or not manifold.
+    mollify_factor : float
+        The share of the mean edge length by which every triangle is kept from being flat.
+
+    Returns
+    -------
+    S : (n, n) scipy.sparse.csc_matrix
+        Positive semidefinite, nothing off the diagonal above zero, rows that sum to zero.
+    M : (n, n) scipy.sparse.dia_matrix
+        The mixed Voronoi areas (robust_laplacian has a third of the triangles' areas). A vertex that no triangle uses
+        has zeros in both.
+    """
+    starts, rows, values, mass = _chladni.mesh_laplacian(verts, faces, mollify_factor)
+    n = len(mass)
+    return scipy.sparse.csc_matrix((values, rows, starts), shape=(n, n)), scipy.sparse.diags(mass)
+
+
+def eigsh(
+    A,
+    k=6,
+    M=None,
+    sigma=None,
+    which="LM",
+    v0=None,
+    ncv=None,
+    maxiter=None,
+    tol=0,
+    return_eigenvectors=True,
+    Minv=None,
+    OPinv=None,
+    mode="normal",
+    rng=None,
+    *,
+    return_certificate=False,
+    threads=None,
+    progress=None,
+):
+    """The k smallest eigenpairs of A x = λ M x, certified: ``scipy.sparse.linalg.eigsh`` as it is called for them.
+
+    Parameters
+    ----------
+    A : (n, n) sparse or dense matrix
+        Symmetric and positive semidefinite, with a null space of any dimension; rows need not sum to zero.
+    k : int
+        1 to n; from half of n on, n must be at most 20,000.
+    M : (n, n) sparse or dense matrix, optional
+        Symmetric and positive definite, diagonal or not; the identity where it is left out.
+    sigma, which, mode
+        What asks for the smallest: ``sigma`` at or below 0 (or so little above that the k nearest are the k smallest)
+        with ``which="LM"``, or ``which`` "SM" or "SA" without a sigma; anything else is refused. Where sigma lies
+        does not matter: the solver chooses its own shifts.
+    tol : float
+        The relative residual to be content with. It is never the reason to stop; pairs whose certificate exceeds it are
+        refused.
+    v0, ncv, maxiter, Minv, OPinv, rng
+        Taken for the sake of calls that have them and not used: they steer ARPACK.
+    return_eigenvectors : bool
+        False returns the eigenvalues alone.
+    return_certificate : bool
+        Returns the `Certificate` besides.
+    threads : int, optional
+        All of the machine's unless given; the result does not depend on it.
+    progress : callable, optional
+        Called with (stage, done, total).
+
+    Returns
+    -------
+    w : (k,) array
+        Ascending; what is 0 to within rounding is 0.
+    v : (n, k) array, in F order
+        ``v.T @ M @ v`` is the identity.
+    """
+    if mode != "normal":
+        raise InputError(f"mode is {mode!r}: only 'normal' is solved")
+    if not (sigma is None or isinstance(sigma, Real)):
+        raise InputError(f"sigma is {sigma!r}, where a number is needed")
+    smallest = which in ("SM", "SA") if sigma is None else which == "LM"
+    if not smallest:
+        asked = f"which={which!r}" + ("" if sigma is None else f" with sigma={sigma!r}")
+        raise InputError(f"{asked} asks for other pairs than the smallest: write sigma=0, or which='SM'")
+    a, m = _columns(A, "A"), None if M is None else _columns(M, "M")
+    w, v, certificate = _chladni.eigsh(a, m, k, threads, progress)
+    if sigma is not None and not _are_nearest(w, sigma):
+        raise InputError(f"sigma={sigma!r} lies among the eigenvalues ({w[0]:.3g} to {w[-1]:.3g}): others may be nearer")
+    if tol and not certificate.max_relative_residual <= tol:
+        raise NotCertifiedError(f"the relative residual is {certificate.max_relative_residual:.1e}, tol {tol:.1e}")
+    result = (w, v) if return_eigenvectors else (w,)
+    result += (certificate,) if return_certificate else ()
+    return result if len(result) > 1 else w
+
+
+def _are_nearest(w, sigma):
+    """Whether no other eigenvalue can be nearer to sigma than all of the smallest ones, w."""
+    return 2 * sigma <= w[0] + w[-1] or sigma <= w[0]
+
+
+def _columns(matrix, name):
+    """(n, starts, rows, values) of compressed columns; values in any order."""
+    if scipy.sparse.issparse(matrix):
+        columns = matrix.tocsc()
+    else:
+        try:
+            dense = np.asarray(matrix)
+            columns = scipy.sparse.csc_matrix(dense) if dense.ndim == 2 else None
+        except (TypeError, ValueError) as error:
+            raise InputError(f"{name} is no matrix: {error}") from None
+        if columns is None:
+            raise InputError(f"{name} has {dense.ndim} dimensions, where a matrix is needed")
+    if columns.shape[0] != columns.shape[1]:
+        raise InputError(f"{name} has the shape {columns.shape}, where a square matrix is needed")
+    return columns.shape[0], columns.indptr, columns.indices, columns.data

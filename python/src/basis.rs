@@ -1,0 +1,209 @@
+//! The basis of a mesh, with a row for each vertex that was given.
+
+use std::sync::Arc;
+
+use chladni_harmonics::{self as harmonics, BasisSettings, Body, BuildReport};
+use chladni_mesh::{Frame, TriMesh};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{self, give, give_matrix};
+use crate::failure::{Failure, InputError};
+use crate::work;
+
+/// How far eigenpairs can be trusted.
+#[pyclass(frozen, module = "chladni")]
+#[derive(Clone)]
+pub struct Certificate(pub harmonics::Certificate);
+
+#[pymethods]
+impl Certificate {
+    #[getter]
+    fn inertia_counts_match(&self) -> bool {
+        self.0.inertia_counts_match
+    }
+
+    #[getter]
+    fn max_relative_residual(&self) -> f64 {
+        self.0.max_relative_residual
+    }
+
+    #[getter]
+    fn max_orthogonality_error(&self) -> f64 {
+        self.0.max_orthogonality_error
+    }
+
+    #[getter]
+    fn is_precise(&self) -> bool {
+        self.0.is_precise()
+    }
+
+    fn __repr__(&self) -> String {
+        let counts = if self.0.inertia_counts_match { "True" } else { "False" };
+        format!(
+            "Certificate(inertia_counts_match={counts}, max_relative_residual={:.1e}, \
+             max_orthogonality_error={:.1e})",
+            self.0.max_relative_residual, self.0.max_orthogonality_error
+        )
+    }
+}
+
+/// Warns of what a solve was not quite as asked for.
+pub fn told(py: Python<'_>, report: &BuildReport, certificate: &harmonics::Certificate) -> PyResult<()> {
+    let mut warnings: Vec<String> = report.warnings(certificate).iter().map(ToString::to_string).collect();
+    if report.fell_back_to_dense {
+        warnings.push("could not be certified in slices and was solved as a dense matrix".into());
+    }
+    arrays::warn(py, &warnings)
+}
+
+/// See `chladni.Basis`.
+#[pyclass(frozen, subclass, module = "chladni")]
+pub struct Basis {
+    mesh: TriMesh,
+    frame: Frame,
+    positions: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    operator_vertex: Vec<Option<u32>>,
+    eigenvalues: Py<PyArray1<f64>>,
+    eigenvectors: Py<PyArray2<f64>>,
+    mass: Py<PyArray1<f64>>,
+    certificate: harmonics::Certificate,
+}
+
+#[pymethods]
+impl Basis {
+    #[new]
+    #[pyo3(signature = (V, F, k, *, whole_clusters=false, threads=None, progress=None))]
+    #[expect(non_snake_case, reason = "as the field writes them")]
+    fn new(
+        py: Python<'_>,
+        V: &Bound<'_, PyAny>,
+        F: &Bound<'_, PyAny>,
+        k: &Bound<'_, PyAny>,
+        whole_clusters: bool,
+        threads: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let mesh = arrays::mesh(V, F, ["V", "F"])?;
+        let harmonics = arrays::count(k, "k", 1)?;
+        if harmonics > mesh.positions.len() {
+            let n = mesh.positions.len();
+            return Err(InputError::new_err(format!(
+                "k is {harmonics}, but {n} vertices have only {n} harmonics"
+            )));
+        }
+        let threads = threads.map(|threads| arrays::count(threads, "threads", 1)).transpose()?;
+        let settings = BasisSettings { threads, whole_clusters, ..BasisSettings::new(harmonics) };
+        let (body, report) =
+            work::run(py, progress, |task| Ok(Body::load_or_build(&mesh, &settings, None, task)?))?;
+        told(py, &report, &body.basis.certificate)?;
+        let rows = rows_of(&body);
+        let Body { frame, positions, triangles, operator_vertex, .. } = body;
+        let shape = [operator_vertex.len(), rows.eigenvalues.len()];
+        Ok(Self {
+            mesh,
+            frame,
+            positions,
+            triangles,
+            operator_vertex,
+            eigenvalues: give(py, rows.eigenvalues).unbind(),
+            eigenvectors: give_matrix(py, rows.vectors, shape)?.unbind(),
+            mass: give(py, rows.mass).unbind(),
+            certificate: rows.certificate,
+        })
+    }
+
+    #[getter]
+    fn eigenvalues<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.eigenvalues.bind(py).clone()
+    }
+
+    #[getter]
+    fn eigenvectors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.eigenvectors.bind(py).clone()
+    }
+
+    #[getter]
+    fn mass<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.mass.bind(py).clone()
+    }
+
+    #[getter]
+    fn certificate(&self) -> Certificate {
+        Certificate(self.certificate)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let k = self.eigenvalues.bind(py).readonly().as_slice()?.len();
+        Ok(format!("Basis({} vertices, {k} harmonics)", self.operator_vertex.len()))
+    }
+}
+
+impl Basis {
+    /// The mesh that it is of.
+    pub fn mesh(&self) -> &TriMesh {
+        &self.mesh
+    }
+
+    /// The body as the engines take it, from the arrays as they are now.
+    pub fn body(&self, py: Python<'_>) -> PyResult<Body> {
+        let scale = self.frame.scale;
+        // A vertex of the file for each operator vertex, and how many share it.
+        let mut row = vec![0; self.positions.len()];
+        let mut sharing = vec![0.0; self.positions.len()];
+        for (file, v) in self.operator_vertex.iter().enumerate() {
+            if let Some(v) = v {
+                row[*v as usize] = file;
+                sharing[*v as usize] += 1.0;
+            }
+        }
+        let values = self.eigenvalues.bind(py).readonly();
+        let vectors = self.eigenvectors.bind(py).readonly();
+        let mass = self.mass.bind(py).readonly();
+        let (vectors, mass) = (vectors.as_array(), mass.as_slice()?);
+        let fits = vectors.shape() == [self.operator_vertex.len(), values.as_slice()?.len()]
+            && mass.len() == self.operator_vertex.len();
+        if !fits {
+            return Err(Failure::Input("the arrays of the basis have changed their shape".into()).into());
+        }
+        let columns = vectors.columns().into_iter();
+        let basis = harmonics::Basis {
+            eigenvalues: values.as_slice()?.iter().map(|l| l / (scale * scale)).collect(),
+            vectors: columns.flat_map(|h| row.iter().map(move |v| h[*v] / scale)).collect(),
+            mass: row.iter().zip(&sharing).map(|(v, n)| mass[*v] * n * scale * scale).collect(),
+            certificate: self.certificate,
+        };
+        Ok(Body {
+            frame: self.frame,
+            positions: self.positions.clone(),
+            triangles: self.triangles.clone(),
+            operator_vertex: self.operator_vertex.clone(),
+            basis: Arc::new(basis),
+        })
+    }
+}
+
+/// The basis of a body in the file's units, with a row for each of the file's vertices. Those that were welded have the
+/// same row and share their area; those that no triangle uses have zeros.
+pub fn rows_of(body: &Body) -> harmonics::Basis {
+    let own = body.basis_in_file();
+    let n = own.vertices();
+    let is_same = body.operator_vertex.len() == n
+        && body.operator_vertex.iter().enumerate().all(|(i, v)| *v == Some(i as u32));
+    if is_same {
+        return own;
+    }
+    let mut sharing = vec![0.0; n];
+    body.operator_vertex.iter().flatten().for_each(|v| sharing[*v as usize] += 1.0);
+    let row = |values: &[f64]| -> Vec<f64> {
+        body.operator_vertex.iter().map(|v| v.map_or(0.0, |v| values[v as usize])).collect()
+    };
+    let shared: Vec<f64> = own.mass.iter().zip(&sharing).map(|(a, n)| a / n).collect();
+    harmonics::Basis {
+        vectors: own.vectors.chunks_exact(n.max(1)).flat_map(row).collect(),
+        mass: row(&shared),
+        eigenvalues: own.eigenvalues,
+        certificate: own.certificate,
+    }
+}

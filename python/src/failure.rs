@@ -1,0 +1,85 @@
+//! Which Python exception each error of the engines becomes.
+
+use chladni_caricature::CaricatureError;
+use chladni_harmonics::HarmonicsError;
+use chladni_match::MatchError;
+use chladni_mesh::MeshError;
+use chladni_task::Cancelled;
+use pyo3::PyErr;
+use pyo3::exceptions::PyKeyboardInterrupt;
+
+pyo3::import_exception!(chladni._errors, FileError);
+pyo3::import_exception!(chladni._errors, InputError);
+pyo3::import_exception!(chladni._errors, InternalError);
+pyo3::import_exception!(chladni._errors, NotCertifiedError);
+
+/// Why a call has no result, on a thread that knows no Python.
+#[derive(Debug)]
+pub enum Failure {
+    /// What was given is nothing to compute with.
+    Input(String),
+    /// What was found did not pass its check.
+    NotCertified(String),
+    /// A file could not be read or written.
+    File(String),
+    /// The engine is at fault.
+    Internal(String),
+    /// A signal or the progress callback stopped it.
+    Cancelled,
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Input(reason) => InputError::new_err(reason),
+            Failure::NotCertified(reason) => NotCertifiedError::new_err(reason),
+            Failure::File(reason) => FileError::new_err(reason),
+            Failure::Internal(reason) => InternalError::new_err(reason),
+            Failure::Cancelled => PyKeyboardInterrupt::new_err("cancelled"),
+        }
+    }
+}
+
+impl From<HarmonicsError> for Failure {
+    fn from(error: HarmonicsError) -> Self {
+        match error {
+            HarmonicsError::Cancelled(Cancelled) => Self::Cancelled,
+            HarmonicsError::NotCertified { .. } => Self::NotCertified(error.to_string()),
+            HarmonicsError::Threads(_) => Self::Internal(error.to_string()),
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
+impl From<MatchError> for Failure {
+    fn from(error: MatchError) -> Self {
+        match error {
+            MatchError::Cancelled(_) => Self::Cancelled,
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
+impl From<CaricatureError> for Failure {
+    fn from(error: CaricatureError) -> Self {
+        match error {
+            CaricatureError::Cancelled(_) => Self::Cancelled,
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
+impl From<chladni_music::Error> for Failure {
+    fn from(error: chladni_music::Error) -> Self {
+        match error {
+            chladni_music::Error::Cancelled(_) => Self::Cancelled,
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
+impl From<MeshError> for Failure {
+    fn from(error: MeshError) -> Self {
+        Self::File(error.to_string())
+    }
+}

@@ -1,0 +1,82 @@
+"""Signatures and functional maps against their definitions."""
+
+import chladni
+import numpy as np
+import pytest
+import scipy.sparse
+
+
+@pytest.fixture(scope="module")
+def basis(pebble):
+    return chladni.Basis(*pebble, 40)
+
+
+def test_signatures_are_the_sums_that_they_stand_for(basis):
+    w, h = basis.eigenvalues, basis.eigenvectors
+    times, energies = [0.1, 1.0], [0.5, 2.0, 3.0]
+    heat = np.array([[sum(np.exp(-t * w) * h[v] ** 2) for t in times] for v in (0, 100)])
+    assert np.allclose(chladni.HKS(w, h, times)[[0, 100]], heat)
+    scale = [np.exp(-t * w).sum() for t in times]
+    assert np.allclose(chladni.HKS(w, h, times, scaled=True)[[0, 100]], heat / scale)
+    weights = np.array([np.exp(-((e - np.log(w[1:])) ** 2) / (2 * 0.3**2)) for e in energies])
+    wave = np.array([weights @ h[v, 1:] ** 2 for v in (0, 100)])
+    assert np.allclose(chladni.WKS(w, h, energies, 0.3)[[0, 100]], wave)
+    assert np.allclose(chladni.WKS(w, h, energies, 0.3, scaled=True)[[0, 100]], wave / weights.sum(axis=1))
+    assert chladni.auto_HKS(w, h, 7).shape == chladni.auto_WKS(w, h, 7).shape == (642, 7)
+    for bad in (lambda: chladni.HKS(w, h[:, :5], times), lambda: chladni.WKS(w, h, energies, 0)):
+        with pytest.raises(chladni.InputError):
+            bad()
+
+
+def test_a_shape_with_other_rows_is_mapped_to_itself(basis):
+    h, mass = basis.eigenvectors, basis.mass
+    order = np.random.default_rng(2).permutation(len(h))
+    other, other_mass = h[order], mass[order]
+    for areas in (other_mass, scipy.sparse.diags(other_mass), np.diag(other_mass), None):
+        fm = chladni.p2p_to_FM(order, h, other, areas)
+        assert np.abs(fm - np.eye(40)).max() < 1e-9
+    for adjoint in (False, True):
+        assert (chladni.FM_to_p2p(fm, h, other, adjoint) == order).all()
+    refined, p2p = chladni.zoomout_refine(np.eye(4), h, other, nit=12, step=3, A2=other_mass, return_p2p=True)
+    assert refined.shape == (40, 40) and (p2p == order).all()
+    wide = chladni.zoomout_refine(np.eye(4), h, other, nit=3, step=(1, 2))
+    assert wide.shape == (10, 7)
+    rows = np.arange(0, len(h), 2)
+    inverse = np.argsort(order)
+    some = chladni.zoomout_refine(np.eye(20), h, other, nit=4, step=5, subsample=(rows, inverse[rows]))
+    assert np.abs(some - np.eye(40)).max() < 1e-6
+
+
+def test_the_nearest_row_is_found(basis):
+    rng = np.random.default_rng(3)
+    a, b, fm = rng.normal(size=(300, 8)), rng.normal(size=(200, 6)), rng.normal(size=(6, 8))
+    gaps = np.linalg.norm((a @ fm.T)[None] - b[:, None], axis=2)
+    assert (chladni.FM_to_p2p(fm, a, b) == gaps.argmin(axis=1)).all()
+    gaps = np.linalg.norm(a[None] - (b @ fm)[:, None], axis=2)
+    assert (chladni.FM_to_p2p(fm, a, b, use_adj=True) == gaps.argmin(axis=1)).all()
+    p2p = rng.integers(0, 300, 200)
+    assert np.allclose(chladni.p2p_to_FM(p2p, a, b), np.linalg.lstsq(b, a[p2p], rcond=None)[0])
+
+
+def test_what_does_not_fit_is_refused(basis):
+    h = basis.eigenvectors
+    n = len(h)
+    refused = [
+        lambda: chladni.FM_to_p2p(np.eye(41), h, h),
+        lambda: chladni.FM_to_p2p(np.eye(5)[0], h, h),
+        lambda: chladni.FM_to_p2p(np.eye(5) * np.nan, h, h),
+        lambda: chladni.FM_to_p2p(np.empty((0, 0)), h, h),
+        lambda: chladni.FM_to_p2p(np.eye(2), h[:0], h),
+        lambda: chladni.p2p_to_FM(np.arange(n) + 1, h, h),
+        lambda: chladni.p2p_to_FM(np.arange(n - 1), h, h),
+        lambda: chladni.p2p_to_FM(np.arange(n), h, h, np.ones(n - 1)),
+        lambda: chladni.p2p_to_FM(scipy.sparse.identity(n), h, h),
+        lambda: chladni.p2p_to_FM(np.arange(5), h, h[:5]),
+        lambda: chladni.zoomout_refine(np.eye(30), h, h, nit=11),
+        lambda: chladni.zoomout_refine(np.eye(30), h, h, nit=2, step=(1, 2, 3)),
+        lambda: chladni.zoomout_refine(np.eye(30), h, h, nit=-1),
+        lambda: chladni.zoomout_refine(np.eye(30), h, h, nit=10**18, step=10**18),
+    ]
+    for i, bad in enumerate(refused):
+        with pytest.raises(chladni.InputError):
+            print(i, bad())

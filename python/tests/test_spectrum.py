@@ -1,0 +1,133 @@
+"""Eigenpairs against closed forms and SciPy."""
+
+import chladni
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.sparse
+import scipy.sparse.linalg
+
+
+def gram(v, M):
+    return v.T @ (M @ v)
+
+
+def same_subspaces(w, v, v_other, M):
+    """Eigenvectors of every group of equal eigenvalues span the same space."""
+    ends = [i for i in range(1, len(w)) if w[i] - w[i - 1] > 1e-6 * w[i]]
+    for first, end in zip([0, *ends], ends, strict=False):
+        overlap = v[:, first:end].T @ (M @ v_other[:, first:end])
+        assert np.allclose(np.linalg.svd(overlap, compute_uv=False), 1, atol=1e-7)
+
+
+@pytest.mark.parametrize("mass", ["lumped", "consistent"])
+def test_finite_elements_agree_with_scipy(sphere, square, elements, mass):
+    for V, F in (sphere, square):
+        S, M = elements(V, F)
+        if mass == "lumped":
+            M = scipy.sparse.diags(np.asarray(M.sum(axis=1)).ravel())
+        w, v, certificate = chladni.eigsh(S, 60, M, sigma=-0.01, return_certificate=True)
+        assert certificate.is_precise and certificate.inertia_counts_match
+        assert v.flags.f_contiguous and v.shape == (len(V), 60)
+        assert np.abs(gram(v, M) - np.eye(60)).max() < 1e-9
+        assert np.abs(S @ v - M @ v * w).max() < 1e-8 * w[-1] * np.abs(M @ v).max()
+        peer, peer_v = scipy.sparse.linalg.eigsh(S, 60, M.tocsc(), sigma=-0.01, tol=1e-12)
+        assert np.allclose(w, peer, rtol=1e-9, atol=1e-9)
+        same_subspaces(w, v, peer_v, M)
+        assert w[0] == 0
+
+
+def test_rows_need_not_sum_to_zero_and_m_may_be_left_out():
+    n = 400
+    held = scipy.sparse.diags([2.0 * np.ones(n), -np.ones(n - 1), -np.ones(n - 1)], [0, 1, -1])
+    w = chladni.eigsh(held, 20, which="SM", return_eigenvectors=False)
+    exact = 2 - 2 * np.cos(np.pi * np.arange(1, 21) / (n + 1))
+    assert np.allclose(w, exact, rtol=0, atol=1e-13)
+    # Dense, integer, and all of it.
+    small = held.toarray()[:40, :40].astype(int)
+    small_w, v = chladni.eigsh(small, 40, sigma=0)
+    assert np.allclose(small_w, scipy.linalg.eigh(small)[0], atol=1e-12)
+    assert np.abs(gram(v, np.eye(40)) - np.eye(40)).max() < 1e-10
+
+
+def test_a_null_space_may_have_any_dimension(ball, elements):
+    S, M = elements(*ball)
+    S3, M3 = (scipy.sparse.block_diag([A] * 3) for A in (S, M))
+    w = chladni.eigsh(S3, 30, M3, sigma=-1e-3)[0]
+    one = chladni.eigsh(S, 10, M, sigma=-1e-3)[0]
+    assert (w[:3] == 0).all() and np.allclose(w, np.repeat(one, 3), rtol=1e-9)
+
+
+def test_matrices_may_be_unsorted_and_of_any_sparse_kind(ball, elements):
+    S, M = elements(*ball)
+    w = chladni.eigsh(S, 10, M, sigma=0, return_eigenvectors=False)
+    shuffled = S.tocoo()
+    order = np.random.default_rng(1).permutation(shuffled.nnz)
+    entries = (shuffled.data[order], (shuffled.row[order], shuffled.col[order]))
+    for kind in ("csr", "coo", "lil", "dok"):
+        again = scipy.sparse.coo_matrix(entries, shape=S.shape).asformat(kind)
+        assert np.allclose(chladni.eigsh(again, 10, M, sigma=0)[0], w, rtol=1e-10)
+    array = scipy.sparse.csr_array(S)
+    assert np.allclose(chladni.eigsh(array, 10, scipy.sparse.csr_array(M), sigma=0)[0], w, rtol=1e-10)
+
+
+def test_the_number_of_threads_changes_nothing(square, elements):
+    S, M = elements(*square)
+    one, two = (chladni.eigsh(S, 100, M, sigma=0, threads=t) for t in (1, 2))
+    assert (one[0] == two[0]).all() and (one[1] == two[1]).all()
+
+
+def test_what_is_not_asked_of_this_solver_is_refused(ball, elements):
+    S, M = elements(*ball)
+    identity = scipy.sparse.identity(S.shape[0])
+    refused = [
+        (dict(), "asks for other pairs"),
+        (dict(sigma=0, which="SM"), "asks for other pairs"),
+        (dict(which="BE"), "asks for other pairs"),
+        (dict(sigma=0, mode="buckling"), "buckling"),
+        (dict(sigma=11.0), "lies among the eigenvalues"),
+        (dict(sigma="0"), "where a number is needed"),
+        (dict(sigma=0, k=0), "at least 1"),
+        (dict(sigma=0, k=10**12), "only 642 eigenvalues"),
+        (dict(sigma=0, k=2.5), "whole number"),
+        (dict(sigma=0, M=M[:5, :5]), "rows"),
+        (dict(sigma=0, M=-M), "not positive"),
+        (dict(sigma=0, M=M - 0.9 * M.diagonal().min() * identity), "not positive definite"),
+        (dict(sigma=0, A=S - identity), "negative eigenvalues"),
+        (dict(sigma=0, A=S[:, :5]), "square"),
+        (dict(sigma=0, A=S[:5]), "square"),
+        (dict(sigma=0, A=scipy.sparse.triu(S)), "not symmetric"),
+        (dict(sigma=0, A=S * np.nan), "nan"),
+        (dict(sigma=0, A=S * 1j), "complex128"),
+        (dict(sigma=0, A=None), "A"),
+        (dict(sigma=0, threads=0), "threads"),
+    ]
+    for change, reason in refused:
+        arguments = dict(A=S, k=12, M=M) | change
+        with pytest.raises(chladni.InputError, match="(?i)" + reason):
+            print(change, chladni.eigsh(**arguments))
+    # A sigma as small as rounding is at the smallest; one far below, too.
+    for sigma in (1e-8, -100):
+        assert chladni.eigsh(S, 12, M, sigma=sigma)[0][0] == 0
+    with pytest.raises(chladni.NotCertifiedError, match="tol"):
+        chladni.eigsh(S, 12, M, sigma=0, tol=1e-300)
+
+
+def test_the_laplacian_of_a_mesh(sphere, square):
+    for V, F in (sphere, square):
+        S, M = chladni.mesh_laplacian(5 * V + 1, F)
+        assert np.abs(S @ np.ones(len(V))).max() < 1e-12
+        assert (S - S.T).nnz == 0 and (S - scipy.sparse.diags(S.diagonal())).max() <= 0
+        p = 5 * V[F]
+        area = 0.5 * np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum()
+        assert M.sum() == pytest.approx(area)
+    # x is linear on a square: no tension inside.
+    inside = (np.abs(square[0][:, :2] - 0.5) < 0.49).all(axis=1)
+    assert np.abs(chladni.mesh_laplacian(*square)[0] @ square[0][:, 0])[inside].max() < 1e-12
+
+
+def test_a_vertex_that_is_not_used_has_zeros(ball):
+    V, F = ball
+    S, M = chladni.mesh_laplacian(np.vstack([V, [[7, 7, 7]]]), F)
+    assert S.shape == (643, 643) and abs(S[642]).max() == M.diagonal()[642] == 0
+    assert abs(S[:642, :642] - chladni.mesh_laplacian(V, F)[0]).max() < 1e-12
