@@ -96,6 +96,9 @@ keys! {
     TAP = key T, "Tap the beat";
     HALVE = key OpenBracket, "The beat half as fast";
     DOUBLE = key CloseBracket, "The beat twice as fast";
+    LOCK_BEAT = key K, "Hold the tempo, or listen again";
+    NUDGE_BACK = key Comma, "The beat a little later";
+    NUDGE_ON = key Period, "The beat a little sooner";
     BREED = key Enter, "Breed the chosen ones";
     BACK = command Z, "Back to the generation before";
     FORTH = command_shift Z, "On to the generation after";

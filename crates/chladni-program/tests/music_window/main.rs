@@ -4,6 +4,7 @@
 
 #[path = "../archive/mod.rs"]
 mod archive;
+mod clocks;
 mod controls;
 #[path = "../driving/mod.rs"]
 mod driving;

@@ -4,12 +4,13 @@ use chladni_music::{Action, Cue};
 
 use super::MusicRoom;
 use super::listening::Listening;
+use super::remote::{Asked, NUDGE_SECS, Now};
 use super::view::View;
 use super::wish::Wish;
 use crate::studio::keys::music::{
-    AUTOPILOT, BACK, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FORTH, HALVE, HOLD, LEAVE, LOCK,
-    MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW,
-    STAGE, TAP,
+    AUTOPILOT, BACK, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FORTH, HALVE, HOLD, LEAVE, LOCK, LOCK_BEAT,
+    MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE, NEXT_SONG, NUDGE_BACK, NUDGE_ON, OPEN, PLAY,
+    PREVIOUS_SONG, SAVE, SHOW, STAGE, TAP,
 };
 use crate::studio::room::Shared;
 use crate::studio::shortcut::Shortcut;
@@ -30,13 +31,16 @@ impl MusicRoom {
             return wishes;
         }
         type Hearing = fn(&mut Listening);
-        let hearing: [(Shortcut, Hearing); 6] = [
+        let hearing: [(Shortcut, Hearing); 9] = [
             (PLAY, Listening::toggle),
             (TAP, Listening::tap),
             (NEXT_SONG, |listening| listening.player().next()),
             (PREVIOUS_SONG, |listening| listening.player().previous()),
             (HALVE, Listening::halve),
             (DOUBLE, Listening::double),
+            (LOCK_BEAT, |listening| listening.lock(!listening.is_locked())),
+            (NUDGE_BACK, |listening| listening.nudge(-NUDGE_SECS)),
+            (NUDGE_ON, |listening| listening.nudge(NUDGE_SECS)),
         ];
         hearing.iter().filter(|(key, _)| key.pressed(ctx)).for_each(|(_, act)| act(listening));
         let when = |wishes: &mut Vec<Wish>, shortcut: Shortcut, wish: Wish| {
@@ -95,7 +99,22 @@ impl MusicRoom {
     pub(super) fn follow_remote(&mut self, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
         let parameters = concert.instrument().parameters();
-        for cue in self.drawers.remote.cues(&mut shared.settings.music, parameters) {
+        let music = &mut shared.settings.music;
+        let Asked { cues, clock } = self.drawers.remote.asked(music, parameters);
+        let now_secs = shared.ctx.input(|input| input.time);
+        listening.want_clock(music.follows_clock);
+        for (said, came) in clock {
+            listening.hear_clock(said, now_secs - came.elapsed().as_secs_f64());
+        }
+        let now = Now {
+            at_secs: now_secs,
+            beat: listening.beat(),
+            tempo_bpm: listening.beat_moment().tempo_bpm,
+            progress: listening.progress(),
+            bands: &listening.spectrum().0.mid,
+        };
+        self.drawers.remote.tell(music, &now);
+        for cue in cues {
             match cue {
                 Cue::Do(action) => wishes.push(Wish::Do(action)),
                 Cue::StepFavourite(forward) => wishes.push(Wish::StepFavourite(forward)),

@@ -23,6 +23,12 @@ pub struct Preferences {
     pub screen: Screen,
     /// The UDP port on which OSC messages are heard; `None` is off.
     pub osc_port: Option<u16>,
+    /// The beat is that of MIDI clock or OSC, where one is heard.
+    pub follows_clock: bool,
+    /// Where the beat is sent by OSC, as `HOST:PORT`, and the MIDI device that its clock goes to.
+    pub beat_out: Option<String>,
+    /// By its name.
+    pub clock_out: Option<String>,
     /// Loudness of the songs, in [0, 1].
     pub volume: f32,
     /// The device that plays them; `None` is the system's own.
@@ -56,6 +62,9 @@ impl Default for Preferences {
             background,
             screen: Screen::default(),
             osc_port: None,
+            follows_clock: false,
+            beat_out: None,
+            clock_out: None,
             volume: 1.0,
             output_device: None,
             leans_back: true,

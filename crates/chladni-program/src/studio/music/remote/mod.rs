@@ -1,11 +1,18 @@
-//! Control from outside: MIDI controllers and OSC, and what they turn.
+//! Control from outside: MIDI controllers, clocks and OSC, what they turn, and the beat for others.
 
+mod beat_out;
+mod clock_panel;
 mod midi;
 mod osc;
 mod panel;
 
-use chladni_music::{Action, Bindings, Control, Cue, Parameters, Touch, osc_cue};
+use std::time::Instant;
 
+use chladni_music::{Action, Bindings, ClockMessage, Control, Cue, Parameters, Touch, osc_cue};
+
+pub use self::beat_out::Now;
+use self::beat_out::{BeatOut, ClockSender};
+pub use self::clock_panel::NUDGE_SECS;
 use self::midi::Midi;
 use self::osc::Osc;
 use super::preferences::Preferences;
@@ -21,11 +28,24 @@ pub struct Remote {
     bindings: Bindings,
     /// What was touched last.
     last: Option<Control>,
+    beat_out: Option<Result<BeatOut, String>>,
+    /// The address that it was opened for.
+    beats_to: Option<String>,
+    clock_out: Option<ClockSender>,
+}
+
+/// What came in since the last frame.
+#[derive(Default)]
+pub struct Asked {
+    /// What is to be done.
+    pub cues: Vec<Cue>,
+    /// What clocks have said, and when.
+    pub clock: Vec<(ClockMessage, Instant)>,
 }
 
 impl Remote {
     /// Opens what the preferences ask for and collects what was touched since the last frame.
-    pub fn cues(&mut self, preferences: &mut Preferences, parameters: &Parameters) -> Vec<Cue> {
+    pub fn asked(&mut self, preferences: &mut Preferences, parameters: &Parameters) -> Asked {
         if !self.started {
             self.started = true;
             self.bindings = Bindings::new(preferences.bindings.clone());
@@ -38,15 +58,18 @@ impl Remote {
             self.osc = self.port.map(|port| Osc::listen(port).map_err(|why| format!("port {port}: {why}")));
         }
         let mut cues = Vec::new();
+        let mut clock: Vec<_> = self.midi.iter().flat_map(Midi::clock).collect();
         let touched: Vec<Touch> = self.midi.iter().flat_map(Midi::touches).collect();
         for touch in touched {
             self.touch(&touch, parameters, &mut cues);
         }
         if let Some(Ok(osc)) = &self.osc {
-            for message in osc.messages().collect::<Vec<_>>() {
-                match osc_cue(&message.address, message.value) {
-                    Some(cue) => push(&mut cues, cue),
-                    None => {
+            for (message, came) in osc.messages().collect::<Vec<_>>() {
+                let said = ClockMessage::from_osc(&message.address, message.value);
+                match (osc_cue(&message.address, message.value), said) {
+                    (Some(cue), _) => push(&mut cues, cue),
+                    (None, Some(said)) => clock.push((said, came)),
+                    (None, None) => {
                         let control = Control::Osc { address: message.address };
                         self.touch(
                             &Touch { control, value: message.value.unwrap_or(1.0) },
@@ -60,7 +83,26 @@ impl Remote {
         if preferences.bindings != self.bindings.list() {
             preferences.bindings = self.bindings.list().to_vec();
         }
-        cues
+        Asked { cues, clock }
+    }
+
+    /// Tells others of the beat, where the preferences ask for it.
+    pub fn tell(&mut self, preferences: &Preferences, now: &Now<'_>) {
+        if self.beats_to != preferences.beat_out {
+            self.beats_to.clone_from(&preferences.beat_out);
+            let open = |to: &String| BeatOut::to(to).map_err(|why| format!("{to}: {why}"));
+            self.beat_out = self.beats_to.as_ref().map(open);
+        }
+        if let Some(Ok(out)) = &mut self.beat_out {
+            out.tell(now);
+        }
+        if self.clock_out.is_none() && preferences.clock_out.is_some() {
+            let outputs = self.midi.as_ref().map(|midi| midi.outputs().clone());
+            self.clock_out = outputs.and_then(|outputs| ClockSender::start(outputs).ok());
+        }
+        if let Some(out) = &self.clock_out {
+            out.tell(preferences.clock_out.as_deref(), now);
+        }
     }
 
     fn touch(&mut self, touch: &Touch, parameters: &Parameters, cues: &mut Vec<Cue>) {

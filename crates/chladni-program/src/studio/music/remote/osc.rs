@@ -5,7 +5,7 @@ use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rosc::{OscPacket, OscType};
 
@@ -28,7 +28,7 @@ pub struct Message {
 /// A port that is listened to. Dropping it closes the port.
 pub struct Osc {
     address: SocketAddr,
-    messages: Receiver<Message>,
+    messages: Receiver<(Message, Instant)>,
     counts: Arc<Counts>,
 }
 
@@ -58,8 +58,8 @@ impl Osc {
         self.address.port()
     }
 
-    /// What has come in since the last call.
-    pub fn messages(&self) -> impl Iterator<Item = Message> {
+    /// What has come in since the last call, and when.
+    pub fn messages(&self) -> impl Iterator<Item = (Message, Instant)> {
         self.messages.try_iter().take(MOST_MESSAGES)
     }
 
@@ -75,7 +75,7 @@ impl Drop for Osc {
     }
 }
 
-fn receive(socket: &UdpSocket, sender: &SyncSender<Message>, counts: &Counts) {
+fn receive(socket: &UdpSocket, sender: &SyncSender<(Message, Instant)>, counts: &Counts) {
     let mut packet = [0u8; LONGEST_PACKET + 1];
     while !counts.closed.load(Ordering::Relaxed) {
         let length = match socket.recv_from(&mut packet) {
@@ -93,8 +93,9 @@ fn receive(socket: &UdpSocket, sender: &SyncSender<Message>, counts: &Counts) {
             continue;
         };
         counts.good.fetch_add(1, Ordering::Relaxed);
+        let came = Instant::now();
         for message in messages {
-            match sender.try_send(message) {
+            match sender.try_send((message, came)) {
                 Ok(()) => {}
                 Err(TrySendError::Full(_)) => {
                     counts.bad.fetch_add(1, Ordering::Relaxed);
@@ -223,7 +224,7 @@ mod tests {
             sender.send_to(&[b'/'; 4000], to).unwrap();
             sender.send_to(&packet, to).unwrap();
             std::thread::sleep(Duration::from_millis(20));
-            got.extend(osc.messages());
+            got.extend(osc.messages().map(|(message, _)| message));
             if !got.is_empty() && osc.counts().1 >= 2 {
                 break;
             }

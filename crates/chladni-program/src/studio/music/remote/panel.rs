@@ -4,6 +4,7 @@ use chladni_music::{Bindings, Parameter, Switch, Target};
 use egui::{RichText, Ui};
 
 use super::super::knobs;
+use super::super::listening::Listening;
 use super::super::preferences::Preferences;
 use super::{Midi, Remote};
 use crate::studio::icon::{self, Icon};
@@ -14,10 +15,12 @@ const USUAL_PORT: u16 = 8000;
 
 impl Remote {
     /// Draws the drawer.
-    pub fn show(&mut self, ui: &mut Ui, preferences: &mut Preferences) {
+    pub fn show(&mut self, ui: &mut Ui, preferences: &mut Preferences, listening: &mut Listening) {
         self.devices(ui);
         ui.add_space(theme::GAP);
         self.osc(ui, preferences);
+        ui.add_space(theme::GAP);
+        self.clock(ui, preferences, listening);
         ui.add_space(theme::GAP);
         ui.label(RichText::new("What turns what").strong());
         weak(ui, "Click Learn, then move a knob, a fader or a pad.");
@@ -122,6 +125,6 @@ fn name(target: Target) -> &'static str {
     }
 }
 
-fn weak(ui: &mut Ui, text: &str) {
+pub(super) fn weak(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
 }
