@@ -88,15 +88,18 @@ impl Pulses {
         Self { secs: VecDeque::with_capacity(most), most, least, longest_gap_secs }
     }
 
-    fn add(&mut self, secs: f64) {
+    /// Takes one; true where it begins anew after a gap.
+    fn add(&mut self, secs: f64) -> bool {
         let gap = self.secs.back().map(|last| secs - last);
-        if gap.is_some_and(|gap| !(0.0..=self.longest_gap_secs).contains(&gap)) {
+        let anew = gap.is_some_and(|gap| !(0.0..=self.longest_gap_secs).contains(&gap));
+        if anew {
             self.secs.clear();
         }
         if self.secs.len() == self.most {
             self.secs.pop_front();
         }
         self.secs.push_back(secs);
+        anew
     }
 
     /// When the last pulse should have come, and the time between two: least squares.
@@ -156,7 +159,8 @@ impl Default for Tempo {
         Self {
             ticks: Pulses::new(2 * TICKS_PER_QUARTER as usize, TICKS_PER_QUARTER as usize / 2, 0.5),
             beats: Pulses::new(8, 2, 2.0),
-            position: 0.0,
+            // The first tick falls on a beat, as far as anybody knows.
+            position: -1.0 / TICKS_PER_QUARTER,
             grid: None,
             // Many clocks run without ever saying that they start.
             runs: true,
@@ -184,7 +188,10 @@ impl Tempo {
         match message {
             ClockMessage::Tick => self.tick(at_secs),
             ClockMessage::Start => self.jump(0.0, at_secs),
-            ClockMessage::Continue => self.runs = true,
+            ClockMessage::Continue => {
+                self.runs = true;
+                self.ticks.secs.clear();
+            }
             ClockMessage::Stop => self.stop(at_secs),
             ClockMessage::Position { quarters } => {
                 let runs = self.runs;
@@ -279,15 +286,25 @@ impl Tempo {
     }
 
     fn tick(&mut self, at_secs: f64) {
-        self.ticks.add(at_secs);
+        let silent = self.ticks.add(at_secs);
         if self.runs {
             self.position += 1.0 / TICKS_PER_QUARTER;
         }
-        let Some((due_secs, gap_secs)) = self.ticks.line() else { return };
-        let per_sec = 1.0 / (gap_secs * TICKS_PER_QUARTER);
-        if TEMPI_BPM.contains(&(60.0 * per_sec)) {
-            let at_secs = if self.runs { due_secs } else { at_secs };
-            self.follow(Grid { quarters: self.position, at_secs, per_sec });
+        if let Some(grid) = self.grid.filter(|_| silent && self.runs) {
+            // Meanwhile the beat went on by itself: the nearest whole one is where it is now.
+            self.position += (grid.at(at_secs) - self.position).round();
+        }
+        match (self.ticks.line(), self.grid) {
+            (Some((due_secs, gap_secs)), _) => {
+                let per_sec = 1.0 / (gap_secs * TICKS_PER_QUARTER);
+                if TEMPI_BPM.contains(&(60.0 * per_sec)) {
+                    let at_secs = if self.runs { due_secs } else { at_secs };
+                    self.follow(Grid { quarters: self.position, at_secs, per_sec });
+                }
+            }
+            // The first ticks of a song tell where it is, and the tempo is still that of before.
+            (None, Some(grid)) => self.grid = Some(Grid { quarters: self.position, at_secs, ..grid }),
+            (None, None) => {}
         }
     }
 
@@ -309,6 +326,7 @@ impl Tempo {
         if let Some(grid) = self.grid {
             self.grid = Some(Grid { quarters, at_secs: at_secs + gap_secs, ..grid });
         }
+        self.ticks.secs.clear();
         self.origin = (count - quarters * self.beats_per_quarter()).round();
         self.told_bar = None;
     }
@@ -501,6 +519,19 @@ mod tests {
         let at_secs = play(&mut tempo, (later_secs + 0.1, 120.0, 25), 0.0, 0);
         assert_eq!(tempo.beat_in_bar(at_secs + 0.02), Some(4));
         assert!(tempo.at(at_secs).count >= still.count);
+    }
+
+    #[test]
+    fn it_goes_on_where_a_clock_falls_silent_and_meets_it_again() {
+        let mut tempo = Tempo::default();
+        let last_secs = play(&mut tempo, (0.0, 120.0, 24 * 8 + 1), 0.0, 0);
+        let before = tempo.at(last_secs).count;
+        assert!((tempo.at(last_secs + 10.1).count - before - 20.2).abs() < 1e-6);
+        // It goes on with the first tick after a beat.
+        let again_secs = play(&mut tempo, (last_secs + 10.25, 120.0, 24 * 2 + 1), 0.0, 0);
+        let count = tempo.at(again_secs).count;
+        let off = count - count.round() - 1.0 / TICKS_PER_QUARTER;
+        assert!((count - before - 22.5).abs() < 0.6 && off.abs() < 1e-6, "{count}");
     }
 
     #[test]

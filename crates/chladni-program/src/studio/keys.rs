@@ -115,6 +115,10 @@ keys! {
     SHOW = key G, "Put the favourites on stage";
     AUTOPILOT = key A, "Lean back: the autopilot, on or off";
     HOLD = key H, "The autopilot stays with this dance, or goes on";
+    NEXT_UP = key N, "Next on stage: the marked dance";
+    GO = key R, "On stage: bring the next dance";
+    BLACKOUT = key B, "On stage: black, or back";
+    FREEZE = key X, "On stage: the picture stands still, or goes on";
     LEAVE = key Escape, "Leave the stage, or back to the gallery";
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 
 /// An OSC message with one float, by the book: address and type tags padded to four bytes, big-endian number.
-fn packet(address: &str, value: f32) -> Vec<u8> {
+pub fn packet(address: &str, value: f32) -> Vec<u8> {
     let mut packet = address.as_bytes().to_vec();
     packet.resize(4 * (address.len() / 4 + 1), 0);
     packet.extend(b",f\0\0");

@@ -11,6 +11,7 @@ mod driving;
 mod files;
 mod films;
 mod gallery;
+mod hands;
 
 use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;

@@ -63,6 +63,8 @@ pub struct Listening {
     outer: Outer,
     outer_beat: Beat,
     progress: Progress,
+    /// A shot that was called by hand, and when.
+    called: Option<(usize, f64)>,
     levels: [Loudness; 2],
     songs: Vec<PathBuf>,
     repeat: Repeat,
@@ -136,6 +138,7 @@ impl Listening {
             outer: Outer::default(),
             outer_beat: Beat::default(),
             progress: Progress::default(),
+            called: None,
             levels: [Loudness::default(); 2],
             songs: vec![tune.clone()],
             repeat: Repeat::Off,
@@ -355,6 +358,9 @@ impl Listening {
 
     /// How the camera frames what was heard last.
     pub fn framing(&mut self, seed: u64) -> Framing {
+        if let Some((shot, since_secs)) = self.called {
+            return Framing::of_shot(shot, self.last_secs - since_secs);
+        }
         if self.follows_clock() {
             return self.director.at(self.last_secs);
         }
@@ -362,6 +368,16 @@ impl Listening {
             return self.director.at(self.follower.now_secs());
         }
         self.hearing.framing_at(self.clock.at_secs(), seed)
+    }
+
+    /// The shot that was called by hand: a number of [`SHOTS`](chladni_music::SHOTS).
+    pub fn called_shot(&self) -> Option<usize> {
+        self.called.map(|(shot, _)| shot)
+    }
+
+    /// Calls a shot, which stays; or lets the camera choose again.
+    pub fn call_shot(&mut self, shot: Option<usize>) {
+        self.called = shot.map(|shot| (shot, self.last_secs));
     }
 
     /// The show's number of a song of the list.

@@ -47,13 +47,23 @@ struct Ports {
 }
 
 impl Outputs {
-    /// Sends a message to a device; one that is not open yet is opened for the next.
-    pub fn send(&self, device: &str, message: &[u8]) {
+    /// Whether a device is open; one that is not is opened for the next time.
+    pub fn opens(&self, device: &str) -> bool {
         let mut ports = lock(&self.0);
-        let Some(connection) = ports.open.get_mut(device) else {
+        let open = ports.open.contains_key(device);
+        if !open {
             ports.wanted.insert(device.to_owned());
+        }
+        open
+    }
+
+    /// Sends a message to a device that is open.
+    pub fn send(&self, device: &str, message: &[u8]) {
+        if !self.opens(device) {
             return;
-        };
+        }
+        let mut ports = lock(&self.0);
+        let Some(connection) = ports.open.get_mut(device) else { return };
         if connection.send(message).is_err() {
             // It is gone, or is opened anew at the next look.
             ports.open.remove(device);
@@ -157,11 +167,11 @@ struct Sender {
 }
 
 impl Sender {
-    fn hear(&self, bytes: &[u8]) {
+    fn hear(&self, device: &str, bytes: &[u8]) {
         // A full queue drops the touch: the next one of the same knob will do.
         if let Some(message) = ClockMessage::from_midi(bytes) {
             let _ = self.tick.try_send((message, Instant::now()));
-        } else if let Some(touch) = Touch::from_midi(bytes) {
+        } else if let Some(touch) = Touch::from_midi(device, bytes) {
             let _ = self.touch.try_send(touch);
         }
     }
@@ -192,7 +202,8 @@ fn look(open: &mut Open, sender: &Sender) -> Result<(), String> {
             continue;
         }
         let sender = sender.clone();
-        let listen = move |_: u64, bytes: &[u8], (): &mut ()| sender.hear(bytes);
+        let device = lasting(&name);
+        let listen = move |_: u64, bytes: &[u8], (): &mut ()| sender.hear(&device, bytes);
         if let Ok(connection) = input()?.connect(&port, CLIENT, listen, ()) {
             open.insert(id, (name, connection));
         }
@@ -215,9 +226,9 @@ mod tests {
         let ((touch, touches), (tick, clock)) = (sync_channel(4), sync_channel(4));
         let sender = Sender { touch, tick };
         for _ in 0..100 {
-            sender.hear(&[0xf8]);
-            sender.hear(&[0xb0, 7, 9]);
-            sender.hear(&[0xf0, 1, 2]);
+            sender.hear("a", &[0xf8]);
+            sender.hear("a", &[0xb0, 7, 9]);
+            sender.hear("a", &[0xf0, 1, 2]);
         }
         assert_eq!((touches.try_iter().count(), clock.try_iter().count()), (4, 4));
     }
