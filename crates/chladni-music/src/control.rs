@@ -1,10 +1,12 @@
-//! Controllers: what a MIDI or OSC message touches, and which knob, switch or cue that turns.
+//! Controllers: what a MIDI or OSC message touches, and what that turns.
 //!
-//! Nothing here opens a device: bytes and addresses come in, [`Cue`]s go out.
+//! Nothing here opens a device: bytes and addresses come in, [`Cue`]s and messages for the device go out.
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Action, Choir, Form, Parameter, Parameters, Switch};
+use crate::target::{Cue, Kind, Target, Which};
+use crate::text_file::{self, FORMAT_VERSION};
+use crate::{Error, Parameters};
 
 /// Something on a controller that can be touched.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -47,9 +49,28 @@ impl std::fmt::Display for Control {
     }
 }
 
+impl Control {
+    /// The message that shows `share` in [0, 1] on the device; OSC has none.
+    fn message(&self, share: f32) -> Option<[u8; 3]> {
+        let share = share.clamp(0.0, 1.0);
+        let seven = (127.0 * share).round() as u8;
+        match *self {
+            Self::Controller { channel, number } => Some([0xb0 | channel & 0x0f, number & 0x7f, seven]),
+            Self::Note { channel, number } => Some([0x90 | channel & 0x0f, number & 0x7f, seven]),
+            Self::PitchBend { channel } => {
+                let wheel = (16_383.0 * share).round() as u16;
+                Some([0xe0 | channel & 0x0f, (wheel & 0x7f) as u8, (wheel >> 7) as u8])
+            }
+            Self::Osc { .. } => None,
+        }
+    }
+}
+
 /// A control was moved to `value` in [0, 1]; pads and buttons give 0 when they are released.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch {
+    /// On which device, by its name; empty over OSC.
+    pub device: String,
     /// Which.
     pub control: Control,
     /// Where it stands now.
@@ -57,106 +78,87 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Reads one MIDI message: controllers, notes and pitch bend. Anything else, and what is cut
+    /// Reads one MIDI message of `device`: controllers, notes and pitch bend. Anything else, and what is cut
     /// short or out of range, is `None`.
-    pub fn from_midi(bytes: &[u8]) -> Option<Self> {
+    pub fn from_midi(device: &str, bytes: &[u8]) -> Option<Self> {
         let &[status, number, value, ..] = bytes else { return None };
         if number > 127 || value > 127 {
             return None;
         }
         let (channel, share) = (status & 0x0f, f32::from(value) / 127.0);
-        Some(match status & 0xf0 {
-            0x80 => Self { control: Control::Note { channel, number }, value: 0.0 },
-            0x90 => Self { control: Control::Note { channel, number }, value: share },
-            0xb0 => Self { control: Control::Controller { channel, number }, value: share },
+        let (control, value) = match status & 0xf0 {
+            0x80 => (Control::Note { channel, number }, 0.0),
+            0x90 => (Control::Note { channel, number }, share),
+            0xb0 => (Control::Controller { channel, number }, share),
             0xe0 => {
                 let wheel = u16::from(number) | u16::from(value) << 7;
-                Self { control: Control::PitchBend { channel }, value: f32::from(wheel) / 16_383.0 }
+                (Control::PitchBend { channel }, f32::from(wheel) / 16_383.0)
             }
             _ => return None,
-        })
+        };
+        Some(Self { device: device.to_owned(), control, value })
     }
-}
-
-/// What a control turns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Target {
-    /// A knob.
-    Parameter(Parameter),
-    /// A switch: each press turns it over.
-    Switch(Switch),
-    /// Harmonics in use.
-    Harmonics,
-    /// The next form.
-    Form,
-    /// The next choir.
-    Choir,
-    /// Breeds the chosen items.
-    Breed,
-    /// Puts the favourites on stage, or steps to the next.
-    NextFavourite,
-    /// Steps to the favourite before.
-    PreviousFavourite,
-    /// Back to the gallery.
-    LeaveStage,
-    /// Sweeps the sand off and pours it anew.
-    Sweep,
-    /// A beat by hand.
-    Tap,
-    /// Plays or pauses.
-    PlayPause,
-}
-
-impl Target {
-    /// The targets that are pressed rather than turned, except the switches.
-    pub const BUTTONS: [Self; 7] = [
-        Self::Breed,
-        Self::NextFavourite,
-        Self::PreviousFavourite,
-        Self::LeaveStage,
-        Self::Sweep,
-        Self::Tap,
-        Self::PlayPause,
-    ];
-
-    /// Targets with a few choices, and the number of harmonics in use.
-    pub const CHOICES: [Self; 3] = [Self::Form, Self::Choir, Self::Harmonics];
-}
-
-/// What a touch asks of the instrument or of the room around it.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Cue {
-    /// An action of the instrument.
-    Do(Action),
-    /// The favourite after (true) or before the one on stage.
-    StepFavourite(bool),
-    /// A beat by hand.
-    Tap,
-    /// Plays or pauses.
-    PlayPause,
 }
 
 /// One control and what it turns.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Binding {
+    /// The device, by its name; empty is any.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub device: String,
     /// The control.
     pub control: Control,
     /// What it turns.
     pub target: Target,
+    /// Which choice or dance it takes, from 1; `None` is the next choice, or the dance that is marked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub number: Option<u32>,
+}
+
+impl Binding {
+    fn is_of(&self, device: &str, control: &Control) -> bool {
+        self.control == *control && (self.device.is_empty() || self.device == device)
+    }
 }
 
 /// At most this many bindings are kept.
 const MOST_BINDINGS: usize = 512;
+/// A knob this near takes over: two steps of a MIDI controller.
+const NEAR: f32 = 2.1 / 127.0;
+
+/// Where a target stands, in [0, 1]: of choices and dances, whether the one of that number is the one. `None` where that
+/// is not known or means nothing.
+pub type Standing<'a> = &'a dyn Fn(Target, Option<u32>) -> Option<f32>;
+
+/// What is remembered of a binding's control while the program runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Hand {
+    /// It is pressed, so that a pad that repeats its value presses once.
+    pressed: bool,
+    /// Where it was last.
+    at: Option<f32>,
+    /// Where it has last put its target: while that stays there, the hand has it.
+    put: Option<f32>,
+    /// The message that the device shows.
+    shown: Option<[u8; 3]>,
+}
 
 /// All bindings, and the target that waits for a control.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bindings {
     list: Vec<Binding>,
-    learning: Option<Target>,
-    /// Controls that are pressed, so that a pad that repeats its value presses once.
-    pressed: Vec<Control>,
+    /// One for each binding.
+    hands: Vec<Hand>,
+    learning: Option<(Target, Option<u32>)>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BindingFile {
+    format_version: u32,
+    #[serde(default)]
+    binding: Vec<Binding>,
 }
 
 impl Bindings {
@@ -174,176 +176,155 @@ impl Bindings {
         &self.list
     }
 
-    /// The next control that is touched is bound to `target`; `None` stops waiting.
-    pub fn learn(&mut self, target: Option<Target>) {
+    /// As a text file.
+    pub fn to_text(&self) -> Result<String, Error> {
+        text_file::print(
+            "bindings",
+            &BindingFile { format_version: FORMAT_VERSION, binding: self.list.clone() },
+        )
+    }
+
+    /// Takes the bindings of a text file; those of other devices and controls stay. Returns how many there were.
+    pub fn import(&mut self, text: &str) -> Result<usize, Error> {
+        text_file::version("bindings", text)?;
+        let file: BindingFile = text_file::parse("bindings", text)?;
+        let count = file.binding.len();
+        file.binding.into_iter().for_each(|binding| self.bind(binding));
+        Ok(count)
+    }
+
+    /// The next control that is touched is bound to a target and a number; `None` stops waiting.
+    pub fn learn(&mut self, target: Option<(Target, Option<u32>)>) {
         self.learning = target;
     }
 
-    /// The target that waits for a control.
-    pub fn learning(&self) -> Option<Target> {
+    /// The target that waits for a control, and its number.
+    pub fn learning(&self) -> Option<(Target, Option<u32>)> {
         self.learning
     }
 
     /// Takes a binding out of the list.
     pub fn forget(&mut self, binding: usize) {
         if binding < self.list.len() {
-            let forgotten = self.list.remove(binding);
-            self.pressed.retain(|held| *held != forgotten.control);
+            self.list.remove(binding);
+            self.hands.remove(binding);
         }
     }
 
     /// What a touch does: if a target is waiting for a control, the control is bound to it; otherwise it
-    /// turns its target.
-    pub fn touch(&mut self, touch: &Touch, parameters: &Parameters) -> Option<Cue> {
+    /// turns its target. A knob or fader that stands elsewhere than its target takes over where it passes it.
+    pub fn touch(&mut self, touch: &Touch, parameters: &Parameters, standing: Standing<'_>) -> Option<Cue> {
         let value = if touch.value.is_finite() { touch.value.clamp(0.0, 1.0) } else { return None };
-        if value > 0.0
-            && let Some(target) = self.learning.take()
-        {
-            self.bind(Binding { control: touch.control.clone(), target });
+        let learned = self.learning.filter(|_| value > 0.0);
+        if let Some((target, number)) = learned {
+            self.learning = None;
+            let (device, control) = (touch.device.clone(), touch.control.clone());
+            self.bind(Binding { device, control, target, number });
         }
-        let target = self.list.iter().find(|binding| binding.control == touch.control)?.target;
-        // Remembered only for bound controls, so that other messages cannot fill the memory.
-        let pressed = self.press(&touch.control, value);
-        match target {
-            Target::Parameter(parameter) => {
-                Some(Cue::Do(Action::Set { parameter, value: parameter.at_share(value) }))
+        let at = self.list.iter().position(|binding| binding.is_of(&touch.device, &touch.control))?;
+        let (binding, hand) = (self.list.get(at)?, self.hands.get_mut(at)?);
+        let pressed = hand.press(&binding.control, value);
+        let which = match (binding.target.kind(), binding.number) {
+            (Kind::Level, _) => {
+                let now = standing(binding.target, None).filter(|_| learned.is_none());
+                let soft = matches!(binding.control, Control::Controller { .. } | Control::PitchBend { .. });
+                if !hand.turn(value, now.filter(|_| soft)) {
+                    return None;
+                }
+                Which::Level(value)
             }
-            Target::Harmonics => {
-                // At least 2: 0 would mean all of them.
-                let harmonics = (MOST_HARMONICS * value).round().max(2.0) as u32;
-                Some(Cue::Do(Action::SetHarmonics { harmonics }))
-            }
-            _ if !pressed => None,
-            Target::Form => next(&FORMS, parameters.form).map(|form| Cue::Do(Action::SetForm { form })),
-            Target::Choir => next(&CHOIRS, parameters.choir).map(|choir| Cue::Do(Action::SetChoir { choir })),
-            Target::Switch(switch) => Some(Cue::Do(Action::Switch { switch, on: !parameters.is_on(switch) })),
-            Target::Breed => Some(Cue::Do(Action::Breed)),
-            Target::LeaveStage => Some(Cue::Do(Action::LeaveStage)),
-            Target::Sweep => Some(Cue::Do(Action::Sweep)),
-            Target::NextFavourite => Some(Cue::StepFavourite(true)),
-            Target::PreviousFavourite => Some(Cue::StepFavourite(false)),
-            Target::Tap => Some(Cue::Tap),
-            Target::PlayPause => Some(Cue::PlayPause),
-        }
+            _ if !pressed => return None,
+            (Kind::Choice | Kind::Dance, Some(number)) => Which::Number(number),
+            _ => Which::Press,
+        };
+        Cue::of(binding.target, which, parameters)
     }
 
-    /// Whether this value presses the control: it passes the threshold from below.
-    fn press(&mut self, control: &Control, value: f32) -> bool {
-        let held = self.pressed.iter().position(|known| known == control);
-        // A soft hit of a pad counts; a fader has to pass its middle.
-        let least = if matches!(control, Control::Note { .. }) { f32::MIN_POSITIVE } else { 0.5 };
-        match (held, value >= least) {
-            (None, true) => {
-                self.pressed.push(control.clone());
-                true
+    /// The messages that let devices which `listens` show where things stand: each with its device. Only what is new is
+    /// told; bindings that are not of one device tell none.
+    pub fn feedback(
+        &mut self,
+        standing: Standing<'_>,
+        listens: &dyn Fn(&str) -> bool,
+    ) -> Vec<(String, [u8; 3])> {
+        let mut messages = Vec::new();
+        for (binding, hand) in self.list.iter().zip(&mut self.hands) {
+            if binding.device.is_empty() || !listens(&binding.device) {
+                // Plugged in again, it has to be told anew.
+                hand.shown = None;
+                continue;
             }
-            (Some(at), false) => {
-                self.pressed.swap_remove(at);
-                false
+            let shows =
+                standing(binding.target, binding.number).and_then(|share| binding.control.message(share));
+            // A fader that is being moved shows the same already, or fights the hand.
+            let is_there = hand.put.is_some() && hand.put.and_then(|at| binding.control.message(at)) == shows;
+            if let Some(message) = shows.filter(|message| hand.shown != Some(*message)) {
+                hand.shown = Some(message);
+                if !is_there {
+                    messages.push((binding.device.clone(), message));
+                }
             }
-            _ => false,
         }
+        messages
     }
 
     fn bind(&mut self, binding: Binding) {
-        self.list.retain(|known| known.control != binding.control);
+        while let Some(known) = self.list.iter().position(|known| {
+            known.control == binding.control && (known.device.is_empty() || known.device == binding.device)
+        }) {
+            self.forget(known);
+        }
         if self.list.len() < MOST_BINDINGS {
             self.list.push(binding);
+            self.hands.push(Hand::default());
         }
     }
 }
 
-/// The forms and choirs by their names, in the order of their numbers.
-const FORMS: [(&str, Form); 3] =
-    [("filter", Form::Filter), ("modal", Form::Modal), ("half-mask", Form::HalfMask)];
-const CHOIRS: [(&str, Choir); 3] =
-    [("all", Choir::All), ("symmetric", Choir::Symmetric), ("antisymmetric", Choir::Antisymmetric)];
-/// Harmonics at the top of a fader.
-const MOST_HARMONICS: f32 = 512.0;
+impl Hand {
+    /// Whether this value presses the control: it passes the threshold from below.
+    fn press(&mut self, control: &Control, value: f32) -> bool {
+        // A soft hit of a pad counts; a fader has to pass its middle.
+        let least = if matches!(control, Control::Note { .. }) { f32::MIN_POSITIVE } else { 0.5 };
+        let before = std::mem::replace(&mut self.pressed, value >= least);
+        self.pressed && !before
+    }
 
-/// The action that sets a knob, a switch or a choice by name, the same for OSC, scripts and the command line:
-/// knobs take their own units, switches `on`, `off` or a number, `form` and `choir` a name or a number from
-/// 0, `harmonics` how many are in use (0 is all).
-pub fn setting(name: &str, value: &str) -> Option<Action> {
-    let number = || value.parse::<f32>().ok().filter(|value| value.is_finite());
-    if let Some(parameter) = Parameter::ALL.into_iter().find(|p| p.name() == name) {
-        let (low, high) = parameter.range();
-        let value = number()?.clamp(low, high);
-        return Some(Action::Set { parameter, value });
-    }
-    if let Some(switch) = Switch::ALL.into_iter().find(|s| s.name() == name) {
-        let on = match value {
-            "on" => true,
-            "off" => false,
-            _ => number()? >= 0.5,
-        };
-        return Some(Action::Switch { switch, on });
-    }
-    match name {
-        "form" => Some(Action::SetForm { form: choice(&FORMS, value)? }),
-        "choir" => Some(Action::SetChoir { choir: choice(&CHOIRS, value)? }),
-        "harmonics" => {
-            Some(Action::SetHarmonics { harmonics: number()?.round().clamp(0.0, 16_384.0) as u32 })
-        }
-        _ => None,
-    }
-}
-
-fn choice<T: Copy>(choices: &[(&str, T)], value: &str) -> Option<T> {
-    let number =
-        || value.parse::<f32>().ok().filter(|value| *value >= 0.0).map(|value| value.round() as usize);
-    let named = choices.iter().find(|(name, _)| *name == value);
-    named.or_else(|| choices.get(number()?)).map(|(_, choice)| *choice)
-}
-
-/// The choice after `now`.
-fn next<T: Copy + PartialEq>(choices: &[(&str, T)], now: T) -> Option<T> {
-    let at = choices.iter().position(|(_, choice)| *choice == now)?;
-    choices.get((at + 1) % choices.len()).map(|(_, choice)| *choice)
-}
-
-/// What an OSC message to one of this instrument's own addresses asks for, without any binding:
-/// `/chladni/NAME VALUE` is [`setting`]; `/chladni/NAME/CHOICE` is the same for a form or a choir;
-/// `/chladni/breed`, `/chladni/next`, `/chladni/previous`, `/chladni/leave`, `/chladni/sweep`, `/chladni/tap` and
-/// `/chladni/play` press a button (a value of 0 is its release).
-pub fn osc_cue(address: &str, value: Option<f32>) -> Option<Cue> {
-    let name = address.strip_prefix("/chladni/")?;
-    if value.is_some_and(f32::is_nan) {
-        return None;
-    }
-    if let Some(action) = value.and_then(|value| setting(name, &value.to_string())) {
-        return Some(Cue::Do(action));
-    }
-    if value == Some(0.0) {
-        return None;
-    }
-    if let Some((name, choice)) = name.split_once('/') {
-        return setting(name, choice).map(Cue::Do);
-    }
-    match name {
-        "breed" => Some(Cue::Do(Action::Breed)),
-        "next" => Some(Cue::StepFavourite(true)),
-        "previous" => Some(Cue::StepFavourite(false)),
-        "leave" => Some(Cue::Do(Action::LeaveStage)),
-        "sweep" => Some(Cue::Do(Action::Sweep)),
-        "tap" => Some(Cue::Tap),
-        "play" => Some(Cue::PlayPause),
-        _ => None,
+    /// Whether a knob at `value` turns its target, which stands at `now`; `None` takes over at once.
+    fn turn(&mut self, value: f32, now: Option<f32>) -> bool {
+        let before = self.at.replace(value);
+        let has = now.is_none_or(|now| {
+            let stays = self.put.is_some_and(|put| (put - now).abs() < NEAR);
+            let passes = before.is_some_and(|before| (before - now) * (value - now) <= 0.0);
+            stays || passes || (value - now).abs() < NEAR
+        });
+        self.put = has.then_some(value);
+        has
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Action, Parameter, Switch};
     use proptest::prelude::*;
 
     fn knob(number: u8, value: u8) -> Touch {
-        Touch::from_midi(&[0xb2, number, value]).unwrap()
+        Touch::from_midi("desk", &[0xb2, number, value]).unwrap()
+    }
+
+    fn binding(control: Control, target: Target) -> Binding {
+        Binding { device: String::new(), control, target, number: None }
+    }
+
+    /// What a touch does where the room knows of nothing but the knobs.
+    fn touch(bindings: &mut Bindings, touch: &Touch, parameters: &Parameters) -> Option<Cue> {
+        bindings.touch(touch, parameters, &|target, number| target.standing(number, parameters))
     }
 
     #[test]
     fn midi_messages_are_read() {
-        let touch = |bytes: &[u8]| Touch::from_midi(bytes).map(|t| (t.control, t.value));
+        let touch = |bytes: &[u8]| Touch::from_midi("", bytes).map(|t| (t.control, t.value));
         let note = Control::Note { channel: 9, number: 36 };
         assert_eq!(touch(&[0xb2, 7, 127]), Some((Control::Controller { channel: 2, number: 7 }, 1.0)));
         assert_eq!(touch(&[0x99, 36, 0]), Some((note.clone(), 0.0)));
@@ -356,82 +337,144 @@ mod tests {
 
     #[test]
     fn a_knob_is_learned_turned_and_forgotten() {
-        let (mut bindings, parameters) = (Bindings::default(), Parameters::default());
-        assert_eq!(bindings.touch(&knob(7, 64), &parameters), None);
-        bindings.learn(Some(Target::Parameter(Parameter::Limit)));
+        let (mut bindings, mut parameters) = (Bindings::default(), Parameters::default());
+        assert_eq!(touch(&mut bindings, &knob(7, 64), &parameters), None);
+        bindings.learn(Some((Target::Parameter(Parameter::Limit), None)));
         let set = |value| Some(Cue::Do(Action::Set { parameter: Parameter::Limit, value }));
-        assert_eq!(bindings.touch(&knob(7, 127), &parameters), set(1.0));
+        assert_eq!(touch(&mut bindings, &knob(7, 127), &parameters), set(1.0));
+        parameters.set(Parameter::Limit, 1.0).unwrap();
         assert_eq!(bindings.learning(), None);
-        assert_eq!(bindings.touch(&knob(7, 0), &parameters), set(0.01));
-        assert_eq!(bindings.touch(&knob(8, 127), &parameters), None);
-        let text = toml::to_string(&std::collections::BTreeMap::from([("list", bindings.list())])).unwrap();
-        let mut read: std::collections::BTreeMap<String, Vec<Binding>> = toml::from_str(&text).unwrap();
-        assert_eq!(read.remove("list").unwrap(), bindings.list());
+        assert_eq!(touch(&mut bindings, &knob(7, 0), &parameters), set(0.01));
+        assert_eq!(touch(&mut bindings, &knob(8, 127), &parameters), None);
+        let text = bindings.to_text().unwrap();
+        let mut read = Bindings::default();
+        assert_eq!(read.import(&text).unwrap(), 1);
+        assert_eq!(read.list(), bindings.list());
+        assert_eq!(read.list()[0].device, "desk");
+        assert!(read.import("format_version = 3\nbinding = 7").is_err());
         bindings.forget(0);
         bindings.forget(0);
-        assert_eq!(bindings.touch(&knob(7, 127), &parameters), None);
+        assert_eq!(touch(&mut bindings, &knob(7, 127), &parameters), None);
+    }
+
+    #[test]
+    fn a_knob_takes_over_where_it_passes_its_target() {
+        let target = Target::Parameter(Parameter::StereoMu);
+        let mut bindings = Bindings::new(vec![binding(knob(1, 0).control, target)]);
+        let mut parameters = Parameters::default();
+        parameters.set(Parameter::StereoMu, 0.5).unwrap();
+        let turn = |bindings: &mut Bindings, parameters: &mut Parameters, value: u8| {
+            let cue = touch(bindings, &knob(1, value), parameters);
+            if let Some(Cue::Do(Action::Set { parameter, value })) = cue {
+                parameters.set(parameter, value).unwrap();
+                return true;
+            }
+            false
+        };
+        let turned = [10, 30, 50, 70, 90, 20].map(|value| turn(&mut bindings, &mut parameters, value));
+        assert_eq!(turned, [false, false, false, true, true, true]);
+        // Somebody else turns it: the knob has to come and take it again.
+        parameters.set(Parameter::StereoMu, 0.9).unwrap();
+        let turned = [25, 60, 113, 100].map(|value| turn(&mut bindings, &mut parameters, value));
+        assert_eq!(turned, [false, false, true, true]);
+    }
+
+    #[test]
+    fn devices_show_where_things_stand_and_are_told_once() {
+        let note = Control::Note { channel: 0, number: 40 };
+        let fader = Control::PitchBend { channel: 3 };
+        let of = |device: &str, control: &Control, target, number| Binding {
+            device: device.into(),
+            control: control.clone(),
+            target,
+            number,
+        };
+        let mut bindings = Bindings::new(vec![
+            of("pads", &note, Target::Switch(Switch::Sand), None),
+            of("pads", &Control::Note { channel: 0, number: 41 }, Target::Form, Some(2)),
+            of("desk", &fader, Target::Parameter(Parameter::StereoMu), None),
+            of("", &Control::Controller { channel: 0, number: 1 }, Target::Harmonics, None),
+            of("pads", &Control::Note { channel: 0, number: 42 }, Target::Blackout, None),
+        ]);
+        let mut parameters = Parameters::default();
+        parameters.form = crate::Form::Modal;
+        let told = |bindings: &mut Bindings, parameters: &Parameters| {
+            bindings.feedback(&|target, number| target.standing(number, parameters), &|_| true)
+        };
+        let first = told(&mut bindings, &parameters);
+        let pads = "pads".to_owned();
+        let expected =
+            [(pads.clone(), [0x90, 40, 0]), (pads.clone(), [0x90, 41, 127]), ("desk".into(), [0xe3, 0, 0])];
+        assert_eq!(first, expected);
+        assert!(told(&mut bindings, &parameters).is_empty());
+        parameters.switch(Switch::Sand, true);
+        parameters.set(Parameter::StereoMu, 1.0).unwrap();
+        let again = told(&mut bindings, &parameters);
+        assert_eq!(again, [(pads, [0x90, 40, 127]), ("desk".into(), [0xe3, 127, 127])]);
+        // What a hand does, the fader shows already.
+        let moved = Touch::from_midi("desk", &[0xe3, 127, 127]).unwrap();
+        assert!(touch(&mut bindings, &moved, &parameters).is_some());
+        let moved = Touch::from_midi("desk", &[0xe3, 0, 64]).unwrap();
+        let Some(Cue::Do(Action::Set { parameter, value })) = touch(&mut bindings, &moved, &parameters)
+        else {
+            panic!("it does not turn");
+        };
+        parameters.set(parameter, value).unwrap();
+        assert!(told(&mut bindings, &parameters).is_empty());
+        assert!(bindings.feedback(&|_, _| Some(0.0), &|_| false).is_empty());
+        assert_eq!(told(&mut bindings, &parameters).len(), 2);
+    }
+
+    #[test]
+    fn the_same_control_of_two_devices_is_two() {
+        let mut bindings = Bindings::default();
+        let pad = |device: &str| Touch::from_midi(device, &[0x90, 1, 100]).unwrap();
+        let release = |device: &str| Touch::from_midi(device, &[0x80, 1, 0]).unwrap();
+        let parameters = Parameters::default();
+        for (device, number) in [("left", 1), ("right", 2)] {
+            bindings.learn(Some((Target::Choose, Some(number))));
+            let cue = touch(&mut bindings, &pad(device), &parameters);
+            assert_eq!(cue, Some(Cue::Ask(Target::Choose, Which::Number(number))));
+            touch(&mut bindings, &release(device), &parameters);
+        }
+        assert_eq!(bindings.list().len(), 2);
+        let cue = touch(&mut bindings, &pad("left"), &parameters);
+        assert_eq!(cue, Some(Cue::Ask(Target::Choose, Which::Number(1))));
+        assert_eq!(touch(&mut bindings, &pad("middle"), &parameters), None);
     }
 
     #[test]
     fn pads_press_once_and_switches_turn_over() {
-        let pad = |value| Touch { control: Control::Note { channel: 0, number: 1 }, value };
+        let control = Control::Note { channel: 0, number: 1 };
+        let pad = |value| Touch { device: "any".into(), control: control.clone(), value };
         let mut bindings = Bindings::new(vec![
-            Binding { control: pad(0.0).control, target: Target::Tap },
-            Binding { control: pad(0.0).control, target: Target::Switch(Switch::BeatTurns) },
+            binding(control.clone(), Target::Tap),
+            binding(control.clone(), Target::Switch(Switch::BeatTurns)),
         ]);
         let mut parameters = Parameters::default();
         assert_eq!(bindings.list().len(), 1);
         let turn = |on| Some(Cue::Do(Action::Switch { switch: Switch::BeatTurns, on }));
-        assert_eq!(bindings.touch(&pad(0.1), &parameters), turn(false));
+        assert_eq!(touch(&mut bindings, &pad(0.1), &parameters), turn(false));
         parameters.switch(Switch::BeatTurns, false);
-        assert_eq!(bindings.touch(&pad(0.9), &parameters), None);
-        assert_eq!(bindings.touch(&pad(0.0), &parameters), None);
-        assert_eq!(bindings.touch(&pad(0.9), &parameters), turn(true));
-        assert_eq!(bindings.touch(&pad(f32::NAN), &parameters), None);
+        assert_eq!(touch(&mut bindings, &pad(0.9), &parameters), None);
+        assert_eq!(touch(&mut bindings, &pad(0.0), &parameters), None);
+        assert_eq!(touch(&mut bindings, &pad(0.9), &parameters), turn(true));
+        assert_eq!(touch(&mut bindings, &pad(f32::NAN), &parameters), None);
     }
 
     #[test]
     fn what_turns_nothing_does_not_make_a_held_pad_press_again() {
-        let pad = |number| Touch { control: Control::Note { channel: 0, number }, value: 1.0 };
+        let pad = Touch { device: "a".into(), control: Control::Note { channel: 0, number: 7 }, value: 1.0 };
         let target = Target::Switch(Switch::BeatTurns);
-        let mut bindings = Bindings::new(vec![Binding { control: pad(7).control, target }]);
+        let mut bindings = Bindings::new(vec![binding(pad.control.clone(), target)]);
         let parameters = Parameters::default();
         for strange in 0..2 * MOST_BINDINGS {
             let control = Control::Osc { address: format!("/{strange}") };
-            assert_eq!(bindings.touch(&Touch { control, value: 1.0 }, &parameters), None);
+            let strange = Touch { device: String::new(), control, value: 1.0 };
+            assert_eq!(touch(&mut bindings, &strange, &parameters), None);
         }
-        assert!(bindings.touch(&pad(7), &parameters).is_some());
-        assert_eq!(bindings.touch(&pad(7), &parameters), None);
-    }
-
-    #[test]
-    fn own_addresses_need_no_learning() {
-        let set = |parameter, value| Some(Cue::Do(Action::Set { parameter, value }));
-        assert_eq!(osc_cue("/chladni/side-gain", Some(20.0)), set(Parameter::SideGain, 20.0));
-        assert_eq!(osc_cue("/chladni/side-gain", Some(1e9)), set(Parameter::SideGain, 100.0));
-        assert_eq!(osc_cue("/chladni/side-gain", Some(f32::NAN)), None);
-        let off = Action::Switch { switch: Switch::FlashLimit, on: false };
-        assert_eq!(osc_cue("/chladni/flash-limit", Some(0.0)), Some(Cue::Do(off)));
-        assert_eq!(osc_cue("/chladni/flash-limit", Some(f32::NAN)), None);
-        assert_eq!(osc_cue("/chladni/breed", None), Some(Cue::Do(Action::Breed)));
-        let modal = Some(Cue::Do(Action::SetForm { form: Form::Modal }));
-        assert_eq!(osc_cue("/chladni/form", Some(1.0)), modal);
-        assert_eq!(osc_cue("/chladni/form/modal", None), modal);
-        let few = Some(Cue::Do(Action::SetHarmonics { harmonics: 128 }));
-        assert_eq!(osc_cue("/chladni/harmonics", Some(128.0)), few);
-        assert_eq!(osc_cue("/chladni/stereo-mu", Some(0.25)), set(Parameter::StereoMu, 0.25));
-        assert_eq!(setting("choir", "symmetric"), Some(Action::SetChoir { choir: Choir::Symmetric }));
-        assert_eq!(
-            setting("beat-turns", "off"),
-            Some(Action::Switch { switch: Switch::BeatTurns, on: false })
-        );
-        for (name, value) in [("form", "7"), ("form", "-1"), ("gain", "loud"), ("volume", "1")] {
-            assert_eq!(setting(name, value), None, "{name} {value}");
-        }
-        assert_eq!(osc_cue("/chladni/tap", Some(0.0)), None);
-        for nothing in ["", "/", "/chladni", "/chladni/", "/other/gain", "chladni/gain"] {
-            assert_eq!(osc_cue(nothing, Some(1.0)), None);
-        }
+        assert!(touch(&mut bindings, &pad, &parameters).is_some());
+        assert_eq!(touch(&mut bindings, &pad, &parameters), None);
     }
 
     proptest! {
@@ -442,9 +485,10 @@ mod tests {
             let mut parameters = Parameters::default();
             let mut bindings = Bindings::default();
             for (i, message) in messages.iter().enumerate() {
-                bindings.learn(Some(Target::Parameter(Parameter::ALL[i % Parameter::ALL.len()])));
-                let Some(touch) = Touch::from_midi(message) else { continue };
-                if let Some(Cue::Do(Action::Set { parameter, value })) = bindings.touch(&touch, &parameters) {
+                let parameter = Parameter::ALL[i % Parameter::ALL.len()];
+                bindings.learn(Some((Target::Parameter(parameter), None)));
+                let Some(moved) = Touch::from_midi("", message) else { continue };
+                if let Some(Cue::Do(Action::Set { parameter, value })) = touch(&mut bindings, &moved, &parameters) {
                     prop_assert!(parameters.set(parameter, value).is_ok());
                 }
             }

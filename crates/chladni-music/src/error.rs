@@ -34,6 +34,9 @@ pub enum Error {
         /// How many there are.
         count: usize,
     },
+    /// Nothing was said to come on stage next.
+    #[error("no dance is next on stage: choose one first")]
+    NothingNext,
     /// Breeding needs two parents.
     #[error("breeding needs at least 2 chosen items: {0} chosen")]
     NotEnoughParents(usize),

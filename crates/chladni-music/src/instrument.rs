@@ -63,6 +63,12 @@ pub enum Action {
     Perform { item: usize },
     /// Puts the favourites on stage, beginning with one.
     PerformFavourites { first: usize },
+    /// Says which item of the gallery comes on stage next.
+    CueUp { item: usize },
+    /// Brings the next one on stage, within the beats of a transition.
+    Go,
+    /// Moves the fader between the one on stage and the next; share in [0, 1].
+    Crossfade { share: f32 },
     /// Back to the gallery.
     LeaveStage,
     /// Sweeps the sand off the shape and pours it anew.
@@ -194,6 +200,16 @@ impl Instrument {
         self.stage.scene(beat, &self.favourites, &self.parameters)
     }
 
+    /// Who comes on stage next, and how far the fader has brought it, in [0, 1].
+    pub fn next_on_stage(&self) -> Option<(ItemId, f32)> {
+        self.stage.next()
+    }
+
+    /// Where the fader stands, in [0, 1].
+    pub fn fader(&self) -> f32 {
+        self.stage.fader()
+    }
+
     /// An item by id, among favourites and all generations.
     pub fn item(&self, id: ItemId) -> Option<&GalleryItem> {
         self.gallery.find(id).or_else(|| self.favourites.iter().find(|item| item.id == id))
@@ -282,6 +298,12 @@ impl Instrument {
                 }
                 self.stage.show_favourites(first, moment.at_beat, &self.favourites, &self.parameters);
             }
+            Action::CueUp { item } => self.stage.cue_up(self.gallery.item_mut(item)?.id),
+            Action::Go => {
+                let Some((id, _)) = self.stage.next() else { return Err(Error::NothingNext) };
+                self.stage.show_item(id, moment.at_beat, &self.favourites, &self.parameters);
+            }
+            Action::Crossfade { share } => self.stage.fade(share),
             Action::LeaveStage => self.stage.clear(),
             Action::Sweep => self.sweeps = self.sweeps.wrapping_add(1),
         }

@@ -124,6 +124,15 @@ impl Parameter {
         value.clamp(low, high)
     }
 
+    /// The share of the way at which [`at_share`](Self::at_share) gives `value`.
+    pub fn share(self, value: f32) -> f32 {
+        let (low, high) = self.range();
+        let even_factors = low > 0.0 && high / low > 1000.0;
+        let share =
+            if even_factors { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) };
+        share.clamp(0.0, 1.0)
+    }
+
     fn row(self) -> (&'static str, f32, f32, f32) {
         match self {
             Self::Decay => ("decay", 0.0, 0.99, 0.2),
@@ -407,6 +416,9 @@ mod tests {
         }
         assert!((Parameter::Bands.at_share(0.5) - 90.5).abs() < 0.1);
         assert_eq!(Parameter::TurnRad.at_share(0.5), 1.6);
+        for (p, share) in Parameter::ALL.into_iter().flat_map(|p| [0.0, 0.3, 1.0].map(|share| (p, share))) {
+            assert!((p.share(p.at_share(share)) - share).abs() < 1e-4, "{}", p.name());
+        }
         assert_eq!(Parameters::default().playing(), Playing::default());
         assert!(Parameters::default().is_on(Switch::FlashLimit));
         assert!(Parameters::default().set(Parameter::Gain, f32::NAN).is_err());

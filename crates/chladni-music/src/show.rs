@@ -110,6 +110,9 @@ pub struct Looks {
     /// The whole scene.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub look: String,
+    /// What colors the movement.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub palette: String,
     /// Of the shapes.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub material: String,

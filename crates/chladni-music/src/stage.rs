@@ -48,6 +48,9 @@ pub struct Scene {
     pub weight: f32,
 }
 
+/// A fader this far is at its end.
+const FADED: f32 = 0.996;
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Cue {
     Item(ItemId),
@@ -61,6 +64,10 @@ pub struct Stage {
     cue: Option<Cue>,
     since_beat: f64,
     before: Option<ItemId>,
+    /// Who is next, and where the fader stood when that was said.
+    next: Option<(ItemId, f32)>,
+    /// Where it stands, in [0, 1]. It goes to the other end and, for the one after, back again.
+    fader: f32,
 }
 
 impl Stage {
@@ -90,7 +97,34 @@ impl Stage {
     }
 
     pub(crate) fn clear(&mut self) {
-        *self = Self::default();
+        *self = Self { fader: self.fader, next: self.next, ..Self::default() };
+    }
+
+    /// Who is next, and how far the fader has brought it on stage, in [0, 1].
+    pub fn next(&self) -> Option<(ItemId, f32)> {
+        let (id, from) = self.next?;
+        let way = if from < 0.5 { 1.0 - from } else { -from };
+        Some((id, ((self.fader - from) / way).clamp(0.0, 1.0)))
+    }
+
+    /// Where the fader stands, in [0, 1].
+    pub fn fader(&self) -> f32 {
+        self.fader
+    }
+
+    pub(crate) fn cue_up(&mut self, id: ItemId) {
+        self.next = Some((id, self.fader));
+    }
+
+    /// Moves the fader; at its end the next one is on stage alone.
+    pub(crate) fn fade(&mut self, to: f32) {
+        self.fader = to.clamp(0.0, 1.0);
+        if let Some((id, share)) = self.next()
+            && share >= FADED
+            && self.cue.is_some()
+        {
+            (self.cue, self.before, self.next) = (Some(Cue::Item(id)), None, None);
+        }
     }
 
     fn enter(&mut self, cue: Cue, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) {
@@ -98,10 +132,22 @@ impl Stage {
             self.scene(beat, favourites, parameters).map(|s| if s.weight < 0.5 { s.from } else { s.to });
         self.cue = Some(cue);
         self.since_beat = beat;
+        self.next = None;
     }
 
     /// What plays after `beat` beats; `None` where the stage is empty.
     pub fn scene(&self, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
+        let scene = self.by_beats(beat, favourites, parameters)?;
+        match self.next() {
+            Some((to, share)) if share > 0.0 => {
+                let from = if scene.weight < 0.5 { scene.from } else { scene.to };
+                Some(Scene { from, to, weight: if from == to { 1.0 } else { smooth(share) } })
+            }
+            _ => Some(scene),
+        }
+    }
+
+    fn by_beats(&self, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
         let transition = f64::from(parameters.get(Parameter::TransitionBeats));
         let gone = (beat - self.since_beat).max(0.0);
         let entering = |to: ItemId| {
@@ -189,8 +235,12 @@ fn ease(gone: f64, duration: f64) -> f32 {
     if gone >= duration {
         return 1.0;
     }
-    let x = (gone / duration).max(0.0);
-    (x * x * (3.0 - 2.0 * x)) as f32
+    smooth((gone / duration).max(0.0) as f32)
+}
+
+/// From 0 to 1 with rest at both ends.
+fn smooth(x: f32) -> f32 {
+    x * x * (3.0 - 2.0 * x)
 }
 
 #[cfg(test)]
@@ -237,6 +287,39 @@ mod tests {
                 react(Beat { count: beat, confidence: 1.0 }, 5, &parameters);
             }
         }
+    }
+
+    #[test]
+    fn a_fader_brings_the_next_one_and_goes_back_for_the_one_after() {
+        let (mut stage, parameters) = (Stage::default(), Parameters::default());
+        stage.show_item(3, 0.0, &[], &parameters);
+        let scene = |stage: &Stage| stage.scene(20.0, &[], &parameters).unwrap();
+        stage.fade(0.4);
+        assert_eq!(scene(&stage).to, 3);
+        stage.fade(0.0);
+        for (way, before, id) in [([0.0, 0.25, 0.5, 0.9], 3, 7), ([1.0, 0.75, 0.5, 0.1], 7, 9)] {
+            stage.cue_up(id);
+            let mut last = 0.0;
+            for fader in way {
+                stage.fade(fader);
+                let now = scene(&stage);
+                let weight = if now.to == id { now.weight } else { 0.0 };
+                assert!(weight >= last && weight < 1.0 && (now.from == before), "{now:?}");
+                last = weight;
+            }
+            assert!(last > 0.9);
+            stage.fade(if way[0] == 0.0 { 1.0 } else { 0.0 });
+            assert_eq!(scene(&stage), Scene { from: id, to: id, weight: 1.0 });
+            assert_eq!(stage.next(), None);
+        }
+        // Without a stage nothing is shown, and who is next stays next.
+        stage.clear();
+        stage.cue_up(4);
+        stage.fade(1.0);
+        assert!(stage.scene(1.0, &[], &parameters).is_none() && stage.next().is_some());
+        stage.fade(0.0);
+        stage.show_item(4, 2.0, &[], &parameters);
+        assert_eq!((stage.next(), scene(&stage).to), (None, 4));
     }
 
     #[test]

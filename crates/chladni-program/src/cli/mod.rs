@@ -4,6 +4,8 @@ mod basis;
 mod beats;
 mod caricature;
 mod choose_file;
+mod controls;
+
 mod dance;
 mod demo;
 mod info;
@@ -60,6 +62,7 @@ enum Command {
     Beats(beats::Beats),
     Spectrum(spectrum::Spectrum),
     Symmetry(symmetry::SymmetryCommand),
+    Controls(controls::Controls),
     #[command(hide = true, name = crate::window::CHOOSE_FILE)]
     ChooseFile(choose_file::ChooseFile),
 }
@@ -147,6 +150,7 @@ impl Command {
             Self::Caricature(command) => command.run(terminal),
             Self::Dance(command) => command.run(terminal),
             Self::Symmetry(command) => command.run(terminal),
+            Self::Controls(command) => command.run(terminal),
             Self::Project(command) => command.run(terminal),
         }
     }

@@ -96,6 +96,9 @@ keys! {
     TAP = key T, "Tap the beat";
     HALVE = key OpenBracket, "The beat half as fast";
     DOUBLE = key CloseBracket, "The beat twice as fast";
+    LOCK_BEAT = key K, "Hold the tempo, or listen again";
+    NUDGE_BACK = key Comma, "The beat a little later";
+    NUDGE_ON = key Period, "The beat a little sooner";
     BREED = key Enter, "Breed the chosen ones";
     BACK = command Z, "Back to the generation before";
     FORTH = command_shift Z, "On to the generation after";
@@ -112,6 +115,10 @@ keys! {
     SHOW = key G, "Put the favourites on stage";
     AUTOPILOT = key A, "Lean back: the autopilot, on or off";
     HOLD = key H, "The autopilot stays with this dance, or goes on";
+    NEXT_UP = key N, "Next on stage: the marked dance";
+    GO = key R, "On stage: bring the next dance";
+    BLACKOUT = key B, "On stage: black, or back";
+    FREEZE = key X, "On stage: the picture stands still, or goes on";
     LEAVE = key Escape, "Leave the stage, or back to the gallery";
 }
 

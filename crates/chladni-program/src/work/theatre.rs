@@ -12,8 +12,8 @@ use chladni_music::{
 use chladni_view::filling::{Filling, Standpoint, surface_points};
 use chladni_view::framing::extremes;
 use chladni_view::{
-    Background, Camera, Cell, Device, Figure, Floor, ItemBuffers, Lights, Look, Marker, Material, Paint,
-    Rect, RestShape, Topology, ViewError, layout,
+    Answer, Background, Camera, Cell, Device, Figure, Floor, ItemBuffers, Lights, Look, Marker, Material,
+    Paint, Palette, Rect, RestShape, Topology, ViewError, layout,
 };
 
 use super::Heard;
@@ -59,6 +59,11 @@ pub fn look_named(looks: &Looks) -> (Look, Vec<String>) {
     found(&looks.material, material.is_some());
     if let Some(material) = material {
         look = Look { material, answer: None, ..look };
+    }
+    let palette = Palette::named(&looks.palette);
+    found(&looks.palette, palette.is_some());
+    if let Some(palette) = palette {
+        look.answer = Some(Answer { palette, ..look.answer.unwrap_or(Answer::MOVED) });
     }
     let lights = Lights::named(&looks.lights);
     found(&looks.lights, lights.is_some());
@@ -342,6 +347,7 @@ mod tests {
             material: material.into(),
             lights: lights.into(),
             background: background.into(),
+            palette: String::new(),
         };
         assert_eq!(look_named(&names(["ember", "", "", ""])), (Look::EMBER, vec![]));
         assert_eq!(look_named(&first_looks()), (Look::AURORA, vec![]));
@@ -352,6 +358,8 @@ mod tests {
         assert_eq!((mixed.material, mixed.answer), (Material::BRONZE, None));
         assert_eq!((mixed.lights, mixed.finish), (Look::EMBER.lights, Look::EMBER.finish));
         assert_eq!(missing, ["candle"]);
+        let gold = Looks { look: "ember".into(), palette: "gold".into(), ..Looks::default() };
+        assert_eq!(look_named(&gold).0.answer.map(|answer| answer.palette), Some(Palette::Gold));
         assert_eq!(look_named(&names(["dawn", "", "", ""])), (Look::PLAIN, vec!["dawn".to_owned()]));
     }
 }

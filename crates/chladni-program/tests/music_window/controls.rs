@@ -64,7 +64,9 @@ fn a_fader_is_learned_over_osc_and_remembered() {
     let mut window = enter(Opening { folders: folders.clone(), ..Opening::default() });
     click(&mut window, "Remote");
     assert!(shows(&window, &format!("Port {port}")));
-    click(&mut window, "Learn Gain");
+    // It may have to be scrolled to.
+    window.get_by_label("Learn Gain").click_accesskit();
+    window.run_steps(2);
     let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     // "/1/f" with one float, by the book: address, type tags, big-endian number.
     let packet = [&b"/1/f\0\0\0\0,f\0\0"[..], &0.25f32.to_be_bytes()].concat();

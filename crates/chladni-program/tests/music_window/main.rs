@@ -4,12 +4,14 @@
 
 #[path = "../archive/mod.rs"]
 mod archive;
+mod clocks;
 mod controls;
 #[path = "../driving/mod.rs"]
 mod driving;
 mod files;
 mod films;
 mod gallery;
+mod hands;
 
 use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;

@@ -77,7 +77,7 @@ impl Drawers {
                 self.shelf.show(ui, instrument, shared.notices, wishes);
             }
             Drawer::Look => look::show(ui, &mut shared.settings.music),
-            Drawer::Remote => self.remote.show(ui, &mut shared.settings.music),
+            Drawer::Remote => self.remote.show(ui, shared, listening),
             Drawer::Body => {
                 voices::show(ui, instrument, concert.voice_names(), wishes);
                 symmetry(ui, concert, wishes);

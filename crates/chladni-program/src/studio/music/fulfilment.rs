@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use chladni_music::{Action, Preset};
+use chladni_music::{Action, Preset, Which};
 
 use super::MusicRoom;
 use super::drawer::Drawer;
@@ -16,6 +16,9 @@ impl MusicRoom {
     pub(super) fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {
         if let Wish::Open | Wish::AddSongs = wish {
             return self.choose_files(matches!(wish, Wish::AddSongs), shared);
+        }
+        if let Wish::Press(target) = wish {
+            return self.ask(target, &Which::Press, shared, &mut Vec::new());
         }
         let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return };
         let done = match wish {
@@ -60,7 +63,7 @@ impl MusicRoom {
             },
             Wish::SaveShow => save_show(concert, listening, &self.names, shared).map(drop),
             Wish::Film => self.filming.ask(),
-            Wish::Open | Wish::AddSongs => Ok(()),
+            Wish::Open | Wish::AddSongs | Wish::Press(_) => Ok(()),
         };
         if let Err(why) = done {
             shared.notices.warn(why);

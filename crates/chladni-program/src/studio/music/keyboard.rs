@@ -1,15 +1,17 @@
 //! What the keyboard and controllers do in this room.
 
-use chladni_music::{Action, Cue};
+use chladni_music::{Action, Cue, Target};
 
 use super::MusicRoom;
+use super::hands::Stand;
 use super::listening::Listening;
+use super::remote::{Asked, NUDGE_SECS, Now};
 use super::view::View;
 use super::wish::Wish;
 use crate::studio::keys::music::{
-    AUTOPILOT, BACK, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FORTH, HALVE, HOLD, LEAVE, LOCK,
-    MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW,
-    STAGE, TAP,
+    AUTOPILOT, BACK, BLACKOUT, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FORTH, FREEZE, GO, HALVE, HOLD,
+    LEAVE, LOCK, LOCK_BEAT, MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE, NEXT_SONG, NEXT_UP,
+    NUDGE_BACK, NUDGE_ON, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW, STAGE, TAP,
 };
 use crate::studio::room::Shared;
 use crate::studio::shortcut::Shortcut;
@@ -30,13 +32,16 @@ impl MusicRoom {
             return wishes;
         }
         type Hearing = fn(&mut Listening);
-        let hearing: [(Shortcut, Hearing); 6] = [
+        let hearing: [(Shortcut, Hearing); 9] = [
             (PLAY, Listening::toggle),
             (TAP, Listening::tap),
             (NEXT_SONG, |listening| listening.player().next()),
             (PREVIOUS_SONG, |listening| listening.player().previous()),
             (HALVE, Listening::halve),
             (DOUBLE, Listening::double),
+            (LOCK_BEAT, |listening| listening.lock(!listening.is_locked())),
+            (NUDGE_BACK, |listening| listening.nudge(-NUDGE_SECS)),
+            (NUDGE_ON, |listening| listening.nudge(NUDGE_SECS)),
         ];
         hearing.iter().filter(|(key, _)| key.pressed(ctx)).for_each(|(_, act)| act(listening));
         let when = |wishes: &mut Vec<Wish>, shortcut: Shortcut, wish: Wish| {
@@ -50,6 +55,10 @@ impl MusicRoom {
             when(&mut wishes, LEAVE, Wish::Do(Action::LeaveStage));
             when(&mut wishes, MARK_LEFT, Wish::StepFavourite(false));
             when(&mut wishes, MARK_RIGHT, Wish::StepFavourite(true));
+            when(&mut wishes, GO, Wish::Do(Action::Go));
+            for (key, target) in [(BLACKOUT, Target::Blackout), (FREEZE, Target::Freeze)] {
+                when(&mut wishes, key, Wish::Press(target));
+            }
             return wishes;
         }
         when(&mut wishes, OPEN, Wish::Open);
@@ -80,6 +89,7 @@ impl MusicRoom {
             when(&mut wishes, MUTATE, Wish::Do(Action::Mutate { item, amount: 0.2 }));
             when(&mut wishes, DRAW, Wish::Show(View::CloseUp(item)));
             when(&mut wishes, STAGE, Wish::Do(Action::Perform { item }));
+            when(&mut wishes, NEXT_UP, Wish::Do(Action::CueUp { item }));
         }
         if concert.view() != View::Gallery {
             when(&mut wishes, LEAVE, Wish::Show(View::Gallery));
@@ -95,12 +105,27 @@ impl MusicRoom {
     pub(super) fn follow_remote(&mut self, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
         let parameters = concert.instrument().parameters();
-        for cue in self.drawers.remote.cues(&mut shared.settings.music, parameters) {
+        let music = &mut shared.settings.music;
+        let stand = Stand { concert, listening, looks: music.looks() };
+        let standing = |target: Target, number: Option<u32>| stand.of(target, number);
+        let Asked { cues, clock } = self.drawers.remote.asked(music, parameters, &standing);
+        let now_secs = shared.ctx.input(|input| input.time);
+        listening.want_clock(music.follows_clock);
+        for (said, came) in clock {
+            listening.hear_clock(said, now_secs - came.elapsed().as_secs_f64());
+        }
+        let now = Now {
+            at_secs: now_secs,
+            beat: listening.beat(),
+            tempo_bpm: listening.beat_moment().tempo_bpm,
+            progress: listening.progress(),
+            bands: &listening.spectrum().0.mid,
+        };
+        self.drawers.remote.tell(music, &now);
+        for cue in cues {
             match cue {
                 Cue::Do(action) => wishes.push(Wish::Do(action)),
-                Cue::StepFavourite(forward) => wishes.push(Wish::StepFavourite(forward)),
-                Cue::Tap => listening.tap(),
-                Cue::PlayPause => listening.toggle(),
+                Cue::Ask(target, which) => self.ask(target, &which, shared, wishes),
             }
         }
     }

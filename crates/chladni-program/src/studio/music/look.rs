@@ -1,6 +1,6 @@
 //! The look of the dance, and the screen that the stage appears on.
 
-use chladni_view::{Background, Lights, Look, Material};
+use chladni_view::{Background, Lights, Look, Material, Palette};
 use egui::{RichText, Ui};
 
 use super::preferences::{Preferences, Screen};
@@ -15,9 +15,15 @@ pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
     scene(ui, &mut preferences.look);
     if preferences.look != before {
         // A look is a whole: parts that were chosen for another one go.
-        let parts = [&mut preferences.material, &mut preferences.lights, &mut preferences.background];
+        let parts = [
+            &mut preferences.palette,
+            &mut preferences.material,
+            &mut preferences.lights,
+            &mut preferences.background,
+        ];
         parts.into_iter().for_each(String::clear);
     }
+    part(ui, "Palette", &mut preferences.palette, Palette::ALL.map(Palette::name));
     part(ui, "Material", &mut preferences.material, Material::PRESETS.map(|preset| preset.0));
     part(ui, "Light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));
     part(ui, "Background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));

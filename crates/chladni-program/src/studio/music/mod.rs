@@ -10,6 +10,7 @@ mod film;
 mod fulfilment;
 mod gallery;
 mod glimpse;
+mod hands;
 mod harmonics;
 mod keyboard;
 mod knobs;
@@ -84,6 +85,8 @@ pub struct MusicRoom {
     /// A show that waits for its own shape.
     coming: Option<(PathBuf, Show)>,
     refused: bool,
+    /// The preset of the shelf that a controller took last.
+    preset: Option<usize>,
 }
 
 /// Bodies by the names that the command line knows them by.

@@ -1,5 +1,7 @@
 //! What the music room remembers between runs.
 
+use std::net::IpAddr;
+
 use chladni_music::{Binding, Looks};
 use chladni_view::Look;
 use serde::{Deserialize, Serialize};
@@ -13,7 +15,9 @@ pub struct Preferences {
     /// The whole scene, by its name; older files knew none but the plain one.
     #[serde(default)]
     pub look: String,
-    /// By its name; empty is the look's own, as the next two.
+    /// By its name; empty is the look's own, as the next three.
+    pub palette: String,
+    /// By its name.
     pub material: String,
     /// By their name.
     pub lights: String,
@@ -23,6 +27,16 @@ pub struct Preferences {
     pub screen: Screen,
     /// The UDP port on which OSC messages are heard; `None` is off.
     pub osc_port: Option<u16>,
+    /// OSC of other machines is heard, too: of these, by their addresses, or of any where none is named.
+    pub osc_network: bool,
+    /// Such as `192.168.1.20`.
+    pub osc_allowed: Vec<IpAddr>,
+    /// The beat is that of MIDI clock or OSC, where one is heard.
+    pub follows_clock: bool,
+    /// Where the beat is sent by OSC, as `HOST:PORT`, and the MIDI device that its clock goes to.
+    pub beat_out: Option<String>,
+    /// By its name.
+    pub clock_out: Option<String>,
     /// Loudness of the songs, in [0, 1].
     pub volume: f32,
     /// The device that plays them; `None` is the system's own.
@@ -48,14 +62,20 @@ pub enum Screen {
 
 impl Default for Preferences {
     fn default() -> Self {
-        let Looks { look, material, lights, background } = first_looks();
+        let Looks { look, palette, material, lights, background } = first_looks();
         Self {
             look,
+            palette,
             material,
             lights,
             background,
             screen: Screen::default(),
             osc_port: None,
+            osc_network: false,
+            osc_allowed: Vec::new(),
+            follows_clock: false,
+            beat_out: None,
+            clock_out: None,
             volume: 1.0,
             output_device: None,
             leans_back: true,
@@ -67,15 +87,16 @@ impl Default for Preferences {
 impl Preferences {
     /// The looks by their names.
     pub fn looks(&self) -> Looks {
-        let [look, material, lights, background] =
-            [&self.look, &self.material, &self.lights, &self.background].map(String::clone);
-        Looks { look, material, lights, background }
+        let [look, palette, material, lights, background] =
+            [&self.look, &self.palette, &self.material, &self.lights, &self.background].map(String::clone);
+        Looks { look, palette, material, lights, background }
     }
 
     /// Looks like a show.
     pub fn look_like(&mut self, looks: &Looks) {
-        let Looks { look, material, lights, background } = looks.clone();
-        (self.look, self.material, self.lights, self.background) = (look, material, lights, background);
+        let Looks { look, palette, material, lights, background } = looks.clone();
+        (self.look, self.palette, self.material) = (look, palette, material);
+        (self.lights, self.background) = (lights, background);
     }
 
     /// What those names mean.

@@ -68,6 +68,11 @@ impl Shelf {
         self.form = Some(Form { item, name, tags: String::new() });
     }
 
+    /// All dances of the shelf, in its order: first those that are kept in files.
+    pub fn presets(&self) -> impl Iterator<Item = &Preset> {
+        self.kept.iter().map(|(_, preset)| preset).chain(&self.built_in)
+    }
+
     /// The dances that are kept in files.
     pub fn kept(&self) -> Vec<Preset> {
         self.kept.iter().map(|(_, preset)| preset.clone()).collect()

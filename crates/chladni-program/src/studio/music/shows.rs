@@ -109,8 +109,12 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     let free = items.iter().rposition(|item| !item.chosen && !item.locked && !loved(item.id));
     let item = free.unwrap_or(items.len().saturating_sub(1));
     let (caution, before) = (preset.caution(), instrument.parameters().clone());
+    let on_stage = concert.on_stage();
     concert.look_at(View::Gallery);
     concert.act(Action::Take { item, preset: Box::new(preset) })?;
+    if on_stage {
+        concert.act(Action::Perform { item })?;
+    }
     if let Some(caution) = caution {
         shared.notices.warn(caution);
     } else if *concert.instrument().parameters() != before {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use chladni_music::{Action, ItemId, Preset};
+use chladni_music::{Action, ItemId, Preset, Target};
 
 use super::view::View;
 
@@ -40,6 +40,8 @@ pub enum Wish {
     Autopilot,
     /// The autopilot stays with what it shows, or goes on.
     Hold,
+    /// What a button of a controller does.
+    Press(Target),
     /// On stage: the favourite after (true) or before the one that plays.
     StepFavourite(bool),
 }

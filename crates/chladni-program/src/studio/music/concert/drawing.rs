@@ -57,6 +57,7 @@ impl Concert {
             self.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures))?;
             self.shown = Some(shown);
             self.viewport.paint(ui, rect);
+            self.moving |= self.house.cover(ui, rect, self.seconds);
             return Ok(());
         }
         // The picture is shown once its brightness is known; until then the previous one is shown, and no new
@@ -85,7 +86,19 @@ impl Concert {
                 ui.painter().rect_filled(rect, 0.0, Color32::from_white_alpha(opacity));
             }
         }
+        self.moving |= self.house.cover(ui, rect, self.seconds);
         Ok(())
+    }
+
+    /// Shows the last picture again.
+    pub(super) fn repaint(&mut self, ui: &mut Ui, rect: egui::Rect) {
+        ui.allocate_rect(rect, egui::Sense::hover());
+        if self.instrument.parameters().is_on(Switch::FlashLimit) {
+            self.viewport.paint_kept(ui, rect);
+        } else {
+            self.viewport.paint(ui, rect);
+        }
+        self.moving = self.house.cover(ui, rect, self.seconds);
     }
 }
 

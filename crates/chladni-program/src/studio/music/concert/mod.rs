@@ -1,14 +1,15 @@
 //! A body that dances: instrument, synthesizer and the picture of all items.
 
 mod drawing;
+mod house;
 mod marking;
 mod piloted;
 mod standing;
 mod suggesting;
 
 use chladni_music::{
-    Action, Ensemble, FlashGuard, GalleryShape, Instrument, Mapping, Moment, Parameter, Preset, Settings,
-    Show, Switch, Viewpoint,
+    Action, Ensemble, FlashGuard, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Preset,
+    Settings, Show, Switch, Viewpoint,
 };
 use chladni_synth::{
     AutoSynthesizer, Backend, Coefficients, FrameSettings, GpuContext, SynthModel, Synthesizer,
@@ -18,6 +19,7 @@ use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
 use drawing::on_device;
+use house::House;
 use piloted::Piloted;
 use standing::{Hand, camera_at, navigate, touches};
 use suggesting::Recent;
@@ -64,6 +66,8 @@ pub struct Concert {
     viewpoint: Viewpoint,
     hand: Hand,
     piloted: Option<Piloted>,
+    /// Black and stillness on stage.
+    pub house: House,
     glimpse: Glimpse,
     guard: FlashGuard,
     /// The last picture; `None` where something else was shown.
@@ -121,6 +125,7 @@ impl Concert {
             viewpoint: ready.opening_view,
             hand: Hand::default(),
             piloted: None,
+            house: House::default(),
             glimpse: Glimpse::default(),
             guard: FlashGuard::default(),
             shown: None,
@@ -194,7 +199,7 @@ impl Concert {
     /// Applies an action at the moment being heard. Refuses to open or close the stage so often that the
     /// window would flash.
     pub fn act(&mut self, action: Action) -> Result<(), Error> {
-        let opens = matches!(action, Action::Perform { .. } | Action::PerformFavourites { .. });
+        let opens = matches!(action, Action::Perform { .. } | Action::PerformFavourites { .. } | Action::Go);
         let curtain = if self.on_stage() { action == Action::LeaveStage } else { opens };
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         if curtain && limited && !self.guard.may_step(self.seconds) {
@@ -283,6 +288,11 @@ impl Concert {
         self.instrument.scene(self.moment.at_beat).is_some()
     }
 
+    /// Who is on stage, or is coming.
+    pub fn on_stage_now(&self) -> Option<ItemId> {
+        self.instrument.scene(self.moment.at_beat).map(|scene| scene.to)
+    }
+
     /// Hears, deforms and draws one frame, and handles clicks on what is shown.
     pub fn show(
         &mut self,
@@ -320,6 +330,12 @@ impl Concert {
             ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
             let (viewport, topology) = (&mut self.viewport, &self.topology);
             self.moving = self.harmonics.show(ui, shared, viewport, topology, camera, whole, first)?;
+            return Ok(());
+        }
+        if !on_stage {
+            self.house.open();
+        } else if self.house.frozen && self.shown.is_some() {
+            self.repaint(ui, whole);
             return Ok(());
         }
         let solo = self.tried_out.take().or_else(|| self.close_up_mapping()).filter(|_| !on_stage);

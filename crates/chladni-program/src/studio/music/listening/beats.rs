@@ -1,14 +1,17 @@
 //! The beat of what is heard, and the user's corrections.
 
-use chladni_music::BeatReading;
+use chladni_music::{BeatReading, ClockMessage};
 use chladni_sound::{BeatMoment, Beats};
 
 use super::Listening;
 use crate::work::read_beats;
 
 impl Listening {
-    /// A tap by hand: the beats of a fully known song are shifted to it.
+    /// A tap by hand: the beats of a fully known song are shifted to it, and an outer clock takes it as a beat.
     pub fn tap(&mut self) {
+        if self.follows_clock() {
+            return self.hear_clock(ClockMessage::Beat { in_bar: None }, self.last_secs);
+        }
         let at_secs = self.clock.at_secs();
         let stretch = self.hearing.stretch();
         let known = self.known_beats().and_then(|(number, beats)| {
@@ -26,6 +29,9 @@ impl Listening {
 
     /// The beat half as fast.
     pub fn halve(&mut self) {
+        if self.follows_clock() {
+            return self.outer.tempo.halve(self.last_secs);
+        }
         match self.known_beats().map(|(number, _)| number) {
             Some(number) => {
                 self.read_otherwise(number, |reading| reading.octave = (reading.octave - 1).max(-3))
@@ -36,6 +42,9 @@ impl Listening {
 
     /// The beat twice as fast.
     pub fn double(&mut self) {
+        if self.follows_clock() {
+            return self.outer.tempo.double(self.last_secs);
+        }
         match self.known_beats().map(|(number, _)| number) {
             Some(number) => {
                 self.read_otherwise(number, |reading| reading.octave = (reading.octave + 1).min(3))
@@ -50,7 +59,7 @@ impl Listening {
         Some((number, self.hearing.song(number)?.beats.as_ref()?))
     }
 
-    fn read_otherwise(&mut self, number: usize, change: impl FnOnce(&mut BeatReading)) {
+    pub(super) fn read_otherwise(&mut self, number: usize, change: impl FnOnce(&mut BeatReading)) {
         let Some(song) = self.repertoire.get_mut(number) else { return };
         change(&mut song.reading);
         if let Some(beats) = &song.beats {
@@ -61,6 +70,9 @@ impl Listening {
 
     /// What is known about the beat now.
     pub fn beat_moment(&self) -> BeatMoment {
+        if let Some(moment) = self.clock_moment() {
+            return moment;
+        }
         let Some((_, beats)) = self.known_beats() else { return self.follower.moment() };
         let beat = self.hearing.beat_at(self.clock.at_secs());
         let phase = beat.count.rem_euclid(1.0);

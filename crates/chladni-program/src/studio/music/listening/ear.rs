@@ -117,7 +117,9 @@ impl Listening {
             let HeardBar { at_secs, energy, begins_section, .. } = bar;
             let secs = f64::from(bar.beats) * beat_secs;
             let bar = BarLine { at_secs, secs, energy, begins_section };
-            self.director.hear(bar);
+            if !self.follows_clock() {
+                self.director.hear(bar);
+            }
             // Nobody may ask for them for hours.
             self.fresh_bars.truncate(8);
             self.fresh_bars.push(BarLine { at_secs: self.clock.at_secs(), ..bar });
@@ -127,7 +129,9 @@ impl Listening {
     /// After a seek the old beat is meaningless; a tracker that cannot be reset continues as it is.
     pub(super) fn forget_beat(&mut self) {
         let _ = self.follower.reset();
-        self.director = Director::live(LIVE_SEED);
+        if !self.follows_clock() {
+            self.director = Director::live(LIVE_SEED);
+        }
     }
 }
 

@@ -3,9 +3,11 @@
 
 mod beats;
 mod ear;
+mod outer;
 mod playlist;
 
 pub use ear::Loudness;
+pub use outer::Progress;
 
 use std::path::{Path, PathBuf};
 
@@ -18,6 +20,7 @@ use chladni_sound::{
 };
 
 use ear::BeatCount;
+use outer::Outer;
 
 use super::study::{Learned, Study};
 use crate::work::source::TUNE;
@@ -56,6 +59,12 @@ pub struct Listening {
     /// Bars that began by ear, and up to when those of known songs were told.
     fresh_bars: Vec<BarLine>,
     bars_told_secs: f64,
+    /// The beat of an outer clock, and what it was last.
+    outer: Outer,
+    outer_beat: Beat,
+    progress: Progress,
+    /// A shot that was called by hand, and when.
+    called: Option<(usize, f64)>,
     levels: [Loudness; 2],
     songs: Vec<PathBuf>,
     repeat: Repeat,
@@ -126,6 +135,10 @@ impl Listening {
             director: Director::live(LIVE_SEED),
             fresh_bars: Vec::new(),
             bars_told_secs: 0.0,
+            outer: Outer::default(),
+            outer_beat: Beat::default(),
+            progress: Progress::default(),
+            called: None,
             levels: [Loudness::default(); 2],
             songs: vec![tune.clone()],
             repeat: Repeat::Off,
@@ -219,7 +232,8 @@ impl Listening {
     /// Whether beats became known since the last call, so that the beats of logged actions must be
     /// recomputed.
     pub fn beats_changed(&mut self) -> bool {
-        std::mem::take(&mut self.beats_changed)
+        // The beats of an outer clock are not those of a song.
+        !self.follows_clock() && std::mem::take(&mut self.beats_changed)
     }
 
     /// Beats gone by at any time of the show so far.
@@ -305,8 +319,10 @@ impl Listening {
         let confidence = if is_playing { moment.confidence as f32 } else { self.last_beat.confidence };
         let by_ear = Beat { count: self.beats.at(moment.phase), confidence };
         if !known {
-            let spectrum = self.analyzer.analyse(&self.left, &self.right, dt_secs);
-            self.last_beat = by_ear;
+            self.analyzer.analyse(&self.left, &self.right, dt_secs);
+            let beat = self.beat_or(by_ear);
+            self.last_beat = beat;
+            let spectrum = self.analyzer.spectrum();
             let timbre = Timbre::of(parameters);
             Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
             let ringing = self.resonators.as_mut().map(|bank| {
@@ -314,13 +330,17 @@ impl Listening {
                 bank.ring(dt_secs as f32)
             });
             let bands = Bands { ringing, ..bands_of(spectrum) };
-            return Ok(Heard { at_secs, is_known: false, bands, beat: by_ear, fading: None });
+            return Ok(Heard { at_secs, is_known: false, bands, beat, fading: None });
         }
+        let by_music = if has_beats { self.hearing.beat_at(at_secs) } else { by_ear };
+        let beat = self.beat_or(by_music);
+        self.last_beat = beat;
+        let is_given = self.follows_clock();
         let heard = self.hearing.hear(at_secs)?;
         let heard = heard.ok_or_else(|| Error::other("the song is forgotten"))?;
-        let beat = if has_beats { heard.beat } else { by_ear };
-        self.last_beat = beat;
-        Ok(Heard { beat, is_known: has_beats, ..heard })
+        // The beats of a clock do not leap where the song does.
+        let fading = heard.fading.filter(|_| !is_given);
+        Ok(Heard { beat, fading, is_known: has_beats && !is_given, ..heard })
     }
 
     /// The bars that have begun since the last call, by the time of the show.
@@ -328,18 +348,36 @@ impl Listening {
         let to_secs = self.at_secs();
         let from_secs = std::mem::replace(&mut self.bars_told_secs, to_secs);
         let by_ear = std::mem::take(&mut self.fresh_bars);
-        if self.by_ear || self.known_beats().is_none() {
-            return by_ear;
-        }
-        self.hearing.bars_between(from_secs, to_secs)
+        let bars = if self.by_ear || self.known_beats().is_none() {
+            by_ear
+        } else {
+            self.hearing.bars_between(from_secs, to_secs)
+        };
+        self.bars_or(bars)
     }
 
     /// How the camera frames what was heard last.
     pub fn framing(&mut self, seed: u64) -> Framing {
+        if let Some((shot, since_secs)) = self.called {
+            return Framing::of_shot(shot, self.last_secs - since_secs);
+        }
+        if self.follows_clock() {
+            return self.director.at(self.last_secs);
+        }
         if self.by_ear || self.known_beats().is_none() {
             return self.director.at(self.follower.now_secs());
         }
         self.hearing.framing_at(self.clock.at_secs(), seed)
+    }
+
+    /// The shot that was called by hand: a number of [`SHOTS`](chladni_music::SHOTS).
+    pub fn called_shot(&self) -> Option<usize> {
+        self.called.map(|(shot, _)| shot)
+    }
+
+    /// Calls a shot, which stays; or lets the camera choose again.
+    pub fn call_shot(&mut self, shot: Option<usize>) {
+        self.called = shot.map(|shot| (shot, self.last_secs));
     }
 
     /// The show's number of a song of the list.

@@ -1,15 +1,15 @@
-//! MIDI controllers, whenever they are plugged in.
+//! MIDI controllers and clocks, whenever they are plugged in, and what is sent back to them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use chladni_music::Touch;
-use midir::{Ignore, MidiInput, MidiInputConnection};
+use chladni_music::{ClockMessage, Touch};
+use midir::{Ignore, MidiInput, MidiInputConnection, MidiOutput, MidiOutputConnection};
 
-/// Touches that may wait for the next frame.
+/// Touches, and messages of clocks, that may wait for the next frame.
 const MOST_TOUCHES: usize = 1024;
 /// How often devices are looked for.
 const LOOK: Duration = Duration::from_secs(1);
@@ -20,6 +20,8 @@ const CLIENT: &str = "chladni";
 pub struct Devices {
     /// Those that are listened to, by name.
     pub names: Vec<String>,
+    /// Those that can be sent to.
+    pub outputs: Vec<String>,
     /// Why there are none, where the system has no MIDI.
     pub failure: Option<String>,
 }
@@ -27,33 +29,117 @@ pub struct Devices {
 /// Listens to every MIDI input that is there or comes later.
 pub struct Midi {
     touches: Receiver<Touch>,
+    clock: Receiver<(ClockMessage, Instant)>,
     devices: Arc<Mutex<Devices>>,
+    outputs: Outputs,
     closed: Arc<AtomicBool>,
+}
+
+/// What is sent to, by name. Clones are the same.
+#[derive(Clone, Default)]
+pub struct Outputs(Arc<Mutex<Ports>>);
+
+#[derive(Default)]
+struct Ports {
+    /// They are opened when they are there.
+    wanted: HashSet<String>,
+    open: HashMap<String, MidiOutputConnection>,
+}
+
+impl Outputs {
+    /// Whether a device is open; one that is not is opened for the next time.
+    pub fn opens(&self, device: &str) -> bool {
+        let mut ports = lock(&self.0);
+        let open = ports.open.contains_key(device);
+        if !open {
+            ports.wanted.insert(device.to_owned());
+        }
+        open
+    }
+
+    /// Sends a message to a device that is open.
+    pub fn send(&self, device: &str, message: &[u8]) {
+        if !self.opens(device) {
+            return;
+        }
+        let mut ports = lock(&self.0);
+        let Some(connection) = ports.open.get_mut(device) else { return };
+        if connection.send(message).is_err() {
+            // It is gone, or is opened anew at the next look.
+            ports.open.remove(device);
+        }
+    }
+
+    /// Opens what is wanted and there; tells what is there.
+    fn look(&self) -> Result<Vec<String>, String> {
+        let output = || MidiOutput::new(CLIENT).map_err(|why| why.to_string());
+        let looking = output()?;
+        let ports: Vec<_> = looking
+            .ports()
+            .into_iter()
+            .filter_map(|port| Some((lasting(&looking.port_name(&port).ok()?), port)))
+            .collect();
+        let mut known = lock(&self.0);
+        known.open.retain(|name, _| ports.iter().any(|(there, _)| there == name));
+        for (name, port) in &ports {
+            if known.wanted.contains(name)
+                && !known.open.contains_key(name)
+                && let Ok(connection) = output()?.connect(port, CLIENT)
+            {
+                known.open.insert(name.clone(), connection);
+            }
+        }
+        Ok(ports.into_iter().map(|(name, _)| name).collect())
+    }
+}
+
+/// The name of a port without the numbers that ALSA gives anew each time.
+fn lasting(name: &str) -> String {
+    let is_number = |word: &str| word.chars().all(|c| c.is_ascii_digit() || c == ':') && word.contains(':');
+    match name.rsplit_once(' ') {
+        Some((lasting, last)) if is_number(last) => lasting.to_owned(),
+        _ => name.to_owned(),
+    }
 }
 
 impl Midi {
     /// Starts to look for devices. Finding none is not an error.
     pub fn start() -> std::io::Result<Self> {
-        let (sender, touches) = sync_channel(MOST_TOUCHES);
+        let (touch, touches) = sync_channel(MOST_TOUCHES);
+        let (tick, clock) = sync_channel(MOST_TOUCHES);
+        let sender = Sender { touch, tick };
+        let outputs = Outputs::default();
+        let sent_to = outputs.clone();
         let devices = Arc::new(Mutex::new(Devices::default()));
         let closed = Arc::new(AtomicBool::new(false));
         let (told, ended) = (Arc::clone(&devices), Arc::clone(&closed));
         std::thread::Builder::new().name("midi".into()).spawn(move || {
             let mut open = HashMap::new();
             while !ended.load(Ordering::Relaxed) {
-                let failure = look(&mut open, &sender).err();
+                let there = look(&mut open, &sender).and_then(|()| sent_to.look());
                 let mut names: Vec<String> = open.values().map(|(name, _)| String::clone(name)).collect();
                 names.sort();
-                *lock(&told) = Devices { names, failure };
+                let failure = there.as_ref().err().cloned();
+                *lock(&told) = Devices { names, outputs: there.unwrap_or_default(), failure };
                 std::thread::sleep(LOOK);
             }
         })?;
-        Ok(Self { touches, devices, closed })
+        Ok(Self { touches, clock, devices, outputs, closed })
     }
 
     /// What was touched since the last call.
     pub fn touches(&self) -> impl Iterator<Item = Touch> {
         self.touches.try_iter().take(MOST_TOUCHES)
+    }
+
+    /// What clocks have said since the last call, and when.
+    pub fn clock(&self) -> impl Iterator<Item = (ClockMessage, Instant)> {
+        self.clock.try_iter().take(MOST_TOUCHES)
+    }
+
+    /// What can be sent to.
+    pub fn outputs(&self) -> &Outputs {
+        &self.outputs
     }
 
     /// The devices now.
@@ -68,15 +154,33 @@ impl Drop for Midi {
     }
 }
 
-/// A list of names is never half written.
-fn lock(devices: &Mutex<Devices>) -> MutexGuard<'_, Devices> {
-    devices.lock().unwrap_or_else(PoisonError::into_inner)
+/// Names and ports are never half written.
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Where messages go.
+#[derive(Clone)]
+struct Sender {
+    touch: SyncSender<Touch>,
+    tick: SyncSender<(ClockMessage, Instant)>,
+}
+
+impl Sender {
+    fn hear(&self, device: &str, bytes: &[u8]) {
+        // A full queue drops the touch: the next one of the same knob will do.
+        if let Some(message) = ClockMessage::from_midi(bytes) {
+            let _ = self.tick.try_send((message, Instant::now()));
+        } else if let Some(touch) = Touch::from_midi(device, bytes) {
+            let _ = self.touch.try_send(touch);
+        }
+    }
 }
 
 type Open = HashMap<String, (String, MidiInputConnection<()>)>;
 
 /// Connects what is new and lets go of what is gone.
-fn look(open: &mut Open, sender: &SyncSender<Touch>) -> Result<(), String> {
+fn look(open: &mut Open, sender: &Sender) -> Result<(), String> {
     // Where the kernel has no sequencer, ALSA would print a complaint at every look.
     if cfg!(target_os = "linux") && !std::path::Path::new("/dev/snd/seq").exists() {
         open.clear();
@@ -84,7 +188,7 @@ fn look(open: &mut Open, sender: &SyncSender<Touch>) -> Result<(), String> {
     }
     let input = || {
         let mut input = MidiInput::new(CLIENT).map_err(|why| why.to_string())?;
-        input.ignore(Ignore::All);
+        input.ignore(Ignore::SysexAndActiveSense);
         Ok::<_, String>(input)
     };
     let looking = input()?;
@@ -98,15 +202,34 @@ fn look(open: &mut Open, sender: &SyncSender<Touch>) -> Result<(), String> {
             continue;
         }
         let sender = sender.clone();
-        let listen = move |_: u64, bytes: &[u8], (): &mut ()| {
-            if let Some(touch) = Touch::from_midi(bytes) {
-                // A full queue drops the touch: the next one of the same knob will do.
-                let _ = sender.try_send(touch);
-            }
-        };
+        let device = lasting(&name);
+        let listen = move |_: u64, bytes: &[u8], (): &mut ()| sender.hear(&device, bytes);
         if let Ok(connection) = input()?.connect(&port, CLIENT, listen, ()) {
             open.insert(id, (name, connection));
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_keeps_its_name() {
+        let names = ["nanoKONTROL2:nanoKONTROL2 MIDI 1 24:0", "Launchpad Mini 3", "Port 1:2 A"].map(lasting);
+        assert_eq!(names, ["nanoKONTROL2:nanoKONTROL2 MIDI 1", "Launchpad Mini 3", "Port 1:2 A"]);
+    }
+
+    #[test]
+    fn clock_and_touches_have_queues_of_their_own_that_never_block() {
+        let ((touch, touches), (tick, clock)) = (sync_channel(4), sync_channel(4));
+        let sender = Sender { touch, tick };
+        for _ in 0..100 {
+            sender.hear("a", &[0xf8]);
+            sender.hear("a", &[0xb0, 7, 9]);
+            sender.hear("a", &[0xf0, 1, 2]);
+        }
+        assert_eq!((touches.try_iter().count(), clock.try_iter().count()), (4, 4));
+    }
 }

@@ -1,13 +1,20 @@
-//! Control from outside: MIDI controllers and OSC, and what they turn.
+//! Control from outside: MIDI controllers, clocks and OSC, what they turn, and the beat for others.
 
+mod beat_out;
+mod clock_panel;
 mod midi;
 mod osc;
 mod panel;
 
-use chladni_music::{Action, Bindings, Control, Cue, Parameters, Touch, osc_cue};
+use std::time::Instant;
 
+use chladni_music::{Action, Bindings, ClockMessage, Control, Cue, Parameters, Standing, Touch, osc_cue};
+
+pub use self::beat_out::Now;
+use self::beat_out::{BeatOut, ClockSender};
+pub use self::clock_panel::NUDGE_SECS;
 use self::midi::Midi;
-use self::osc::Osc;
+use self::osc::{From, Osc};
 use super::preferences::Preferences;
 
 /// Devices, port and bindings.
@@ -17,42 +24,71 @@ pub struct Remote {
     midi: Option<Midi>,
     osc: Option<Result<Osc, String>>,
     /// The port that `osc` was opened for.
-    port: Option<u16>,
+    port: Option<(u16, From)>,
     bindings: Bindings,
+    /// The number of the choice or dance that is being learned; 0 is none.
+    number: u32,
+    /// The machines that are heard, as they are being typed.
+    allowed: String,
     /// What was touched last.
     last: Option<Control>,
+    beat_out: Option<Result<BeatOut, String>>,
+    /// The address that it was opened for.
+    beats_to: Option<String>,
+    clock_out: Option<ClockSender>,
+}
+
+/// What came in since the last frame.
+#[derive(Default)]
+pub struct Asked {
+    /// What is to be done.
+    pub cues: Vec<Cue>,
+    /// What clocks have said, and when.
+    pub clock: Vec<(ClockMessage, Instant)>,
 }
 
 impl Remote {
     /// Opens what the preferences ask for and collects what was touched since the last frame.
-    pub fn cues(&mut self, preferences: &mut Preferences, parameters: &Parameters) -> Vec<Cue> {
+    /// `standing` says where things are, for knobs that take over softly and for what devices show.
+    pub fn asked(
+        &mut self,
+        preferences: &mut Preferences,
+        parameters: &Parameters,
+        standing: Standing<'_>,
+    ) -> Asked {
         if !self.started {
             self.started = true;
             self.bindings = Bindings::new(preferences.bindings.clone());
             self.midi = Midi::start().ok();
         }
-        if self.port != preferences.osc_port {
-            self.port = preferences.osc_port;
+        let from =
+            if preferences.osc_network { From::Network(preferences.osc_allowed.clone()) } else { From::Here };
+        let port = preferences.osc_port.map(|port| (port, from));
+        if self.port != port {
+            self.port = port;
             // The old port is closed first: it may be the same one.
             self.osc = None;
-            self.osc = self.port.map(|port| Osc::listen(port).map_err(|why| format!("port {port}: {why}")));
+            let listen = |(port, from)| Osc::listen(port, from).map_err(|why| format!("port {port}: {why}"));
+            self.osc = self.port.clone().map(listen);
         }
         let mut cues = Vec::new();
+        let mut clock: Vec<_> = self.midi.iter().flat_map(Midi::clock).collect();
         let touched: Vec<Touch> = self.midi.iter().flat_map(Midi::touches).collect();
         for touch in touched {
-            self.touch(&touch, parameters, &mut cues);
+            self.touch(&touch, parameters, standing, &mut cues);
         }
         if let Some(Ok(osc)) = &self.osc {
-            for message in osc.messages().collect::<Vec<_>>() {
-                match osc_cue(&message.address, message.value) {
-                    Some(cue) => push(&mut cues, cue),
-                    None => {
+            for (message, came) in osc.messages().collect::<Vec<_>>() {
+                let said = ClockMessage::from_osc(&message.address, message.value);
+                let own = osc_cue(&message.address, message.value, message.text.as_deref(), parameters);
+                match (own, said) {
+                    (Some(cue), _) => push(&mut cues, cue),
+                    (None, Some(said)) => clock.push((said, came)),
+                    (None, None) => {
                         let control = Control::Osc { address: message.address };
-                        self.touch(
-                            &Touch { control, value: message.value.unwrap_or(1.0) },
-                            parameters,
-                            &mut cues,
-                        );
+                        let value = message.value.unwrap_or(1.0);
+                        let touch = Touch { device: String::new(), control, value };
+                        self.touch(&touch, parameters, standing, &mut cues);
                     }
                 }
             }
@@ -60,12 +96,37 @@ impl Remote {
         if preferences.bindings != self.bindings.list() {
             preferences.bindings = self.bindings.list().to_vec();
         }
-        cues
+        if let Some(midi) = &self.midi {
+            let outputs = midi.outputs();
+            for (device, message) in self.bindings.feedback(standing, &|device| outputs.opens(device)) {
+                outputs.send(&device, &message);
+            }
+        }
+        Asked { cues, clock }
     }
 
-    fn touch(&mut self, touch: &Touch, parameters: &Parameters, cues: &mut Vec<Cue>) {
+    /// Tells others of the beat, where the preferences ask for it.
+    pub fn tell(&mut self, preferences: &Preferences, now: &Now<'_>) {
+        if self.beats_to != preferences.beat_out {
+            self.beats_to.clone_from(&preferences.beat_out);
+            let open = |to: &String| BeatOut::to(to).map_err(|why| format!("{to}: {why}"));
+            self.beat_out = self.beats_to.as_ref().map(open);
+        }
+        if let Some(Ok(out)) = &mut self.beat_out {
+            out.tell(now);
+        }
+        if self.clock_out.is_none() && preferences.clock_out.is_some() {
+            let outputs = self.midi.as_ref().map(|midi| midi.outputs().clone());
+            self.clock_out = outputs.and_then(|outputs| ClockSender::start(outputs).ok());
+        }
+        if let Some(out) = &self.clock_out {
+            out.tell(preferences.clock_out.as_deref(), now);
+        }
+    }
+
+    fn touch(&mut self, touch: &Touch, parameters: &Parameters, standing: Standing<'_>, cues: &mut Vec<Cue>) {
         self.last = Some(touch.control.clone());
-        if let Some(cue) = self.bindings.touch(touch, parameters) {
+        if let Some(cue) = self.bindings.touch(touch, parameters, standing) {
             push(cues, cue);
         }
     }

@@ -1,11 +1,12 @@
 //! OSC messages over UDP.
 
 use std::io;
-use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::time::Duration;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use rosc::{OscPacket, OscType};
 
@@ -23,34 +24,57 @@ pub struct Message {
     pub address: String,
     /// `None` where it has no argument that is a number.
     pub value: Option<f32>,
+    /// Its first text.
+    pub text: Option<String>,
+}
+
+/// Whose messages are heard.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum From {
+    /// Those of this machine.
+    #[default]
+    Here,
+    /// Those of other machines, too: of these, or of any where none is named.
+    Network(Vec<IpAddr>),
+}
+
+impl From {
+    fn allows(&self, address: IpAddr) -> bool {
+        address.is_loopback()
+            || matches!(self, Self::Network(allowed) if allowed.is_empty() || allowed.contains(&address))
+    }
 }
 
 /// A port that is listened to. Dropping it closes the port.
 pub struct Osc {
     address: SocketAddr,
-    messages: Receiver<Message>,
+    messages: Receiver<(Message, Instant)>,
     counts: Arc<Counts>,
+    thread: Option<JoinHandle<()>>,
 }
 
 #[derive(Default)]
 struct Counts {
     good: AtomicU64,
     bad: AtomicU64,
+    waiting: AtomicUsize,
     closed: AtomicBool,
 }
 
 impl Osc {
-    /// Listens on a UDP port of every network of this machine; port 0 takes any free one.
-    pub fn listen(port: u16) -> io::Result<Self> {
-        let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, port))?;
+    /// Listens on a UDP port; port 0 takes any free one.
+    pub fn listen(port: u16, from: From) -> io::Result<Self> {
+        let network = if from == From::Here { Ipv4Addr::LOCALHOST } else { Ipv4Addr::UNSPECIFIED };
+        let socket = UdpSocket::bind((network, port))?;
         // The thread looks this often whether the port is to be closed.
         socket.set_read_timeout(Some(Duration::from_millis(200)))?;
         let address = socket.local_addr()?;
         let (sender, messages) = sync_channel(MOST_MESSAGES);
         let counts = Arc::new(Counts::default());
         let counted = Arc::clone(&counts);
-        std::thread::Builder::new().name("osc".into()).spawn(move || receive(&socket, &sender, &counted))?;
-        Ok(Self { address, messages, counts })
+        let receiver = move || receive(&socket, &from, &sender, &counted);
+        let thread = Some(std::thread::Builder::new().name("osc".into()).spawn(receiver)?);
+        Ok(Self { address, messages, counts, thread })
     }
 
     /// The port.
@@ -58,9 +82,12 @@ impl Osc {
         self.address.port()
     }
 
-    /// What has come in since the last call.
-    pub fn messages(&self) -> impl Iterator<Item = Message> {
-        self.messages.try_iter().take(MOST_MESSAGES)
+    /// What has come in since the last call, and when.
+    pub fn messages(&self) -> impl Iterator<Item = (Message, Instant)> {
+        let messages = self.messages.try_iter().take(MOST_MESSAGES);
+        messages.inspect(|_| {
+            self.counts.waiting.fetch_sub(1, Ordering::Relaxed);
+        })
     }
 
     /// Packets that were read, and packets that were rejected: not OSC, too long or too many.
@@ -72,14 +99,27 @@ impl Osc {
 impl Drop for Osc {
     fn drop(&mut self) {
         self.counts.closed.store(true, Ordering::Relaxed);
+        // A packet wakes the thread, so that the port is free when this returns.
+        let wake = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0));
+        let _ = wake.and_then(|socket| socket.send_to(&[], (Ipv4Addr::LOCALHOST, self.port())));
+        self.thread.take().map(JoinHandle::join);
     }
 }
 
-fn receive(socket: &UdpSocket, sender: &SyncSender<Message>, counts: &Counts) {
+fn receive(socket: &UdpSocket, from: &From, sender: &SyncSender<(Message, Instant)>, counts: &Counts) {
     let mut packet = [0u8; LONGEST_PACKET + 1];
     while !counts.closed.load(Ordering::Relaxed) {
         let length = match socket.recv_from(&mut packet) {
-            Ok((length, _)) => length,
+            // While nobody takes what waits, a flood is not even read.
+            Ok((length, sender))
+                if from.allows(sender.ip()) && counts.waiting.load(Ordering::Relaxed) < MOST_MESSAGES =>
+            {
+                length
+            }
+            Ok(_) => {
+                counts.bad.fetch_add(1, Ordering::Relaxed);
+                continue;
+            }
             Err(why) if matches!(why.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => continue,
             // Such as an unreachable port; wait a little before reading again.
             Err(_) => {
@@ -93,10 +133,13 @@ fn receive(socket: &UdpSocket, sender: &SyncSender<Message>, counts: &Counts) {
             continue;
         };
         counts.good.fetch_add(1, Ordering::Relaxed);
+        let came = Instant::now();
         for message in messages {
-            match sender.try_send(message) {
+            counts.waiting.fetch_add(1, Ordering::Relaxed);
+            match sender.try_send((message, came)) {
                 Ok(()) => {}
                 Err(TrySendError::Full(_)) => {
+                    counts.waiting.fetch_sub(1, Ordering::Relaxed);
                     counts.bad.fetch_add(1, Ordering::Relaxed);
                 }
                 Err(TrySendError::Disconnected(_)) => return,
@@ -122,7 +165,8 @@ fn collect(packet: OscPacket, depth: usize, messages: &mut Vec<Message>) -> bool
                 return false;
             }
             let value = message.args.iter().find_map(number);
-            messages.push(Message { address: message.addr, value });
+            let text = message.args.into_iter().find_map(OscType::string);
+            messages.push(Message { address: message.addr, value, text });
             true
         }
         OscPacket::Bundle(bundle) => {
@@ -167,14 +211,16 @@ mod tests {
             (OscType::Double(0.25), Some(0.25)),
             (OscType::Int(3), Some(3.0)),
             (OscType::Bool(true), Some(1.0)),
-            (OscType::String("x".into()), None),
+            (OscType::Nil, None),
         ] {
             let address = "/1/fader3".to_owned();
             assert_eq!(
                 read_packet(&message("/1/fader3", vec![argument])),
-                Some(vec![Message { address, value }])
+                Some(vec![Message { address, value, text: None }])
             );
         }
+        let named = read_packet(&message("/chladni/preset", vec![OscType::String("slow tide".into())]));
+        assert_eq!(named.unwrap()[0].text.as_deref(), Some("slow tide"));
         let inner = bundle(vec![message("/a", vec![]), message("/b", vec![OscType::Int(1)])]);
         assert_eq!(read_packet(&bundle(vec![inner])).map(|m| m.len()), Some(2));
     }
@@ -212,7 +258,7 @@ mod tests {
 
     #[test]
     fn packets_come_in_over_udp_and_bad_ones_are_counted() {
-        let osc = Osc::listen(0).unwrap();
+        let osc = Osc::listen(0, From::Here).unwrap();
         let sender = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let to = (Ipv4Addr::LOCALHOST, osc.port());
         let packet = encoder::encode(&message("/1/fader1", vec![OscType::Float(0.75)])).unwrap();
@@ -223,13 +269,72 @@ mod tests {
             sender.send_to(&[b'/'; 4000], to).unwrap();
             sender.send_to(&packet, to).unwrap();
             std::thread::sleep(Duration::from_millis(20));
-            got.extend(osc.messages());
+            got.extend(osc.messages().map(|(message, _)| message));
             if !got.is_empty() && osc.counts().1 >= 2 {
                 break;
             }
         }
-        assert_eq!(got[0], Message { address: "/1/fader1".into(), value: Some(0.75) });
+        assert_eq!(got[0], Message { address: "/1/fader1".into(), value: Some(0.75), text: None });
         let (good, bad) = osc.counts();
         assert!(good >= 1 && bad >= 2, "{good} {bad}");
+    }
+
+    #[test]
+    fn a_port_that_is_closed_can_be_opened_at_once() {
+        let mut osc = Osc::listen(0, From::Here).unwrap();
+        let port = osc.port();
+        for _ in 0..5 {
+            drop(osc);
+            osc = Osc::listen(port, From::Network(Vec::new())).unwrap();
+        }
+    }
+
+    #[test]
+    fn only_those_are_heard_who_may() {
+        let [here, near, far] =
+            ["127.0.0.1", "192.168.1.20", "10.0.0.9"].map(|ip| ip.parse::<IpAddr>().unwrap());
+        let heard = |from: From| [here, near, far].map(|address| from.allows(address));
+        assert_eq!(heard(From::Here), [true, false, false]);
+        assert_eq!(heard(From::Network(vec![near])), [true, true, false]);
+        assert_eq!(heard(From::Network(Vec::new())), [true; 3]);
+    }
+
+    /// Prints how many packets a second come and go; a person who measures passes `--nocapture`.
+    #[test]
+    fn a_flood_is_bounded_and_leaves_the_next_message_through() {
+        let osc = Osc::listen(0, From::Here).unwrap();
+        let port = osc.port();
+        let flood = std::thread::spawn(move || {
+            let sender = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+            let packet = encoder::encode(&message("/flood", vec![OscType::Float(0.5)])).unwrap();
+            let began = Instant::now();
+            for i in 0..200_000u32 {
+                let bytes: &[u8] = if i % 7 == 0 { b"no osc at all" } else { &packet };
+                // A full buffer of the system is a packet lost.
+                let _ = sender.send_to(bytes, (Ipv4Addr::LOCALHOST, port));
+            }
+            began.elapsed().as_secs_f64()
+        });
+        let (mut taken, mut frames) = (0, 0u32);
+        while !flood.is_finished() {
+            let count = osc.messages().count();
+            assert!(count <= MOST_MESSAGES, "{count}");
+            (taken, frames) = (taken + count, frames + 1);
+            std::thread::sleep(Duration::from_millis(16));
+        }
+        let secs = flood.join().unwrap();
+        let (good, bad) = osc.counts();
+        println!(
+            "{:.0} packets/s sent; {good} read, {bad} left out, {taken} taken in {frames} frames",
+            2e5 / secs
+        );
+        let sender = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let packet = encoder::encode(&message("/after", vec![])).unwrap();
+        let arrives = (0..500).any(|_| {
+            sender.send_to(&packet, (Ipv4Addr::LOCALHOST, port)).unwrap();
+            std::thread::sleep(Duration::from_millis(20));
+            osc.messages().any(|(message, _)| message.address == "/after")
+        });
+        assert!(arrives && good > 0 && bad > 0);
     }
 }

@@ -1,32 +1,86 @@
 //! What is plugged in, what turns what, and learning.
 
-use chladni_music::{Bindings, Parameter, Switch, Target};
+use std::path::Path;
+
+use chladni_music::{Bindings, Kind, Target};
 use egui::{RichText, Ui};
 
 use super::super::knobs;
+use super::super::listening::Listening;
 use super::super::preferences::Preferences;
 use super::{Midi, Remote};
 use crate::studio::icon::{self, Icon};
+use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::Error;
 
 /// The port that is offered first: TouchOSC's.
 const USUAL_PORT: u16 = 8000;
+/// The file of bindings, and how large it may be.
+const FILES: (&str, &[&str]) = ("Bindings", &["toml"]);
+const MOST_BYTES: u64 = 1 << 20;
 
 impl Remote {
     /// Draws the drawer.
-    pub fn show(&mut self, ui: &mut Ui, preferences: &mut Preferences) {
+    pub fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, listening: &mut Listening) {
+        let preferences = &mut shared.settings.music;
         self.devices(ui);
         ui.add_space(theme::GAP);
         self.osc(ui, preferences);
         ui.add_space(theme::GAP);
+        self.clock(ui, preferences, listening);
+        ui.add_space(theme::GAP);
         ui.label(RichText::new("What turns what").strong());
-        weak(ui, "Click Learn, then move a knob, a fader or a pad.");
-        let parameters = Parameter::ALL.into_iter().map(Target::Parameter);
-        let switches = Switch::ALL.into_iter().map(Target::Switch);
-        let first = Target::BUTTONS.into_iter().chain(parameters);
-        for target in first.chain(switches).chain(Target::CHOICES) {
-            row(ui, &mut self.bindings, target);
+        weak(
+            ui,
+            "Click Learn, then move a knob, a fader or a pad. A number takes one dance, preset or song.",
+        );
+        self.files(ui, shared);
+        for (kind, heading) in [
+            (Kind::Level, "Levels"),
+            (Kind::Switch, "Switches"),
+            (Kind::Choice, "Choices"),
+            (Kind::Dance, "Dances"),
+            (Kind::Button, "Buttons"),
+        ] {
+            ui.label(RichText::new(heading).strong());
+            for target in Target::all().filter(|target| target.kind() == kind) {
+                row(ui, &mut self.bindings, &mut self.number, target);
+            }
         }
+    }
+
+    /// Bindings as a file, for another machine.
+    fn files(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
+        ui.horizontal(|ui| {
+            if ui.button("Export …").on_hover_text("All bindings as a file").clicked()
+                && let Some(path) = shared.chooser.save(&[FILES], Path::new("bindings.toml"))
+            {
+                match self.export(&path) {
+                    Ok(()) => shared.notices.done(format!("Wrote {}", path.display())),
+                    Err(why) => shared.notices.failed(why),
+                }
+            }
+            if ui.button("Import …").on_hover_text("Those of a file, beside what there is").clicked()
+                && let Some(path) = shared.chooser.open(&[FILES])
+            {
+                match self.import(&path) {
+                    Ok(count) => shared.notices.done(format!("{count} bindings of {}", path.display())),
+                    Err(why) => shared.notices.failed(why),
+                }
+            }
+        });
+    }
+
+    fn export(&self, path: &Path) -> Result<(), Error> {
+        let text = self.bindings.to_text()?;
+        chladni_task::write_atomic(path, text.as_bytes()).map_err(|why| Error::unwritten(path, why))
+    }
+
+    fn import(&mut self, path: &Path) -> Result<usize, Error> {
+        let text = chladni_task::read_text_file(path, MOST_BYTES)
+            .map_err(|why| Error::Input(format!("{}: {why}", path.display())))?;
+        self.bindings.import(&text).map_err(|why| Error::from(why).of(path.display()))
     }
 
     fn devices(&self, ui: &mut Ui) {
@@ -47,13 +101,12 @@ impl Remote {
         }
     }
 
-    fn osc(&self, ui: &mut Ui, preferences: &mut Preferences) {
+    fn osc(&mut self, ui: &mut Ui, preferences: &mut Preferences) {
         ui.label(RichText::new("OSC").strong());
         ui.horizontal(|ui| {
             let mut on = preferences.osc_port.is_some();
             let mut port = preferences.osc_port.unwrap_or(USUAL_PORT);
-            let tip = "Anyone on this network can then turn the knobs. Messages such as /chladni/gain 1.5 \
-                       and /chladni/breed need no learning.";
+            let tip = "Messages such as /chladni/gain 1.5 and /chladni/breed need no learning.";
             let listen = theme::checkbox(ui, &mut on, "Listen on UDP port").on_hover_text(tip);
             let number = ui.add_enabled(on, egui::DragValue::new(&mut port).range(1024..=65_535));
             let number = number.labelled_by(listen.id);
@@ -61,6 +114,9 @@ impl Remote {
                 preferences.osc_port = on.then_some(port);
             }
         });
+        if preferences.osc_port.is_some() {
+            self.network(ui, preferences);
+        }
         match &self.osc {
             Some(Ok(osc)) => {
                 let (good, bad) = osc.counts();
@@ -74,27 +130,71 @@ impl Remote {
     }
 }
 
-fn row(ui: &mut Ui, bindings: &mut Bindings, target: Target) {
+impl Remote {
+    /// Who else is heard.
+    fn network(&mut self, ui: &mut Ui, preferences: &mut Preferences) {
+        let tip = "Otherwise only programs on this machine are heard";
+        theme::checkbox(ui, &mut preferences.osc_network, "Other machines, too").on_hover_text(tip);
+        if !preferences.osc_network {
+            return;
+        }
+        let field = egui::TextEdit::singleline(&mut self.allowed).hint_text("192.168.1.20, 192.168.1.21");
+        let label = ui.label("Only these").id;
+        let tip = "Addresses of machines that are heard; none: anyone on this network can turn the knobs";
+        let field = ui.add(field.desired_width(f32::INFINITY)).labelled_by(label).on_hover_text(tip);
+        let words = || self.allowed.split([',', ' ']).filter(|word| !word.is_empty());
+        match words().map(str::parse).collect::<Result<Vec<_>, _>>() {
+            Ok(allowed) if field.changed() => preferences.osc_allowed = allowed,
+            Ok(_) if !field.has_focus() => {
+                let allowed: Vec<String> = preferences.osc_allowed.iter().map(ToString::to_string).collect();
+                self.allowed = allowed.join(", ");
+            }
+            Ok(_) => {}
+            Err(_) => {
+                let why = "These are no addresses: those before are still heard.";
+                ui.label(RichText::new(why).small().color(theme::palette(ui).warning));
+            }
+        }
+    }
+}
+
+fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
     ui.horizontal(|ui| {
         let name = name(target);
-        ui.label(name);
+        let label = ui.label(name);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let waits = bindings.learning() == Some(target);
+            let numbered = matches!(target.kind(), Kind::Choice | Kind::Dance);
+            let waits = bindings.learning().is_some_and(|(waits, _)| waits == target);
             let learn = ui.selectable_label(waits, if waits { "Move it …" } else { "Learn" });
             learn.widget_info(|| {
                 egui::WidgetInfo::selected(egui::Role::Button, true, waits, format!("Learn {name}"))
             });
             if learn.clicked() {
-                bindings.learn((!waits).then_some(target));
+                *number = 0;
+                bindings.learn((!waits).then_some((target, None)));
+            }
+            if waits && numbered {
+                let which = egui::DragValue::new(number).range(0..=999).custom_formatter(|number, _| {
+                    if number < 1.0 { "next".into() } else { format!("{number:.0}") }
+                });
+                if ui.add(which).labelled_by(label.id).changed() {
+                    bindings.learn(Some((target, Some(*number).filter(|number| *number > 0))));
+                }
             }
             let mut forgotten = None;
             for (index, binding) in bindings.list().iter().enumerate() {
                 if binding.target != target {
                     continue;
                 }
-                let text = RichText::new(icon::label(Icon::X, &binding.control.to_string())).small();
-                let forget = ui.small_button(text).accessible_name(format!("Forget {}", binding.control));
-                if forget.on_hover_text("Forget this").clicked() {
+                let which = binding.number.map_or_else(String::new, |number| format!("{number}: "));
+                let text = icon::label(Icon::X, &format!("{which}{}", binding.control));
+                let forget = ui.small_button(RichText::new(text).small());
+                let forget = forget.accessible_name(format!("Forget {which}{}", binding.control));
+                let tip = match binding.device.as_str() {
+                    "" => "Forget this".to_owned(),
+                    device => format!("Forget this of {device}"),
+                };
+                if forget.on_hover_text(tip).clicked() {
                     forgotten = Some(index);
                 }
             }
@@ -109,19 +209,10 @@ fn name(target: Target) -> &'static str {
     match target {
         Target::Parameter(parameter) => knobs::name(parameter),
         Target::Switch(switch) => knobs::switch_name(switch),
-        Target::Harmonics => "Harmonics",
-        Target::Form => "The next form",
-        Target::Choir => "The next choice of harmonics",
-        Target::Breed => "Breed",
-        Target::NextFavourite => "Next favourite on stage",
-        Target::PreviousFavourite => "The favourite before",
-        Target::LeaveStage => "Leave the stage",
-        Target::Sweep => "Sweep the sand",
-        Target::Tap => "Tap the beat",
-        Target::PlayPause => "Play or pause",
+        _ => target.about(),
     }
 }
 
-fn weak(ui: &mut Ui, text: &str) {
+pub(super) fn weak(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
 }

@@ -1,0 +1,444 @@
+//! All that can be controlled, in one table: what a knob, a pad or an OSC message may turn, press or choose.
+//!
+//! Addresses, what can be learned, and the page `docs/controls.md` come of it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Action, Choir, Form, Parameter, Parameters, Switch};
+
+/// What a control turns, presses or chooses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "the table says what they are")]
+pub enum Target {
+    Parameter(Parameter),
+    Switch(Switch),
+    Harmonics,
+    Form,
+    Choir,
+    Look,
+    Palette,
+    Material,
+    Lights,
+    Background,
+    Shot,
+    Preset,
+    Song,
+    Choose,
+    Favourite,
+    Lock,
+    Mutate,
+    Stage,
+    Cue,
+    Breed,
+    Back,
+    Forth,
+    NextFavourite,
+    PreviousFavourite,
+    LeaveStage,
+    Go,
+    Blackout,
+    Freeze,
+    RandomPreset,
+    Autopilot,
+    Stay,
+    Sweep,
+    Tap,
+    Halve,
+    Double,
+    HoldTempo,
+    NudgeLater,
+    NudgeSooner,
+    PlayPause,
+    NextSong,
+    PreviousSong,
+    Crossfade,
+    Volume,
+}
+
+/// How a target is controlled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A number between two ends.
+    Level,
+    /// On or off; a press turns it over.
+    Switch,
+    /// One of several, by number or name; a press takes the next.
+    Choice,
+    /// Something done to a dance of the gallery, by its number; a press takes the one that is marked.
+    Dance,
+    /// Done when it is pressed.
+    Button,
+}
+
+/// Kind, name in files and addresses, and what it does.
+type Row = (Target, Kind, &'static str, &'static str);
+
+/// All but the knobs and switches, which have tables of their own.
+const TABLE: [Row; 41] = [
+    (Target::Harmonics, Kind::Level, "harmonics", "Harmonics in use"),
+    (Target::Crossfade, Kind::Level, "crossfade", "From the dance on stage to the one that is next"),
+    (Target::Volume, Kind::Level, "volume", "Loudness of the songs"),
+    (Target::Form, Kind::Choice, "form", "Form"),
+    (Target::Choir, Kind::Choice, "choir", "Which harmonics sound"),
+    (Target::Look, Kind::Choice, "look", "Look"),
+    (Target::Palette, Kind::Choice, "palette", "Palette"),
+    (Target::Material, Kind::Choice, "material", "Material"),
+    (Target::Lights, Kind::Choice, "lights", "Light"),
+    (Target::Background, Kind::Choice, "background", "Background"),
+    (Target::Shot, Kind::Choice, "shot", "Camera shot"),
+    (Target::Preset, Kind::Choice, "preset", "Preset of the shelf"),
+    (Target::Song, Kind::Choice, "song", "Song of the list"),
+    (Target::Choose, Kind::Dance, "choose", "Choose as a parent, or no longer"),
+    (Target::Favourite, Kind::Dance, "favorite", "Favorite, or no longer"),
+    (Target::Lock, Kind::Dance, "lock", "Lock in its place, or unlock"),
+    (Target::Mutate, Kind::Dance, "mutate", "Change it a little"),
+    (Target::Stage, Kind::Dance, "stage", "Put it on stage"),
+    (Target::Cue, Kind::Dance, "cue", "Next on stage"),
+    (Target::Breed, Kind::Button, "breed", "Breed the chosen ones"),
+    (Target::Back, Kind::Button, "back", "The generation before"),
+    (Target::Forth, Kind::Button, "forth", "The generation after"),
+    (Target::NextFavourite, Kind::Button, "next", "Next favorite on stage"),
+    (Target::PreviousFavourite, Kind::Button, "previous", "The favorite before"),
+    (Target::LeaveStage, Kind::Button, "leave", "Leave the stage"),
+    (Target::Go, Kind::Button, "go", "Bring the next dance on stage"),
+    (Target::Blackout, Kind::Button, "blackout", "Black, or back"),
+    (Target::Freeze, Kind::Button, "freeze", "Freeze the picture, or go on"),
+    (Target::RandomPreset, Kind::Button, "random", "A preset at random"),
+    (Target::Autopilot, Kind::Button, "autopilot", "Lean back, or no longer"),
+    (Target::Stay, Kind::Button, "stay", "The autopilot stays, or goes on"),
+    (Target::Sweep, Kind::Button, "sweep", "Sweep the sand"),
+    (Target::Tap, Kind::Button, "tap", "Tap the beat"),
+    (Target::Halve, Kind::Button, "halve", "The beat half as fast"),
+    (Target::Double, Kind::Button, "double", "The beat twice as fast"),
+    (Target::HoldTempo, Kind::Button, "hold-tempo", "Hold the tempo, or listen again"),
+    (Target::NudgeLater, Kind::Button, "later", "The beat a little later"),
+    (Target::NudgeSooner, Kind::Button, "sooner", "The beat a little sooner"),
+    (Target::PlayPause, Kind::Button, "play", "Play or pause"),
+    (Target::NextSong, Kind::Button, "next-song", "Next song"),
+    (Target::PreviousSong, Kind::Button, "previous-song", "The song before"),
+];
+
+impl Target {
+    /// All of them: knobs, switches, then the rest.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let knobs = Parameter::ALL.into_iter().map(Self::Parameter);
+        let switches = Switch::ALL.into_iter().map(Self::Switch);
+        knobs.chain(switches).chain(TABLE.iter().map(|row| row.0))
+    }
+
+    /// Its name: what its OSC address ends with.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Parameter(parameter) => parameter.name(),
+            Self::Switch(switch) => switch.name(),
+            _ => self.row().map_or("", |row| row.2),
+        }
+    }
+
+    /// How it is controlled.
+    pub fn kind(self) -> Kind {
+        match self {
+            Self::Parameter(_) => Kind::Level,
+            Self::Switch(_) => Kind::Switch,
+            _ => self.row().map_or(Kind::Button, |row| row.1),
+        }
+    }
+
+    /// What it does, in a few words; empty for knobs and switches, whose names say it.
+    pub fn about(self) -> &'static str {
+        self.row().map_or("", |row| row.3)
+    }
+
+    fn row(self) -> Option<&'static Row> {
+        TABLE.iter().find(|row| row.0 == self)
+    }
+
+    /// The target of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::all().find(|target| target.name() == name)
+    }
+
+    /// Where it stands, in [0, 1], as far as the instrument knows: that of a choice is whether it is `number`, from 1.
+    pub fn standing(self, number: Option<u32>, parameters: &Parameters) -> Option<f32> {
+        let is = |at: Option<usize>| number.map(|n| f32::from(u8::from(at == (n as usize).checked_sub(1))));
+        match self {
+            Self::Parameter(parameter) => Some(parameter.share(parameters.get(parameter))),
+            Self::Switch(switch) => Some(f32::from(u8::from(parameters.is_on(switch)))),
+            Self::Harmonics => {
+                Some(parameters.harmonics.map_or(1.0, |k| (k as f32 / MOST_HARMONICS).clamp(0.0, 1.0)))
+            }
+            Self::Form => is(FORMS.iter().position(|(_, form)| *form == parameters.form)),
+            Self::Choir => is(CHOIRS.iter().position(|(_, choir)| *choir == parameters.choir)),
+            _ => None,
+        }
+    }
+}
+
+/// Which one, or how far.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Which {
+    /// It was pressed: the next one, or the one that is marked.
+    Press,
+    /// The one of this number, from 1.
+    Number(u32),
+    /// The one of this name.
+    Name(String),
+    /// To this level, in [0, 1].
+    Level(f32),
+}
+
+/// What a touch asks of the instrument or of the room around it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cue {
+    /// An action of the instrument.
+    Do(Action),
+    /// What the room has to do.
+    Ask(Target, Which),
+}
+
+impl Cue {
+    /// What is asked of a target; the instrument's own targets become actions.
+    pub fn of(target: Target, which: Which, parameters: &Parameters) -> Option<Self> {
+        let action = match (target, &which) {
+            (Target::Parameter(parameter), Which::Level(share)) => {
+                Action::Set { parameter, value: parameter.at_share(*share) }
+            }
+            (Target::Harmonics, Which::Level(share)) => {
+                // At least 2: 0 would mean all of them.
+                Action::SetHarmonics { harmonics: (MOST_HARMONICS * share).round().max(2.0) as u32 }
+            }
+            (Target::Switch(switch), Which::Press) => {
+                Action::Switch { switch, on: !parameters.is_on(switch) }
+            }
+            (Target::Form, which) => Action::SetForm { form: pick(&FORMS, parameters.form, which)? },
+            (Target::Choir, which) => Action::SetChoir { choir: pick(&CHOIRS, parameters.choir, which)? },
+            (Target::Breed, Which::Press) => Action::Breed,
+            (Target::LeaveStage, Which::Press) => Action::LeaveStage,
+            (Target::Sweep, Which::Press) => Action::Sweep,
+            _ => return Some(Self::Ask(target, which)),
+        };
+        Some(Self::Do(action))
+    }
+}
+
+/// The forms and choirs by their names, in the order of their numbers.
+const FORMS: [(&str, Form); 3] =
+    [("filter", Form::Filter), ("modal", Form::Modal), ("half-mask", Form::HalfMask)];
+const CHOIRS: [(&str, Choir); 3] =
+    [("all", Choir::All), ("symmetric", Choir::Symmetric), ("antisymmetric", Choir::Antisymmetric)];
+/// Harmonics at the top of a fader.
+const MOST_HARMONICS: f32 = 512.0;
+
+/// The action that sets a knob, a switch or a choice by name, the same for OSC, scripts and the command line:
+/// knobs take their own units, switches `on`, `off` or a number, `form` and `choir` a name or a number from
+/// 0, `harmonics` how many are in use (0 is all).
+pub fn setting(name: &str, value: &str) -> Option<Action> {
+    let number = || value.parse::<f32>().ok().filter(|value| value.is_finite());
+    if let Some(parameter) = Parameter::ALL.into_iter().find(|p| p.name() == name) {
+        let (low, high) = parameter.range();
+        let value = number()?.clamp(low, high);
+        return Some(Action::Set { parameter, value });
+    }
+    if let Some(switch) = Switch::ALL.into_iter().find(|s| s.name() == name) {
+        let on = match value {
+            "on" => true,
+            "off" => false,
+            _ => number()? >= 0.5,
+        };
+        return Some(Action::Switch { switch, on });
+    }
+    match name {
+        "form" => Some(Action::SetForm { form: choice(&FORMS, value)? }),
+        "choir" => Some(Action::SetChoir { choir: choice(&CHOIRS, value)? }),
+        "harmonics" => {
+            Some(Action::SetHarmonics { harmonics: number()?.round().clamp(0.0, 16_384.0) as u32 })
+        }
+        _ => None,
+    }
+}
+
+fn choice<T: Copy>(choices: &[(&str, T)], value: &str) -> Option<T> {
+    let number =
+        || value.parse::<f32>().ok().filter(|value| *value >= 0.0).map(|value| value.round() as usize);
+    let named = choices.iter().find(|(name, _)| *name == value);
+    named.or_else(|| choices.get(number()?)).map(|(_, choice)| *choice)
+}
+
+/// The choice after `now`, or the one that is asked for.
+fn pick<T: Copy + PartialEq>(choices: &[(&str, T)], now: T, which: &Which) -> Option<T> {
+    let at = match which {
+        Which::Press => (choices.iter().position(|(_, choice)| *choice == now)? + 1) % choices.len(),
+        Which::Number(number) => (*number as usize).checked_sub(1)?,
+        Which::Name(name) => choices.iter().position(|(known, _)| known == name)?,
+        Which::Level(share) => ((share * choices.len() as f32) as usize).min(choices.len() - 1),
+    };
+    choices.get(at).map(|(_, choice)| *choice)
+}
+
+/// What an OSC message to one of this instrument's own addresses asks for, without any binding:
+/// `/chladni/NAME VALUE` is [`setting`] for knobs, switches, form, choir and harmonics. For other targets a level
+/// in [0, 1], a number from 1 or a name says which; `/chladni/NAME/WHICH` is the same. A value of 0 is the release of a
+/// button; a button without any value is pressed.
+pub fn osc_cue(
+    address: &str,
+    value: Option<f32>,
+    text: Option<&str>,
+    parameters: &Parameters,
+) -> Option<Cue> {
+    let name = address.strip_prefix("/chladni/")?;
+    if value.is_some_and(f32::is_nan) {
+        return None;
+    }
+    let (name, text) = match name.split_once('/') {
+        Some((name, which)) if value != Some(0.0) => (name, Some(which)),
+        Some(_) => return None,
+        None => (name, text),
+    };
+    let written = text.map(str::to_owned).or_else(|| value.map(|value| value.to_string()));
+    if let Some(action) = written.and_then(|written| setting(name, &written)) {
+        return Some(Cue::Do(action));
+    }
+    let target = Target::named(name)?;
+    let which = match (target.kind(), text, value) {
+        // Another value is none that a knob, a switch, a form or a choir has.
+        _ if setting(name, "0").is_some() && (text.is_some() || value.is_some()) => return None,
+        (Kind::Level, _, Some(value)) => Which::Level(value.clamp(0.0, 1.0)),
+        (Kind::Level, ..) => return None,
+        (Kind::Choice | Kind::Dance, Some(text), _) => match text.parse() {
+            Ok(number) => Which::Number(number),
+            Err(_) => Which::Name(text.to_owned()),
+        },
+        (_, _, Some(0.0)) => return None,
+        (Kind::Choice | Kind::Dance, None, Some(value)) if value >= 1.0 => {
+            Which::Number(value.round() as u32)
+        }
+        _ => Which::Press,
+    };
+    Cue::of(target, which, parameters)
+}
+
+/// The page of all controls, in Markdown.
+pub fn controls_page() -> String {
+    let mut page = String::from(
+        "# Controls\n\n\
+         All that can be learned in the drawer *Remote* or addressed over OSC ([stage](stage.md)). \
+         `chladni controls` writes this page.\n",
+    );
+    let numbers = |target: Target| match target {
+        Target::Parameter(parameter) => {
+            let (low, high) = parameter.range();
+            format!("{low} to {high}")
+        }
+        Target::Harmonics => "how many; 0 is all".into(),
+        Target::Form => FORMS.map(|(name, _)| name).join(", "),
+        Target::Choir => CHOIRS.map(|(name, _)| name).join(", "),
+        _ => match target.kind() {
+            Kind::Level => "0 to 1".into(),
+            Kind::Switch => "0 or 1".into(),
+            Kind::Choice => "number from 1, or name; none: the next".into(),
+            Kind::Dance => "number from 1; none: the marked one".into(),
+            Kind::Button => "none, or not 0".into(),
+        },
+    };
+    let groups = [
+        (
+            "Levels",
+            Kind::Level,
+            "A knob or fader maps its way evenly, or in even factors where the range spans more than three powers of ten.",
+        ),
+        ("Switches", Kind::Switch, "A press turns it over."),
+        ("Choices", Kind::Choice, "A press takes the next; a binding with a number takes that one."),
+        (
+            "Dances",
+            Kind::Dance,
+            "A press acts on the dance that is marked; a binding with a number on that one.",
+        ),
+        ("Buttons", Kind::Button, "A fader presses where it passes its middle, a pad at any touch."),
+    ];
+    for (heading, kind, about) in groups {
+        page += &format!("\n## {heading}\n{about}\n\n| OSC | value | what |\n|---|---|---|\n");
+        for target in Target::all().filter(|target| target.kind() == kind) {
+            let about = if target.about().is_empty() { "see [music](music.md)" } else { target.about() };
+            page += &format!("| `/chladni/{}` | {} | {about} |\n", target.name(), numbers(target));
+        }
+    }
+    page
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn the_page_in_the_documentation_is_that_of_the_table() {
+        let page = include_str!("../../../docs/controls.md");
+        assert_eq!(page, controls_page(), "chladni controls > docs/controls.md");
+    }
+
+    fn cue(address: &str, value: Option<f32>) -> Option<Cue> {
+        osc_cue(address, value, None, &Parameters::default())
+    }
+
+    #[test]
+    fn every_target_has_one_name_and_its_address_reaches_it() {
+        let mut names = HashSet::new();
+        for target in Target::all() {
+            assert!(!target.name().is_empty() && names.insert(target.name()), "{target:?}");
+            assert_eq!(Target::named(target.name()), Some(target));
+            let address = format!("/chladni/{}", target.name());
+            let reached = cue(&address, Some(1.0)).or_else(|| cue(&address, None));
+            assert!(reached.is_some(), "{target:?}");
+            assert!(controls_page().contains(&format!("`{address}`")));
+        }
+    }
+
+    #[test]
+    fn own_addresses_need_no_learning() {
+        let set = |parameter, value| Some(Cue::Do(Action::Set { parameter, value }));
+        assert_eq!(cue("/chladni/side-gain", Some(20.0)), set(Parameter::SideGain, 20.0));
+        assert_eq!(cue("/chladni/side-gain", Some(1e9)), set(Parameter::SideGain, 100.0));
+        assert_eq!(cue("/chladni/side-gain", Some(f32::NAN)), None);
+        let off = Action::Switch { switch: Switch::FlashLimit, on: false };
+        assert_eq!(cue("/chladni/flash-limit", Some(0.0)), Some(Cue::Do(off)));
+        assert_eq!(cue("/chladni/flash-limit", Some(f32::NAN)), None);
+        assert_eq!(cue("/chladni/breed", None), Some(Cue::Do(Action::Breed)));
+        let modal = Some(Cue::Do(Action::SetForm { form: Form::Modal }));
+        assert_eq!(cue("/chladni/form", Some(1.0)), modal);
+        assert_eq!(cue("/chladni/form/modal", None), modal);
+        assert_eq!(osc_cue("/chladni/form", None, Some("modal"), &Parameters::default()), modal);
+        assert_eq!((cue("/chladni/form/loud", None), cue("/chladni/form", Some(9.0))), (None, None));
+        let few = Some(Cue::Do(Action::SetHarmonics { harmonics: 128 }));
+        assert_eq!(cue("/chladni/harmonics", Some(128.0)), few);
+        assert_eq!(cue("/chladni/stereo-mu", Some(0.25)), set(Parameter::StereoMu, 0.25));
+        assert_eq!(setting("choir", "symmetric"), Some(Action::SetChoir { choir: Choir::Symmetric }));
+        assert_eq!(
+            setting("beat-turns", "off"),
+            Some(Action::Switch { switch: Switch::BeatTurns, on: false })
+        );
+        for (name, value) in [("form", "7"), ("form", "-1"), ("gain", "loud"), ("volume", "1")] {
+            assert_eq!(setting(name, value), None, "{name} {value}");
+        }
+        for nothing in ["", "/", "/chladni", "/chladni/", "/other/gain", "chladni/gain"] {
+            assert_eq!(cue(nothing, Some(1.0)), None);
+        }
+    }
+
+    #[test]
+    fn the_room_is_asked_for_the_rest() {
+        let ask = |target, which| Some(Cue::Ask(target, which));
+        assert_eq!(cue("/chladni/tap", Some(1.0)), ask(Target::Tap, Which::Press));
+        assert_eq!(cue("/chladni/tap", Some(0.0)), None);
+        assert_eq!(cue("/chladni/preset", Some(12.0)), ask(Target::Preset, Which::Number(12)));
+        assert_eq!(cue("/chladni/preset/7", None), ask(Target::Preset, Which::Number(7)));
+        let named = osc_cue("/chladni/preset", None, Some("slow tide"), &Parameters::default());
+        assert_eq!(named, ask(Target::Preset, Which::Name("slow tide".into())));
+        assert_eq!(cue("/chladni/look", None), ask(Target::Look, Which::Press));
+        assert_eq!(cue("/chladni/choose", Some(3.0)), ask(Target::Choose, Which::Number(3)));
+        assert_eq!(cue("/chladni/choose", Some(0.0)), None);
+        assert_eq!(cue("/chladni/crossfade", Some(7.0)), ask(Target::Crossfade, Which::Level(1.0)));
+        assert_eq!(cue("/chladni/crossfade", None), None);
+        assert_eq!(cue("/chladni/blackout/7", Some(0.0)), None);
+    }
+}

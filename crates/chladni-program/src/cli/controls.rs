@@ -1,0 +1,17 @@
+//! `chladni controls`: what can be learned by a controller or addressed over OSC.
+
+use clap::Args;
+
+use super::Terminal;
+use crate::work::Error;
+
+/// Print all that controllers and OSC can turn, as a page in Markdown.
+#[derive(Args)]
+pub struct Controls {}
+
+impl Controls {
+    /// Runs the command.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        terminal.result(chladni_music::controls_page().trim_end())
+    }
+}

@@ -1,0 +1,94 @@
+//! Black and stillness on stage, by hand.
+
+use egui::{Color32, Rect, Ui};
+
+/// Light goes and comes back within this time.
+const FADE_SECS: f64 = 0.6;
+/// A change of mind waits so long: no more than three flashes a second, however fast a hand is.
+const LEAST_SECS: f64 = 0.7;
+
+/// Whether the stage is black, and whether its picture stands still.
+#[derive(Debug, Default)]
+pub struct House {
+    black: bool,
+    /// What it becomes: a hand may be faster.
+    falls: bool,
+    changed_secs: f64,
+    /// How black it was then, and is now.
+    from: f32,
+    level: f32,
+    /// The picture that is shown stays.
+    pub frozen: bool,
+}
+
+impl House {
+    /// Black, or back.
+    pub fn toggle_black(&mut self) {
+        self.black = !self.black;
+    }
+
+    /// Whether it is black, or will be.
+    pub fn is_black(&self) -> bool {
+        self.black
+    }
+
+    /// Light again at once, for a stage that is left.
+    pub fn open(&mut self) {
+        *self = Self::default();
+    }
+
+    /// How black it is, in [0, 1], and whether that changes.
+    pub fn level(&mut self, now_secs: f64) -> (f32, bool) {
+        if self.black != self.falls && now_secs - self.changed_secs >= LEAST_SECS {
+            (self.falls, self.from, self.changed_secs) = (self.black, self.level, now_secs);
+        }
+        let gone = ((now_secs - self.changed_secs) / FADE_SECS).clamp(0.0, 1.0) as f32;
+        let to = f32::from(u8::from(self.falls));
+        self.level = self.from + gone * (to - self.from);
+        (self.level, gone < 1.0 || self.black != self.falls)
+    }
+
+    /// Darkens `rect`; whether that changes.
+    pub fn cover(&mut self, ui: &Ui, rect: Rect, now_secs: f64) -> bool {
+        let (level, changes) = self.level(now_secs);
+        if level > 0.0 {
+            ui.painter().rect_filled(rect, 0.0, Color32::from_black_alpha((255.0 * level).round() as u8));
+        }
+        changes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_music::{MAX_FLASHES, most_flashes_per_second};
+
+    #[test]
+    fn it_goes_black_and_comes_back() {
+        let mut house = House::default();
+        assert_eq!(house.level(10.0), (0.0, false));
+        house.toggle_black();
+        assert!(house.level(10.1).1);
+        assert_eq!(house.level(11.0), (1.0, false));
+        house.toggle_black();
+        assert!(house.is_black() != house.level(11.1).1);
+        assert_eq!(house.level(12.0), (0.0, false));
+    }
+
+    #[test]
+    fn a_fast_hand_makes_no_flashes() {
+        for every in 1..40 {
+            let mut house = House::default();
+            let (mut times_secs, mut light) = (Vec::new(), Vec::new());
+            for frame in 0..600 {
+                if frame % every == 0 {
+                    house.toggle_black();
+                }
+                let now_secs = 10.0 + f64::from(frame) / 60.0;
+                times_secs.push(now_secs);
+                light.push(1.0 - house.level(now_secs).0);
+            }
+            assert!(most_flashes_per_second(&times_secs, &light) <= MAX_FLASHES, "every {every}");
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! What controllers ask of the room, and where things stand for them.
+
+use chladni_music::{Action, Looks, SHOTS, Target, Which};
+use chladni_sound::PlayerState;
+use chladni_view::{Background, Lights, Look, Material, Palette};
+
+use super::MusicRoom;
+use super::concert::Concert;
+use super::listening::Listening;
+use super::remote::NUDGE_SECS;
+use super::wish::Wish;
+use crate::studio::room::Shared;
+
+/// Where things stand, for knobs that take over softly and for the lights of pads.
+pub struct Stand<'a> {
+    pub concert: &'a Concert,
+    pub listening: &'a Listening,
+    pub looks: Looks,
+}
+
+impl Stand<'_> {
+    /// In [0, 1]; of a choice or a dance, whether it is the one of that number.
+    pub fn of(&self, target: Target, number: Option<u32>) -> Option<f32> {
+        let instrument = self.concert.instrument();
+        let share = |on: bool| Some(f32::from(u8::from(on)));
+        let is = |at: Option<usize>| share(at == Some((number? as usize).checked_sub(1)?));
+        let item = || {
+            let marked = self.concert.marked();
+            number.map_or(marked, |number| (number as usize).checked_sub(1))
+        };
+        let marks = || item().map(|item| self.concert.marks(item));
+        match target {
+            Target::Look | Target::Palette | Target::Material | Target::Lights | Target::Background => {
+                let (chosen, names) = (chosen(target, &self.looks)?, names(target));
+                is(names.iter().position(|name| name == chosen))
+            }
+            Target::Shot => is(self.listening.called_shot()),
+            Target::Song => is(Some(self.listening.player().status().song)),
+            Target::Choose => share(marks()?.chosen),
+            Target::Favourite => share(marks()?.favourite),
+            Target::Lock => share(marks()?.locked),
+            Target::Stage | Target::Cue => {
+                let id = instrument.gallery().items().get(item()?)?.id;
+                let next = instrument.next_on_stage().map(|(next, _)| next);
+                let there = if target == Target::Cue { next } else { self.concert.on_stage_now() };
+                share(there == Some(id))
+            }
+            Target::Crossfade => Some(instrument.fader()),
+            Target::Volume => Some(self.listening.volume()),
+            Target::Blackout => share(self.concert.house.is_black()),
+            Target::Freeze => share(self.concert.house.frozen),
+            Target::Autopilot => share(self.concert.is_piloted()),
+            Target::Stay => share(self.concert.is_held()),
+            Target::HoldTempo => share(self.listening.is_locked()),
+            Target::PlayPause => share(self.listening.player().status().state == PlayerState::Playing),
+            Target::LeaveStage => share(self.concert.on_stage()),
+            _ => target.standing(number, instrument.parameters()),
+        }
+    }
+}
+
+/// The names that a part of the look may have; empty for targets that are none.
+fn names(target: Target) -> Vec<&'static str> {
+    match target {
+        Target::Look => Look::PRESETS.iter().map(|preset| preset.0).collect(),
+        Target::Palette => Palette::ALL.map(Palette::name).to_vec(),
+        Target::Material => Material::PRESETS.map(|preset| preset.0).to_vec(),
+        Target::Lights => Lights::PRESETS.map(|preset| preset.0).to_vec(),
+        Target::Background => Background::PRESETS.map(|preset| preset.0).to_vec(),
+        _ => Vec::new(),
+    }
+}
+
+fn chosen(target: Target, looks: &Looks) -> Option<&String> {
+    Some(match target {
+        Target::Look => &looks.look,
+        Target::Palette => &looks.palette,
+        Target::Material => &looks.material,
+        Target::Lights => &looks.lights,
+        Target::Background => &looks.background,
+        _ => return None,
+    })
+}
+
+/// The one of `names` that is asked for; a press takes the one after `now`.
+fn pick(names: &[impl AsRef<str>], now: Option<usize>, which: &Which) -> Option<usize> {
+    let count = names.len();
+    let at = match which {
+        Which::Press => now.map_or(0, |now| (now + 1) % count.max(1)),
+        Which::Number(number) => (*number as usize).checked_sub(1)?,
+        Which::Name(name) => {
+            let name = name.to_lowercase();
+            names.iter().position(|known| known.as_ref().to_lowercase() == name)?
+        }
+        Which::Level(share) => ((share * count as f32) as usize).min(count.saturating_sub(1)),
+    };
+    (at < count).then_some(at)
+}
+
+impl MusicRoom {
+    /// Does what a controller asks of the room; says so where there is no such thing.
+    pub(super) fn ask(
+        &mut self,
+        target: Target,
+        which: &Which,
+        shared: &mut Shared<'_>,
+        wishes: &mut Vec<Wish>,
+    ) {
+        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
+        let found = match (target, which) {
+            (Target::Shot, which) => {
+                let shot = pick(&SHOTS, listening.called_shot(), which);
+                // The camera chooses again where its shot is called once more, or where it is asked to.
+                let same = shot.is_some() && shot == listening.called_shot();
+                let auto = matches!(which, Which::Name(name) if name == "auto");
+                listening.call_shot(shot.filter(|_| !same && !auto));
+                shot.is_some() || auto
+            }
+            (Target::Preset | Target::RandomPreset, which) => {
+                let shelf = &mut self.drawers.shelf;
+                shelf.ready(shared.folders.dances.as_deref(), shared.notices);
+                let presets: Vec<_> = shelf.presets().collect();
+                let names: Vec<&str> = presets.iter().map(|preset| preset.name.as_str()).collect();
+                let at = if target == Target::RandomPreset {
+                    // When a hand presses is random enough.
+                    let micros = (1e6 * shared.ctx.input(|input| input.time)) as usize;
+                    Some(micros.wrapping_mul(2_654_435_761) % names.len().max(1))
+                } else {
+                    pick(&names, self.preset, which)
+                };
+                let preset = at.and_then(|at| presets.get(at));
+                self.preset = at.or(self.preset);
+                wishes.extend(preset.map(|preset| Wish::Take(Box::new((*preset).clone()))));
+                preset.is_some()
+            }
+            (Target::Song, which) => {
+                let names: Vec<String> = (0..listening.songs().len()).map(|i| listening.name_of(i)).collect();
+                let song = pick(&names, Some(listening.player().status().song), which);
+                song.inspect(|song| listening.select(*song)).is_some()
+            }
+            (Target::Crossfade, Which::Level(share)) => {
+                wishes.push(Wish::Do(Action::Crossfade { share: *share }));
+                true
+            }
+            (Target::Volume, Which::Level(share)) => {
+                listening.set_volume(*share);
+                shared.settings.music.volume = *share;
+                true
+            }
+            (
+                Target::Look | Target::Palette | Target::Material | Target::Lights | Target::Background,
+                which,
+            ) => {
+                let (mut looks, names) = (shared.settings.music.looks(), names(target));
+                let now = chosen(target, &looks).and_then(|now| names.iter().position(|name| name == now));
+                let name =
+                    pick(&names, now, which).and_then(|at| names.get(at)).map(|name| (*name).to_owned());
+                let found = name.is_some();
+                if let Some(name) = name {
+                    match target {
+                        // A look is a whole: parts that were chosen for another one go.
+                        Target::Look => looks = Looks { look: name, ..Looks::default() },
+                        Target::Palette => looks.palette = name,
+                        Target::Material => looks.material = name,
+                        Target::Lights => looks.lights = name,
+                        _ => looks.background = name,
+                    }
+                    shared.settings.music.look_like(&looks);
+                }
+                found
+            }
+            (target, which) => match dance(target, which, concert) {
+                Some(wish) => {
+                    wishes.push(wish);
+                    true
+                }
+                None => press(target, concert, listening, wishes),
+            },
+        };
+        if !found {
+            let which = match which {
+                Which::Number(number) => format!(" {number}"),
+                Which::Name(name) => format!(" called {name}"),
+                Which::Press | Which::Level(_) => String::new(),
+            };
+            shared
+                .notices
+                .warn(format!("A controller asked for a {}{which} that is not there.", target.name()));
+        }
+    }
+}
+
+/// What is to be done with a dance of the gallery; `None` where it is not there, or the target is none of dances.
+fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
+    let items = concert.instrument().gallery().items();
+    let item = match which {
+        Which::Number(number) => (*number as usize).checked_sub(1)?,
+        Which::Name(name) => items.iter().position(|item| item.name == *name)?,
+        _ => concert.marked()?,
+    };
+    items.get(item)?;
+    let marks = concert.marks(item);
+    Some(Wish::Do(match target {
+        Target::Choose => Action::Choose { item, on: !marks.chosen },
+        Target::Favourite => Action::Favourite { item, on: !marks.favourite },
+        Target::Lock => Action::Lock { item, on: !marks.locked },
+        Target::Mutate => Action::Mutate { item, amount: 0.2 },
+        Target::Stage => Action::Perform { item },
+        Target::Cue => Action::CueUp { item },
+        _ => return None,
+    }))
+}
+
+/// A button was pressed; false where the target is none.
+fn press(target: Target, concert: &mut Concert, listening: &mut Listening, wishes: &mut Vec<Wish>) -> bool {
+    let gallery = concert.instrument().gallery();
+    match target {
+        Target::Back => {
+            let before = gallery.current().checked_sub(1);
+            wishes.extend(before.map(|generation| Wish::Do(Action::GoTo { generation })));
+        }
+        Target::Forth => {
+            let after = Some(gallery.current() + 1).filter(|after| *after < gallery.generations().len());
+            wishes.extend(after.map(|generation| Wish::Do(Action::GoTo { generation })));
+        }
+        Target::NextFavourite => wishes.push(Wish::StepFavourite(true)),
+        Target::PreviousFavourite => wishes.push(Wish::StepFavourite(false)),
+        Target::Go => wishes.push(Wish::Do(Action::Go)),
+        Target::Blackout => concert.house.toggle_black(),
+        Target::Freeze => concert.house.frozen = !concert.house.frozen,
+        Target::Autopilot => wishes.push(Wish::Autopilot),
+        Target::Stay => wishes.push(Wish::Hold),
+        Target::Tap => listening.tap(),
+        Target::Halve => listening.halve(),
+        Target::Double => listening.double(),
+        Target::HoldTempo => listening.lock(!listening.is_locked()),
+        Target::NudgeLater => listening.nudge(-NUDGE_SECS),
+        Target::NudgeSooner => listening.nudge(NUDGE_SECS),
+        Target::PlayPause => listening.toggle(),
+        Target::NextSong => listening.player().next(),
+        Target::PreviousSong => listening.player().previous(),
+        _ => return false,
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_of_several_is_picked() {
+        let names = ["one", "Two", "three"];
+        let picked = |now, which| pick(&names, now, &which);
+        assert_eq!(picked(None, Which::Press), Some(0));
+        assert_eq!(picked(Some(2), Which::Press), Some(0));
+        assert_eq!(picked(Some(2), Which::Number(2)), Some(1));
+        assert_eq!((picked(None, Which::Number(0)), picked(None, Which::Number(4))), (None, None));
+        assert_eq!(picked(None, Which::Name("two".into())), Some(1));
+        assert_eq!([0.0, 0.4, 1.0].map(|share| picked(None, Which::Level(share))), [0, 1, 2].map(Some));
+        assert_eq!(pick(&[""; 0], None, &Which::Press), None);
+    }
+
+    #[test]
+    fn parts_of_the_look_have_names() {
+        let parts = Target::all().filter(|target| chosen(*target, &Looks::default()).is_some());
+        assert!(parts.inspect(|part| assert!(names(*part).len() > 2, "{part:?}")).count() == 5);
+    }
+}

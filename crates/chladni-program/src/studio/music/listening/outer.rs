@@ -1,0 +1,159 @@
+//! The beat of an outer clock, in place of the one that is heard.
+
+use chladni_music::{BarLine, Beat, ClockMessage, Director, Tempo};
+use chladni_sound::BeatMoment;
+
+use super::{LIVE_SEED, Listening};
+
+/// An outer clock, and what the music tells that it does not: energy and sections.
+#[derive(Default)]
+pub struct Outer {
+    pub tempo: Tempo,
+    /// Whether the preferences ask for it.
+    pub wanted: bool,
+    /// Whether it was followed in the last frame.
+    was_followed: bool,
+    /// The music's, since the last bar of the clock.
+    section_begins: bool,
+}
+
+/// How much goes on, and how many bars and sections have begun since listening began.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    pub bars: u32,
+    pub sections: u32,
+    /// In [0, 1], of the bar that began last.
+    pub energy: f32,
+}
+
+impl Progress {
+    fn hear(&mut self, bar: &BarLine) {
+        self.bars = self.bars.wrapping_add(1);
+        self.sections = self.sections.wrapping_add(u32::from(bar.begins_section));
+        self.energy = bar.energy;
+    }
+}
+
+impl Listening {
+    /// Whether the beat of an outer clock is to be followed. Until one is heard the beat stays that of the music.
+    pub fn want_clock(&mut self, on: bool) {
+        self.outer.wanted = on;
+    }
+
+    /// What a clock said at `at_secs` of the clock that [`hear`](Self::hear) is given.
+    pub fn hear_clock(&mut self, message: ClockMessage, at_secs: f64) {
+        self.outer.tempo.hear(message, at_secs);
+    }
+
+    /// Whether the beat is that of an outer clock, or locked.
+    pub fn follows_clock(&self) -> bool {
+        let Outer { tempo, wanted, .. } = &self.outer;
+        tempo.is_known() && (*wanted || tempo.is_locked())
+    }
+
+    /// Whether tempo and beat go on as they are.
+    pub fn is_locked(&self) -> bool {
+        self.outer.tempo.is_locked()
+    }
+
+    /// Goes on at the present tempo, whatever is heard; or listens again.
+    pub fn lock(&mut self, on: bool) {
+        if on && !self.follows_clock() {
+            let BeatMoment { tempo_bpm, .. } = self.beat_moment();
+            self.outer.tempo.set(tempo_bpm, self.last_beat.count, self.last_secs);
+            self.outer.was_followed = self.outer.tempo.is_known();
+            self.film_anew();
+        }
+        if on && !self.outer.tempo.is_known() {
+            return self.warnings.push("There is no tempo to hold yet.".into());
+        }
+        self.outer.tempo.lock(on);
+        if !on && !self.outer.wanted {
+            self.outer.tempo = Tempo::default();
+        }
+    }
+
+    /// Moves the beat; positive comes sooner.
+    pub fn nudge(&mut self, secs: f64) {
+        if self.follows_clock() {
+            return self.outer.tempo.nudge(secs);
+        }
+        match self.known_beats().map(|(number, _)| number) {
+            Some(number) => self.read_otherwise(number, |reading| reading.shift_secs -= secs),
+            None => {
+                self.warnings.push("A beat that is heard live cannot be nudged: tap it, or hold it.".into())
+            }
+        }
+    }
+
+    /// The beat, as it was heard last.
+    pub fn beat(&self) -> Beat {
+        self.last_beat
+    }
+
+    /// Bars, sections and energy so far.
+    pub fn progress(&self) -> Progress {
+        self.progress
+    }
+
+    /// The beat at this moment, of the clock where it is followed.
+    pub(super) fn beat_or(&mut self, by_music: Beat) -> Beat {
+        let follows = self.follows_clock();
+        if follows != std::mem::replace(&mut self.outer.was_followed, follows) {
+            self.change_clock(follows);
+        }
+        if !follows {
+            return by_music;
+        }
+        let beat = self.outer.tempo.at(self.last_secs);
+        self.outer_beat = beat;
+        beat
+    }
+
+    /// The bars to be told of: those of the clock where it is followed, with what `of_music` say of energy and sections.
+    pub(super) fn bars_or(&mut self, of_music: Vec<BarLine>) -> Vec<BarLine> {
+        let bars = if self.follows_clock() {
+            let outer = &mut self.outer;
+            if let Some(last) = of_music.last() {
+                self.progress.energy = last.energy;
+            }
+            outer.section_begins |= of_music.iter().any(|bar| bar.begins_section);
+            let bar = outer.tempo.bar(self.last_secs, self.progress.energy, outer.section_begins);
+            if let Some(bar) = bar {
+                outer.section_begins = false;
+                self.director.hear(bar);
+            }
+            // The show has its own time.
+            bar.map(|bar| BarLine { at_secs: self.clock.at_secs(), ..bar }).into_iter().collect()
+        } else {
+            of_music
+        };
+        bars.iter().for_each(|bar| self.progress.hear(bar));
+        bars
+    }
+
+    pub(super) fn clock_moment(&self) -> Option<BeatMoment> {
+        let tempo_bpm = self.outer.tempo.bpm().filter(|_| self.follows_clock())?;
+        let Beat { count, confidence } = self.outer_beat;
+        let phase = count.rem_euclid(1.0);
+        let next_beat_secs = self.last_secs + (1.0 - phase) * 60.0 / tempo_bpm;
+        Some(BeatMoment { tempo_bpm, phase, next_beat_secs, confidence: f64::from(confidence) })
+    }
+
+    /// No beat goes back: the count goes on from that of the clock before.
+    fn change_clock(&mut self, follows: bool) {
+        if follows {
+            self.outer.tempo.go_on_from(self.last_beat.count, self.last_secs);
+        } else {
+            self.beats.gone = self.outer_beat.count.ceil();
+            // What was done is counted again in the beats of the song.
+            self.beats_changed = true;
+        }
+        self.film_anew();
+    }
+
+    /// Bars now have another time.
+    fn film_anew(&mut self) {
+        self.director = Director::live(LIVE_SEED);
+    }
+}

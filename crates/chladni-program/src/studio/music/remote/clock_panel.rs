@@ -1,0 +1,82 @@
+//! Where the beat comes from, and where it goes.
+
+use egui::{RichText, TextEdit, Ui};
+
+use super::panel::weak;
+use super::{Midi, Remote};
+use crate::studio::keys::music::{LOCK_BEAT, NUDGE_BACK, NUDGE_ON};
+use crate::studio::music::listening::Listening;
+use crate::studio::music::preferences::Preferences;
+use crate::studio::theme;
+
+/// How far one nudge moves the beat.
+pub const NUDGE_SECS: f64 = 0.01;
+
+impl Remote {
+    /// Draws the part of the drawer that is about clocks.
+    pub(super) fn clock(&mut self, ui: &mut Ui, preferences: &mut Preferences, listening: &mut Listening) {
+        ui.label(RichText::new("Clock").strong());
+        let tip =
+            "MIDI clock of any device, and /tempo and /beat over OSC, in place of the beat that is heard";
+        theme::checkbox(ui, &mut preferences.follows_clock, "Follow MIDI clock and OSC").on_hover_text(tip);
+        let told = match (listening.is_locked(), listening.follows_clock()) {
+            (true, _) => "The tempo is held.",
+            (false, true) => "The beat is that of the clock.",
+            (false, false) if preferences.follows_clock => {
+                "No clock is heard yet: the beat is that of the music."
+            }
+            (false, false) => "The beat is that of the music.",
+        };
+        weak(ui, told);
+        ui.horizontal(|ui| {
+            let mut locked = listening.is_locked();
+            let lock = theme::checkbox(ui, &mut locked, "Hold the tempo");
+            if lock.on_hover_text(LOCK_BEAT.tooltip(ui.ctx())).changed() {
+                listening.lock(locked);
+            }
+            for (sign, key, secs) in [("–", NUDGE_BACK, -NUDGE_SECS), ("+", NUDGE_ON, NUDGE_SECS)] {
+                let button = ui.small_button(sign).on_hover_text(key.tooltip(ui.ctx()));
+                if button.clicked() {
+                    listening.nudge(secs);
+                }
+            }
+        });
+        ui.add_space(theme::GAP);
+        self.beat_out(ui, preferences);
+    }
+
+    fn beat_out(&mut self, ui: &mut Ui, preferences: &mut Preferences) {
+        ui.label(RichText::new("Beat out").strong());
+        let tip = "/beat, /bar, /tempo, /energy, /section, and /bands 30 times a second";
+        let label = ui.label("By OSC to").on_hover_text(tip).id;
+        let mut address = preferences.beat_out.clone().unwrap_or_default();
+        let field =
+            TextEdit::singleline(&mut address).hint_text("127.0.0.1:9000").desired_width(f32::INFINITY);
+        if ui.add(field).labelled_by(label).on_hover_text(tip).changed() {
+            preferences.beat_out = Some(address).filter(|address| !address.is_empty());
+        }
+        let failure = match &self.beat_out {
+            Some(Ok(out)) => out.failure.as_ref(),
+            Some(Err(why)) => Some(why),
+            None => None,
+        };
+        if let Some(why) = failure {
+            ui.label(RichText::new(why).small().color(theme::palette(ui).warning));
+        }
+        let outputs = self.midi.as_ref().map(Midi::devices).unwrap_or_default().outputs;
+        // A device that is missing now is still listed, so that it can be changed.
+        let gone = preferences.clock_out.clone().filter(|device| !outputs.contains(device));
+        let choices: Vec<String> = outputs.into_iter().chain(gone).collect();
+        if choices.is_empty() {
+            return;
+        }
+        ui.label("MIDI clock to");
+        theme::group(ui, "MIDI clock to", |ui| {
+            ui.selectable_value(&mut preferences.clock_out, None, "Nobody");
+            for device in choices {
+                let name = device.clone();
+                ui.selectable_value(&mut preferences.clock_out, Some(device), name);
+            }
+        });
+    }
+}

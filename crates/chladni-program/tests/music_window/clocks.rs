@@ -1,0 +1,92 @@
+//! The beat from outside, and the beat for others.
+
+use super::*;
+
+/// An OSC message with one float, by the book: address and type tags padded to four bytes, big-endian number.
+pub fn packet(address: &str, value: f32) -> Vec<u8> {
+    let mut packet = address.as_bytes().to_vec();
+    packet.resize(4 * (address.len() / 4 + 1), 0);
+    packet.extend(b",f\0\0");
+    packet.extend(value.to_be_bytes());
+    packet
+}
+
+/// Sends until the window shows `what`: loopback may lose a packet.
+fn send_until(window: &mut Window, port: u16, message: &[u8], what: &str) {
+    let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    for _ in 0..100 {
+        socket.send_to(message, (Ipv4Addr::LOCALHOST, port)).unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        window.run_steps(1);
+        if shows(window, what) {
+            return;
+        }
+    }
+    panic!("{what} is not shown");
+}
+
+#[test]
+fn the_beat_comes_from_outside_and_goes_out_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let port = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
+    let ear = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    ear.set_read_timeout(Some(std::time::Duration::from_millis(20))).unwrap();
+    let to = ear.local_addr().unwrap();
+    let music = format!("osc_port = {port}\nfollows_clock = true\nbeat_out = \"{to}\"\n");
+    let settings = folders.settings.clone().unwrap();
+    std::fs::write(&settings, format!("harmonics = 24\n[music]\n{music}")).unwrap();
+    let mut window = enter(Opening { folders, ..Opening::default() });
+    click(&mut window, "Remote");
+    assert!(shows(&window, "No clock is heard yet"));
+    send_until(&mut window, port, &packet("/tempo", 133.0), "133 BPM");
+    window.run_steps(2);
+    assert!(shows(&window, "The beat is that of the clock") && shows(&window, "100 % sure"));
+    screenshot(&mut window, "window-music-clock.png");
+
+    let mut heard = Vec::new();
+    for _ in 0..400 {
+        window.run_steps(1);
+        let mut packet = [0u8; 512];
+        while let Ok(length) = ear.recv(&mut packet) {
+            let end = packet[..length].iter().position(|byte| *byte == 0).unwrap();
+            let address = String::from_utf8(packet[..end].to_vec()).unwrap();
+            if address == "/tempo" {
+                let number: [u8; 4] = packet[length - 4..length].try_into().unwrap();
+                heard.push(format!("/tempo {}", f32::from_be_bytes(number)));
+            } else {
+                heard.push(address);
+            }
+        }
+        if ["/tempo 133", "/beat", "/bar", "/energy", "/bands"]
+            .iter()
+            .all(|all| heard.iter().any(|h| h == all))
+        {
+            break;
+        }
+    }
+    for address in ["/tempo 133", "/beat", "/bar", "/energy", "/section", "/bands"] {
+        assert!(heard.iter().any(|heard| heard == address), "{address}: {heard:?}");
+    }
+
+    window.key_press(Key::K);
+    window.run_steps(2);
+    assert!(shows(&window, "The tempo is held"));
+    let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    for _ in 0..10 {
+        socket.send_to(&packet("/tempo", 90.0), (Ipv4Addr::LOCALHOST, port)).unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        window.run_steps(1);
+    }
+    assert!(shows(&window, "133 BPM"));
+    window.key_press(Key::K);
+    window.run_steps(2);
+    send_until(&mut window, port, &packet("/tempo", 90.0), "90 BPM");
+    window.key_press(Key::OpenBracket);
+    window.run_steps(2);
+    assert!(shows(&window, "45 BPM"));
+    // Back to the music.
+    click(&mut window, "Follow MIDI clock and OSC");
+    window.run_steps(2);
+    assert!(shows(&window, "The beat is that of the music") && !shows(&window, "45 BPM"));
+}

@@ -1,0 +1,160 @@
+//! The room in the hands of a controller.
+
+use super::clocks::packet;
+use super::*;
+
+/// A message with one text.
+fn named(address: &str, text: &str) -> Vec<u8> {
+    let padded = |text: &str| {
+        let mut bytes = text.as_bytes().to_vec();
+        bytes.resize(4 * (text.len() / 4 + 1), 0);
+        bytes
+    };
+    [padded(address), padded(",s"), padded(text)].concat()
+}
+
+/// A room that hears OSC messages.
+struct Desk {
+    window: Window,
+    socket: UdpSocket,
+    port: u16,
+    settings: std::path::PathBuf,
+    _folder: tempfile::TempDir,
+}
+
+impl Desk {
+    fn begin(chooser: &Answers) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let folders = folders(folder.path());
+        let port = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
+        let settings = folders.settings.clone().unwrap();
+        std::fs::write(&settings, format!("harmonics = 24\n[music]\nosc_port = {port}\n")).unwrap();
+        let opening = Opening { folders, chooser: Box::new(chooser.clone()), ..Opening::default() };
+        let window = enter(opening);
+        let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        Self { window, socket, port, settings, _folder: folder }
+    }
+
+    fn send(&mut self, packet: &[u8]) {
+        self.socket.send_to(packet, (Ipv4Addr::LOCALHOST, self.port)).unwrap();
+        for _ in 0..4 {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            self.window.run_steps(1);
+        }
+    }
+
+    fn touch(&mut self, name: &str, value: f32) {
+        self.send(&packet(&format!("/chladni/{name}"), value));
+    }
+
+    fn settings(&self) -> String {
+        std::fs::read_to_string(&self.settings).unwrap()
+    }
+
+    fn brightness(&mut self) -> f64 {
+        let picture = self.window.render().unwrap();
+        let sum: u64 = picture.pixels().map(|p| u64::from(p[0]) + u64::from(p[1]) + u64::from(p[2])).sum();
+        sum as f64 / f64::from(3 * picture.width() * picture.height())
+    }
+}
+
+#[test]
+fn gallery_look_and_stage_obey() {
+    let mut desk = Desk::begin(&Answers::default());
+    for dance in [3.0, 5.0] {
+        desk.touch("choose", dance);
+    }
+    assert!(is_chosen(&desk.window, "Dance 3") && is_chosen(&desk.window, "Dance 5"));
+    desk.touch("choose", 5.0);
+    assert!(!is_chosen(&desk.window, "Dance 5"));
+    desk.touch("choose", 5.0);
+    desk.touch("breed", 1.0);
+    assert!(shows(&desk.window, "2 / 2"));
+    desk.touch("back", 1.0);
+    assert!(shows(&desk.window, "1 / 2"));
+    desk.send(&named("/chladni/look", "Ember"));
+    desk.touch("palette", 5.0);
+    assert!(desk.settings().contains("look = \"ember\"") && desk.settings().contains("palette = \"gold\""));
+    desk.send(&named("/chladni/preset", "no such dance"));
+    assert!(shows(&desk.window, "no such dance"));
+    desk.touch("choose", 99.0);
+    desk.touch("volume", 0.25);
+    assert!(desk.settings().contains("volume = 0.25"));
+
+    assert!(shows(&desk.window, "12 items"));
+    desk.touch("stage", 2.0);
+    desk.window.run_steps(30);
+    assert!(!shows(&desk.window, "12 items"));
+    let bright = desk.brightness();
+    desk.touch("blackout", 1.0);
+    desk.touch("blackout", 0.0);
+    desk.window.run_steps(60);
+    assert!(desk.brightness() < 0.1 * bright, "{} of {bright}", desk.brightness());
+    desk.touch("blackout", 1.0);
+    desk.window.run_steps(60);
+    // The song goes on meanwhile: some of its moments are darker.
+    assert!((0..20).any(|_| {
+        desk.window.run_steps(10);
+        desk.brightness() > 0.5 * bright
+    }));
+    desk.touch("preset", 3.0);
+    desk.touch("random", 1.0);
+    desk.touch("shot", 7.0);
+    desk.touch("cue", 6.0);
+    desk.touch("go", 1.0);
+    desk.touch("leave", 1.0);
+    desk.window.run_steps(30);
+    assert!(shows(&desk.window, "12 items"));
+}
+
+#[test]
+fn bindings_are_learned_with_a_number_and_go_to_another_machine() {
+    let answers = Answers::default();
+    let mut desk = Desk::begin(&answers);
+    click(&mut desk.window, "Remote");
+    // It may have to be scrolled to.
+    desk.window.get_by_label("Learn Song of the list").click_accesskit();
+    desk.window.run_steps(2);
+    desk.send(&packet("/pad/1", 1.0));
+    assert!(shows(&desk.window, "/pad/1"));
+    let file = desk.settings.with_file_name("desk.toml");
+    answers.add(&file);
+    click(&mut desk.window, "Export …");
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(text.contains("/pad/1") && text.contains("song"), "{text}");
+    std::fs::write(&file, text.replace("/pad/1", "/pad/9")).unwrap();
+    answers.add(&file);
+    click(&mut desk.window, "Import …");
+    desk.window.run_steps(2);
+    assert!(desk.settings().contains("/pad/1") && desk.settings().contains("/pad/9"), "{}", desk.settings());
+    std::fs::write(&file, "format_version = 99\n").unwrap();
+    answers.add(&file);
+    click(&mut desk.window, "Import …");
+    assert!(shows(&desk.window, "99"));
+}
+
+/// The window goes on while somebody floods it.
+#[test]
+fn a_flood_of_messages_stalls_nothing() {
+    let mut desk = Desk::begin(&Answers::default());
+    let port = desk.port;
+    let flood = std::thread::spawn(move || {
+        let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let (knob, odd) = (packet("/chladni/gain", 0.5), packet("/strange", f32::NAN));
+        for i in 0..100_000usize {
+            let bytes: &[u8] = [&knob[..], &odd, b"no osc at all", &[b'/'; 1600]][i % 4];
+            let _ = socket.send_to(bytes, (Ipv4Addr::LOCALHOST, port));
+        }
+    });
+    let mut frames = 0;
+    while !flood.is_finished() {
+        desk.window.run_steps(1);
+        frames += 1;
+    }
+    assert!(frames > 0);
+    // What comes while the queue is still full is lost, as it would be on a network.
+    assert!((0..50).any(|_| {
+        desk.touch("volume", 0.125);
+        desk.settings().contains("volume = 0.125")
+    }));
+}
