@@ -7,6 +7,7 @@ mod choose_file;
 mod dance;
 mod demo;
 mod info;
+mod ink;
 mod layer_options;
 mod match_shapes;
 mod open;
