@@ -522,6 +522,22 @@ fn a_part_of_a_head_is_a_region() {
 }
 
 #[test]
+fn the_limbs_of_any_shape_are_its_parts_at_a_level() {
+    let desk = Desk::new();
+    let printed = desk.ok("parts sample:octopus --level 0.3 --json -o parts.npz --render parts.png");
+    let parts: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    let parts = parts.as_array().unwrap();
+    let arms: Vec<_> = parts.iter().filter(|part| !part["twin"].is_null()).collect();
+    assert_eq!(arms.len(), 8, "{printed}");
+    assert!(arms.iter().all(|arm| parts[arm["twin"].as_u64().unwrap() as usize]["twin"] == arm["part"]));
+    let total: f64 = parts.iter().map(|part| part["share"].as_f64().unwrap()).sum();
+    assert!((total - 1.0).abs() < 1e-9);
+    assert!(desk.path("parts.npz").exists() && desk.path("parts.png").exists());
+    assert!(desk.ok("parts shape.obj --level 0").contains("% of the surface"));
+    assert!(desk.refused("parts shape.obj --level 2").contains("from 0 to 1"));
+}
+
+#[test]
 fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
     let desk = Desk::new();
     let line = "caricature shape.obj ellipsoid -o out.ply -k 32 --mu -1 --size 320x160";

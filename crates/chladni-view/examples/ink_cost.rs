@@ -40,7 +40,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let start = Instant::now();
         drawing.to_picture();
         timed(3, start);
-        let (n, strokes, [ready, outlines, all, picture]) = (shape.positions.len(), drawing.strokes.len(), times);
+        let (n, strokes, [ready, outlines, all, picture]) =
+            (shape.positions.len(), drawing.strokes.len(), times);
         println!(
             "{name}: {n} vertices, {lines} lines, {strokes} strokes: {ready:.0}, {outlines:.0}, {all:.0}, {picture:.0}"
         );

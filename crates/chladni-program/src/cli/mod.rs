@@ -9,6 +9,7 @@ mod demo;
 mod info;
 mod ink;
 mod layer_options;
+mod limbs;
 mod match_shapes;
 mod open;
 mod parts;
