@@ -520,3 +520,51 @@ fn a_part_of_a_head_is_a_region() {
     let said = desk.refused("caricature sample:head ellipsoid --part elbow -o nose.ply");
     assert!(said.contains("nose, brow"), "{said}");
 }
+
+#[test]
+fn the_limbs_of_any_shape_are_its_parts_at_a_level() {
+    let desk = Desk::new();
+    let printed = desk.ok("parts sample:octopus --level 0.3 --json -o parts.npz --render parts.png");
+    let parts: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    let parts = parts.as_array().unwrap();
+    let arms: Vec<_> = parts.iter().filter(|part| !part["twin"].is_null()).collect();
+    assert_eq!(arms.len(), 8, "{printed}");
+    assert!(arms.iter().all(|arm| parts[arm["twin"].as_u64().unwrap() as usize]["twin"] == arm["part"]));
+    let total: f64 = parts.iter().map(|part| part["share"].as_f64().unwrap()).sum();
+    assert!((total - 1.0).abs() < 1e-9);
+    assert!(desk.path("parts.npz").exists() && desk.path("parts.png").exists());
+    assert!(desk.ok("parts shape.obj --level 0").contains("% of the surface"));
+    assert!(desk.refused("parts shape.obj --level 2").contains("from 0 to 1"));
+}
+
+#[test]
+fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj ellipsoid -o out.ply -k 32 --mu -1 --size 320x160";
+    let read = |name: &str| std::fs::read(desk.path(name)).unwrap();
+    desk.ok(&format!("{line} --render both.svg"));
+    let svg = String::from_utf8(read("both.svg")).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.contains("width=\"320\"") && svg.contains("<g id=\"contours\""));
+    desk.ok(&format!("{line} --render again.svg --ink"));
+    assert_eq!(read("again.svg"), read("both.svg"));
+    desk.ok(&format!("{line} --render ink.png --ink --ink-colors #800000,#ffffff --ink-hatching 0"));
+    let picture = chladni_view::Picture::decode(&read("ink.png")).unwrap();
+    assert_eq!((picture.width, picture.height, picture.pixel(0, 0)), (320, 160, Some([255; 4])));
+    // Nothing but shades between the ink and the paper, and both of them.
+    assert!(picture.rgba.chunks(4).all(|p| p[1] == p[2] && p[0] >= p[1]));
+    assert!(picture.rgba.chunks(4).any(|p| p[1] < 60));
+    // Before and after have lines of one width, or of widths that follow the exaggeration.
+    desk.ok(&format!("{line} --render wide.svg --show after,coordinate --ink-exaggeration"));
+    assert_ne!(read("wide.svg"), read("both.svg"));
+    for (options, said) in [
+        ("--render x.svg --show painted", "ink draws shapes alone"),
+        ("--render x.svg --ink-colors red,blue", "write two colors"),
+        ("--render x.png --ink-hatching 2", "from 0 to 1"),
+        ("--render x.jpg", "a picture ends in .png or .svg"),
+        ("--ink", "--render"),
+    ] {
+        let told = desk.refused(&format!("{line} {options}"));
+        assert!(told.contains(said), "{options}: {told}");
+        assert!(!desk.path("x.svg").exists());
+    }
+}

@@ -2,6 +2,9 @@
 
 use crate::{Camera, Rect, layout};
 
+/// How much of its cell the shape that needs most room fills in pictures.
+pub const FILL: f32 = 0.9;
+
 /// A cell for each of `shapes` within `area`, row by row with `gap` pixels between them, and who looks
 /// at it: from where `from` looks, each shape in the middle of its cell, all at one scale, so that the
 /// shape that needs most room fills its cell to `fill` of its sides. Rows and columns are those that

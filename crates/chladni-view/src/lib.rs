@@ -40,6 +40,7 @@ pub mod film;
 mod finish;
 pub mod framing;
 mod gpu;
+pub mod ink;
 pub mod layout;
 mod look;
 mod looks;

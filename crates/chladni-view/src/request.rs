@@ -11,9 +11,6 @@ use crate::{
     Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, ViewError, Wire, framing, layout,
 };
 
-/// How much of its cell the shape that needs most room fills.
-const FILL: f32 = 0.9;
-
 /// One shape to be drawn, each in a cell of its own.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PictureShape<'a> {
@@ -82,7 +79,7 @@ pub fn render_picture_with(
 ) -> Result<Picture, ViewError> {
     let shapes: Vec<&[[f32; 3]]> = request.shapes.iter().map(|shape| shape.positions).collect();
     let area = Rect::of_size(request.width, request.height);
-    let placed = framing::side_by_side(request.from, &shapes, area, 0, FILL);
+    let placed = framing::side_by_side(request.from, &shapes, area, 0, framing::FILL);
     render_placed(renderer, request, &placed)
 }
 

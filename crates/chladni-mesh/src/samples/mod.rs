@@ -55,6 +55,12 @@ pub fn head_parts(name: &str, mesh: &TriMesh) -> Option<Vec<u8>> {
     }
 }
 
+/// For each vertex of the sample `octopus` 0 on its body or the number of its arm, from 1 to 8; `None` of other samples.
+/// The forms that it is modelled of are its limbs.
+pub fn limbs(name: &str, mesh: &TriMesh) -> Option<Vec<u8>> {
+    (name == "octopus").then(|| octopus::limbs(mesh))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -41,9 +41,7 @@ impl Ball {
 /// A body, two eyes and eight arms, four on either side of the mirror x = 0. It looks along +z,
 /// y is up.
 pub(crate) fn octopus() -> TriMesh {
-    // Direction from straight ahead, length, and how far it sways to either side, in radians.
-    let arms = [(0.38, 2.0, 0.40), (1.12, 2.15, 0.45), (1.88, 2.1, 0.35), (2.62, 2.0, 0.25)]
-        .map(|(heading, long, sway)| arm(heading, long, sway));
+    let arms = arms();
     let grid = Grid {
         center: [0.0, 0.3, 0.0],
         low: [-2.3, -1.2, -2.3],
@@ -54,13 +52,38 @@ pub(crate) fn octopus() -> TriMesh {
     surface(|p| solid(p, &arms), &grid)
 }
 
+/// Those at x > 0, from the front to the back.
+fn arms() -> [Arm; 4] {
+    // Direction from straight ahead, length, and how far it sways to either side, in radians.
+    [(0.38, 2.0, 0.40), (1.12, 2.15, 0.45), (1.88, 2.1, 0.35), (2.62, 2.0, 0.25)]
+        .map(|(heading, long, sway)| arm(heading, long, sway))
+}
+
+/// For each vertex 0 on the body, or the number of the arm that is nearest: odd at x > 0, even at x < 0.
+pub(crate) fn limbs(mesh: &TriMesh) -> Vec<u8> {
+    let arms = arms();
+    let limb = |p: &Vec3| {
+        let [x, y, z] = *p;
+        let sides = [[x, y, z], [-x, y, z]];
+        let all = arms.iter().flat_map(|arm| sides.map(|p| arm.distance(p)));
+        let body = sides.map(body).into_iter().fold(f64::INFINITY, f64::min);
+        let nearest = all.zip(1..).fold((body, 0), |least, arm| if arm.0 < least.0 { arm } else { least });
+        nearest.1
+    };
+    mesh.positions.iter().map(limb).collect()
+}
+
+/// Mantle, head and the eye at x > 0, with the seams between them.
+fn body(p: Vec3) -> f64 {
+    let mantle = ellipsoid(turned(p, [0.0, 0.95, -0.20], 0, 0.38), [0.0; 3], [0.62, 0.80, 0.64]);
+    let head = ellipsoid(p, [0.0, 0.12, 0.02], [0.46, 0.42, 0.44]);
+    join(join(mantle, head, 0.30), rod(p, [0.20, 0.26, 0.22], [0.31, 0.32, 0.37], 0.19, 0.19), 0.08)
+}
+
 /// The half at x ≥ 0; arms of the other half reach into it.
 fn solid(p: Vec3, arms: &[Arm; 4]) -> f64 {
     let mirrored = [-p[0], p[1], p[2]];
-    let mantle = ellipsoid(turned(p, [0.0, 0.95, -0.20], 0, 0.38), [0.0; 3], [0.62, 0.80, 0.64]);
-    let head = ellipsoid(p, [0.0, 0.12, 0.02], [0.46, 0.42, 0.44]);
-    let mut d = join(mantle, head, 0.30);
-    d = join(d, rod(p, [0.20, 0.26, 0.22], [0.31, 0.32, 0.37], 0.19, 0.19), 0.08);
+    let mut d = body(p);
     for (arm, p) in arms.iter().flat_map(|arm| [(arm, p), (arm, mirrored)]) {
         // A seam ends where the arm is this much farther away.
         if arm.whole.distance(p) < d + SEAM {

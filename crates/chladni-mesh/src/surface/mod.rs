@@ -4,15 +4,18 @@
 //! a vertex that is not there, these functions panic; readers never return such a mesh.
 
 mod adjacency;
+mod curvature;
 mod normals;
 mod point;
 mod tree;
 pub mod vec3;
 mod walk;
 mod weld;
+mod zero_lines;
 
 pub(crate) use adjacency::{HalfEdge, Pieces, sorted_half_edges, vertex_faces};
 pub use adjacency::{Rows, boundary_vertices, components, vertex_neighbors, vertex_triangles};
+pub use curvature::{Principal, Tensor, averaged, curvature_tensors, times, vertex_areas, vertex_gradients};
 pub use normals::{
     STAND_IN_NORMAL, corners, doubled_area_normal, total_area, vertex_normals, vertex_normals_around,
 };
@@ -20,3 +23,4 @@ pub use point::{SurfacePoint, closest_on_triangle, mixed};
 pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub use walk::Ground;
 pub use weld::{Weld, places, weld};
+pub use zero_lines::{EdgePoint, chained, zero_lines};

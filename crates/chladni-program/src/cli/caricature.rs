@@ -10,12 +10,13 @@ use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, HEAD_PARTS, Project
 use chladni_mesh::{Format, TriMesh, weld};
 
 use super::Terminal;
+use super::ink::{InkOptions, check_drawing};
 use super::layer_options::LayerOptions;
 use super::parts;
 use super::portrait::{self, Portrait};
 use super::sheet::SheetOptions;
 use crate::work::body::{self, laplacian};
-use crate::work::outputs::{check_file, check_picture};
+use crate::work::outputs::check_file;
 use crate::work::{Error, Made, Warning, Watcher, make, source};
 
 /// Exaggerate what makes a shape differ from a template.
@@ -49,13 +50,15 @@ pub struct Caricature {
     /// with a head whose parts are known; may be repeated.
     #[arg(long, value_name = "NAME", conflicts_with_all = ["recipe", "region"], value_parser = part)]
     part: Vec<String>,
-    /// Draw the shape before and after, side by side. With --batch a folder.
-    #[arg(long, value_name = "P.png")]
+    /// Draw the shape before and after, side by side: a PNG, or, in ink, an SVG. With --batch a folder.
+    #[arg(long, value_name = "P.png|P.svg")]
     render: Option<PathBuf>,
     #[command(flatten)]
     portrait: Portrait,
     #[command(flatten)]
     sheet: SheetOptions,
+    #[command(flatten)]
+    ink: InkOptions,
     /// A project whose layers are applied instead.
     #[arg(long, value_name = "P.chladni", conflicts_with = "LayerOptions")]
     recipe: Option<PathBuf>,
@@ -97,11 +100,11 @@ impl Caricature {
         format_of(&self.output)?;
         check_file(&self.output)?;
         self.portrait.check()?;
-        self.render.as_deref().map_or(Ok(()), check_picture)
+        self.render.as_deref().map_or(Ok(()), check_drawing)
     }
 
     fn picture<'a>(&'a self, path: Option<&'a Path>) -> Option<Picture<'a>> {
-        path.map(|path| Picture { path, portrait: &self.portrait, sheet: &self.sheet })
+        path.map(|path| Picture { path, portrait: &self.portrait, sheet: &self.sheet, ink: &self.ink })
     }
 
     fn single(&self, terminal: &Terminal) -> Result<(), Error> {
@@ -206,6 +209,7 @@ struct Picture<'a> {
     path: &'a Path,
     portrait: &'a Portrait,
     sheet: &'a SheetOptions,
+    ink: &'a InkOptions,
 }
 
 /// One shape, from its name to its files. `from` is the recipe's own shape where this is another:
@@ -228,18 +232,8 @@ fn one(
     describe(&made, terminal)?;
     made.sculpture.save(output)?;
     terminal.wrote(output)?;
-    if let Some(Picture { path, portrait, sheet }) = picture {
-        portrait::render(
-            &mut made,
-            shape,
-            project,
-            path,
-            portrait,
-            sheet,
-            kept,
-            &terminal.device()?,
-            terminal,
-        )?;
+    if let Some(Picture { path, portrait, sheet, ink }) = picture {
+        portrait::render(&mut made, shape, project, path, portrait, sheet, ink, kept, terminal)?;
         terminal.wrote(path)?;
     }
     Ok(())

@@ -8,6 +8,7 @@ use chladni_music::{Action, Form, Parameter};
 use chladni_view::{FrameRate, ffmpeg_is_there};
 
 use super::Terminal;
+use super::ink::InkOptions;
 use super::portrait::{self, Portrait};
 use super::sheet::SheetOptions;
 use crate::work::film::{self, Beginning, Film, Output};
@@ -66,18 +67,8 @@ fn caricature(folder: &Path, terminal: &Terminal) -> Result<(), Error> {
     let mut made = make(mesh, Arc::new(body), &project, false, terminal)?;
     made.sculpture.save(&out)?;
     terminal.wrote(&out)?;
-    let (portrait, sheet) = (Portrait::default(), SheetOptions::default());
-    portrait::render(
-        &mut made,
-        &name,
-        &project,
-        &picture,
-        &portrait,
-        &sheet,
-        None,
-        &terminal.device()?,
-        terminal,
-    )?;
+    let (portrait, sheet, ink) = (Portrait::default(), SheetOptions::default(), InkOptions::default());
+    portrait::render(&mut made, &name, &project, &picture, &portrait, &sheet, &ink, None, terminal)?;
     terminal.wrote(&picture)
 }
 

@@ -1,4 +1,4 @@
-//! `chladni parts MESH`: the named parts of a head.
+//! `chladni parts MESH`: the named parts of a head, or, at a level, the limbs of any shape.
 
 use std::path::{Path, PathBuf};
 
@@ -8,24 +8,34 @@ use chladni_mesh::TriMesh;
 use chladni_view::{Camera, PictureRequest, PictureShape, Style, View, render_picture};
 use serde::Serialize;
 
-use super::Terminal;
+use super::{Terminal, limbs};
 use crate::work::outputs::{check_file, check_picture};
 use crate::work::{Error, Stance, Warning, Watcher, source};
 
-/// Find the parts of a head: nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown and neck.
+/// Find the parts of a head (nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown and neck), or of any shape.
 #[derive(clap::Args)]
 pub struct Parts {
-    /// The head: a mesh file or sample:NAME.
+    /// The shape: a mesh file or sample:NAME.
     mesh: PathBuf,
-    /// Write the part of each vertex here (NumPy archive: part, confidence; the names are those printed, from 0).
+    /// Find what stands out of any shape in place of the named parts of a head, from 0 (whole limbs) to 1 (small
+    /// features).
+    #[arg(long, value_name = "X", value_parser = level)]
+    level: Option<f64>,
+    /// Write the part of each vertex here (NumPy archive: part, and of a head confidence; parts are numbered from 0 as
+    /// they are printed).
     #[arg(short, long, value_name = "P.npz")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
-    json: bool,
-    /// Draw the head with its parts, from two sides.
+    pub(super) json: bool,
+    /// Draw the shape with its parts.
     #[arg(long, value_name = "P.png")]
-    render: Option<PathBuf>,
+    pub(super) render: Option<PathBuf>,
+}
+
+fn level(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
+    parsed.ok_or_else(|| "must be a number from 0 to 1".into())
 }
 
 /// What is printed of a part.
@@ -44,6 +54,9 @@ impl Parts {
         self.render.as_deref().map_or(Ok(()), check_picture)?;
         let mesh = source::mesh(&self.mesh, terminal)?;
         let name = self.mesh.display().to_string();
+        if let Some(level) = self.level {
+            return limbs::run(&self, level, &name, &mesh, terminal);
+        }
         let found = found(&name, &mesh, terminal)?;
         if let Some(path) = &self.output {
             let n = found.part.len() as u64;
@@ -54,7 +67,9 @@ impl Parts {
             written.map_err(|error| Error::unwritten(path, error))?;
         }
         if let Some(path) = &self.render {
-            draw(path, &name, &mesh, &found, terminal)?;
+            let color = |part: &u8| COLORS.get(usize::from(*part)).copied().unwrap_or([1.0; 4]);
+            let colors = found.part.iter().map(color).collect();
+            draw(path, Colored { name: &name, mesh: &mesh, colors }, terminal)?;
         }
         let parts: Vec<Printed> =
             HEAD_PARTS.iter().enumerate().map(|(i, name)| Printed::of(name, i, &found)).collect();
@@ -88,7 +103,7 @@ pub fn found(name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<HeadPart
 }
 
 /// A color for each part.
-const COLORS: [[f32; 4]; HEAD_PARTS.len()] = [
+pub const COLORS: [[f32; 4]; HEAD_PARTS.len()] = [
     [0.84, 0.23, 0.18, 1.0],
     [0.95, 0.62, 0.18, 1.0],
     [0.16, 0.45, 0.78, 1.0],
@@ -101,16 +116,21 @@ const COLORS: [[f32; 4]; HEAD_PARTS.len()] = [
     [0.36, 0.62, 0.66, 1.0],
 ];
 
-fn draw(
+/// A shape with a color for each vertex.
+pub struct Colored<'a> {
+    pub name: &'a str,
+    pub mesh: &'a TriMesh,
+    /// Linear light.
+    pub colors: Vec<[f32; 4]>,
+}
+
+/// Draws it beside the bare shape.
+pub fn draw(
     path: &Path,
-    name: &str,
-    mesh: &TriMesh,
-    found: &HeadParts,
+    Colored { name, mesh, colors }: Colored<'_>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
     let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect();
-    let colors: Vec<[f32; 4]> =
-        found.part.iter().map(|p| COLORS.get(usize::from(*p)).copied().unwrap_or([1.0; 4])).collect();
     let plain = PictureShape { positions: &positions, triangles: &mesh.triangles, ..PictureShape::default() };
     let shapes = [PictureShape { colors: Some(&colors), ..plain }, plain];
     let stands = Stance::default().of(name, mesh, None, None, terminal)?;

@@ -5,8 +5,12 @@ use std::path::Path;
 use chladni_caricature::{Action, Evaluation, LayerId, Model, Project, Property, Stack};
 use chladni_mesh::Orientation;
 use chladni_task::write_atomic;
-use chladni_view::{Camera, Device, Picture, PictureRequest, PictureShape, Style, render_picture};
+use chladni_view::{
+    Camera, Device, Picture, PictureRequest, PictureShape, Rect, Style, framing, render_picture,
+};
 
+use super::Terminal;
+use super::ink::{InkOptions, Inked};
 use super::sheet::{self, Panel, Portrayed, SheetOptions};
 use super::stance::StanceOptions;
 use crate::work::{Error, Made, OwnLook, Sculpture, Stance, Watcher, dots, settled};
@@ -59,27 +63,70 @@ pub fn render(
     path: &Path,
     portrait: &Portrait,
     sheet: &SheetOptions,
+    ink: &InkOptions,
     kept: Option<Orientation>,
-    device: &Device,
-    watcher: &impl Watcher,
+    terminal: &Terminal,
 ) -> Result<(), Error> {
     let Portrait { view: [yaw, pitch], size, stance } = *portrait;
-    let stands = Stance::from(stance).of(name, &made.sculpture.mesh, kept, made.stands, watcher)?;
+    let stands = Stance::from(stance).of(name, &made.sculpture.mesh, kept, made.stands, terminal)?;
     let (yaw_rad, pitch_rad) = (yaw.to_radians(), pitch.to_radians());
     let from = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };
-    let picture = if sheet.show.is_empty() && sheet.sweep.is_empty() {
-        before_and_after(&made.sculpture, name, from, size, device, watcher)?
+    let rows = if sheet.show.is_empty() && sheet.sweep.is_empty() {
+        None
     } else {
-        sheet::draw(
-            device,
-            &rows(&mut made.stack, project, sheet, watcher)?,
-            &made.sculpture.body.triangles,
-            from,
-            size,
-        )?
+        Some(rows(&mut made.stack, project, sheet, terminal)?)
+    };
+    let triangles = &made.sculpture.body.triangles;
+    if ink.wanted(path) {
+        let rest = &made.sculpture.body.positions;
+        let (panels, placed) = match rows {
+            Some(rows) => {
+                let placed = sheet::placed(&rows, from, size);
+                (rows.into_iter().flatten().collect(), placed)
+            }
+            None => pair(&made.sculpture, from, size),
+        };
+        return ink.write(path, inked(&panels, placed, rest)?, triangles, size);
+    }
+    let device = terminal.device()?;
+    let picture = match rows {
+        Some(rows) => sheet::draw(&device, &rows, triangles, from, size)?,
+        None => before_and_after(&made.sculpture, name, from, size, &device, terminal)?,
     };
     let png = picture.to_png()?;
     write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
+}
+
+/// The shape before and after, and where they go.
+fn pair(
+    Sculpture { body, evaluation, .. }: &Sculpture,
+    from: Camera,
+    [width, height]: [u32; 2],
+) -> (Vec<Portrayed>, Vec<(Rect, Camera)>) {
+    let both = [&body.positions[..], &evaluation.result.positions].map(Portrayed::plain);
+    let shapes = both.each_ref().map(|panel| &panel.positions[..]);
+    let placed = framing::side_by_side(from, &shapes, Rect::of_size(width, height), 0, framing::FILL);
+    (both.into(), placed)
+}
+
+/// Panels to be drawn in ink, which shows shapes alone; `rest` is where their vertices were.
+fn inked<'a>(
+    panels: &'a [Portrayed],
+    placed: Vec<(Rect, Camera)>,
+    rest: &[[f64; 3]],
+) -> Result<Vec<Inked<'a>>, Error> {
+    if panels.iter().any(|panel| panel.shares.is_some() || !panel.dots.is_empty()) {
+        return Err(Error::input("ink draws shapes alone: leave out the panels rest, painted and region"));
+    }
+    let far = |(a, b): (&[f32; 3], &[f64; 3])| {
+        let [x, y, z] = std::array::from_fn(|i| f64::from(a[i]) - b[i]);
+        f64::hypot(x, y).hypot(z)
+    };
+    let inked = |(panel, (cell, camera)): (&'a Portrayed, (Rect, Camera))| {
+        let moved = panel.positions.iter().zip(rest).map(far).collect();
+        Inked { positions: &panel.positions, moved, cell, camera }
+    };
+    Ok(panels.iter().zip(placed).map(inked).collect())
 }
 
 /// The panels of a picture: a row for each μ of the top layer.

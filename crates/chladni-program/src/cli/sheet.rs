@@ -58,42 +58,53 @@ impl Portrayed {
     }
 }
 
+/// Where the panels of `rows` go, row by row, seen from where `camera` looks, fitted to all.
+pub fn placed(rows: &[Vec<Portrayed>], mut camera: Camera, [width, height]: [u32; 2]) -> Vec<(Rect, Camera)> {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;
+    let (cell_width, cell_height) = ((width / columns).max(1), (height / rows.len().max(1) as u32).max(1));
+    let all = rows.iter().flatten().flat_map(|panel| panel.positions.iter().copied());
+    camera.fit(all, cell_width as f32 / cell_height as f32, 0.92);
+    let cell = |row: u32, column: u32| Rect {
+        x: column * cell_width,
+        y: row * cell_height,
+        width: cell_width,
+        height: cell_height,
+    };
+    let cells =
+        (0..).zip(rows).flat_map(|(row, panels)| (0..).zip(panels).map(move |(column, _)| (row, column)));
+    cells.map(|(row, column)| (cell(row, column), camera)).collect()
+}
+
 /// Draws rows of shapes with the same triangles, seen from where `camera` looks, fitted to all.
 pub fn draw(
     device: &Device,
     rows: &[Vec<Portrayed>],
     triangles: &[[u32; 3]],
-    mut camera: Camera,
+    camera: Camera,
     [width, height]: [u32; 2],
 ) -> Result<Picture, Error> {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;
-    let (cell_width, cell_height) = ((width / columns).max(1), (height / rows.len().max(1) as u32).max(1));
-    let all = rows.iter().flatten().flat_map(|panel| panel.positions.iter().copied());
-    camera.fit(all, cell_width as f32 / cell_height as f32, 0.92);
     let mut renderer = Renderer::new(device);
     let style = Style::default();
     let mut sheet = Picture::filled(width, height, [255; 4]);
-    for (row, panels) in (0..).zip(rows) {
-        for (column, panel) in (0..).zip(panels) {
-            let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
-            let shape = PictureShape {
-                positions: &panel.positions,
-                triangles,
-                values: panel.shares.as_deref().map(|shares| (shares, scale)),
-                markers: &panel.dots,
-                ..PictureShape::default()
-            };
-            let request = PictureRequest {
-                shapes: std::slice::from_ref(&shape),
-                width: cell_width,
-                height: cell_height,
-                from: camera,
-                style,
-            };
-            let cell = Rect::of_size(cell_width, cell_height);
-            let picture = render_placed(&mut renderer, &request, &[(cell, camera)])?;
-            sheet.paste(&picture, column * cell_width, row * cell_height);
-        }
+    for (panel, (cell, camera)) in rows.iter().flatten().zip(placed(rows, camera, [width, height])) {
+        let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
+        let shape = PictureShape {
+            positions: &panel.positions,
+            triangles,
+            values: panel.shares.as_deref().map(|shares| (shares, scale)),
+            markers: &panel.dots,
+            ..PictureShape::default()
+        };
+        let request = PictureRequest {
+            shapes: std::slice::from_ref(&shape),
+            width: cell.width,
+            height: cell.height,
+            from: camera,
+            style,
+        };
+        let alone = Rect::of_size(cell.width, cell.height);
+        let picture = render_placed(&mut renderer, &request, &[(alone, camera)])?;
+        sheet.paste(&picture, cell.x, cell.y);
     }
     Ok(sheet)
 }

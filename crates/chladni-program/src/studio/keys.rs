@@ -81,6 +81,7 @@ keys! {
     COMPARE = key C, "Hold to see the original";
     NEXT_SHOW = key V, "Result, three models, before and after";
     WIRE = key W, "Edges of triangles";
+    INK = key P, "A drawing in ink on paper";
     FIT = key F, "Show all of it";
 }
 

@@ -29,8 +29,17 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
 /// # Errors
 /// As [`check_file`] does.
 pub fn check_picture(path: &Path) -> Result<(), Error> {
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
-        return Err(Error::Input(format!("{}: a picture ends in .png", path.display())));
+    check_endings(path, &["png"])
+}
+
+/// Checks that a picture can be written at `path`, whose name must end in one of `endings`.
+///
+/// # Errors
+/// As [`check_file`] does.
+pub fn check_endings(path: &Path, endings: &[&str]) -> Result<(), Error> {
+    if !path.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending))) {
+        let listed = endings.join(" or .");
+        return Err(Error::Input(format!("{}: a picture ends in .{listed}", path.display())));
     }
     check_file(path)
 }

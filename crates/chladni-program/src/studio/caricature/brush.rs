@@ -1,10 +1,11 @@
 //! The brush that paints a layer's region.
 
-use chladni_caricature::{Action, Dab, LayerId, PaintEdit};
+use chladni_caricature::{Action, Dab, LayerId, Limbs, PaintEdit};
 use chladni_mesh::MirrorPlane;
 use egui::{RichText, Slider, Ui};
 
 use super::edits::Edits;
+use super::limb_tool::LimbTool;
 use super::stage::Press;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{BRUSH, ERASE};
@@ -27,6 +28,8 @@ pub struct BrushTool {
     pub fill: bool,
     /// While painting, show the region as it acts instead of as painted.
     pub smoothed: bool,
+    /// Takes whole parts in place of dabs.
+    pub limbs: LimbTool,
 }
 
 impl Default for BrushTool {
@@ -39,6 +42,7 @@ impl Default for BrushTool {
             mirror: false,
             fill: false,
             smoothed: false,
+            limbs: LimbTool::default(),
         }
     }
 }
@@ -85,18 +89,20 @@ impl BrushTool {
             theme::checkbox(ui, &mut self.fill, "Fill")
                 .on_hover_text("A click fills everything that is connected");
         });
+        self.limbs.show(ui);
         if self.mirror {
             show_mirror(ui, plane);
         }
     }
 
-    /// Turns a drag on the shape into dabs of what the ring enclosed.
+    /// Turns a drag on the shape into dabs of what the ring enclosed, or, where there are `limbs`, a click into a part.
     pub fn paint(
         &mut self,
         ui: &Ui,
         response: &egui::Response,
         presses: &[Press],
         layer: LayerId,
+        limbs: Option<&Limbs>,
         edits: &mut Edits,
     ) {
         let modifiers = ui.input(|input| input.modifiers);
@@ -104,6 +110,12 @@ impl BrushTool {
             return; // Alt and drag turns the view.
         }
         let primary = egui::PointerButton::Primary;
+        if let Some(limbs) = limbs {
+            if response.clicked_by(primary) {
+                self.limbs.take(limbs, layer, self.erase ^ modifiers.ctrl, modifiers, edits);
+            }
+            return;
+        }
         let pressed = response.dragged_by(primary) || response.clicked_by(primary);
         for press in presses.iter().filter(|_| pressed) {
             let erase = self.erase ^ modifiers.ctrl;
@@ -121,9 +133,6 @@ impl BrushTool {
     }
 }
 
-/// The largest misfit of a mirror plane, as a share of the bounding box's diagonal, without a warning.
-const MIRROR_TOLERANCE: f64 = 0.015;
-
 /// How well the shape's mirror plane fits.
 fn show_mirror(ui: &mut Ui, plane: Option<Option<MirrorPlane>>) {
     let palette = theme::palette(ui);
@@ -132,7 +141,7 @@ fn show_mirror(ui: &mut Ui, plane: Option<Option<MirrorPlane>>) {
         Some(None) => ("The shape has no extent to mirror".to_owned(), palette.warning),
         Some(Some(plane)) => {
             let share = 100.0 * plane.misfit;
-            let good = plane.misfit <= MIRROR_TOLERANCE;
+            let good = plane.misfit <= MirrorPlane::TOLERANCE;
             let text = if good {
                 format!("Its mirror image misses the shape by {share:.1} %")
             } else {

@@ -1,6 +1,6 @@
 //! The middle of the room: the toolbar and the stage.
 
-use chladni_caricature::{Brush, Model, Property};
+use chladni_caricature::{Brush, Limbs, Model, Property};
 use eframe::egui_wgpu::RenderState;
 use egui::{RichText, Ui};
 
@@ -50,6 +50,9 @@ impl CaricatureRoom {
             }
             let painting = if self.brush.smoothed { Painting::Smoothed } else { Painting::Raw };
             self.heat.paint(self.brush.active.then_some(painting));
+            let limbs = (self.brush.active && self.brush.limbs.active)
+                .then(|| self.limbs.of(session.stack.body(), self.brush.limbs.level));
+            self.heat.point(limbs.as_deref().map(|limbs| self.brush.limbs.shown(limbs)));
             self.picking.take_if(|picking| !picking.belongs_to(session));
             if let Some(picking) = &mut self.picking {
                 let confidence = self.heat.quantity() == Quantity::Confidence;
@@ -59,8 +62,11 @@ impl CaricatureRoom {
                 }
                 return;
             }
-            let shown = update_stage(session, stage, &mut self.heat, self.look, &mut self.stale)
-                .and_then(|()| show_stage(ui, shared, session, stage, &mut self.brush, self.look, edits));
+            let shown =
+                update_stage(session, stage, &mut self.heat, self.look, &mut self.stale).and_then(|()| {
+                    let brush = (&mut self.brush, limbs.as_deref());
+                    show_stage(ui, shared, session, stage, brush, self.look, edits)
+                });
             if let Err(why) = shown {
                 shared.notices.failed(why);
             }
@@ -109,7 +115,7 @@ fn show_stage(
     shared: &mut Shared<'_>,
     session: &mut Session,
     stage: &mut Stage,
-    brush: &mut BrushTool,
+    (brush, limbs): (&mut BrushTool, Option<&Limbs>),
     mut look: Portrayal,
     edits: &mut Edits,
 ) -> Result<(), Error> {
@@ -128,7 +134,12 @@ fn show_stage(
     });
     let StageResponse { response, presses, figure } = stage.show(ui, gpu, rect, look, in_hand, &[])?;
     if let Some(layer) = session.selected.filter(|_| brush.active) {
-        brush.paint(ui, &response, &presses, layer, edits);
+        if let Some(limbs) = limbs
+            && brush.limbs.point(presses.last(), &session.stack.body().triangles, limbs, mirror)
+        {
+            ui.ctx().request_repaint();
+        }
+        brush.paint(ui, &response, &presses, layer, limbs, edits);
     } else if response.clicked()
         && look.show == Show::Models
         && let Some(model) = figure.and_then(|figure| Model::ALL.get(figure.checked_sub(stage::MODELS)?))

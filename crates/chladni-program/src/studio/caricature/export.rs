@@ -23,6 +23,7 @@ const STILL_SETTLING: &str = "How far triangles allow is still being computed: w
 enum What {
     Mesh(Format),
     Picture,
+    Drawing,
     Mp4,
     Gif,
 }
@@ -39,7 +40,7 @@ impl What {
                 Self::Mesh(Format::Stl),
             ],
         ),
-        ("Picture", &[Self::Picture]),
+        ("Picture", &[Self::Picture, Self::Drawing]),
         ("Turntable", &[Self::Mp4, Self::Gif]),
     ];
 
@@ -50,6 +51,7 @@ impl What {
             Self::Mesh(Format::Stl) => "stl",
             Self::Mesh(_) => "ply",
             Self::Picture => "png",
+            Self::Drawing => "svg",
             Self::Mp4 => "mp4",
             Self::Gif => "gif",
         }
@@ -67,6 +69,7 @@ impl What {
             Self::Mesh(Format::Stl) => "The caricature for printing: triangles only, rounded to 32 bits.",
             Self::Mesh(_) => "The caricature with every digit of its coordinates, and vertex colours.",
             Self::Picture => "What the view shows, at any size.",
+            Self::Drawing => "What the view shows as a drawing in ink: outlines that print at any size.",
             Self::Mp4 => "What the view shows, turning once around: an H.264 film.",
             Self::Gif => "What the view shows, turning once around: a film that loops anywhere.",
         }
@@ -149,12 +152,21 @@ impl CaricatureRoom {
             }
             (_, Err(error)) => return shared.notices.failed(error),
             (What::Picture, Ok(shot)) => Job::start(label, &shared.ctx, move |_| {
-                let png = shot.picture(width, height).and_then(|picture| picture.to_png());
-                let png = png.map_err(|error| Error::from(error).of(path.display()))?;
+                let png = shot.picture(width, height).and_then(|picture| Ok(picture.to_png()?));
+                let png = png.map_err(|error| error.of(path.display()))?;
                 write_atomic(&path, &png).map_err(|error| Error::unwritten(&path, error))?;
                 Ok(path)
             }),
+            (What::Drawing, Ok(shot)) => Job::start(label, &shared.ctx, move |_| {
+                let drawing = shot.drawing(width, height).map_err(|error| error.of(path.display()))?;
+                write_atomic(&path, drawing.to_svg().as_bytes())
+                    .map_err(|error| Error::unwritten(&path, error))?;
+                Ok(path)
+            }),
             (What::Mp4 | What::Gif, Ok(shot)) => {
+                if self.look.ink {
+                    shared.notices.warn("Turntables show material and light, not ink.");
+                }
                 let rate = FrameRate::per_second(fps);
                 let settings =
                     FilmSettings { width, height, rate, frames: rate.frames_in(secs), audio: None };
@@ -268,6 +280,9 @@ impl Export {
             });
         });
         ui.end_row();
+        if self.what == What::Drawing {
+            return;
+        }
         ui.label(RichText::new("Background").color(weak));
         ui.horizontal_wrapped(|ui| {
             let picture = self.what == What::Picture;

@@ -59,6 +59,8 @@ pub struct Heat {
     harmonic: usize,
     map: ColorMap,
     painting: Option<Painting>,
+    /// A part of the shape under the pointer, 1 on it.
+    pointed: Option<Vec<f32>>,
     stale: bool,
 }
 
@@ -73,7 +75,14 @@ pub enum Painting {
 
 impl Default for Heat {
     fn default() -> Self {
-        Self { quantity: Quantity::None, harmonic: 1, map: ColorMap::Viridis, painting: None, stale: false }
+        Self {
+            quantity: Quantity::None,
+            harmonic: 1,
+            map: ColorMap::Viridis,
+            painting: None,
+            pointed: None,
+            stale: false,
+        }
     }
 }
 
@@ -122,6 +131,12 @@ impl Heat {
         self.painting = painting;
     }
 
+    /// While parts are pointed at, that under the pointer is shown with the region, unless a map was chosen.
+    pub fn point(&mut self, pointed: Option<Vec<f32>>) {
+        self.stale |= pointed != self.pointed;
+        self.pointed = pointed;
+    }
+
     /// What the stage is to be painted with.
     pub fn coating(&self, session: &Session) -> Coating {
         let shown = match self.painting.filter(|_| matches!(self.quantity, Quantity::None | Quantity::Own)) {
@@ -131,7 +146,7 @@ impl Heat {
         };
         match self.values(shown, session) {
             Some((values, _)) if matches!(shown, Quantity::Painted | Quantity::Region) => {
-                Coating::Region(values)
+                Coating::Region(self.with_pointed(values))
             }
             Some((values, _)) if matches!(shown, Quantity::Folds | Quantity::Crossings) => {
                 Coating::Marks(values)
@@ -140,6 +155,16 @@ impl Heat {
             None if self.quantity == Quantity::Own => Coating::Own,
             None => Coating::Material,
         }
+    }
+
+    /// A region with the part under the pointer, fainter. A region that is everywhere would hide it.
+    fn with_pointed(&self, region: Vec<f32>) -> Vec<f32> {
+        let Some(pointed) = &self.pointed else { return region };
+        let everywhere = region.iter().all(|x| *x == 1.0);
+        let both = |(region, pointed): (&f32, &f32)| {
+            if everywhere { 0.6 * pointed } else { region.max(0.6 * pointed) }
+        };
+        region.iter().zip(pointed).map(both).collect()
     }
 
     /// One value per operator vertex and their scale; `None` where the material is shown or the

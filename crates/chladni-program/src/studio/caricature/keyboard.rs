@@ -9,9 +9,9 @@ use super::look::Show;
 use super::session::Session;
 use super::{CaricatureRoom, as_far_as_it_goes, toggle_picking};
 use crate::studio::keys::caricature::{
-    ABOVE, ADD_MESH, BELOW, BRUSH, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, HIDE, INVERT, LANDMARKS,
-    LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS, SMALLER, SOLO,
-    STRONGER, UNDO, WEAKER, WIRE,
+    ABOVE, ADD_MESH, BELOW, BRUSH, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, HIDE, INK, INVERT,
+    LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
+    SMALLER, SOLO, STRONGER, UNDO, WEAKER, WIRE,
 };
 use crate::studio::room::Shared;
 
@@ -99,6 +99,9 @@ impl CaricatureRoom {
         }
         if WIRE.pressed(&ctx) {
             self.look.wire = !self.look.wire;
+        }
+        if INK.pressed(&ctx) {
+            self.look.ink = !self.look.ink;
         }
         if LANDMARKS.pressed(&ctx) {
             toggle_picking(&mut self.picking, session, shared);

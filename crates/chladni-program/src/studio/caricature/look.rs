@@ -23,6 +23,8 @@ pub struct Portrayal {
     pub show: Show,
     /// Edges of triangles.
     pub wire: bool,
+    /// A drawing in ink instead of material and light.
+    pub ink: bool,
     /// Index into [`Material::PRESETS`].
     pub material: usize,
     /// Index into [`Lights::PRESETS`].
@@ -31,7 +33,7 @@ pub struct Portrayal {
 
 impl Default for Portrayal {
     fn default() -> Self {
-        Self { show: Show::Result, wire: false, material: 0, lights: 0 }
+        Self { show: Show::Result, wire: false, ink: false, material: 0, lights: 0 }
     }
 }
 

@@ -15,6 +15,7 @@ mod heat;
 mod keyboard;
 mod landmarks;
 mod layers;
+mod limb_tool;
 mod loading;
 mod look;
 mod matches;
@@ -44,6 +45,7 @@ use self::export::Export;
 use self::heat::{Heat, Quantity};
 use self::landmarks::Picking;
 use self::layers::LayerList;
+use self::limb_tool::KnownLimbs;
 use self::loading::{Candidate, Loaded};
 use self::look::{Portrayal, Show};
 use self::preview::Preview;
@@ -81,6 +83,7 @@ pub struct CaricatureRoom {
     /// Meshes that become layers as soon as what is loading is there.
     templates: Vec<PathBuf>,
     brush: BrushTool,
+    limbs: KnownLimbs,
     /// Landmarks of the selected layer are picked.
     picking: Option<Picking>,
     heat: Heat,
@@ -230,7 +233,7 @@ impl CaricatureRoom {
         self.heat.start(stage.has_own_look());
         self.thumbnails.clear(shared.gpu);
         // Layers of another project, or of this one on another shape, may have the same names.
-        (self.picking, self.layers) = (None, LayerList::default());
+        (self.picking, self.layers, self.limbs) = (None, LayerList::default(), KnownLimbs::default());
         self.stage = Some(stage);
         self.session = Some(session);
         self.stale = true;

@@ -1,14 +1,18 @@
 //! A snapshot of the stage, independent of later edits, for exports and thumbnails.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use chladni_task::Task;
+use chladni_view::ink::{Drawing, Ink};
 use chladni_view::{
     Background, Camera, Canvas, Cell, Figure, Film, FilmSettings, Gpu, ItemBuffers, Paint, Picture, Rect,
     Renderer, Scale, Skin, Topology, VertexPaint, ViewError, film, layout,
 };
 
 use super::look::Portrayal;
+use super::stage;
+use crate::work::Error;
 
 /// What gives figures their color, with shared ownership.
 #[derive(Clone, Debug)]
@@ -44,6 +48,8 @@ pub struct Shot {
     pub gpu: Gpu,
     /// What all figures share.
     pub topology: Topology,
+    /// The triangles of all figures.
+    pub triangles: Arc<[[u32; 3]]>,
     /// The figures, side by side.
     pub poses: Vec<Pose>,
     /// Their color; must not be written any more.
@@ -57,11 +63,25 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Draws it once.
-    pub fn picture(&self, width: u32, height: u32) -> Result<Picture, ViewError> {
+    /// Draws it once, in ink where that is its look.
+    pub fn picture(&self, width: u32, height: u32) -> Result<Picture, Error> {
+        if self.look.ink {
+            return Ok(self.drawing(width, height)?.to_picture());
+        }
         let canvas = Canvas::new(&self.gpu, width, height)?;
         self.draw(&mut Renderer::new(&self.gpu), &canvas, &self.upload()?, self.camera)?;
-        canvas.read(&self.gpu)
+        Ok(canvas.read(&self.gpu)?)
+    }
+
+    /// Draws it in ink, whatever its look.
+    pub fn drawing(&self, width: u32, height: u32) -> Result<Drawing, Error> {
+        let ink = Ink::default();
+        let mut drawing = Drawing::new(width, height, &ink)?;
+        for ((positions, _), cell) in self.poses.iter().zip(self.cells(width, height)) {
+            let plate = stage::plate(positions, &self.triangles)?;
+            drawing.strokes.extend(plate.strokes(&ink, &self.camera, cell));
+        }
+        Ok(drawing)
     }
 
     /// Draws it on a canvas that is there, without waiting.
@@ -134,8 +154,9 @@ mod tests {
         let mut camera = Camera::looking(View::Front);
         camera.fit(positions.iter().copied(), 4.0 / 3.0, 0.8);
         let poses = vec![(positions.clone(), positions)];
+        let triangles = mesh.triangles.into();
         let (coat, look, background) = (Coat::Material, Portrayal::default(), Background::TRANSPARENT);
-        Some(Shot { gpu, topology, poses, coat, camera, look, background })
+        Some(Shot { gpu, topology, triangles, poses, coat, camera, look, background })
     }
 
     #[test]

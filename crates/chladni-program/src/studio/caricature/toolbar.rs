@@ -11,7 +11,7 @@ use super::heat::Quantity;
 use super::look::Show;
 use super::stage::Stage;
 use crate::studio::icon::{self, Icon};
-use crate::studio::keys::caricature::{EXPORT, FIT, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
+use crate::studio::keys::caricature::{EXPORT, FIT, INK, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
@@ -104,6 +104,8 @@ impl CaricatureRoom {
         }
         self.heat.choose(quantity, harmonic, map);
         ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
+            ui.toggle_value(&mut self.look.ink, "Ink on paper").on_hover_text(INK.tooltip(ui.ctx()));
+            ui.separator();
             ui.label(egui::RichText::new("Material").color(theme::palette(ui).weak));
             for (index, (name, _)) in Material::PRESETS.iter().enumerate() {
                 ui.selectable_value(&mut self.look.material, index, theme::capitalized(name));

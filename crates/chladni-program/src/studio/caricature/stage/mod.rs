@@ -1,11 +1,16 @@
 //! The shape in the caricature room: one figure large or three models side by side, heat maps,
 //! wires, and the brush on its surface.
 
+mod inked;
 mod pointing;
 
+pub use inked::plate;
 pub use pointing::{BrushInHand, Press};
 
+use inked::{InkedStage, Scene};
 use pointing::Pointed;
+
+use std::sync::Arc;
 
 use chladni_mesh::Orientation;
 use chladni_view::{
@@ -20,7 +25,7 @@ use super::overlay::{backdrop, show_legend, show_names};
 use super::shot::{Coat, Pose, Shot};
 use crate::studio::keys;
 use crate::studio::viewport::{self, Viewport};
-use crate::work::OwnLook;
+use crate::work::{Error, OwnLook};
 
 /// Figures that the stage holds room for: the result, the three models, and the original.
 pub const FIGURES: usize = 5;
@@ -80,7 +85,10 @@ pub struct Stage {
     own: Option<Coat>,
     own_look: Option<OwnLook>,
     poses: Vec<Pose>,
-    triangles: Vec<[u32; 3]>,
+    /// How often each figure was replaced.
+    changes: Vec<u64>,
+    inked: InkedStage,
+    triangles: Arc<[[u32; 3]]>,
     pick: Option<(usize, PickTree)>,
     /// Where a dragged brush was in the last frame, in pixels of the canvas.
     brushed: Option<[f32; 2]>,
@@ -136,7 +144,9 @@ impl Stage {
             own,
             own_look,
             poses: vec![(positions.to_vec(), normals.clone()); FIGURES],
-            triangles: triangles.to_vec(),
+            changes: vec![0; FIGURES],
+            inked: InkedStage::default(),
+            triangles: triangles.into(),
             pick: None,
             brushed: None,
             ring,
@@ -167,6 +177,7 @@ impl Stage {
     ) -> Result<(), ViewError> {
         self.buffers.write(self.viewport.gpu(), figure, positions, normals)?;
         let (held_positions, held_normals) = &mut self.poses[figure];
+        self.changes[figure] += 1;
         held_positions.clear();
         held_positions.extend_from_slice(positions);
         held_normals.clear();
@@ -222,7 +233,17 @@ impl Stage {
             constant => constant.clone(),
         };
         let poses = figures(look.show).iter().map(|figure| self.poses[*figure].clone()).collect();
-        Ok(Shot { gpu, topology: self.topology.clone(), poses, coat, camera: self.camera, look, background })
+        let triangles = Arc::clone(&self.triangles);
+        Ok(Shot {
+            gpu,
+            topology: self.topology.clone(),
+            triangles,
+            poses,
+            coat,
+            camera: self.camera,
+            look,
+            background,
+        })
     }
 
     /// Another pose of this shape, on its own.
@@ -231,6 +252,7 @@ impl Stage {
         Shot {
             gpu,
             topology,
+            triangles: Arc::clone(&self.triangles),
             poses: vec![pose],
             coat,
             camera: self.camera,
@@ -274,7 +296,7 @@ impl Stage {
         look: Portrayal,
         brush: Option<BrushInHand<'_>>,
         markers: &[Marker],
-    ) -> Result<StageResponse, ViewError> {
+    ) -> Result<StageResponse, Error> {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         let figures = figures(look.show);
         let canvas = Rect::of_size(
@@ -322,6 +344,15 @@ impl Stage {
         }
         if brush.is_some() && (response.hovered() || response.dragged()) {
             self.viewport.invalidate();
+        }
+        if look.ink && brush.is_none() && markers.is_empty() {
+            let figures =
+                figures.iter().map(|figure| (*figure, self.changes[*figure])).zip(cells.iter().copied());
+            let (camera, size) = (self.camera, [canvas.width, canvas.height]);
+            let scene = Scene { camera, size, figures: figures.collect() };
+            self.inked.show(ui, rect, scene, &self.poses, &self.triangles)?;
+            show_names(ui, rect, look.show, &cells);
+            return Ok(StageResponse { response, presses, figure: pointed.map(|pointed| pointed.figure) });
         }
         self.draw(ui, state, rect, look, figures, &cells, markers)?;
         if let Coat::Values(_, scale) = &self.coat {

@@ -1,0 +1,128 @@
+//! Pictures in ink: how they are asked for, and the file they become.
+
+use std::path::Path;
+
+use chladni_task::write_atomic;
+use chladni_view::ink::{Drawing, Ink, Plate};
+use chladni_view::{Camera, Rect};
+
+use crate::work::Error;
+use crate::work::outputs::check_endings;
+
+/// How a drawing in ink is made. Each of these asks for one, and so does a picture that ends in .svg.
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
+pub struct InkOptions {
+    /// Draw in ink: contours, lines of the form, and hatching in the shade. A picture that ends in .svg always is.
+    #[arg(long, requires = "render")]
+    ink: bool,
+    /// How many lines there are inside the contours: 0 none, 1 as a draftsman would, 2 far more [default: 1].
+    #[arg(long, value_name = "X", requires = "render", value_parser = detail)]
+    ink_detail: Option<f64>,
+    /// How far hatching reaches out of the shade, 0 (none) to 1 (up to the light) [default: 0.5].
+    #[arg(long, value_name = "X", requires = "render", value_parser = share)]
+    ink_hatching: Option<f64>,
+    /// How far curvature is averaged before lines are drawn along it, as a share of the shape's size: more for a noisy
+    /// scan, less for fine detail [default: 0.01].
+    #[arg(long, value_name = "X", requires = "render", value_parser = smoothing)]
+    ink_smoothing: Option<f64>,
+    /// Colors of the ink and the paper [default: #1c1917,#faf7f0].
+    #[arg(long, value_name = "#RRGGBB,#RRGGBB", requires = "render", value_parser = colors)]
+    ink_colors: Option<[[u8; 3]; 2]>,
+    /// Lines are the wider the farther the shape is exaggerated there.
+    #[arg(long, requires = "render")]
+    ink_exaggeration: bool,
+}
+
+fn within(text: &str, high: f64) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|x| (0.0..=high).contains(x));
+    parsed.ok_or_else(|| format!("must be a number from 0 to {high}"))
+}
+
+fn detail(text: &str) -> Result<f64, String> {
+    within(text, 10.0)
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    within(text, 1.0)
+}
+
+fn smoothing(text: &str) -> Result<f64, String> {
+    within(text, 0.1)
+}
+
+fn colors(text: &str) -> Result<[[u8; 3]; 2], String> {
+    let color = |text: &str| {
+        let digits = text.trim().strip_prefix('#').filter(|d| d.len() == 6 && d.is_ascii())?;
+        let channel = |i: usize| u8::from_str_radix(digits.get(2 * i..2 * i + 2)?, 16).ok();
+        Some([channel(0)?, channel(1)?, channel(2)?])
+    };
+    let parsed = text.split_once(',').and_then(|(ink, paper)| Some([color(ink)?, color(paper)?]));
+    parsed.ok_or_else(|| "write two colors, ink and paper, such as #1c1917,#faf7f0".into())
+}
+
+/// A shape to be drawn in ink.
+pub struct Inked<'a> {
+    pub positions: &'a [[f32; 3]],
+    /// How far each vertex is exaggerated.
+    pub moved: Vec<f64>,
+    pub cell: Rect,
+    pub camera: Camera,
+}
+
+impl InkOptions {
+    /// Whether the picture at `path` is one in ink.
+    pub fn wanted(&self, path: &Path) -> bool {
+        is_svg(path)
+            || self.ink
+            || self.ink_exaggeration
+            || self.ink_colors.is_some()
+            || [self.ink_detail, self.ink_hatching, self.ink_smoothing].iter().any(Option::is_some)
+    }
+
+    fn style(&self) -> Ink {
+        let usual = Ink::default();
+        let [color, paper] = self.ink_colors.unwrap_or([usual.color, usual.paper]);
+        Ink {
+            paper,
+            color,
+            detail: self.ink_detail.unwrap_or(usual.detail),
+            hatching: self.ink_hatching.unwrap_or(usual.hatching),
+            ..usual
+        }
+    }
+
+    /// Draws shapes with these triangles on one sheet and writes it: as SVG or PNG, by its name.
+    pub fn write(
+        &self,
+        path: &Path,
+        shapes: Vec<Inked<'_>>,
+        triangles: &[[u32; 3]],
+        [width, height]: [u32; 2],
+    ) -> Result<(), Error> {
+        let style = self.style();
+        let mut drawing = Drawing::new(width, height, &style)?;
+        let farthest = shapes.iter().flat_map(|shape| &shape.moved).copied().fold(0.0, f64::max);
+        for shape in shapes {
+            let positions: Vec<[f64; 3]> = shape.positions.iter().map(|p| p.map(f64::from)).collect();
+            let mut plate =
+                Plate::new(&positions, triangles, self.ink_smoothing.unwrap_or(Plate::SMOOTHING))?;
+            if self.ink_exaggeration && farthest > 0.0 {
+                let weight = |moved: &f64| (0.55 + 1.1 * moved / farthest) as f32;
+                plate = plate.weighted(shape.moved.iter().map(weight).collect())?;
+            }
+            drawing.strokes.extend(plate.strokes(&style, &shape.camera, shape.cell));
+        }
+        let bytes =
+            if is_svg(path) { drawing.to_svg().into_bytes() } else { drawing.to_picture().to_png()? };
+        write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))
+    }
+}
+
+fn is_svg(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"))
+}
+
+/// Checks that a picture can be written at `path`, whose name must end in `.png` or `.svg`.
+pub fn check_drawing(path: &Path) -> Result<(), Error> {
+    check_endings(path, &["png", "svg"])
+}

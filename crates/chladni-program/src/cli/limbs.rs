@@ -1,0 +1,74 @@
+//! `chladni parts MESH --level X`: the limbs of any shape.
+
+use chladni_caricature::Limbs;
+use chladni_harmonics::Laplacian;
+use chladni_harmonics::npz::write_npz;
+use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
+use serde::Serialize;
+
+use super::Terminal;
+use super::parts::{Colored, Parts, draw};
+use crate::work::{Error, Watcher, body};
+
+/// A trunk in the picture, linear light.
+const TRUNK: [f32; 4] = [0.62, 0.66, 0.70, 1.0];
+
+/// What is printed of a part.
+#[derive(Serialize)]
+struct Printed {
+    part: usize,
+    share: f64,
+    persistence: f64,
+    twin: Option<usize>,
+}
+
+/// Finds, writes, draws and prints the parts of `mesh`, which is called `name`, at `level`.
+pub fn run(wanted: &Parts, level: f64, name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<(), Error> {
+    let (body, _) = body::build(name, mesh, Limbs::HARMONICS, Laplacian::Delaunay, terminal)?;
+    let found = Limbs::of(&body, level);
+    let search = MirrorSearch::of(&body.positions, &body.triangles);
+    let plane = search.map(|search| terminal.watch("looking for the mirror", |task| search.best(&[], task)));
+    let plane = plane.transpose()?.flatten().filter(|plane| plane.misfit <= MirrorPlane::TOLERANCE);
+    let twins = plane.map_or_else(|| vec![None; found.parts.len()], |plane| found.twins(&plane));
+    let part_of = |vertex: &Option<u32>| vertex.and_then(|v| found.part.get(v as usize)).copied();
+    if let Some(path) = &wanted.output {
+        // −1 where no triangle uses the vertex.
+        let parts = body.operator_vertex.iter().map(|v| part_of(v).map_or(-1, i64::from));
+        let written = write_npz(path, |npz| npz.array("part", &[parts.len() as u64], parts));
+        written.map_err(|error| Error::unwritten(path, error))?;
+    }
+    if let Some(path) = &wanted.render {
+        let colors = colors(&found, &twins);
+        let color = |v: &Option<u32>| part_of(v).and_then(|part| colors.get(part as usize).copied());
+        let colors = body.operator_vertex.iter().map(|v| color(v).unwrap_or([1.0; 4])).collect();
+        draw(path, Colored { name, mesh, colors }, terminal)?;
+    }
+    let parts = found.parts.iter().zip(twins).enumerate();
+    let parts: Vec<Printed> = parts
+        .map(|(part, (limb, twin))| Printed { part, share: limb.share, persistence: limb.persistence, twin })
+        .collect();
+    if wanted.json {
+        return terminal.json(&parts);
+    }
+    for Printed { part, share, persistence, twin } in &parts {
+        let twin = twin.map_or_else(String::new, |twin| format!(", mirror image of {twin}"));
+        let kind =
+            if *persistence > 0.0 { format!("stands out by {persistence:.2}") } else { "trunk".to_owned() };
+        terminal.result(format_args!("{part:<3} {:.1} % of the surface, {kind}{twin}", 100.0 * share))?;
+    }
+    [&wanted.output, &wanted.render].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
+}
+
+/// A color for each part: gray for trunks, the same for mirror images.
+fn colors(found: &Limbs, twins: &[Option<usize>]) -> Vec<[f32; 4]> {
+    let mut next = super::parts::COLORS.iter().filter(|color| **color != TRUNK).cycle();
+    let mut colors: Vec<Option<[f32; 4]>> = vec![None; found.parts.len()];
+    for (i, part) in found.parts.iter().enumerate() {
+        let of_twin = twins[i].and_then(|twin| colors[twin]);
+        colors[i] = match part.persistence {
+            0.0 => Some(TRUNK),
+            _ => of_twin.or_else(|| next.next().copied()),
+        };
+    }
+    colors.into_iter().map(Option::unwrap_or_default).collect()
+}

@@ -1,0 +1,105 @@
+//! Whole parts of the shape as a region: the one under the pointer is shown, a click takes it.
+
+use std::sync::Arc;
+
+use chladni_caricature::{Action, Dab, LayerId, Limbs, PaintEdit};
+use chladni_mesh::MirrorPlane;
+use egui::{Modifiers, Slider, Ui};
+
+use super::edits::Edits;
+use super::stage::Press;
+use crate::studio::theme;
+
+/// How parts are taken.
+#[derive(Debug)]
+pub struct LimbTool {
+    /// Whether a click takes a part.
+    pub active: bool,
+    /// From 0 (whole limbs) to 1 (small features).
+    pub level: f64,
+    /// The parts under the pointer: one, or two that are mirror images.
+    pointed: Vec<usize>,
+}
+
+impl Default for LimbTool {
+    fn default() -> Self {
+        Self { active: false, level: Limbs::USUAL_LEVEL, pointed: Vec::new() }
+    }
+}
+
+impl LimbTool {
+    /// Draws its controls.
+    pub fn show(&mut self, ui: &mut Ui) {
+        theme::checkbox(ui, &mut self.active, "Parts").on_hover_text(
+            "A click takes the part under the pointer as the region; Shift adds it, Erase or Ctrl takes it away",
+        );
+        if self.active {
+            let tip = "From whole limbs (0) to small features (1)";
+            theme::row(ui, "Level", tip, |ui| {
+                ui.add(Slider::new(&mut self.level, 0.0..=1.0).fixed_decimals(2));
+            });
+        }
+    }
+
+    /// What is to be shown of `limbs`: 1 on the parts under the pointer.
+    pub fn shown(&self, limbs: &Limbs) -> Vec<f32> {
+        let value = |part: &u32| f32::from(u8::from(self.pointed.contains(&(*part as usize))));
+        limbs.part.iter().map(value).collect()
+    }
+
+    /// Takes in what is under the pointer, with its mirror image in `plane`; true when that has changed.
+    pub fn point(
+        &mut self,
+        press: Option<&Press>,
+        triangles: &[[u32; 3]],
+        limbs: &Limbs,
+        plane: Option<MirrorPlane>,
+    ) -> bool {
+        let vertex = press.and_then(|press| {
+            let corners = triangles.get(press.touch.triangle as usize)?;
+            let nearest =
+                (0..3).max_by(|a, b| press.touch.barycentric[*a].total_cmp(&press.touch.barycentric[*b]))?;
+            Some(corners[nearest])
+        });
+        let part = vertex.and_then(|v| limbs.part.get(v as usize)).map(|part| *part as usize);
+        let twin = part.zip(plane).and_then(|(part, plane)| limbs.twins(&plane).get(part).copied().flatten());
+        let pointed: Vec<usize> = part.into_iter().chain(twin).collect();
+        let changed = pointed != self.pointed;
+        self.pointed = pointed;
+        changed
+    }
+
+    /// Takes the part under the pointer: alone, or, with Shift, besides what is painted; `erase` takes it away.
+    pub fn take(&self, limbs: &Limbs, layer: LayerId, erase: bool, modifiers: Modifiers, edits: &mut Edits) {
+        if self.pointed.is_empty() {
+            return;
+        }
+        let edit = if erase || modifiers.shift {
+            let belongs = |part: &u32| self.pointed.contains(&(*part as usize));
+            let vertices = (0..).zip(&limbs.part).filter(|(_, part)| belongs(part)).map(|(v, _)| v).collect();
+            PaintEdit::Dab(Dab { vertices, intensity: 1.0, erase })
+        } else {
+            PaintEdit::Set(limbs.painted(&self.pointed))
+        };
+        edits.once(Action::Paint { layer, edit });
+    }
+}
+
+/// The parts that were found last.
+#[derive(Debug, Default)]
+pub struct KnownLimbs(Option<(f64, usize, Arc<Limbs>)>);
+
+impl KnownLimbs {
+    /// Those of `body` at `level`, searched again only where one of the two has changed.
+    pub fn of(&mut self, body: &chladni_harmonics::Body, level: f64) -> Arc<Limbs> {
+        let harmonics = body.basis.harmonics();
+        if let Some((known, with, limbs)) = &self.0
+            && (*known, *with) == (level, harmonics)
+        {
+            return Arc::clone(limbs);
+        }
+        let limbs = Arc::new(Limbs::of(body, level));
+        self.0 = Some((level, harmonics, Arc::clone(&limbs)));
+        limbs
+    }
+}

@@ -1,0 +1,190 @@
+//! The stage as a drawing in ink. It is drawn beside the window: lines while something moves, with hatching once it
+//! rests; until a drawing is there, the one before is seen.
+
+use std::sync::Arc;
+
+use chladni_view::ink::{Drawing, Ink, Plate};
+use chladni_view::{Camera, Picture, Rect};
+use egui::{ColorImage, TextureHandle, TextureOptions, Ui};
+
+use super::super::shot::Pose;
+use crate::studio::job::Job;
+use crate::work::Error;
+
+/// After this time without a change the shade is drawn, too.
+const REST_SECS: f64 = 0.25;
+
+/// What is to be drawn, and what was.
+#[derive(Default)]
+pub struct InkedStage {
+    wanted: Option<Scene>,
+    /// When what is wanted last changed.
+    changed_secs: f64,
+    running: Option<Job<Drawn>>,
+    shown: Option<(TextureHandle, Scene, Depth)>,
+    /// Shapes that were made ready before, by figure.
+    plates: Vec<(Pictured, Arc<Plate>)>,
+}
+
+/// A figure, and how often it had been changed.
+type Pictured = (usize, u64);
+
+/// Who sees which figures where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    pub camera: Camera,
+    pub size: [u32; 2],
+    pub figures: Vec<(Pictured, Rect)>,
+}
+
+/// How much is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Depth {
+    Lines,
+    Shade,
+}
+
+struct Drawn {
+    picture: Picture,
+    scene: Scene,
+    depth: Depth,
+    plates: Vec<(Pictured, Arc<Plate>)>,
+}
+
+impl InkedStage {
+    /// Shows the newest drawing in `rect`, and has the next one drawn where `scene` is another.
+    pub fn show(
+        &mut self,
+        ui: &Ui,
+        rect: egui::Rect,
+        scene: Scene,
+        poses: &[Pose],
+        triangles: &Arc<[[u32; 3]]>,
+    ) -> Result<(), Error> {
+        let now_secs = ui.input(|input| input.time);
+        if let Some(ended) = self.running.as_ref().and_then(Job::ended) {
+            self.running = None;
+            self.take(ui, ended?);
+        }
+        if self.wanted.as_ref() != Some(&scene) {
+            (self.wanted, self.changed_secs) = (Some(scene.clone()), now_secs);
+        }
+        let rests = now_secs - self.changed_secs >= REST_SECS;
+        let depth = if rests { Depth::Shade } else { Depth::Lines };
+        let is_shown = self
+            .shown
+            .as_ref()
+            .is_some_and(|(_, shown, has)| *shown == scene && (*has == depth || *has == Depth::Shade));
+        if self.running.is_none() && !is_shown {
+            self.start(ui, scene, depth, poses, triangles);
+        }
+        if !rests {
+            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(REST_SECS));
+        }
+        if let Some((texture, ..)) = &self.shown {
+            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            ui.painter().image(texture.id(), rect, whole, egui::Color32::WHITE);
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, ui: &Ui, drawn: Drawn) {
+        let Drawn { picture, scene, depth, plates } = drawn;
+        let size = [picture.width as usize, picture.height as usize];
+        let image = ColorImage::from_rgba_unmultiplied(size, &picture.rgba);
+        let texture = match self.shown.take() {
+            Some((mut texture, ..)) => {
+                texture.set(image, TextureOptions::LINEAR);
+                texture
+            }
+            None => ui.ctx().load_texture("ink", image, TextureOptions::LINEAR),
+        };
+        (self.shown, self.plates) = (Some((texture, scene, depth)), plates);
+    }
+
+    fn start(&mut self, ui: &Ui, scene: Scene, depth: Depth, poses: &[Pose], triangles: &Arc<[[u32; 3]]>) {
+        let ready: Vec<Ready> = scene
+            .figures
+            .iter()
+            .map(|(pictured, _)| {
+                let known = self.plates.iter().find(|(known, _)| known == pictured);
+                known.map_or_else(
+                    || Ready::Positions(poses[pictured.0].0.clone()),
+                    |(_, p)| Ready::Plate(p.clone()),
+                )
+            })
+            .collect();
+        let triangles = Arc::clone(triangles);
+        let job = Job::start("Drawing in ink", ui.ctx(), move |_| {
+            let ink = Ink::default();
+            let mut drawing = Drawing::new(scene.size[0], scene.size[1], &ink)?;
+            let mut plates = Vec::with_capacity(ready.len());
+            for (ready, (pictured, cell)) in ready.into_iter().zip(&scene.figures) {
+                let plate = ready.plate(&triangles)?;
+                drawing.strokes.extend(match depth {
+                    Depth::Lines => plate.outlines(&ink, &scene.camera, *cell),
+                    Depth::Shade => plate.strokes(&ink, &scene.camera, *cell),
+                });
+                plates.push((*pictured, plate));
+            }
+            Ok(Drawn { picture: drawing.to_picture(), scene, depth, plates })
+        });
+        self.running = Some(job);
+    }
+}
+
+/// A shape that is ready to be drawn, or its vertices.
+enum Ready {
+    Plate(Arc<Plate>),
+    Positions(Vec<[f32; 3]>),
+}
+
+impl Ready {
+    fn plate(self, triangles: &[[u32; 3]]) -> Result<Arc<Plate>, Error> {
+        match self {
+            Self::Plate(plate) => Ok(plate),
+            Self::Positions(positions) => plate(&positions, triangles).map(Arc::new),
+        }
+    }
+}
+
+/// A figure made ready to be drawn.
+pub fn plate(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Plate, Error> {
+    let positions: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
+    Ok(Plate::new(&positions, triangles, Plate::SMOOTHING)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_drawn_at_once_and_shade_when_the_shape_rests() {
+        let ball = chladni_mesh::samples::icosphere(3);
+        let positions: Vec<[f32; 3]> = ball.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let (poses, triangles) = (vec![(positions.clone(), positions)], ball.triangles.into());
+        let (ctx, mut stage) = (egui::Context::default(), InkedStage::default());
+        let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(200.0, 200.0));
+        let mut drawn_at = |secs: f64, yaw_rad: f32, wanted: Depth| {
+            let camera = Camera { yaw_rad, distance: 6.0, ..Camera::default() };
+            let scene = Scene { camera, size: [200; 2], figures: vec![((0, 1), Rect::of_size(200, 200))] };
+            let start = std::time::Instant::now();
+            loop {
+                let input = egui::RawInput { time: Some(secs), ..egui::RawInput::default() };
+                let _ = ctx.run_ui(input, |ui| {
+                    stage.show(ui, rect, scene.clone(), &poses, &triangles).unwrap();
+                });
+                let shown = stage.shown.as_ref().filter(|(_, shown, _)| *shown == scene);
+                if shown.is_some_and(|(.., depth)| *depth == wanted) {
+                    return;
+                }
+                assert!(start.elapsed().as_secs() < 60, "{wanted:?} was never drawn");
+                std::thread::sleep(std::time::Duration::from_millis(5));
+            }
+        };
+        drawn_at(1.0, 0.0, Depth::Lines);
+        drawn_at(2.0, 0.0, Depth::Shade);
+        drawn_at(2.1, 0.5, Depth::Lines);
+        drawn_at(2.5, 0.5, Depth::Shade);
+    }
+}

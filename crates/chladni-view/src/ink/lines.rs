@@ -1,0 +1,179 @@
+//! Lines on the surface that are worth drawing.
+
+use chladni_mesh::surface::vec3::{Vec3, add, dot, length, scaled, sub, unit};
+use chladni_mesh::surface::{EdgePoint, chained, times, vertex_gradients, zero_lines};
+use rayon::prelude::*;
+
+use super::sight::Sight;
+use super::{Ink, Mark};
+
+/// A line on the surface, hidden or not.
+pub(super) struct Line {
+    pub mark: Mark,
+    pub points: Vec<LinePoint>,
+}
+
+/// A point of it.
+#[derive(Clone, Copy)]
+pub(super) struct LinePoint {
+    pub at: Vec3,
+    pub normal: Vec3,
+    /// How much it says: it is drawn from ½ on where it reaches 1 nearby.
+    pub strength: f64,
+    /// A factor of its width.
+    pub weight: f64,
+}
+
+/// How fast the radial curvature must rise along the line of sight to say something, in 1 / size².
+const SUGGESTIVE: f64 = 90.0;
+/// How sharp valleys and ridges must be, in 1 / size.
+const VALLEY: f64 = 14.0;
+const RIDGE: f64 = 26.0;
+
+/// All lines of a plate as it is seen.
+pub(super) fn lines(sight: &Sight<'_>, ink: &Ink) -> Vec<Line> {
+    let seen = Seen::new(sight);
+    let mut lines = seen.contours();
+    lines.extend(borders(sight));
+    if ink.detail > 0.0 {
+        lines.extend(seen.suggestive(ink.detail));
+        lines.extend(seen.creases(Mark::Valley, 1, VALLEY / ink.detail));
+        lines.extend(seen.creases(Mark::Ridge, 0, RIDGE / ink.detail));
+    }
+    lines
+}
+
+/// What lines are traced from, for each vertex.
+struct Seen<'a, 'b> {
+    sight: &'a Sight<'b>,
+    /// ⟨n, v⟩, v the unit vector toward the viewer.
+    facing: Vec<f64>,
+    /// The unit vector along v in the tangent plane, and the radial curvature along it.
+    radial: Vec<(Vec3, f64)>,
+}
+
+impl<'a, 'b> Seen<'a, 'b> {
+    fn new(sight: &'a Sight<'b>) -> Self {
+        let plate = sight.plate;
+        let at = |v: usize| {
+            let (n, toward) = (plate.normals[v], sight.toward(plate.positions[v]));
+            let facing = dot(n, toward);
+            let w = unit(sub(toward, scaled(n, facing)));
+            (facing, (w, dot(w, times(plate.tensors[v], w))))
+        };
+        let (facing, radial) = (0..plate.positions.len()).into_par_iter().map(at).unzip();
+        Self { sight, facing, radial }
+    }
+
+    /// Traces the zeros of `values`; each point has the strength that `strength` gives.
+    fn traced(
+        &self,
+        mark: Mark,
+        values: impl Fn(usize, [u32; 3]) -> Option<[f64; 3]>,
+        strength: impl Fn(&EdgePoint) -> f64,
+    ) -> Vec<Line> {
+        let point = |on: &EdgePoint| line_point(self.sight, on, strength(on));
+        let lines = zero_lines(&self.sight.plate.triangles, values);
+        lines.iter().map(|line| Line { mark, points: line.iter().map(point).collect() }).collect()
+    }
+
+    /// ⟨n, v⟩ = 0. Where the surface is hollow along the line of sight, it hides its own contour.
+    fn contours(&self) -> Vec<Line> {
+        let hollow = -8.0 / self.sight.plate.size;
+        let strength =
+            |on: &EdgePoint| f64::from(u8::from(on.number(|v| self.radial[v as usize].1) > hollow));
+        self.traced(Mark::Contour, |_, t| Some(t.map(|v| self.facing[v as usize])), strength)
+    }
+
+    /// κ_r = 0 where D_w κ_r > 0 (DeCarlo et al., "Suggestive contours for conveying shape", 2003), fading
+    /// where the surface faces the viewer: there the direction w means little.
+    fn suggestive(&self, detail: f64) -> Vec<Line> {
+        let plate = self.sight.plate;
+        let curvature: Vec<f64> = self.radial.iter().map(|(_, k)| *k).collect();
+        let slopes = vertex_gradients(&plate.positions, &plate.triangles, &curvature, &plate.around);
+        let unit = plate.size * plate.size * detail / SUGGESTIVE;
+        let rise = |v: u32| {
+            let v = v as usize;
+            let sideways = (1.0 - self.facing[v] * self.facing[v]).max(0.0).sqrt();
+            dot(slopes[v], self.radial[v].0) * unit * smooth_step((sideways - 0.15) / 0.35)
+        };
+        let values = |_: usize, t: [u32; 3]| {
+            let fronts = t.iter().all(|v| self.facing[*v as usize] > 0.0);
+            fronts.then(|| t.map(|v| curvature[v as usize]))
+        };
+        self.traced(Mark::Suggestive, values, |on| on.number(rise))
+    }
+
+    /// Where principal curvature `which` is extreme along its own direction, and greater than the other: the
+    /// bottoms of furrows (κ₂ < 0 least) or the tops of edges (κ₁ > 0 greatest).
+    fn creases(&self, mark: Mark, which: usize, sharp: f64) -> Vec<Line> {
+        let plate = self.sight.plate;
+        let sign = if which == 0 { 1.0 } else { -1.0 };
+        let sharpness = |v: u32| {
+            let [a, b] = plate.principal[v as usize].values;
+            let (own, other) = if which == 0 { (a, b) } else { (b, a) };
+            if sign * own > other.abs() { sign * own * plate.size / sharp } else { 0.0 }
+        };
+        let values = |_: usize, t: [u32; 3]| {
+            if t.iter().any(|v| self.facing[*v as usize] < 0.0) || t.iter().all(|v| sharpness(*v) < 0.3) {
+                return None;
+            }
+            // Directions have no sign: the corners' are turned to agree with the first.
+            let [a, b, c] = t.map(|v| plate.principal[v as usize].directions[which]);
+            let turns = [1.0, dot(a, b).signum(), dot(a, c).signum()];
+            if dot(b, c) * turns[1] * turns[2] <= 0.0 {
+                return None;
+            }
+            let values: [f64; 3] = std::array::from_fn(|i| turns[i] * plate.slopes[which][t[i] as usize]);
+            let along = add(add(a, scaled(b, turns[1])), scaled(c, turns[2]));
+            let places = t.map(|v| dot(plate.positions[v as usize], along));
+            // Along the direction the slope falls through a maximum and rises through a minimum.
+            let trend: f64 = {
+                let (x, y) = (mean(places), mean(values));
+                (0..3).map(|i| (places[i] - x) * (values[i] - y)).sum()
+            };
+            (sign * trend < 0.0).then_some(values)
+        };
+        let strength = |on: &EdgePoint| {
+            let facing = on.number(|v| self.facing[v as usize]);
+            on.number(sharpness) * smooth_step((facing - 0.05) / 0.25)
+        };
+        self.traced(mark, values, strength)
+    }
+}
+
+fn mean(x: [f64; 3]) -> f64 {
+    (x[0] + x[1] + x[2]) / 3.0
+}
+
+/// 0 below 0, 1 above 1, smooth between.
+pub(super) fn smooth_step(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+fn line_point(sight: &Sight<'_>, on: &EdgePoint, strength: f64) -> LinePoint {
+    let plate = sight.plate;
+    let normal = unit(on.mixed(|v| plate.normals[v as usize]));
+    let weight = plate.weights.as_ref().map_or(1.0, |weights| on.number(|v| f64::from(weights[v as usize])));
+    LinePoint { at: on.mixed(|v| plate.positions[v as usize]), normal, strength, weight }
+}
+
+/// The edges at which the surface ends.
+fn borders(sight: &Sight<'_>) -> Vec<Line> {
+    let vertex = |v: u32| EdgePoint { ends: [v, v], along: 0.0 };
+    let edges: Vec<[EdgePoint; 2]> = sight.plate.borders.iter().map(|edge| edge.map(vertex)).collect();
+    let point = |on: &EdgePoint| line_point(sight, on, 1.0);
+    let line =
+        |chain: Vec<EdgePoint>| Line { mark: Mark::Contour, points: chain.iter().map(point).collect() };
+    chained(&edges).into_iter().map(line).collect()
+}
+
+/// Where a point lies between two.
+pub(super) fn between(a: &LinePoint, b: &LinePoint, t: f64) -> LinePoint {
+    let mix = |x: f64, y: f64| x + (y - x) * t;
+    let at = std::array::from_fn(|i| mix(a.at[i], b.at[i]));
+    let normal = std::array::from_fn(|i| mix(a.normal[i], b.normal[i]));
+    let normal = if length(normal) > 0.0 { unit(normal) } else { a.normal };
+    LinePoint { at, normal, strength: mix(a.strength, b.strength), weight: mix(a.weight, b.weight) }
+}

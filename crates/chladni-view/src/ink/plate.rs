@@ -1,0 +1,145 @@
+//! A shape made ready to be drawn: what does not depend on where it is seen from.
+
+use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, sub, unit};
+use chladni_mesh::surface::{
+    Principal, Rows, Tensor, averaged, boundary_vertices, curvature_tensors, vertex_areas, vertex_gradients,
+    vertex_neighbors, vertex_normals_around, vertex_triangles,
+};
+use rayon::prelude::*;
+
+use crate::{PickTree, ViewError};
+
+/// A shape with its normals, curvatures, and directions of hatching.
+pub struct Plate {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) around: Rows,
+    /// Averaged, unit, outward.
+    pub(super) normals: Vec<Vec3>,
+    pub(super) tensors: Vec<Tensor>,
+    pub(super) principal: Vec<Principal>,
+    /// D κ along its own direction, for each of the two principal curvatures.
+    pub(super) slopes: [Vec<f64>; 2],
+    /// Curvatures without sign, averaged far: where hatching goes.
+    pub(super) grain: Vec<Tensor>,
+    /// Edges with one triangle.
+    pub(super) borders: Vec<[u32; 2]>,
+    /// √(A / π), the diameter of the ball with as much surface.
+    pub(super) size: f64,
+    /// A factor of each vertex' line width.
+    pub(super) weights: Option<Vec<f32>>,
+    pub(super) single: Vec<[f32; 3]>,
+    pub(super) tree: PickTree,
+}
+
+/// How far hatching directions are averaged, as a share of the size.
+const GRAIN: f64 = 0.03;
+/// Passes of averaging, at most: dense meshes are smoothed less far than asked for.
+const MOST_PASSES: usize = 100;
+
+impl Plate {
+    /// How far curvatures are averaged, as a share of the shape's size, where nothing else is said.
+    pub const SMOOTHING: f64 = 0.01;
+
+    /// Makes the shape with these vertices and triangles ready. Coincident vertices should be one, or seams are drawn.
+    ///
+    /// `smoothing` ≥ 0 is the standard deviation, as a share of the size √(A/π), over which normals and curvatures are
+    /// averaged: 0 follows every grain of a scan. Where a mesh is finer than a hundredth of that, less.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where a triangle names a vertex that is not there, a coordinate is not finite, or
+    /// there is no area.
+    pub fn new(positions: &[Vec3], triangles: &[[u32; 3]], smoothing: f64) -> Result<Self, ViewError> {
+        let n = positions.len();
+        if triangles.iter().flatten().any(|v| *v as usize >= n) {
+            return Err(ViewError::Shape(format!("a triangle names a vertex beyond the {n} that are there")));
+        }
+        let areas = vertex_areas(positions, triangles);
+        let area: f64 = areas.iter().sum();
+        let finite = positions.iter().flatten().all(|x| x.is_finite()) && area.is_finite();
+        if !finite || area <= 0.0 {
+            return Err(ViewError::Shape("a drawing needs a surface with finite coordinates".into()));
+        }
+        let size = (area / std::f64::consts::PI).sqrt();
+        let around = vertex_triangles(n, triangles);
+        let neighbors = vertex_neighbors(n, triangles);
+        // A vertex of a mesh of equilateral triangles has √3/2 ℓ² of the area.
+        let edge = (area / n as f64 / 0.866).sqrt();
+        let passes = |share: f64| ((share * size / (0.65 * edge)).powi(2).ceil() as usize).min(MOST_PASSES);
+        let mut normals = vertex_normals_around(positions, triangles, &around);
+        if volume(positions, triangles) < 0.0 {
+            normals.iter_mut().for_each(|n| *n = scaled(*n, -1.0));
+        }
+        let mut normals = averaged(normals, &neighbors, &areas, passes(smoothing));
+        normals.iter_mut().for_each(|n| *n = unit(*n));
+        let tensors = curvature_tensors(positions, triangles, &normals, &around);
+        let tensors = averaged(tensors, &neighbors, &areas, passes(smoothing));
+        let of = |tensors: &[Tensor]| -> Vec<Principal> {
+            tensors.par_iter().zip(&normals).map(|(t, n)| Principal::of(*t, *n)).collect()
+        };
+        let principal = of(&tensors);
+        let slope = |i: usize| {
+            let values: Vec<f64> = principal.iter().map(|p| p.values[i]).collect();
+            let gradients = vertex_gradients(positions, triangles, &values, &around);
+            gradients.iter().zip(&principal).map(|(g, p)| dot(*g, p.directions[i])).collect()
+        };
+        let slopes = [slope(0), slope(1)];
+        let grain = principal.iter().map(Principal::magnitude).collect();
+        let grain = averaged(grain, &neighbors, &areas, passes(GRAIN));
+        let single: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x as f32)).collect();
+        let tree = PickTree::new(&single, triangles);
+        let borders = borders(n, triangles);
+        Ok(Self {
+            positions: positions.to_vec(),
+            triangles: triangles.to_vec(),
+            around,
+            normals,
+            tensors,
+            principal,
+            slopes,
+            grain,
+            borders,
+            size,
+            weights: None,
+            single,
+            tree,
+        })
+    }
+
+    /// Lines at each vertex are `weights` times as wide, such as by how far it is exaggerated.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where there is not one for each vertex.
+    pub fn weighted(mut self, weights: Vec<f32>) -> Result<Self, ViewError> {
+        if weights.len() != self.positions.len() {
+            let (w, n) = (weights.len(), self.positions.len());
+            return Err(ViewError::Shape(format!("{w} line weights for {n} vertices")));
+        }
+        self.weights = Some(weights);
+        Ok(self)
+    }
+}
+
+/// Six times the signed volume about the middle: negative for a shape that is inside out.
+fn volume(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
+    let middle = scaled(positions.iter().fold([0.0; 3], |sum, p| add(sum, *p)), 1.0 / positions.len() as f64);
+    let wedge = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| sub(positions[v as usize], middle));
+        dot(a, cross(b, c))
+    };
+    triangles.iter().map(wedge).sum()
+}
+
+fn borders(vertices: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let open = boundary_vertices(vertices, triangles);
+    let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let mut edges: Vec<[u32; 2]> = triangles
+        .iter()
+        .flat_map(sides)
+        .filter(|e| e.iter().all(|v| open[*v as usize]))
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    edges.sort_unstable();
+    let alone = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
+    alone.map(|same| same[0]).collect()
+}

@@ -1,0 +1,335 @@
+//! From lines on the surface to strokes on paper: what is seen of them, joined, smoothed and given a width.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::lines::{Line, LinePoint, between, smooth_step};
+use super::sight::Sight;
+use super::{Ink, Mark, Stroke, StrokePoint};
+
+/// All lengths are in units of paper, a nine-hundredth of the cell's shorter side: between samples of a line,
+const STEP: f64 = 2.0;
+/// of gaps that are closed, outside and inside,
+const GAP: [f64; 2] = [20.0, 6.0];
+/// of the shortest strokes that are kept, outside and inside,
+const SHORT: [f64; 2] = [12.0, 24.0];
+/// between strokes' ends that are joined,
+const JOIN: f64 = 7.0;
+/// between two strokes that would show the same, outside and inside,
+const SAME: [f64; 2] = [3.0, 5.0];
+/// and over which a stroke's width falls off to its ends.
+const TAPER: f64 = 26.0;
+/// How often places are averaged with their neighbors'.
+const SMOOTHINGS: usize = 6;
+/// How far a simplified stroke lies from the traced one at most, in pixels.
+const TOLERANCE_PX: f64 = 0.1;
+
+/// A sample of a line.
+#[derive(Clone, Copy)]
+struct Sample {
+    at: [f64; 2],
+    on: LinePoint,
+    seen: bool,
+}
+
+/// The strokes in which `lines` are seen.
+pub(super) fn visible(sight: &Sight<'_>, ink: &Ink, lines: Vec<Line>) -> Vec<Stroke> {
+    let runs: Vec<Vec<(Mark, Vec<Sample>)>> = lines
+        .into_par_iter()
+        .map(|line| {
+            let samples = sampled(sight, &line);
+            seen_runs(line.mark, samples, sight.unit).into_iter().map(|run| (line.mark, run)).collect()
+        })
+        .collect();
+    let mut runs: Vec<(Mark, Vec<Sample>)> = runs.into_iter().flatten().collect();
+    // What says most is drawn first, and what runs beside it is left out.
+    runs.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.len().cmp(&a.1.len())));
+    let runs = without_doubles(runs, sight.unit);
+    let runs = joined(runs, JOIN * sight.unit);
+    runs.into_iter().filter_map(|(mark, run)| stroke(sight, ink, mark, run)).collect()
+}
+
+/// Places on the line, evenly spaced on paper; a line that goes behind the eye ends there.
+fn sampled(sight: &Sight<'_>, line: &Line) -> Vec<Sample> {
+    let sample = |on: LinePoint, at: [f64; 2]| {
+        let inside = sight.cell.contains(at[0] as f32, at[1] as f32);
+        Sample { at, on, seen: inside && sight.sees(on.at, on.normal, line.mark == Mark::Contour) }
+    };
+    let mut samples: Vec<Sample> = Vec::new();
+    let Some(first) = line.points.first() else { return samples };
+    samples.extend(sight.project(first.at).map(|at| sample(*first, at)));
+    for pair in line.points.windows(2) {
+        let (Some(a), Some(b)) = (sight.project(pair[0].at), sight.project(pair[1].at)) else { continue };
+        let steps = (apart(a, b) / (STEP * sight.unit)).ceil().clamp(1.0, 1000.0) as u32;
+        for i in 1..=steps {
+            let on = between(&pair[0], &pair[1], f64::from(i) / f64::from(steps));
+            let Some(at) = sight.project(on.at) else { continue };
+            // Vertices much closer than a step would only be noise.
+            if i < steps || samples.last().is_none_or(|last| apart(last.at, at) > 0.5 * STEP * sight.unit) {
+                samples.push(sample(on, at));
+            }
+        }
+    }
+    if line.points.len() > 3 && line.points.first().map(|p| p.at) == line.points.last().map(|p| p.at) {
+        close(&mut samples, STEP * sight.unit);
+    }
+    samples
+}
+
+/// Lets a line that goes around end exactly where it begins, and begin where it is not seen, so that no visible piece
+/// is cut in two.
+fn close(samples: &mut Vec<Sample>, step: f64) {
+    let Some(first) = samples.first().map(|s| s.at) else { return };
+    while samples.len() > 1 && samples.last().is_some_and(|last| apart(last.at, first) < 0.5 * step) {
+        samples.pop();
+    }
+    let hidden = samples.iter().position(|s| !s.seen || s.on.strength < 0.5);
+    samples.rotate_left(hidden.unwrap_or(0));
+    samples.extend(samples.first().copied());
+}
+
+/// The pieces of a line that are seen and strong enough, without short gaps and short bits.
+fn seen_runs(mark: Mark, samples: Vec<Sample>, unit: f64) -> Vec<Vec<Sample>> {
+    let drawn: Vec<bool> = samples.iter().map(|s| s.seen && s.on.strength >= 0.5).collect();
+    let inside = usize::from(mark != Mark::Contour);
+    let gap = GAP[inside] * unit;
+    let mut pieces: Vec<Range<usize>> = Vec::new();
+    for (_, piece) in ranges(&drawn).into_iter().filter(|(drawn, _)| *drawn) {
+        match pieces.last_mut() {
+            Some(last) if extent(&samples[last.end - 1..=piece.start]) < gap => last.end = piece.end,
+            _ => pieces.push(piece),
+        }
+    }
+    let least = SHORT[inside] * unit;
+    let says = |run: &[Sample]| extent(run) >= least && run.iter().any(|s| s.seen && s.on.strength >= 1.0);
+    pieces.into_iter().map(|piece| samples[piece].to_vec()).filter(|run| says(run)).collect()
+}
+
+fn apart([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
+    (a - c).hypot(b - d)
+}
+
+fn extent(run: &[Sample]) -> f64 {
+    run.windows(2).map(|pair| apart(pair[0].at, pair[1].at)).sum()
+}
+
+/// Unit from `a` to `b`; zero where they are one.
+fn way([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    let l = apart([a, b], [c, d]);
+    if l > 0.0 { [(c - a) / l, (d - b) / l] } else { [0.0; 2] }
+}
+
+fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
+    a * c + b * d
+}
+
+/// Where strokes are on paper, by squares.
+#[derive(Default)]
+struct Occupied {
+    side: f64,
+    /// Places and directions.
+    places: HashMap<[i64; 2], Vec<[[f64; 2]; 2]>>,
+}
+
+impl Occupied {
+    fn square(&self, at: [f64; 2]) -> [i64; 2] {
+        at.map(|x| (x / self.side).floor() as i64)
+    }
+
+    fn put(&mut self, at: [f64; 2], along: [f64; 2]) {
+        self.places.entry(self.square(at)).or_default().push([at, along]);
+    }
+
+    /// Whether another stroke passes in the same direction nearer than `near`, at most a square's side.
+    fn has_like(&self, at: [f64; 2], along: [f64; 2], near: f64) -> bool {
+        let [x, y] = self.square(at);
+        let squares = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).map(move |y| [x, y]));
+        squares
+            .filter_map(|square| self.places.get(&square))
+            .flatten()
+            .any(|[place, direction]| apart(at, *place) < near && dot(along, *direction).abs() > 0.8)
+    }
+}
+
+/// Leaves out where a line runs beside one that was drawn before, or beside itself.
+fn without_doubles(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<Sample>)> {
+    let mut occupied = Occupied { side: SAME[0].max(SAME[1]) * unit, ..Occupied::default() };
+    let mut kept = Vec::with_capacity(runs.len());
+    for (mark, run) in runs {
+        let near = SAME[usize::from(mark != Mark::Contour)] * unit;
+        let last = run.len() - 1;
+        let along: Vec<[f64; 2]> =
+            (0..=last).map(|i| way(run[i.saturating_sub(1)].at, run[(i + 1).min(last)].at)).collect();
+        // So far behind itself a line is no longer near by being smooth.
+        let behind = (2.0 * near / (STEP * unit)).ceil() as usize + 1;
+        let mut drawn = Vec::with_capacity(run.len());
+        for i in 0..=last {
+            drawn.push(!occupied.has_like(run[i].at, along[i], near));
+            if let Some(past) = i.checked_sub(behind).filter(|past| drawn[*past]) {
+                occupied.put(run[past].at, along[past]);
+            }
+        }
+        for past in (run.len().saturating_sub(behind)..run.len()).filter(|past| drawn[*past]) {
+            occupied.put(run[past].at, along[past]);
+        }
+        // A line that only meets or crosses another goes on, and no scraps are left.
+        for (kind, least) in [(false, 3.0 * near), (true, SHORT[1] * unit * 0.6)] {
+            for piece in ranges(&drawn).into_iter().filter(|(like, _)| *like == kind).map(|(_, piece)| piece)
+            {
+                if extent(&run[piece.clone()]) < least && piece.len() < run.len() {
+                    drawn[piece].fill(!kind);
+                }
+            }
+        }
+        let pieces = ranges(&drawn).into_iter().filter(|(like, _)| *like);
+        kept.extend(pieces.map(|(_, piece)| (mark, run[piece].to_vec())));
+    }
+    kept
+}
+
+/// Runs of equal values.
+fn ranges(values: &[bool]) -> Vec<(bool, Range<usize>)> {
+    let mut from = 0;
+    let range = |same: &[bool]| {
+        let piece = from..from + same.len();
+        from = piece.end;
+        (same[0], piece)
+    };
+    values.chunk_by(|a, b| a == b).map(range).collect()
+}
+
+/// Joins pieces of the same kind whose ends meet and go on in the same direction, the longest first.
+fn joined(mut runs: Vec<(Mark, Vec<Sample>)>, near: f64) -> Vec<(Mark, Vec<Sample>)> {
+    let mut i = 0;
+    while i < runs.len() {
+        let (mark, own) = (runs[i].0, &runs[i].1);
+        let next = (i + 1..runs.len()).find_map(|j| {
+            let (other_mark, other) = &runs[j];
+            (*other_mark == mark).then(|| fit(own, other, near).map(|how| (j, how)))?
+        });
+        match next {
+            Some((j, [turn_own, turn_other])) => {
+                let (_, mut other) = runs.remove(j);
+                let own = &mut runs[i].1;
+                if turn_own {
+                    own.reverse();
+                }
+                if turn_other {
+                    other.reverse();
+                }
+                own.append(&mut other);
+            }
+            None => {
+                let own = &mut runs[i].1;
+                let around = own.len() > 12 && fit(own, own, near) == Some([false, false]);
+                own.extend(own.first().copied().filter(|_| around));
+                i += 1;
+            }
+        }
+    }
+    runs
+}
+
+/// Whether, turned or not, the end of `a` leads into the beginning of `b`.
+fn fit(a: &[Sample], b: &[Sample], near: f64) -> Option<[bool; 2]> {
+    const LOOK_BACK: usize = 4;
+    // The place of an end and the way out of it.
+    let end = |run: &[Sample], last: bool| {
+        let n = run.len() - 1;
+        let back = LOOK_BACK.min(n);
+        if last {
+            (run[n].at, way(run[n - back].at, run[n].at))
+        } else {
+            (run[0].at, way(run[back].at, run[0].at))
+        }
+    };
+    [[false, false], [false, true], [true, false], [true, true]].into_iter().find(|[turn_a, turn_b]| {
+        let ((p, out), (q, toward)) = (end(a, !turn_a), end(b, *turn_b));
+        let gap = apart(p, q);
+        gap < near && dot(out, toward) < -0.8 && (gap < 0.3 * near || dot(out, way(p, q)) > 0.7)
+    })
+}
+
+/// A run as it is drawn: smoothed, wide where it is near and says much, thin at its ends.
+fn stroke(sight: &Sight<'_>, ink: &Ink, mark: Mark, run: Vec<Sample>) -> Option<Stroke> {
+    let n = run.len();
+    let is_closed = n > 3 && apart(run[0].at, run[n - 1].at) < 1e-6;
+    let mut places: Vec<[f64; 2]> = run.iter().map(|s| s.at).collect();
+    for _ in 0..SMOOTHINGS {
+        places = smoothed(&places, is_closed);
+    }
+    let mut strengths: Vec<[f64; 2]> = run.iter().map(|s| [s.on.strength.min(4.0), s.on.weight]).collect();
+    for _ in 0..SMOOTHINGS {
+        strengths = smoothed(&strengths, is_closed);
+    }
+    let lengths: Vec<f64> = std::iter::once(0.0)
+        .chain(places.windows(2).scan(0.0, |sum, pair| {
+            *sum += apart(pair[0], pair[1]);
+            Some(*sum)
+        }))
+        .collect();
+    let whole = lengths.last().copied()?;
+    let taper = (TAPER * sight.unit).min(0.4 * whole);
+    let pen = ink.pen_px(sight.cell);
+    let share = match mark {
+        Mark::Contour => 1.0,
+        Mark::Suggestive => 0.85,
+        Mark::Valley => 0.8,
+        Mark::Ridge | Mark::Hatching => 0.5,
+    };
+    let points = (0..n).map(|i| {
+        let [strength, weight] = strengths[i];
+        let says =
+            if mark == Mark::Contour { 1.0 } else { 0.35 + 0.65 * smooth_step((strength - 0.5) / 2.5) };
+        let depth = 0.6 + 0.8 * sight.nearness(run[i].on.at);
+        let end = lengths[i].min(whole - lengths[i]);
+        let thin = if is_closed { 1.0 } else { 0.25 + 0.75 * smooth_step(end / taper.max(1e-9)) };
+        StrokePoint { at: places[i], width: pen * share * says * depth * thin * weight }
+    });
+    Some(Stroke { mark, points: simplified(&points.collect::<Vec<_>>()) })
+}
+
+/// Averages each with its neighbors; ends stay.
+fn smoothed(values: &[[f64; 2]], is_closed: bool) -> Vec<[f64; 2]> {
+    let n = values.len();
+    let mean = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+        std::array::from_fn(|k| 0.25 * a[k] + 0.5 * b[k] + 0.25 * c[k])
+    };
+    let at = |i: usize| match (i == 0 || i + 1 == n, is_closed) {
+        (false, _) => mean(values[i - 1], values[i], values[i + 1]),
+        (true, true) => mean(values[n - 2], values[0], values[1]),
+        (true, false) => values[i],
+    };
+    (0..n).map(at).collect()
+}
+
+/// Leaves out points without which the stroke changes nowhere by more than the tolerance, in place and in width
+/// (Douglas & Peucker 1973).
+pub(super) fn simplified(points: &[StrokePoint]) -> Vec<StrokePoint> {
+    let mut kept = vec![false; points.len()];
+    let mut pending = vec![(0, points.len().saturating_sub(1))];
+    while let Some((from, to)) = pending.pop() {
+        let (Some(a), Some(b)) = (points.get(from), points.get(to)) else { continue };
+        (kept[from], kept[to]) = (true, true);
+        let farthest = (from + 1..to)
+            .map(|i| (i, deviation(&points[i], a, b)))
+            .max_by(|x, y| x.1.total_cmp(&y.1))
+            .filter(|(_, far)| *far > TOLERANCE_PX);
+        if let Some((i, _)) = farthest {
+            pending.extend([(from, i), (i, to)]);
+        }
+    }
+    points.iter().zip(kept).filter(|(_, kept)| *kept).map(|(p, _)| *p).collect()
+}
+
+/// How far `p` is from the piece between `a` and `b`, in place or width.
+fn deviation(p: &StrokePoint, a: &StrokePoint, b: &StrokePoint) -> f64 {
+    let d: [f64; 2] = std::array::from_fn(|i| b.at[i] - a.at[i]);
+    let e: [f64; 2] = std::array::from_fn(|i| p.at[i] - a.at[i]);
+    let squared = dot(d, d);
+    let t = if squared > 0.0 { (dot(d, e) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    let place = std::array::from_fn(|i| a.at[i] + t * d[i]);
+    apart(p.at, place).max((p.width - (a.width + t * (b.width - a.width))).abs())
+}
