@@ -77,33 +77,48 @@ impl Ensemble {
     /// The items that `bands` and `beat` drive: S items of the gallery in order, or one while something is on
     /// stage.
     pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<&[Item], Error> {
+        let Some(scene) = instrument.scene(beat.count) else {
+            return self.play_gallery(instrument, bands, beat);
+        };
         let playing = self.within(instrument.parameters().playing());
         self.play_voices(instrument, bands, beat)?;
-        let count = if let Some(scene) = instrument.scene(beat.count) {
-            let cast = [scene.to, scene.from];
-            let cast = if scene.weight < 1.0 { &cast[..] } else { &cast[..1] };
-            for (slot, &id) in cast.iter().enumerate() {
-                let none = Error::NoSuch { what: "item with id", index: id as usize, count: 0 };
-                let found = instrument.item(id).ok_or(none)?;
-                self.play_slot(slot, id, &found.mapping, playing, bands)?;
-            }
-            if let [to, from, ..] = &mut self.items[..]
-                && scene.weight < 1.0
-            {
-                blend(to, from, 1.0 - scene.weight)?;
-            }
-            1
-        } else {
-            let shown = instrument.gallery().items();
-            for (slot, item) in shown.iter().enumerate() {
-                self.play_slot(slot, item.id, &item.mapping, playing, bands)?;
-            }
-            shown.len()
-        };
+        let cast = [scene.to, scene.from];
+        let cast = if scene.weight < 1.0 { &cast[..] } else { &cast[..1] };
+        for (slot, &id) in cast.iter().enumerate() {
+            let none = Error::NoSuch { what: "item with id", index: id as usize, count: 0 };
+            let found = instrument.item(id).ok_or(none)?;
+            self.play_slot(slot, id, &found.mapping, playing, bands)?;
+        }
+        if let [to, from, ..] = &mut self.items[..]
+            && scene.weight < 1.0
+        {
+            blend(to, from, 1.0 - scene.weight)?;
+        }
+        Ok(self.voiced(1))
+    }
+
+    /// The items of the gallery, whatever is on stage.
+    pub fn play_gallery(
+        &mut self,
+        instrument: &Instrument,
+        bands: &Bands<'_>,
+        beat: Beat,
+    ) -> Result<&[Item], Error> {
+        let playing = self.within(instrument.parameters().playing());
+        self.play_voices(instrument, bands, beat)?;
+        let shown = instrument.gallery().items();
+        for (slot, item) in shown.iter().enumerate() {
+            self.play_slot(slot, item.id, &item.mapping, playing, bands)?;
+        }
+        Ok(self.voiced(shown.len()))
+    }
+
+    /// The first `count` items, with the voices.
+    fn voiced(&mut self, count: usize) -> &[Item] {
         for item in &mut self.items[..count] {
             item.terms.extend_from_slice(&self.voice_item.terms);
         }
-        Ok(&self.items[..count])
+        &self.items[..count]
     }
 
     /// Plays a mapping that is not in a gallery, to try it out, with the knobs set to `settings`: one item.

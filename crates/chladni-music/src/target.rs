@@ -371,12 +371,6 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
 
-    #[test]
-    fn the_page_in_the_documentation_is_that_of_the_table() {
-        let page = include_str!("../../../docs/controls.md");
-        assert_eq!(page, controls_page(), "chladni controls > docs/controls.md");
-    }
-
     fn cue(address: &str, value: Option<f32>) -> Option<Cue> {
         osc_cue(address, value, None, &Parameters::default())
     }

@@ -413,3 +413,10 @@ fn vertex_lines(path: &Path) -> Vec<String> {
 
 const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1.25 0\nv 0 -1 0\nv 0 0 1.1\nv 0 0 -1\n\
     f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
+
+#[test]
+fn the_page_of_controls_is_the_one_in_the_documentation() {
+    let printed = Run::of(&["controls"]).succeeded().stdout();
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/controls.md");
+    assert_eq!(std::fs::read_to_string(page).unwrap(), printed, "chladni controls > docs/controls.md");
+}

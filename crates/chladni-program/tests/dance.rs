@@ -74,6 +74,54 @@ fn a_dance_becomes_a_glb_with_its_sound_beside_it() {
 }
 
 #[test]
+fn frames_on_a_pipe_are_those_of_the_film_and_ffmpeg_reads_them() {
+    use std::process::{Command, Stdio};
+    if !chladni_view::ffmpeg_is_there() {
+        return println!("skipped: no ffmpeg");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let dance = ["--quiet", "dance", "sample:octopus", "sample:tune", "-k", "24", "--duration", "0.5"];
+    let film = ["--start", "6", "--fps", "24", "--size", "96x64", "--draw", "cpu"];
+    let frames = folder.path().join("film");
+    let arguments = [&dance[1..], &film, &["--frames", frames.to_str().unwrap()]].concat();
+    assert_eq!(run(&arguments), 0);
+    let pixels = |path: &Path| chladni_view::Picture::decode(&std::fs::read(path).unwrap()).unwrap().rgba;
+    let raw = ["-f", "rawvideo", "-pixel_format", "rgba", "-video_size", "96x64", "-framerate", "24"];
+    for (format, input, tolerance) in [("rgba", &raw[..], 0), ("y4m", &[][..], 4)] {
+        let program = env!("CARGO_BIN_EXE_chladni");
+        let mut dancing = Command::new(program)
+            .args(dance)
+            .args(film)
+            .args(["-o", "-", "--format", format])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let read = folder.path().join(format);
+        std::fs::create_dir(&read).unwrap();
+        let colors = ["-vf", "scale=in_color_matrix=bt709:flags=accurate_rnd", "-pix_fmt", "rgba"];
+        let ended = Command::new("ffmpeg")
+            .args(["-nostdin", "-loglevel", "error"])
+            .args(input)
+            .args(["-i", "pipe:0"])
+            .args(if format == "y4m" { &colors[..] } else { &[] })
+            .arg(read.join("%d.png"))
+            .stdin(dancing.stdout.take().unwrap())
+            .status()
+            .unwrap();
+        assert!(ended.success() && dancing.wait().unwrap().success(), "{format}");
+        assert_eq!(std::fs::read_dir(&read).unwrap().count(), 12, "{format}");
+        for frame in 0..12 {
+            let drawn = pixels(&frames.join(format!("frame-{frame:05}.png")));
+            let seen = pixels(&read.join(format!("{}.png", frame + 1)));
+            let off = drawn.iter().zip(&seen).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+            assert!(drawn.len() == seen.len() && off <= tolerance, "{format}, frame {frame}: {off}");
+        }
+    }
+    assert_eq!(run(&[&dance[1..], &["-o", "-", "--json"]].concat()), 2);
+}
+
+#[test]
 fn bad_input_is_refused_with_code_2() {
     let folder = tempfile::tempdir().unwrap();
     let gif = folder.path().join("x.gif");

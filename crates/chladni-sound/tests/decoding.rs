@@ -231,6 +231,26 @@ fn surround_opus_keeps_its_sides() {
     assert!(likeness(&song.right, &truth.right) > 0.98, "{}", likeness(&song.right, &truth.right));
 }
 
+#[test]
+fn tags_name_the_song() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("source.wav");
+    write_wav(&source, &chirp(44_100), WavSample::Int16).unwrap();
+    assert_eq!(SongReader::open(&source).unwrap().title(), None);
+    let (title, artist) = (["-metadata", "title=Slow Tide"], ["-metadata", "artist=No \u{f6}ne"]);
+    for name in ["tagged.mp3", "tagged.flac", "tagged.ogg", "tagged.m4a"] {
+        let path = folder.path().join(name);
+        if !ffmpeg(&source, &[title, artist].concat(), &path) {
+            eprintln!("skipped {name}: ffmpeg is not here or cannot write it");
+            continue;
+        }
+        let told = SongReader::open(&path).unwrap().title();
+        assert_eq!(told.as_deref(), Some("No \u{f6}ne – Slow Tide"), "{name}");
+        assert!(ffmpeg(&source, &title, &path));
+        assert_eq!(SongReader::open(&path).unwrap().title().as_deref(), Some("Slow Tide"), "{name}");
+    }
+}
+
 /// Decodes with libopus rather than with ffmpeg's own decoder.
 fn ffmpeg_decodes_opus(opus: &Path, wav: &Path) -> bool {
     Command::new("ffmpeg")

@@ -7,6 +7,7 @@ use chladni_music::{
     Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, Show, Switch, Timbre, setting,
 };
 use chladni_synth::Backend;
+use chladni_view::film::RawFormat;
 use chladni_view::{Answer, Background, FrameRate, Lights, Look, Material, Palette, Samples};
 
 use super::Terminal;
@@ -29,9 +30,12 @@ pub struct Dance {
     song: Option<String>,
     /// The film: .mp4 with sound (needs ffmpeg), .gif or .png (animated, silent). Or .glb: the shape with
     /// morph targets and their weights as an animation, for Blender and other programs; the sound is written
-    /// beside it as .wav.
+    /// beside it as .wav. Or -: frames as they are on standard output, silent, for a program that reads them.
     #[arg(short, long, value_name = "FILM")]
     output: Option<PathBuf>,
+    /// What -o - writes: rgba (8 bits each, row by row; the reader has to know size and rate) or y4m, which says both.
+    #[arg(long, value_name = "FORMAT", default_value = "rgba", value_parser = named(RawFormat::named, "rgba, y4m".into()))]
+    format: RawFormat,
     /// Write PNG frames and sound.wav into this folder; needs no other program.
     #[arg(long, value_name = "DIR", conflicts_with = "output")]
     frames: Option<PathBuf>,
@@ -162,16 +166,31 @@ impl Dance {
             return terminal.json(&report);
         }
         let sound = output.animation.as_deref().map(film::sound_beside);
-        let made = [output.presets, output.film, output.animation, sound, output.coefficients];
-        made.iter().flatten().try_for_each(|path| terminal.wrote(path))?;
+        let made = [&output.presets, &output.film, &output.animation, &sound, &output.coefficients];
+        let made = made.map(Option::as_ref);
+        for path in made.iter().flatten() {
+            match output.pipe {
+                // Frames alone are on standard output.
+                Some(_) => terminal.note(format_args!("wrote {}", path.display())),
+                None => terminal.wrote(path)?,
+            }
+        }
         terminal.note(report);
         Ok(())
     }
 
     fn film(self, terminal: &Terminal) -> Result<Film, Error> {
         let changes = self.changes()?;
-        let to = self.output.clone().map_or_else(Output::nowhere, Output::to);
+        let (pipe, file) = match self.output.clone() {
+            Some(path) if path == Path::new("-") => (Some(self.format), None),
+            file => (None, file),
+        };
+        if pipe.is_some() && self.json {
+            return Err(Error::input("-o - and --json would both write to standard output"));
+        }
+        let to = file.map_or_else(Output::nowhere, Output::to);
         let output = Output {
+            pipe,
             film: to.film.or_else(|| self.frames.clone()),
             animation: to.animation,
             targets: self.targets,

@@ -74,6 +74,7 @@ impl Settings {
         self.zoom = if self.zoom.is_finite() { self.zoom.clamp(0.5, 3.0) } else { 1.0 };
         self.harmonics = self.harmonics.clamp(2, 4096);
         self.recent.truncate(RECENT);
+        self.music.projection = self.music.projection.sane();
         self
     }
 }

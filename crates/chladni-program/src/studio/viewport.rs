@@ -180,18 +180,20 @@ impl Viewport {
         }
     }
 
-    /// Keeps the picture that was drawn last to be shown by [`paint_kept`](Self::paint_kept); the next one
-    /// is drawn on another canvas.
+    /// Keeps the picture that was drawn last as [`kept_texture`](Self::kept_texture); the next one is drawn on
+    /// another canvas.
     pub fn keep(&mut self) {
         std::mem::swap(&mut self.canvas, &mut self.kept);
     }
 
-    /// Shows the picture that was kept last.
-    pub fn paint_kept(&self, ui: &egui::Ui, rect: egui::Rect) {
-        if let Some((_, texture)) = &self.kept {
-            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
-        }
+    /// The picture that was drawn last.
+    pub fn drawn_texture(&self) -> Option<egui::TextureId> {
+        self.canvas.as_ref().map(|(_, texture)| *texture)
+    }
+
+    /// The picture that was kept last.
+    pub fn kept_texture(&self) -> Option<egui::TextureId> {
+        self.kept.as_ref().map(|(_, texture)| *texture)
     }
 
     /// What was drawn on last; `None` before the first picture.

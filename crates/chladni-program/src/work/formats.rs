@@ -11,6 +11,9 @@ pub const PROJECT: &str = "chladni";
 /// Presets and shows.
 pub const TEXT: &str = "toml";
 
+/// Lists of songs.
+pub const LISTS: [&str; 2] = ["m3u", "m3u8"];
+
 /// What a file is, by its ending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -20,6 +23,8 @@ pub enum Kind {
     Text,
     /// A song.
     Song,
+    /// A list of songs.
+    List,
     /// A mesh, or an unknown format, which reading will report.
     Mesh,
 }
@@ -30,6 +35,7 @@ pub fn kind(path: &Path) -> Kind {
     match ending.as_str() {
         PROJECT => Kind::Project,
         TEXT => Kind::Text,
+        list if LISTS.contains(&list) => Kind::List,
         song if SONGS.contains(&song) => Kind::Song,
         _ => Kind::Mesh,
     }

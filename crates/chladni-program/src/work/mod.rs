@@ -15,6 +15,7 @@ mod mood;
 mod opening_look;
 pub mod outputs;
 mod own_look;
+pub mod playlist;
 mod programme;
 mod sand;
 mod sculpture;

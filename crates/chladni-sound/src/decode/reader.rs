@@ -13,7 +13,7 @@ use symphonia::core::errors::Error as CodecError;
 use symphonia::core::formats::probe::Hint;
 use symphonia::core::formats::{FormatOptions, FormatReader, SeekMode, SeekTo, Track, TrackType};
 use symphonia::core::io::{MediaSource, MediaSourceStream};
-use symphonia::core::meta::MetadataOptions;
+use symphonia::core::meta::{MetadataOptions, StandardTag};
 use symphonia::core::units::{TimeBase, Timestamp};
 
 use super::downmix::Downmix;
@@ -21,6 +21,8 @@ use super::mp4_edits::{self, Audible};
 use super::opus::{self, OpusDecoder};
 use crate::SoundError;
 
+/// Letters of a tag that are taken.
+const LONGEST_TAG: usize = 200;
 /// Packets that may fail one after the other before the file is given up.
 const MAX_FAILURES_IN_A_ROW: u32 = 256;
 /// Decoders carry state (overlap, bit reservoir) from packet to packet: a seek decodes this
@@ -141,6 +143,26 @@ impl SongReader {
     pub fn kind(&self) -> String {
         let container = self.format.format_info().short_name;
         format!("{container}/{}", self.decoder.codec_info().short_name)
+    }
+
+    /// Artist and title, or the title alone, of the file's tags; `None` where it has none.
+    pub fn title(&mut self) -> Option<String> {
+        let mut metadata = self.format.metadata();
+        let tags = &metadata.skip_to_latest()?.media.tags;
+        let find = |of: fn(&StandardTag) -> Option<&str>| {
+            let found = tags.iter().find_map(|tag| tag.std.as_ref().and_then(of))?;
+            let shown: String = found.trim().chars().filter(|c| !c.is_control()).take(LONGEST_TAG).collect();
+            Some(shown).filter(|shown| !shown.is_empty())
+        };
+        let title = find(|tag| match tag {
+            StandardTag::TrackTitle(title) => Some(title.as_str()),
+            _ => None,
+        })?;
+        let artist = find(|tag| match tag {
+            StandardTag::Artist(artist) => Some(artist.as_str()),
+            _ => None,
+        });
+        Some(artist.map_or_else(|| title.clone(), |artist| format!("{artist} – {title}")))
     }
 
     /// Length in frames as stated in the header, which may be wrong.

@@ -4,6 +4,7 @@ mod frames;
 mod gif;
 mod mp4;
 mod palette;
+mod raw;
 mod shoot;
 
 use std::path::{Path, PathBuf};
@@ -15,6 +16,7 @@ use chladni_task::temporary_beside;
 use crate::{Picture, ViewError};
 
 pub use mp4::ffmpeg_is_there;
+pub use raw::RawFormat;
 pub use shoot::{Waits, shoot, shoot_retouched};
 
 /// Frames per second as a fraction, so that 29.97 (30000/1001) stays exact.
@@ -91,6 +93,20 @@ pub struct FilmSettings {
     pub audio: Option<PathBuf>,
 }
 
+impl FilmSettings {
+    fn check(&self) -> Result<(), ViewError> {
+        let Self { width, height, rate, frames, .. } = *self;
+        let sane = 1..=16_384;
+        if !sane.contains(&width) || !sane.contains(&height) {
+            return Err(ViewError::Size { width, height, limit: 16_384 });
+        }
+        if rate.numerator == 0 || rate.denominator == 0 || frames == 0 {
+            return Err(ViewError::Film("no frames, or none per second".into()));
+        }
+        Ok(())
+    }
+}
+
 /// A film that is being written. Frames are encoded on a thread of their own. A film that is
 /// dropped before [`finish`](Self::finish) leaves nothing behind (but the whole frames of a folder).
 #[derive(Debug)]
@@ -121,20 +137,30 @@ impl Film {
     /// [`ViewError::NoFfmpeg`] for an MP4 without ffmpeg, [`ViewError::Film`] for settings the
     /// format cannot hold, [`ViewError::File`] where the file cannot be made.
     pub fn create(path: &Path, settings: FilmSettings) -> Result<Self, ViewError> {
-        let FilmSettings { width, height, rate, frames, .. } = &settings;
-        let sane = 1..=16_384;
-        if !sane.contains(width) || !sane.contains(height) {
-            return Err(ViewError::Size { width: *width, height: *height, limit: 16_384 });
-        }
-        if rate.numerator == 0 || rate.denominator == 0 || *frames == 0 {
-            return Err(ViewError::Film("no frames, or none per second".into()));
-        }
+        settings.check()?;
         let encoder: Box<dyn Encode> = match FilmFormat::of(path)? {
             FilmFormat::Mp4 => Box::new(mp4::Mp4::create(path, &settings)?),
             FilmFormat::Gif => Box::new(gif::Gif::create(path, &settings)?),
             FilmFormat::Apng => Box::new(frames::Apng::create(path, &settings)?),
             FilmFormat::Frames => Box::new(frames::Folder::create(path)?),
         };
+        Self::begin(encoder, settings)
+    }
+
+    /// Begins a film whose frames go to `pipe` as they are, without sound.
+    ///
+    /// # Errors
+    /// [`ViewError::Film`] for settings that no film has, and where the pipe cannot be written to.
+    pub fn to_pipe(
+        pipe: impl std::io::Write + Send + 'static,
+        format: RawFormat,
+        settings: FilmSettings,
+    ) -> Result<Self, ViewError> {
+        settings.check()?;
+        Self::begin(Box::new(raw::Raw::begin(pipe, format, &settings)?), settings)
+    }
+
+    fn begin(encoder: Box<dyn Encode>, settings: FilmSettings) -> Result<Self, ViewError> {
         let (sender, receiver) = sync_channel(2);
         let (give_back, spent) = sync_channel(4);
         let thread = std::thread::Builder::new()

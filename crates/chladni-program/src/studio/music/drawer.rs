@@ -51,6 +51,8 @@ pub struct Drawers {
     pub shelf: Shelf,
     /// Controllers.
     pub remote: Remote,
+    /// The corners of the projected picture are being moved.
+    pub adjusts: bool,
     devices: Devices,
 }
 
@@ -76,7 +78,7 @@ impl Drawers {
                 self.shelf.ready(shared.folders.dances.as_deref(), shared.notices);
                 self.shelf.show(ui, instrument, shared.notices, wishes);
             }
-            Drawer::Look => look::show(ui, &mut shared.settings.music),
+            Drawer::Look => look::show(ui, &mut shared.settings.music, &mut self.adjusts),
             Drawer::Remote => self.remote.show(ui, shared, listening),
             Drawer::Body => {
                 voices::show(ui, instrument, concert.voice_names(), wishes);

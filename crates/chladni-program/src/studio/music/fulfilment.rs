@@ -10,7 +10,7 @@ use super::shows::{save_as, save_show, take};
 use super::wish::Wish;
 use crate::studio::room::{Room, Shared};
 use crate::work::Error;
-use crate::work::formats::{MESHES, PROJECT, SONGS};
+use crate::work::formats::{LISTS, MESHES, PROJECT, SONGS};
 
 impl MusicRoom {
     pub(super) fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {
@@ -72,7 +72,9 @@ impl MusicRoom {
 
     fn choose_files(&mut self, songs_only: bool, shared: &mut Shared<'_>) {
         let all: Vec<&str> = MESHES.into_iter().chain(self.extensions()).chain([PROJECT]).collect();
-        let kinds = [("All that dances or sounds", &all[..]), ("Meshes", &MESHES), ("Songs", &SONGS)];
+        let songs: Vec<&str> = SONGS.into_iter().chain(LISTS).collect();
+        let kinds =
+            [("All that dances or sounds", &all[..]), ("Meshes", &MESHES), ("Songs and lists", &songs)];
         let paths = shared.chooser.open_several(if songs_only { &kinds[2..] } else { &kinds });
         if !paths.is_empty() {
             self.open(&paths, shared);

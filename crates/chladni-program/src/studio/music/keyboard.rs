@@ -53,12 +53,14 @@ impl MusicRoom {
         if concert.on_stage() {
             when(&mut wishes, HOLD, Wish::Hold);
             when(&mut wishes, LEAVE, Wish::Do(Action::LeaveStage));
-            when(&mut wishes, MARK_LEFT, Wish::StepFavourite(false));
-            when(&mut wishes, MARK_RIGHT, Wish::StepFavourite(true));
             when(&mut wishes, GO, Wish::Do(Action::Go));
             for (key, target) in [(BLACKOUT, Target::Blackout), (FREEZE, Target::Freeze)] {
                 when(&mut wishes, key, Wish::Press(target));
             }
+        }
+        if concert.on_stage() && !self.apart {
+            when(&mut wishes, MARK_LEFT, Wish::StepFavourite(false));
+            when(&mut wishes, MARK_RIGHT, Wish::StepFavourite(true));
             return wishes;
         }
         when(&mut wishes, OPEN, Wish::Open);

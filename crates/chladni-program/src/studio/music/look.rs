@@ -10,7 +10,7 @@ use crate::studio::theme;
 const SCREENS: usize = 4;
 
 /// Draws the drawer.
-pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
+pub fn show(ui: &mut Ui, preferences: &mut Preferences, adjusts: &mut bool) {
     let before = preferences.look.clone();
     scene(ui, &mut preferences.look);
     if preferences.look != before {
@@ -23,10 +23,10 @@ pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
         ];
         parts.into_iter().for_each(String::clear);
     }
-    part(ui, "Palette", &mut preferences.palette, Palette::ALL.map(Palette::name));
     part(ui, "Material", &mut preferences.material, Material::PRESETS.map(|preset| preset.0));
     part(ui, "Light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));
     part(ui, "Background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));
+    palette(ui, &mut preferences.palette);
     ui.label(RichText::new("Stage").strong());
     let screens = [(Screen::Window, "In the window".to_owned()), (Screen::Full, "This screen".to_owned())];
     let more = (0..SCREENS).map(|i| (Screen::Monitor(i), format!("Screen {}", i + 1)));
@@ -35,9 +35,13 @@ pub fn show(ui: &mut Ui, preferences: &mut Preferences) {
             ui.selectable_value(&mut preferences.screen, screen, name);
         }
     });
+    let tip = "The picture goes into a second window, on that screen; controls and gallery stay here";
+    theme::checkbox(ui, &mut preferences.own_window, "In a window of its own").on_hover_text(tip);
     let tip = "Nothing but the dance is shown on stage. Escape comes back. A screen that is not there is \
                left out: the stage then stays where it is.";
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
+    ui.add_space(theme::GAP);
+    preferences.projection.show(ui, adjusts);
 }
 
 /// The whole scene: too many for a row of buttons.
@@ -53,6 +57,23 @@ fn scene(ui: &mut Ui, chosen: &mut String) {
     response.response.on_hover_text(
         "The whole scene: what shapes are made of, how movement and music color them, and light",
     );
+    ui.add_space(theme::GAP);
+}
+
+/// What colors the movement: too many for a row of buttons, too.
+fn palette(ui: &mut Ui, chosen: &mut String) {
+    let own = "As the look";
+    let known =
+        Palette::named(chosen).map_or_else(|| own.to_owned(), |palette| theme::capitalized(palette.name()));
+    ui.label(RichText::new("Palette").strong());
+    let list = egui::ComboBox::from_id_salt("palette").width(160.0).height(480.0).selected_text(known);
+    let response = list.show_ui(ui, |ui| {
+        ui.selectable_value(chosen, String::new(), own);
+        for palette in Palette::ALL {
+            ui.selectable_value(chosen, palette.name().to_owned(), theme::capitalized(palette.name()));
+        }
+    });
+    response.response.on_hover_text("The colors of what moves");
     ui.add_space(theme::GAP);
 }
 

@@ -22,8 +22,10 @@ mod look;
 mod meters;
 mod pace;
 mod preferences;
+mod projection;
 mod remote;
 mod shelf;
+mod show_bar;
 mod shows;
 mod songs;
 mod stillness;
@@ -58,7 +60,8 @@ use super::shortcut::Shortcut;
 use super::{keys, theme};
 use crate::studio::keys::music::OPEN;
 use crate::work::Error;
-use crate::work::formats::{self, Kind, SONGS, TEXT};
+use crate::work::formats::{self, Kind, LISTS, SONGS, TEXT};
+use crate::work::playlist;
 use crate::work::source::sample_path;
 
 /// How often a room at rest checks for sound and controllers.
@@ -87,6 +90,8 @@ pub struct MusicRoom {
     refused: bool,
     /// The preset of the shelf that a controller took last.
     preset: Option<usize>,
+    /// The stage has a window of its own.
+    apart: bool,
 }
 
 /// Bodies by the names that the command line knows them by.
@@ -122,9 +127,12 @@ impl Room for MusicRoom {
         self.filming.poll(shared);
         let mut wishes = self.keys(&shared.ctx);
         self.follow_remote(shared, &mut wishes);
-        let on_stage = self.concert.as_ref().is_some_and(Concert::on_stage);
+        let staged = self.concert.as_ref().is_some_and(Concert::on_stage);
+        self.apart = shared.settings.music.own_window;
+        // Whether the stage has this window.
+        let on_stage = staged && !self.apart;
         let plays = self.listening.as_ref().is_some_and(Listening::plays_songs);
-        if on_stage || !shared.settings.music.leans_back {
+        if staged || !shared.settings.music.leans_back {
             self.leaning.end();
         } else if self.leaning.is_at_rest(&shared.ctx) && plays {
             self.drawers.shelf.ready(shared.folders.dances.as_deref(), shared.notices);
@@ -157,6 +165,10 @@ impl Room for MusicRoom {
             }
             if on_stage {
                 self.curtain.show(ui, concert, &listening.source_name());
+                if self.drawers.adjusts {
+                    let screen = ui.max_rect();
+                    shared.settings.music.projection.adjust(ui, screen);
+                }
             }
         });
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening)
@@ -205,7 +217,7 @@ impl Room for MusicRoom {
     }
 
     fn hides_the_window(&self) -> bool {
-        self.concert.as_ref().is_some_and(Concert::on_stage)
+        !self.apart && self.concert.as_ref().is_some_and(Concert::on_stage)
     }
 
     fn unsaved(&self) -> Option<String> {
@@ -232,11 +244,11 @@ impl Room for MusicRoom {
     }
 
     fn extensions(&self) -> Vec<&'static str> {
-        [TEXT].into_iter().chain(SONGS).collect()
+        [TEXT].into_iter().chain(LISTS).chain(SONGS).collect()
     }
 
     fn claims(&self, path: &Path) -> bool {
-        matches!(formats::kind(path), Kind::Text | Kind::Song)
+        matches!(formats::kind(path), Kind::Text | Kind::Song) || playlist::is_list(path)
     }
 
     fn change_device(&mut self, shared: &mut Shared<'_>) {
@@ -258,9 +270,16 @@ impl Room for MusicRoom {
         let mut songs = Vec::new();
         for path in paths {
             match formats::kind(path) {
+                _ if playlist::is_list(path) => match playlist::songs_of(path) {
+                    Ok(found) => {
+                        songs.extend(found.songs);
+                        found.warning.into_iter().for_each(|warning| shared.notices.warn(warning));
+                    }
+                    Err(why) => shared.notices.failed(why),
+                },
                 Kind::Text => self.waiting.push(path.clone()),
                 Kind::Song => songs.push(path.clone()),
-                Kind::Project | Kind::Mesh => self.load(path.clone(), shared),
+                Kind::Project | Kind::Mesh | Kind::List => self.load(path.clone(), shared),
             }
             if chladni_mesh::ShapeSource::sample_name(path).is_none() {
                 shared.settings.remember(path);
@@ -368,6 +387,11 @@ impl MusicRoom {
         egui::Panel::top("transport").resizable(false).exact_size(40.0).show(ui, |ui| {
             transport::show(ui, listening, concert, wishes);
         });
+        if concert.on_stage() {
+            egui::Panel::top("show").resizable(false).exact_size(36.0).show(ui, |ui| {
+                show_bar::show(ui, concert, wishes);
+            });
+        }
         egui::Panel::right("drawer").resizable(false).exact_size(theme::PANEL_WIDTH - 24.0).show(ui, |ui| {
             self.drawers.show(ui, concert, listening, shared, wishes);
         });

@@ -6,6 +6,7 @@ use chladni_music::{Binding, Looks};
 use chladni_view::Look;
 use serde::{Deserialize, Serialize};
 
+use super::projection::Projection;
 use crate::work::{first_looks, look_named};
 
 /// Looks, the stage's screen, and what turns what. Unknown names fall back to the first look.
@@ -25,6 +26,8 @@ pub struct Preferences {
     pub background: String,
     /// Where the stage appears.
     pub screen: Screen,
+    /// The stage has a window of its own, and the gallery goes on in the first.
+    pub own_window: bool,
     /// The UDP port on which OSC messages are heard; `None` is off.
     pub osc_port: Option<u16>,
     /// OSC of other machines is heard, too: of these, by their addresses, or of any where none is named.
@@ -37,6 +40,8 @@ pub struct Preferences {
     pub beat_out: Option<String>,
     /// By its name.
     pub clock_out: Option<String>,
+    /// How the picture of the stage is projected.
+    pub projection: Projection,
     /// Loudness of the songs, in [0, 1].
     pub volume: f32,
     /// The device that plays them; `None` is the system's own.
@@ -70,12 +75,14 @@ impl Default for Preferences {
             lights,
             background,
             screen: Screen::default(),
+            own_window: false,
             osc_port: None,
             osc_network: false,
             osc_allowed: Vec::new(),
             follows_clock: false,
             beat_out: None,
             clock_out: None,
+            projection: Projection::default(),
             volume: 1.0,
             output_device: None,
             leans_back: true,

@@ -134,6 +134,10 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
         if ui.button(icon::label(Icon::Plus, "Add songs …")).clicked() {
             wishes.push(Wish::AddSongs);
         }
+        let shuffle = ui.button(icon::text(Icon::Shuffle)).on_hover_text("Another order, by chance");
+        if shuffle.clicked() {
+            listening.shuffle((1e6 * ui.input(|input| input.time)) as u64);
+        }
         for (repeat, mark, tip) in [
             (Repeat::List, Icon::Repeat, "Play the list again and again"),
             (Repeat::Song, Icon::Repeat1, "Play this song again and again"),
@@ -144,7 +148,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
             }
         }
     });
-    let tip = "Songs can be dropped anywhere on the window.";
+    let tip = "Songs, folders and M3U lists can be dropped anywhere on the window.";
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
 }
 

@@ -11,6 +11,8 @@ use crate::work::KnownSong;
 
 /// What was learned of a song.
 pub enum Learned {
+    /// What its tags say.
+    Title(String),
     /// Its samples.
     Song(KnownSong),
     /// Its beats.
@@ -36,8 +38,10 @@ impl Study {
             // Nobody listens any more where another song is studied.
             let tell = |learned| drop(teller.send(learned));
             let options = SongOptions::default();
-            let song =
-                SongReader::open(&path).and_then(|mut reader| Song::read(&mut reader, &options, &worker));
+            let song = SongReader::open(&path).and_then(|mut reader| {
+                reader.title().into_iter().for_each(|title| tell(Learned::Title(title)));
+                Song::read(&mut reader, &options, &worker)
+            });
             let song = match song {
                 Ok(song) => Arc::new(song),
                 Err(why @ SoundError::TooLong { .. }) => {

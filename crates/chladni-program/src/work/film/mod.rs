@@ -15,6 +15,7 @@ use std::time::Instant;
 use chladni_music::{BeatReading, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
 use chladni_sound::{WavSample, write_wav};
 use chladni_synth::Backend;
+use chladni_view::film::RawFormat;
 use chladni_view::{Draw, Film as Reel, FilmFormat, FilmSettings, FrameRate, Look, Samples, ffmpeg_is_there};
 
 use super::body::laplacian;
@@ -73,6 +74,8 @@ pub struct Film {
 pub struct Output {
     /// The film's file or folder; none is drawn without.
     pub film: Option<PathBuf>,
+    /// The film's frames go to standard output as they are, silent.
+    pub pipe: Option<RawFormat>,
     /// Where the shape goes with its movement, as a GLB file with morph targets; its sound lies beside it.
     pub animation: Option<PathBuf>,
     /// The largest number of morph targets.
@@ -202,9 +205,9 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     }
     let recording = output.coefficients.is_some();
     let mut animation = output.animation.as_ref().map(|_| Animation::new(frames, box_diagonal));
-    let done = match &output.film {
-        Some(path) => {
-            let sound = sound_for(path, &songs, watcher)?;
+    let done = match (&output.film, output.pipe) {
+        (path, pipe) if path.is_some() || pipe.is_some() => {
+            let sound = path.as_deref().map(|path| sound_for(path, &songs, watcher)).transpose()?.flatten();
             let settings = FilmSettings {
                 width: output.width,
                 height: output.height,
@@ -212,14 +215,17 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
                 frames,
                 audio: sound.as_ref().map(|file| file.path().to_owned()),
             };
-            let film = Reel::create(path, settings)?;
+            let film = match (path, pipe) {
+                (Some(path), _) => Reel::create(path, settings)?,
+                (None, pipe) => Reel::to_pipe(std::io::stdout(), pipe.unwrap_or_default(), settings)?,
+            };
             let means = Means { draw: output.draw, samples: output.samples, synthesis: output.synthesis };
             let scene = (&wanted.look, &wanted.viewpoint);
             watcher.watch("filming", |task| {
                 performance.film(film, scene, means, recording, &mut seconds, task)
             })?
         }
-        None => watcher.watch("dancing", |task| {
+        _ => watcher.watch("dancing", |task| {
             performance.rehearse(frames, &mut seconds, task, |form, items| match (&mut animation, items) {
                 (Some(_), [_, _, ..]) => Err(Error::input("a GLB holds one dance, not a gallery of them")),
                 (Some(animation), [item]) => {
@@ -316,6 +322,7 @@ impl Output {
     pub fn nowhere() -> Self {
         Self {
             film: None,
+            pipe: None,
             is_folder: false,
             animation: None,
             targets: TARGETS,

@@ -6,6 +6,7 @@ use egui::{Color32, Ui};
 
 use super::super::coarse::{self, Detail};
 use super::super::glimpse::Glimpse;
+use super::super::projection::Projection;
 use super::super::stillness::StillPicture;
 use super::Concert;
 use crate::studio::room::Shared;
@@ -26,11 +27,12 @@ impl Concert {
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         let from = (&self.viewpoint, framing.as_ref());
         let staged = self.staging.set(area, cells.len(), from, &look, reaction, &self.instrument);
-        self.viewport.finish(staged.look.finish, at_secs);
+        self.pane.viewport.finish(staged.look.finish, at_secs);
         let shown = StillPicture { pose, staged: staged.clone() };
-        self.moving = self.shown.as_ref() != Some(&shown);
-        if self.moving {
-            self.viewport.invalidate();
+        let is_new = self.pane.shown.as_ref() != Some(&shown);
+        self.moving |= is_new;
+        if is_new {
+            self.pane.viewport.invalidate();
         }
         let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
         let grains = self.sand.drawn();
@@ -44,39 +46,45 @@ impl Concert {
                 let detail = self.details.iter().rev().find(|(detail, _)| detail.vertices >= needed);
                 drawn_vertices += detail.map_or(self.staging.rest().len(), |(detail, _)| detail.vertices);
                 let topology = detail.map_or(&self.topology, |(_, topology)| topology);
-                Figure { grains, ..staged.figure(topology, &buffers, item, &self.rest) }
+                Figure {
+                    grains: grains.filter(|_| self.draws_stage),
+                    ..staged.figure(topology, &buffers, item, &self.rest)
+                }
             })
             .collect();
         self.drawn_vertices = drawn_vertices / cells.len().max(1);
         let behind = theme::palette(ui).stage;
         ui.painter().rect_filled(rect, 0.0, behind);
         if !limited {
-            if self.glimpse.is_coming() {
-                (self.glimpse, self.judged) = (Glimpse::default(), false);
+            if self.pane.glimpse.is_coming() {
+                (self.pane.glimpse, self.pane.judged) = (Glimpse::default(), false);
             }
-            self.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures))?;
-            self.shown = Some(shown);
-            self.viewport.paint(ui, rect);
-            self.moving |= self.house.cover(ui, rect, self.seconds);
+            self.pane.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures))?;
+            self.pane.shown = Some(shown);
+            self.project(ui, shared.settings.music.projection, rect, self.pane.viewport.drawn_texture());
+            self.darken(ui, rect);
             return Ok(());
         }
         // The picture is shown once its brightness is known; until then the previous one is shown, and no new
         // one is started.
-        if self.glimpse.look(self.viewport.gpu())? {
-            self.viewport.keep();
-            self.judged = true;
+        if self.pane.glimpse.look(self.pane.viewport.gpu())? {
+            self.pane.viewport.keep();
+            self.pane.judged = true;
         }
-        if !self.glimpse.is_coming() {
-            let drawn = self.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures));
-            if drawn? && let Some(canvas) = self.viewport.canvas() {
-                self.glimpse.begin(self.viewport.gpu(), canvas, behind);
+        if !self.pane.glimpse.is_coming() {
+            let drawn = self.pane.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures));
+            if drawn? && let Some(canvas) = self.pane.viewport.canvas() {
+                self.pane.glimpse.begin(self.pane.viewport.gpu(), canvas, behind);
             }
-            self.shown = Some(shown);
+            self.pane.shown = Some(shown);
         }
-        let veil =
-            if self.judged { self.guard.veil(self.seconds, self.glimpse.histogram()) } else { Veil::Clear };
-        self.moving |= self.glimpse.is_coming() || veil != Veil::Clear;
-        self.viewport.paint_kept(ui, rect);
+        let veil = if self.pane.judged {
+            self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram())
+        } else {
+            Veil::Clear
+        };
+        self.moving |= self.pane.glimpse.is_coming() || veil != Veil::Clear;
+        self.project(ui, shared.settings.music.projection, rect, self.pane.viewport.kept_texture());
         match veil {
             Veil::Clear => {}
             Veil::Black(opacity) => {
@@ -86,19 +94,32 @@ impl Concert {
                 ui.painter().rect_filled(rect, 0.0, Color32::from_white_alpha(opacity));
             }
         }
-        self.moving |= self.house.cover(ui, rect, self.seconds);
+        self.darken(ui, rect);
         Ok(())
     }
 
-    /// Shows the last picture again.
-    pub(super) fn repaint(&mut self, ui: &mut Ui, rect: egui::Rect) {
-        ui.allocate_rect(rect, egui::Sense::hover());
-        if self.instrument.parameters().is_on(Switch::FlashLimit) {
-            self.viewport.paint_kept(ui, rect);
-        } else {
-            self.viewport.paint(ui, rect);
+    fn darken(&mut self, ui: &Ui, rect: egui::Rect) {
+        if self.draws_stage {
+            self.moving |= self.house.cover(ui, rect, self.seconds);
         }
-        self.moving = self.house.cover(ui, rect, self.seconds);
+    }
+
+    /// Shows a picture: on stage as the projector needs it.
+    fn project(&self, ui: &Ui, projection: Projection, rect: egui::Rect, texture: Option<egui::TextureId>) {
+        let projection = if self.draws_stage { projection } else { Projection::default() };
+        if let Some(texture) = texture {
+            projection.paint(ui, rect, texture);
+        }
+    }
+
+    /// Shows the last picture again.
+    pub(super) fn repaint(&mut self, ui: &mut Ui, projection: Projection, rect: egui::Rect) {
+        ui.allocate_rect(rect, egui::Sense::hover());
+        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
+        let shown =
+            if limited { self.pane.viewport.kept_texture() } else { self.pane.viewport.drawn_texture() };
+        self.project(ui, projection, rect, shown);
+        self.darken(ui, rect);
     }
 }
 

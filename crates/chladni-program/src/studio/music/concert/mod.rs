@@ -1,15 +1,17 @@
 //! A body that dances: instrument, synthesizer and the picture of all items.
 
+mod apart;
 mod drawing;
 mod house;
 mod marking;
+mod pane;
 mod piloted;
 mod standing;
 mod suggesting;
 
 use chladni_music::{
-    Action, Ensemble, FlashGuard, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Preset,
-    Settings, Show, Switch, Viewpoint,
+    Action, Ensemble, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Preset, Settings, Show,
+    Switch, Viewpoint,
 };
 use chladni_synth::{
     AutoSynthesizer, Backend, Coefficients, FrameSettings, GpuContext, SynthModel, Synthesizer,
@@ -18,8 +20,10 @@ use chladni_view::{Rect, RestShape, Topology};
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
+use apart::Apart;
 use drawing::on_device;
 use house::House;
+use pane::Pane;
 use piloted::Piloted;
 use standing::{Hand, camera_at, navigate, touches};
 use suggesting::Recent;
@@ -27,17 +31,16 @@ use suggesting::Recent;
 use super::close_up::{self, Draft};
 use super::coarse::{self, Detail};
 use super::gallery;
-use super::glimpse::Glimpse;
 use super::harmonics::Harmonics;
 use super::listening::Listening;
 use super::loading::Ready;
 use super::pace::Pace;
-use super::stillness::{self, StillPicture};
+use super::stillness;
 use super::view::View;
 use super::wish::Wish;
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::studio::viewport::{self, Viewport};
+use crate::studio::viewport;
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
 use crate::work::{Error, SandTable, Staging, along, chooses_shots, reaction};
@@ -52,7 +55,9 @@ pub struct Concert {
     saved: usize,
     ensemble: Ensemble,
     synthesizer: AutoSynthesizer,
-    viewport: Viewport,
+    pane: Pane,
+    /// The stage in a window of its own.
+    apart: Option<Apart>,
     topology: Topology,
     rest: RestShape,
     /// For small cells where the processor draws, from fine to coarse.
@@ -68,13 +73,9 @@ pub struct Concert {
     piloted: Option<Piloted>,
     /// Black and stillness on stage.
     pub house: House,
-    glimpse: Glimpse,
-    guard: FlashGuard,
-    /// The last picture; `None` where something else was shown.
-    shown: Option<StillPicture>,
     moving: bool,
-    /// The brightness of the kept picture is known.
-    judged: bool,
+    /// The pane that is drawn shows the stage.
+    draws_stage: bool,
     seconds: f64,
     moment: Moment,
     /// The item that keys act on: under the pointer where it moves, else where arrows went.
@@ -97,8 +98,8 @@ impl Concert {
         let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
         let instrument = Instrument::new(FIRST_SEED, 12, shape)?;
         let model = SynthModel::new(&body)?;
-        let viewport = Viewport::new(state);
-        let gpu = viewport.gpu();
+        let pane = Pane::new(state);
+        let gpu = pane.viewport.gpu();
         let topology = Topology::new(gpu, model.vertices(), &body.triangles)?;
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let rest = model.rest_positions().to_vec();
@@ -120,17 +121,15 @@ impl Concert {
             seen: Vec::new(),
             drawn_vertices: vertices,
             staging,
-            viewport,
+            pane,
+            apart: None,
             sand: SandTable::new(body.clone(), 0.0),
             viewpoint: ready.opening_view,
             hand: Hand::default(),
             piloted: None,
             house: House::default(),
-            glimpse: Glimpse::default(),
-            guard: FlashGuard::default(),
-            shown: None,
             moving: true,
-            judged: false,
+            draws_stage: false,
             seconds: 0.0,
             moment: Moment::default(),
             marked: None,
@@ -147,8 +146,8 @@ impl Concert {
 
     /// Continues on another device, with the same dances.
     pub fn change_device(&mut self, state: &RenderState) -> Result<(), Error> {
-        let viewport = Viewport::new(state);
-        let (gpu, vertices) = (viewport.gpu(), self.staging.rest().len());
+        let pane = Pane::new(state);
+        let (gpu, vertices) = (pane.viewport.gpu(), self.staging.rest().len());
         self.topology = Topology::new(gpu, vertices, self.harmonics.triangles())?;
         self.rest = self.staging.rest_on(gpu)?;
         let details = std::mem::take(&mut self.details).into_iter().map(|(detail, _)| detail);
@@ -156,8 +155,7 @@ impl Concert {
         let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         self.synthesizer = AutoSynthesizer::new(&context, self.synthesizer.model().clone(), Backend::Auto);
         self.harmonics.forget_device();
-        (self.glimpse, self.judged, self.shown) = (Glimpse::default(), false, None);
-        self.viewport = viewport;
+        (self.pane, self.apart) = (pane, None);
         Ok(())
     }
 
@@ -178,7 +176,7 @@ impl Concert {
 
     /// What deforms the shapes, and how they are drawn, in words.
     pub fn means(&self) -> String {
-        format!("Deformed by {}. Drawn with {}.", self.synthesizer.device_name(), self.viewport.drawn())
+        format!("Deformed by {}. Drawn with {}.", self.synthesizer.device_name(), self.pane.viewport.drawn())
     }
 
     /// Whether the last frame showed something new.
@@ -202,7 +200,7 @@ impl Concert {
         let opens = matches!(action, Action::Perform { .. } | Action::PerformFavourites { .. } | Action::Go);
         let curtain = if self.on_stage() { action == Action::LeaveStage } else { opens };
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
-        if curtain && limited && !self.guard.may_step(self.seconds) {
+        if curtain && limited && !self.pane.guard.may_step(self.seconds) {
             return Err(Error::input("The stage was held back: more would be a flash too many in a second."));
         }
         let action = match action {
@@ -223,7 +221,7 @@ impl Concert {
 
     /// Width and height of the picture that was drawn last, in pixels.
     pub fn picture_size(&self) -> [u32; 2] {
-        self.shown.as_ref().map_or([1280, 720], |shown| shown.staged.size())
+        self.pane.shown.as_ref().map_or([1280, 720], |shown| shown.staged.size())
     }
 
     /// Where the viewer stands.
@@ -305,6 +303,7 @@ impl Concert {
         let began = (shared.now)();
         let whole = ui.available_rect_before_wrap();
         self.seconds = ui.input(|input| input.time);
+        self.moving = false;
         if listening.beats_changed() {
             self.count_beats(|at_secs| listening.beats_at(at_secs))?;
         }
@@ -315,55 +314,80 @@ impl Concert {
         self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
         self.recent.hear(heard.at_secs, &heard.bands);
         let (beat, reaction) = (heard.beat, reaction(&self.instrument, heard.beat, heard.fading));
-        let (mood, at_secs) = (heard.mood(), heard.at_secs);
-        let on_stage = self.on_stage();
+        let (mood, at_secs, is_known) = (heard.mood(), heard.at_secs, heard.is_known);
+        let look = self.piloted_look().unwrap_or_else(|| shared.settings.music.look()).answering(&mood);
+        let staged = self.on_stage();
+        let is_apart = staged && shared.settings.music.own_window;
+        if !staged {
+            self.house.open();
+        }
+        let mut apart = self.apart.take();
+        if is_apart {
+            let apart = apart.get_or_insert_with(|| Apart::new(&self.pane, &self.ensemble));
+            apart.play(&self.instrument, &heard.bands, beat)?;
+        }
+        // What the window itself shows: where the stage has a window of its own, the gallery goes on.
+        let on_stage = staged && !is_apart;
+        self.draws_stage = staged;
+        let solo = self.tried_out.take().or_else(|| self.close_up_mapping()).filter(|_| !on_stage);
+        let items = match &solo {
+            Some((mapping, settings)) => {
+                self.ensemble.audition(&self.instrument, (mapping, settings), &heard.bands, beat)
+            }
+            None if is_apart => self.ensemble.play_gallery(&self.instrument, &heard.bands, beat),
+            None => self.ensemble.play(&self.instrument, &heard.bands, beat),
+        }?
+        .to_vec();
+        if let Some(apart) = &mut apart {
+            if is_apart {
+                let framing = listening.framing(self.instrument.seed());
+                let framing = chooses_shots(&self.instrument, beat).then_some(framing);
+                self.show_apart(ui.ctx(), shared, apart, (reaction, framing, at_secs), look, wishes)?;
+            } else {
+                apart.leave();
+            }
+        }
+        self.apart = apart;
+        self.draws_stage = on_stage;
         if let View::Harmonics(first) = self.view
             && !on_stage
         {
             let response = ui.allocate_rect(whole, egui::Sense::click_and_drag());
             navigate(ui, &response, &mut self.viewpoint, 1.0);
             let camera = camera_at(&self.viewpoint, self.staging.stands());
-            if self.shown.take().is_some() {
+            if self.pane.shown.is_some() {
                 self.harmonics.leave();
             }
-            (self.glimpse, self.judged) = (Glimpse::default(), false);
+            self.pane.forget();
             ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
-            let (viewport, topology) = (&mut self.viewport, &self.topology);
-            self.moving = self.harmonics.show(ui, shared, viewport, topology, camera, whole, first)?;
+            let (viewport, topology) = (&mut self.pane.viewport, &self.topology);
+            self.moving |= self.harmonics.show(ui, shared, viewport, topology, camera, whole, first)?;
             return Ok(());
         }
-        if !on_stage {
-            self.house.open();
-        } else if self.house.frozen && self.shown.is_some() {
-            self.repaint(ui, whole);
+        if on_stage && self.house.frozen && self.pane.shown.is_some() {
+            self.repaint(ui, shared.settings.music.projection, whole);
             return Ok(());
         }
-        let solo = self.tried_out.take().or_else(|| self.close_up_mapping()).filter(|_| !on_stage);
-        let items = match &solo {
-            Some((mapping, settings)) => {
-                self.ensemble.audition(&self.instrument, (mapping, settings), &heard.bands, beat)
-            }
-            None => self.ensemble.play(&self.instrument, &heard.bands, beat),
-        }?;
         if let (Some(trace), Some(item)) = (trace, items.first()) {
             let coefficients = match item.terms.first().map(|term| &term.coefficients) {
                 Some(Coefficients::Vector(c)) => c.as_flattened().to_vec(),
                 Some(Coefficients::Normal(c)) => c.clone(),
                 None => Vec::new(),
             };
-            let (at_secs, is_known) = (heard.at_secs, heard.is_known);
             trace.borrow_mut().push(PlayedFrame { at_secs, is_known, on_stage, coefficients });
         }
         // Full blending is the paper's: the mean of the exact and the rest normal.
         let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
         let count = items.len();
         // Of what is not known beforehand only the present is heard.
-        while self.sand.due(heard.at_secs).is_some() {
-            self.sand.step(items, &self.instrument);
+        while self.sand.due(at_secs).is_some() {
+            let stepping = self.apart.as_ref().filter(|_| is_apart).map_or(&items[..], Apart::items);
+            self.sand.step(stepping, &self.instrument);
         }
-        let pose = stillness::pose(items, normal_blending) ^ self.sand.version();
-        if self.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
-            self.synthesizer.synthesize(items, &FrameSettings { normal_blending })?;
+        let pose = stillness::pose(&items, normal_blending) ^ self.sand.version();
+        // Where another window is drawn, too, its shapes have taken the place of these.
+        if is_apart || self.pane.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
+            self.synthesizer.synthesize(&items, &FrameSettings { normal_blending })?;
             self.seen.clear();
             if !self.details.is_empty() {
                 self.seen.extend(items.iter().map(coarse::harmonics_seen));
@@ -388,11 +412,10 @@ impl Concert {
         let cells_high = cells.first().map_or(1.0, |cell| area.height as f32 / cell.height.max(1) as f32);
         let before = self.viewpoint;
         navigate(ui, &response, &mut self.viewpoint, cells_high);
-        let framing = chooses_shots(&self.instrument, beat).then(|| {
+        let framing = (on_stage && chooses_shots(&self.instrument, beat)).then(|| {
             let chosen = listening.framing(self.instrument.seed());
             self.hand.over(self.seconds, (before, touches(ui)), &mut self.viewpoint, chosen)
         });
-        let look = self.piloted_look().unwrap_or_else(|| shared.settings.music.look()).answering(&mood);
         self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)?;
         match self.view {
             View::CloseUp(item) if close_up => {

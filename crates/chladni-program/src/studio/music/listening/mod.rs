@@ -87,12 +87,14 @@ pub struct ShowSong {
     beats: Option<Beats>,
     /// It cannot be read as a whole.
     given_up: bool,
+    /// Of its tags.
+    title: Option<String>,
 }
 
 impl ShowSong {
     /// A song of which nothing is known yet.
     pub fn new(path: PathBuf, reading: BeatReading) -> Self {
-        Self { path, reading, beats: None, given_up: false }
+        Self { path, reading, beats: None, given_up: false, title: None }
     }
 }
 
@@ -413,6 +415,7 @@ impl Listening {
                     }
                     self.beats_changed = true;
                 }
+                Learned::Title(title) => song.title = Some(title),
                 Learned::Nothing(why) => {
                     song.given_up = true;
                     let told = "Until another song plays it is heard as live input is";

@@ -146,8 +146,8 @@ impl Listening {
             self.outer.tempo.go_on_from(self.last_beat.count, self.last_secs);
         } else {
             self.beats.gone = self.outer_beat.count.ceil();
-            // What was done is counted again in the beats of the song.
-            self.beats_changed = true;
+            // What was done is counted again in the beats of the song, where they are known.
+            self.beats_changed |= self.known_beats().is_some();
         }
         self.film_anew();
     }

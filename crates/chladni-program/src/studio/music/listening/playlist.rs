@@ -24,6 +24,19 @@ impl Listening {
         self.select(first);
     }
 
+    /// Puts the songs in an order by chance; the one that is heard comes first, and goes on.
+    pub fn shuffle(&mut self, seed: u64) {
+        let heard = self.player.status().song.min(self.songs.len().saturating_sub(1));
+        self.songs.swap(0, heard);
+        let mut state = seed;
+        for last in (2..self.songs.len()).rev() {
+            // Knuth's linear congruential generator; which song comes next is no matter of honor.
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            self.songs.swap(last, 1 + (state >> 33) as usize % last);
+        }
+        self.player.set_songs(self.songs.clone());
+    }
+
     /// Takes a song out of the list; the last one makes room for the sample tune.
     pub fn remove(&mut self, song: usize) {
         if song >= self.songs.len() {
@@ -53,9 +66,15 @@ impl Listening {
         self.player.repeat(repeat);
     }
 
-    /// The name of a song of the list.
+    /// The title of a song of the list, once it has been heard and if it has one, or else its file's name.
     pub fn name_of(&self, song: usize) -> String {
-        let stem = self.songs.get(song).and_then(|path| path.file_stem());
+        let path = self.songs.get(song);
+        let title =
+            path.and_then(|path| self.repertoire.iter().find(|known| known.path == *path)?.title.clone());
+        if let Some(title) = title {
+            return title;
+        }
+        let stem = path.and_then(|path| path.file_stem());
         stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
     }
 

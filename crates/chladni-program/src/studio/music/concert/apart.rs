@@ -1,0 +1,115 @@
+//! The stage in a window of its own, while the gallery goes on in the first.
+
+use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Parameter, Reaction, Target};
+use chladni_synth::{FrameSettings, Item, Synthesizer};
+use chladni_view::{Look, Rect};
+use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
+
+use super::super::preferences::Screen;
+use super::super::wish::Wish;
+use super::pane::Pane;
+use super::{Concert, stillness};
+use crate::studio::keys::music::{BLACKOUT, FREEZE, GO, LEAVE, MARK_LEFT, MARK_RIGHT};
+use crate::studio::room::Shared;
+use crate::work::{Error, Staging};
+
+/// What the second window needs beside the first.
+pub struct Apart {
+    pane: Pane,
+    /// Plays what is on stage; the first window's plays the gallery.
+    ensemble: Ensemble,
+    items: Vec<Item>,
+    /// It was sent to its screen.
+    placed: bool,
+}
+
+/// The second window.
+fn window() -> ViewportId {
+    ViewportId::from_hash_of("picture")
+}
+
+impl Apart {
+    pub fn new(pane: &Pane, ensemble: &Ensemble) -> Self {
+        let pane = Pane::on(pane.viewport.gpu().clone());
+        Self { pane, ensemble: ensemble.clone(), items: Vec::new(), placed: false }
+    }
+
+    /// What is on stage now.
+    pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<(), Error> {
+        self.items = self.ensemble.play(instrument, bands, beat)?.to_vec();
+        Ok(())
+    }
+
+    /// What was on stage last.
+    pub fn items(&self) -> &[Item] {
+        &self.items
+    }
+
+    /// The window is closed; another stage gets another one.
+    pub fn leave(&mut self) {
+        self.placed = false;
+        self.pane.forget();
+    }
+}
+
+impl Concert {
+    /// Shows the stage in a window of its own, on the screen that the preferences name.
+    pub(super) fn show_apart(
+        &mut self,
+        ctx: &egui::Context,
+        shared: &Shared<'_>,
+        apart: &mut Apart,
+        (reaction, framing, at_secs): (Reaction, Option<Framing>, f64),
+        look: Look,
+        wishes: &mut Vec<Wish>,
+    ) -> Result<(), Error> {
+        let screen = shared.settings.music.screen;
+        let builder = ViewportBuilder::default()
+            .with_title("Chladni: picture")
+            .with_inner_size([1280.0, 720.0])
+            .with_fullscreen(screen == Screen::Full);
+        if let (Screen::Monitor(index), false) = (screen, std::mem::replace(&mut apart.placed, true)) {
+            ctx.send_viewport_cmd_to(window(), ViewportCommand::SetMonitor(index));
+        }
+        let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
+        let pose = stillness::pose(&apart.items, normal_blending) ^ self.sand.version();
+        std::mem::swap(&mut self.pane, &mut apart.pane);
+        let shown = ctx.show_viewport_immediate(window(), builder, |ui, _| -> Result<(), Error> {
+            let rect = ui.available_rect_before_wrap();
+            ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
+            keys(ui.ctx(), wishes);
+            let projection = shared.settings.music.projection;
+            if self.house.frozen && self.pane.shown.is_some() {
+                self.repaint(ui, projection, rect);
+                return Ok(());
+            }
+            self.synthesizer.synthesize(&apart.items, &FrameSettings { normal_blending })?;
+            self.seen.clear();
+            let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
+            let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
+            let (cells, _) = Staging::cells(area, apart.items.len());
+            self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)
+        });
+        std::mem::swap(&mut self.pane, &mut apart.pane);
+        shown
+    }
+}
+
+/// What the keyboard does in the second window; closing it leaves the stage.
+fn keys(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
+    use chladni_music::Action;
+    if LEAVE.pressed(ctx) || ctx.input(|input| input.viewport().close_requested()) {
+        wishes.push(Wish::Do(Action::LeaveStage));
+    }
+    for (key, wish) in [
+        (GO, Wish::Do(Action::Go)),
+        (BLACKOUT, Wish::Press(Target::Blackout)),
+        (FREEZE, Wish::Press(Target::Freeze)),
+        (MARK_LEFT, Wish::StepFavourite(false)),
+        (MARK_RIGHT, Wish::StepFavourite(true)),
+    ] {
+        if key.pressed(ctx) {
+            wishes.push(wish);
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Songs by the folder or by the list: what a path that is no song itself stands for.
+
+use std::path::{Path, PathBuf};
+
+use super::Error;
+use super::formats::{self, Kind};
+
+/// Songs are looked for in folders within folders down to this depth.
+const DEEPEST: usize = 8;
+/// At most this many are taken.
+const MOST_SONGS: usize = 5000;
+/// A list is no longer than this.
+const MOST_BYTES: u64 = 4 << 20;
+
+/// What was found.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct Songs {
+    /// In order: that of the list, or of the names within each folder.
+    pub songs: Vec<PathBuf>,
+    /// What was left out, in words.
+    pub warning: Option<String>,
+}
+
+/// Whether `path` stands for several songs.
+pub fn is_list(path: &Path) -> bool {
+    path.is_dir() || formats::kind(path) == Kind::List
+}
+
+/// The songs of a folder and the folders in it, or of an M3U list, whose paths are relative to it.
+///
+/// # Errors
+/// Where the folder or the list cannot be read, and where it has no songs.
+pub fn songs_of(path: &Path) -> Result<Songs, Error> {
+    let unread = |why: std::io::Error| Error::Input(format!("{}: {why}", path.display()));
+    let mut found = Songs::default();
+    if path.is_dir() {
+        walk(path, 0, &mut found.songs).map_err(unread)?;
+    } else {
+        let bytes = chladni_task::read_file(path, MOST_BYTES).map_err(unread)?;
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let (there, gone): (Vec<_>, Vec<_>) =
+            entries(&text(&bytes), folder).into_iter().partition(|entry| entry.is_file());
+        found.songs = there;
+        let first = gone.first().map(|first| first.display().to_string());
+        found.warning = first.map(|first| match gone.len() {
+            1 => format!("{}: {first} is not there", path.display()),
+            count => format!("{}: {count} songs are not there, such as {first}", path.display()),
+        });
+    }
+    if found.songs.len() > MOST_SONGS {
+        found.songs.truncate(MOST_SONGS);
+        found.warning = Some(format!("{}: only the first {MOST_SONGS} songs are taken", path.display()));
+    }
+    if found.songs.is_empty() {
+        return Err(Error::Input(format!("{}: has no songs", path.display())));
+    }
+    Ok(found)
+}
+
+fn walk(folder: &Path, depth: usize, songs: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    let mut entries: Vec<_> = std::fs::read_dir(folder)?.filter_map(Result::ok).collect();
+    entries.sort_by_cached_key(|entry| entry.file_name().to_string_lossy().to_lowercase());
+    for entry in entries {
+        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+        let Ok(kind) = entry.file_type() else { continue };
+        let path = entry.path();
+        // A link to a folder may lead around in a circle.
+        if kind.is_dir() && !is_hidden && depth < DEEPEST {
+            // A folder within that may not be read is left out.
+            let _ = walk(&path, depth + 1, songs);
+        } else if !kind.is_dir() && !is_hidden && formats::kind(&path) == Kind::Song {
+            songs.push(path);
+        }
+        if songs.len() > MOST_SONGS {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// UTF-8, as `.m3u8` is, or else Latin-1, as old lists are.
+fn text(bytes: &[u8]) -> String {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    std::str::from_utf8(bytes)
+        .map_or_else(|_| bytes.iter().map(|byte| char::from(*byte)).collect(), str::to_owned)
+}
+
+fn entries(text: &str, folder: &Path) -> Vec<PathBuf> {
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let lines = lines.map(|line| line.strip_prefix("file://").unwrap_or(line));
+    lines
+        .map(|line| {
+            let as_written = folder.join(line);
+            // Lists of other systems.
+            if as_written.is_file() { as_written } else { folder.join(line.replace('\\', "/")) }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(found: &Songs, folder: &Path) -> Vec<String> {
+        let songs = found.songs.iter();
+        songs.map(|song| song.strip_prefix(folder).unwrap().to_string_lossy().into_owned()).collect()
+    }
+
+    #[test]
+    fn a_folder_is_all_songs_in_it_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir_all(folder.path().join("b/c")).unwrap();
+        std::fs::create_dir_all(folder.path().join(".hidden")).unwrap();
+        for name in ["Z.mp3", "a.flac", "cover.png", "b/2.ogg", "b/c/1.wav", ".hidden/x.mp3", ".y.mp3"] {
+            std::fs::write(folder.path().join(name), b"").unwrap();
+        }
+        let found = songs_of(folder.path()).unwrap();
+        assert_eq!(names(&found, folder.path()), ["a.flac", "b/2.ogg", "b/c/1.wav", "Z.mp3"]);
+        assert!(is_list(folder.path()) && found.warning.is_none());
+        assert!(songs_of(&folder.path().join("nowhere")).is_err());
+        let empty = tempfile::tempdir().unwrap();
+        assert!(songs_of(empty.path()).unwrap_err().to_string().contains("no songs"));
+    }
+
+    #[test]
+    fn a_list_is_read_from_its_own_place_in_utf_8_or_latin_1() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("sub")).unwrap();
+        for name in ["one.mp3", "sub/zw\u{f6}lf.mp3", "sub/two.ogg"] {
+            std::fs::write(folder.path().join(name), b"").unwrap();
+        }
+        let list = folder.path().join("set.m3u");
+        let lines = "#EXTM3U\r\n#EXTINF:3,One\r\none.mp3\r\n\r\nsub\\two.ogg\r\nsub/zw\u{f6}lf.mp3\nhttp://radio/x.mp3\n";
+        let latin: Vec<u8> = lines.chars().map(|c| c as u8).collect();
+        for bytes in [lines.as_bytes().to_vec(), latin, [b"\xef\xbb\xbf", lines.as_bytes()].concat()] {
+            std::fs::write(&list, bytes).unwrap();
+            let found = songs_of(&list).unwrap();
+            assert_eq!(names(&found, folder.path()), ["one.mp3", "sub/two.ogg", "sub/zw\u{f6}lf.mp3"]);
+            assert!(found.warning.unwrap().contains("radio"));
+        }
+        assert!(is_list(&list));
+        std::fs::write(&list, [0xff; 9]).unwrap();
+        assert!(songs_of(&list).is_err());
+    }
+}

@@ -1,0 +1,77 @@
+//! The stage: on a projector, and in a window of its own.
+
+use super::*;
+
+fn enter_with(music: &str) -> (Window, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let settings = folders.settings.clone().unwrap();
+    std::fs::write(settings, format!("harmonics = 24\n[music]\n{music}")).unwrap();
+    (enter(Opening { folders, ..Opening::default() }), folder)
+}
+
+fn press_on(window: &mut Window, dance: &str, key: Key) {
+    window.get_by_label(dance).hover();
+    window.run_steps(2);
+    window.key_press(key);
+    window.run_steps(4);
+}
+
+#[test]
+fn corners_are_pinned_on_stage_and_nowhere_else() {
+    let white = "look = \"\"\nbackground = \"white\"\n";
+    let corners = "corners = [[0.2, 0.2], [0.8, 0.2], [0.8, 0.8], [0.2, 0.8]]";
+    let trim = "trim = [1.0, 0.5, 1.0]";
+    let pinned = format!("{white}[music.projection]\n{corners}\n{trim}\n");
+    let (mut window, _folder) = enter_with(&pinned);
+    press_on(&mut window, "Dance 1", Key::S);
+    window.run_steps(20);
+    let picture = window.render().unwrap();
+    let at = |x: f32, y: f32| {
+        let (width, height) = (picture.width() as f32, picture.height() as f32);
+        let pixel = picture.get_pixel((x * width) as u32, (y * height) as u32);
+        [pixel[0], pixel[1], pixel[2]]
+    };
+    for outside in [[0.1, 0.5], [0.5, 0.1], [0.9, 0.9]] {
+        assert_eq!(at(outside[0], outside[1]), [0; 3], "{outside:?}");
+    }
+    for inside in [[0.22, 0.22], [0.78, 0.22], [0.22, 0.7]] {
+        let [r, g, b] = at(inside[0], inside[1]);
+        assert!(r > 240 && b > 240 && (120..136).contains(&g), "{inside:?}: {:?}", [r, g, b]);
+    }
+    window.key_press(Key::Escape);
+    window.run_steps(20);
+    click(&mut window, "Look");
+    assert!(shows(&window, "Move the corners"));
+    window.get_by_label("As it is").click_accesskit();
+    window.run_steps(2);
+    let settings = std::fs::read_to_string(_folder.path().join("settings.toml")).unwrap();
+    assert!(!settings.contains("0.2"), "{settings}");
+}
+
+/// Tests draw a second window into the first.
+#[test]
+fn breeding_goes_on_while_the_show_has_a_window_of_its_own() {
+    let (mut window, _folder) = enter_with("own_window = true\n");
+    assert!(!shows(&window, "On stage"));
+    press_on(&mut window, "Dance 2", Key::S);
+    window.run_steps(10);
+    for still_there in ["On stage", "12 items", "Dance 5", "Freeze"] {
+        assert!(shows(&window, still_there), "{still_there}");
+    }
+    for dance in ["Dance 3", "Dance 4"] {
+        window.get_by_label(dance).click_accesskit();
+        window.run_steps(2);
+    }
+    window.get_by_label_contains("Breed 2").click_accesskit();
+    window.run_steps(4);
+    assert!(shows(&window, "2 / 2") && shows(&window, "On stage"));
+    press_on(&mut window, "Dance 5", Key::N);
+    for button in ["Go", "Black", "Freeze", "Freeze", "Leave the stage"] {
+        // The second window may lie over it.
+        window.get_by_label(button).click_accesskit();
+        window.run_steps(2);
+        assert_eq!(shows(&window, "On stage"), button != "Leave the stage", "{button}");
+    }
+    assert!(shows(&window, "12 items") && !shows(&window, "On stage"));
+}
