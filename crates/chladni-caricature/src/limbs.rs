@@ -40,10 +40,10 @@ const TIME: [f64; 2] = [0.25, 0.04];
 /// The same of the persistence from which on a hill is a limb.
 const PERSISTENCE: [f64; 2] = [0.5, 0.2];
 /// Where a limb may end, in shares of its height above its pass.
-const ABOUT: [f64; 2] = [-0.15, 0.4];
+const ABOUT: [f64; 2] = [-0.15, 0.15];
 /// Where a limb's cut does not become longer by this factor on the way down to where it may end, no trunk is there: it
 /// meets other limbs, and goes down.
-const MEETS: f64 = 1.85;
+const MEETS: f64 = 2.2;
 /// A flat hill that is larger than this, beside a limb, in shares of the limb's area, is trunk and none of the limb.
 const TRUNK: f64 = 0.5;
 /// The smallest trunk, as a share of the whole area; less belongs to a limb.
@@ -395,7 +395,7 @@ mod tests {
         for p in &mut mesh.positions {
             let (spike, far) =
                 axes.iter().map(|a| distance(*p, *a)).enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-            let rise = 2.0 * (-(far / 0.22).powi(4)).exp();
+            let rise = 2.0 * (-(far / 0.18).powi(4)).exp();
             known.push(if rise > 0.1 { spike as u8 + 1 } else { 0 });
             *p = scaled(unit(*p), 1.0 + rise);
         }

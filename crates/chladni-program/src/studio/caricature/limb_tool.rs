@@ -103,3 +103,35 @@ impl KnownLimbs {
         limbs
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::edits::Edit;
+    use super::*;
+    use chladni_caricature::{Layer, Limb, Painted, Project, ShapeSource, Template};
+
+    #[test]
+    fn a_click_takes_a_part_alone_shift_adds_it_and_erasing_takes_it_away() {
+        let part = Limb { share: 0.5, persistence: 1.0, middle: [0.0; 3] };
+        let limbs = Limbs { part: vec![0, 1, 1, 0], parts: vec![part; 2] };
+        let mut project = Project::new(ShapeSource::Sample("head".into()), 4);
+        let layer = project.push(Layer::new("a layer", Template::Ellipsoid)).unwrap();
+        let taken = |pointed: &[usize], erase: bool, modifiers: Modifiers| {
+            let tool = LimbTool { pointed: pointed.to_vec(), ..LimbTool::default() };
+            let mut edits = Edits::default();
+            tool.take(&limbs, layer, erase, modifiers, &mut edits);
+            edits.take().pop().map(|edit| match edit {
+                Edit::Once(Action::Paint { edit, .. }) => edit,
+                other => panic!("{other:?}"),
+            })
+        };
+        let alone = PaintEdit::Set(Painted::Vertices([0.0, 1.0, 1.0, 0.0].into()));
+        assert_eq!(taken(&[1], false, Modifiers::NONE), Some(alone));
+        let dab = |erase: bool| Some(PaintEdit::Dab(Dab { vertices: vec![1, 2], intensity: 1.0, erase }));
+        assert_eq!(taken(&[1], false, Modifiers::SHIFT), dab(false));
+        assert_eq!(taken(&[1], true, Modifiers::NONE), dab(true));
+        assert_eq!(taken(&[], false, Modifiers::NONE), None);
+        let tool = LimbTool { pointed: vec![0], ..LimbTool::default() };
+        assert_eq!(tool.shown(&limbs), [1.0, 0.0, 0.0, 1.0]);
+    }
+}
