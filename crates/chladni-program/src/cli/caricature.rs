@@ -30,9 +30,9 @@ pub struct Caricature {
     #[arg(required_unless_present = "recipe", conflicts_with = "recipe")]
     template: Option<Template>,
     /// Where the result goes: .obj, .ply, .stl or .glb (with a slider per layer). With --batch a
-    /// folder.
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    /// folder. May be left out where --render draws.
+    #[arg(short, long, value_name = "OUT", required_unless_present = "render")]
+    output: Option<PathBuf>,
     /// K, the number of harmonics [default: 512].
     #[arg(short = 'k', long, value_name = "K", conflicts_with = "recipe")]
     harmonics: Option<usize>,
@@ -82,7 +82,7 @@ impl Caricature {
                     shape,
                     &project,
                     Some(&from),
-                    &self.output,
+                    self.output.as_deref(),
                     self.picture(self.render.as_deref()),
                     terminal,
                 )
@@ -90,15 +90,24 @@ impl Caricature {
             (None, None) => {
                 self.check()?;
                 let shape = project.shape.to_string();
-                one(&shape, &project, None, &self.output, self.picture(self.render.as_deref()), terminal)
+                one(
+                    &shape,
+                    &project,
+                    None,
+                    self.output.as_deref(),
+                    self.picture(self.render.as_deref()),
+                    terminal,
+                )
             }
         }
     }
 
     /// Checks, before any work, that the results can be written.
     fn check(&self) -> Result<(), Error> {
-        format_of(&self.output)?;
-        check_file(&self.output)?;
+        if let Some(output) = &self.output {
+            format_of(output)?;
+            check_file(output)?;
+        }
         self.portrait.check()?;
         self.render.as_deref().map_or(Ok(()), check_drawing)
     }
@@ -126,22 +135,25 @@ impl Caricature {
             layer.region.painted = found.painted(&weld(&mesh).operator_vertex, &self.part)?;
         }
         project.push(layer)?;
-        one(shape, &project, None, &self.output, self.picture(self.render.as_deref()), terminal)
+        one(shape, &project, None, self.output.as_deref(), self.picture(self.render.as_deref()), terminal)
     }
 
     /// Every mesh of `folder`, in order of name. One that fails does not stop the others.
     fn batch(&self, project: &Project, folder: &Path, terminal: &Terminal) -> Result<(), Error> {
+        let Some(results) = &self.output else {
+            return Err(Error::input("--batch needs a folder for the results: -o"));
+        };
         let shapes = meshes_in(folder)?;
-        let planned = self.planned(folder, &shapes)?;
+        let planned = self.planned(folder, results, &shapes)?;
         let from = source::shape(&project.shape, terminal)?;
-        for out in [Some(&self.output), self.render.as_ref()].into_iter().flatten() {
+        for out in [Some(results), self.render.as_ref()].into_iter().flatten() {
             std::fs::create_dir_all(out).map_err(|error| Error::unwritten(out, error))?;
         }
         let mut failed = 0;
         for (shape, (output, render)) in shapes.iter().zip(planned) {
             terminal.task().check()?;
             let name = shape.display().to_string();
-            match one(&name, project, Some(&from), &output, self.picture(render.as_deref()), terminal) {
+            match one(&name, project, Some(&from), Some(&output), self.picture(render.as_deref()), terminal) {
                 Ok(()) => {}
                 Err(Error::Cancelled) => return Err(Error::Cancelled),
                 Err(failure) => {
@@ -159,11 +171,16 @@ impl Caricature {
         }
     }
 
-    /// The mesh and the picture that each of `shapes`, the meshes of `folder`, becomes; refused
+    /// The mesh in `results` and the picture that each of `shapes`, the meshes of `folder`, becomes; refused
     /// where one would replace another or a shape.
-    fn planned(&self, folder: &Path, shapes: &[PathBuf]) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Error> {
+    fn planned(
+        &self,
+        folder: &Path,
+        results: &Path,
+        shapes: &[PathBuf],
+    ) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Error> {
         let real = |path: &Path| std::fs::canonicalize(path).ok();
-        if real(&self.output).is_some_and(|output| Some(output) == real(folder)) {
+        if real(results).is_some_and(|output| Some(output) == real(folder)) {
             let folder = folder.display();
             return Err(Error::input(format_args!("{folder}: results there would replace the shapes")));
         }
@@ -176,7 +193,7 @@ impl Caricature {
                 Ok(_) => shape.extension().unwrap_or_default(),
                 Err(_) => "ply".as_ref(),
             };
-            let output = named(&self.output, stem, extension);
+            let output = named(results, stem, extension);
             let render = self.render.as_ref().map(|folder| named(folder, stem, "png".as_ref()));
             for path in std::iter::once(&output).chain(&render) {
                 if let Some(other) = owners.insert(path.clone(), shape) {
@@ -218,7 +235,7 @@ fn one(
     shape: &str,
     project: &Project,
     from: Option<&TriMesh>,
-    output: &Path,
+    output: Option<&Path>,
     picture: Option<Picture<'_>>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
@@ -230,8 +247,10 @@ fn one(
     let (body, _) = body::build(shape, &mesh, project.harmonics, project.laplacian, terminal)?;
     let mut made = make(mesh, Arc::new(body), project, false, terminal)?;
     describe(&made, terminal)?;
-    made.sculpture.save(output)?;
-    terminal.wrote(output)?;
+    if let Some(output) = output {
+        made.sculpture.save(output)?;
+        terminal.wrote(output)?;
+    }
     if let Some(Picture { path, portrait, sheet, ink }) = picture {
         portrait::render(&mut made, shape, project, path, portrait, sheet, ink, kept, terminal)?;
         terminal.wrote(path)?;
