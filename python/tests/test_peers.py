@@ -18,6 +18,14 @@ def test_the_laplacian_is_that_of_robust_laplacian(sphere, square, pebble):
         assert np.allclose(ours, theirs, rtol=1e-8, atol=1e-9)
 
 
+def test_point_clouds_of_robust_laplacian_are_solved(sphere):
+    peer = pytest.importorskip("robust_laplacian")
+    L, M = peer.point_cloud_laplacian(sphere[0])
+    ours = chladni.eigsh(L, 25, M, sigma=1e-8)[0]
+    theirs = np.sort(scipy.sparse.linalg.eigsh(L, 25, M, sigma=-1e-3)[0])
+    assert np.allclose(ours, theirs, rtol=1e-7, atol=1e-8)
+
+
 def test_distances_are_those_of_potpourri3d(sphere, pebble):
     peer = pytest.importorskip("potpourri3d")
     for V, F in (sphere, pebble):

@@ -131,3 +131,15 @@ def test_a_vertex_that_is_not_used_has_zeros(ball):
     S, M = chladni.mesh_laplacian(np.vstack([V, [[7, 7, 7]]]), F)
     assert S.shape == (643, 643) and abs(S[642]).max() == M.diagonal()[642] == 0
     assert abs(S[:642, :642] - chladni.mesh_laplacian(V, F)[0]).max() < 1e-12
+
+
+def test_a_held_border_is_rows_and_columns_left_out(square, elements):
+    V, F = square
+    inside = np.flatnonzero((np.abs(V[:, :2] - 0.5) < 0.499).all(axis=1))
+    S, M = (A[inside][:, inside] for A in elements(V, F))
+    w, v = chladni.eigsh(S, 10, M, sigma=0)
+    exact = np.sort([(i * i + j * j) * np.pi**2 for i in range(1, 6) for j in range(1, 6)])[:10]
+    assert np.allclose(w, exact, rtol=0.02) and w[0] > 0
+    # The first is a sine either way, of norm 1.
+    first = 2 * np.sin(np.pi * V[inside, 0]) * np.sin(np.pi * V[inside, 1])
+    assert np.abs(v[:, 0] - first).max() < 0.02

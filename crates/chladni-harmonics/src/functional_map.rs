@@ -82,6 +82,10 @@ impl FunctionalMap {
             (row_major(product(from, map.transpose()).as_ref()), row_major(to))
         };
         let dimensions = if adjoint { self.columns } else { self.rows };
+        // The nearest of distances that are not numbers is none.
+        if !points.iter().chain(&queries).all(|x| x.abs() < 1e150) {
+            return Err(bad("the map or the eigenvectors are too large to compute distances with".into()));
+        }
         Ok(PointTree::new(&points, dimensions).nearest(&queries, guesses))
     }
 
@@ -263,6 +267,8 @@ mod tests {
         let map = FunctionalMap { rows: 2, columns: 2, values: vec![1.0, 0.0, 0.0, 1.0] };
         assert_eq!(map.to_point_map(three, two, false).unwrap().len(), 2);
         assert!(FunctionalMap { rows: 3, ..map.clone() }.to_point_map(three, two, false).is_err());
+        let huge = FunctionalMap { values: vec![1e200, 0.0, 0.0, 1e200], ..map.clone() };
+        assert!(huge.to_point_map(three, two, false).is_err());
         assert!(FunctionalMap { values: vec![1.0], ..map.clone() }.to_point_map(three, two, false).is_err());
         assert!(map.zoomed_out(three, two, None, 1, [1, 1], &Task::new()).is_err());
         assert!(FunctionalMap::of_point_map(&[0, 3], three, two, None).is_err());

@@ -1,138 +1,205 @@
 //! Exact nearest neighbors in any number of dimensions, as of vertices among the rows of a spectral embedding.
+//!
+//! Neighbors on a surface are neighbors in all coordinates of such an embedding at once, so a node keeps the box of its
+//! points in all of them: bounds from the splitting planes alone let hardly anything be left out beyond ten dimensions.
 
 use rayon::prelude::*;
 
+use crate::ldlt::Row;
+use crate::simd::{Kernel, Lanes, dispatch};
+
 /// Points in a leaf.
 const LEAF: usize = 16;
-/// Coordinates between two looks at whether a point is too far already.
-const STRETCH: usize = 8;
+/// Rows of eight coordinates between two looks at whether a point is too far already.
+const STRETCH: usize = 4;
 /// Queries that are answered one after the other, each beginning with the answer to the one before.
 const CHUNK: usize = 256;
 
 /// Points in a tree of halves, each split where its points spread most.
-pub(crate) struct PointTree<'a> {
-    points: &'a [f64],
+pub(crate) struct PointTree {
     dimensions: usize,
-    order: Vec<u32>,
+    /// How many rows of eight a point has; the last is filled up with zeros.
+    width: usize,
+    /// The points in the order of the leaves, their numbers, and where each number is.
+    points: Vec<Row>,
+    numbers: Vec<u32>,
+    places: Vec<u32>,
     nodes: Vec<Node>,
+    /// For each node the lower and the upper ends of its box, row by row.
+    boxes: Vec<[Row; 2]>,
 }
 
-enum Node {
-    /// Places in the order.
-    Leaf(usize, usize),
-    /// Points below `at` along `axis` lie in the node after this one, the others in node `above`.
-    Split { axis: usize, at: f64, above: usize },
+/// Points `first .. end`; of a node that is no leaf, the first half is the next node's and the rest that of `above`.
+struct Node {
+    first: usize,
+    end: usize,
+    above: Option<usize>,
 }
 
-impl<'a> PointTree<'a> {
+impl PointTree {
     /// A tree of `points`, one after the other with `dimensions` ≥ 1 finite coordinates each; at least one.
-    pub fn new(points: &'a [f64], dimensions: usize) -> Self {
-        let order = (0..(points.len() / dimensions) as u32).collect();
-        let mut tree = Self { points, dimensions, order, nodes: Vec::new() };
-        tree.grow(0, tree.order.len());
-        tree
-    }
-
-    fn grow(&mut self, first: usize, end: usize) {
-        let (points, dimensions) = (self.points, self.dimensions);
-        let order = &mut self.order[first..end];
-        let at = |v: u32, axis: usize| points[v as usize * dimensions + axis];
-        let mut spread = vec![(f64::INFINITY, f64::NEG_INFINITY); dimensions];
-        for v in order.iter() {
-            for (axis, (low, high)) in spread.iter_mut().enumerate() {
-                (*low, *high) = (low.min(at(*v, axis)), high.max(at(*v, axis)));
+    pub fn new(points: &[f64], dimensions: usize) -> Self {
+        let count = points.len() / dimensions;
+        let width = dimensions.div_ceil(8);
+        let mut numbers: Vec<u32> = (0..count as u32).collect();
+        let mut nodes = Vec::new();
+        grow(points, dimensions, &mut numbers, 0, &mut nodes);
+        let rows = padded(points, dimensions, width);
+        let of = |number: u32| &rows[number as usize * width..][..width];
+        let points: Vec<Row> = numbers.iter().flat_map(|number| of(*number)).copied().collect();
+        let mut places = vec![0; count];
+        numbers.iter().enumerate().for_each(|(place, number)| places[*number as usize] = place as u32);
+        let around = |node: &Node| {
+            let mut ends = vec![[[f64::INFINITY; 8], [f64::NEG_INFINITY; 8]]; width];
+            for point in points[node.first * width..node.end * width].chunks_exact(width) {
+                for ([low, high], row) in ends.iter_mut().zip(point) {
+                    for i in 0..8 {
+                        (low[i], high[i]) = (low[i].min(row[i]), high[i].max(row[i]));
+                    }
+                }
             }
-        }
-        let width = |axis: &usize| spread[*axis].1 - spread[*axis].0;
-        let widest = (0..dimensions).max_by(|a, b| width(a).total_cmp(&width(b))).unwrap_or(0);
-        if order.len() <= LEAF || width(&widest) <= 0.0 {
-            self.nodes.push(Node::Leaf(first, end));
-            return;
-        }
-        let middle = order.len() / 2;
-        let by_place = |a: &u32, b: &u32| at(*a, widest).total_cmp(&at(*b, widest)).then(a.cmp(b));
-        let split = at(*order.select_nth_unstable_by(middle, by_place).1, widest);
-        let here = self.nodes.len();
-        self.nodes.push(Node::Split { axis: widest, at: split, above: 0 });
-        self.grow(first, first + middle);
-        let after = self.nodes.len();
-        if let Node::Split { above, .. } = &mut self.nodes[here] {
-            *above = after;
-        }
-        self.grow(first + middle, end);
+            ends
+        };
+        let boxes = nodes.par_iter().flat_map_iter(around).collect();
+        Self { dimensions, width, points, numbers, places, nodes, boxes }
     }
 
     /// For each of `queries` the point nearest to it, the first of several. `guesses`, one per query or none, only
     /// make it quicker.
     pub fn nearest(&self, queries: &[f64], guesses: &[u32]) -> Vec<u32> {
-        let count = queries.len() / self.dimensions;
-        let chunks = (0..count.div_ceil(CHUNK)).into_par_iter().map(|chunk| {
-            let mut search =
-                Search { tree: self, query: &[], offsets: vec![0.0; self.dimensions], best: (0.0, 0) };
-            let mut before = self.order[0];
-            let queries = (chunk * CHUNK..count.min((chunk + 1) * CHUNK)).map(|q| {
-                search.query = &queries[q * self.dimensions..(q + 1) * self.dimensions];
-                search.best = (f64::INFINITY, u32::MAX);
-                search.offsets.fill(0.0);
-                search.consider(before);
-                guesses.get(q).into_iter().for_each(|guess| search.consider(*guess));
-                search.visit(0, 0.0);
-                before = search.best.1;
-                before
+        let queries = padded(queries, self.dimensions, self.width);
+        let mut found = vec![0; queries.len() / self.width];
+        found.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, found)| {
+            let first = chunk * CHUNK;
+            let queries = &queries[first * self.width..(first + found.len()) * self.width];
+            dispatch(Search {
+                tree: self,
+                queries,
+                guesses: guesses.get(first..).unwrap_or_default(),
+                found,
             });
-            queries.collect::<Vec<u32>>()
         });
-        chunks.flatten_iter().collect()
+        found
     }
 }
 
-struct Search<'a, 'b> {
-    tree: &'b PointTree<'a>,
-    query: &'b [f64],
-    /// How far the node that is looked at lies from the query, along each axis.
-    offsets: Vec<f64>,
-    /// The smallest squared distance so far, and whose it is.
-    best: (f64, u32),
+/// Rows of eight, filled up with zeros.
+fn padded(values: &[f64], dimensions: usize, width: usize) -> Vec<Row> {
+    let mut rows = vec![[0.0; 8]; values.len() / dimensions * width];
+    rows.par_chunks_exact_mut(width).zip(values.par_chunks_exact(dimensions)).for_each(|(rows, values)| {
+        rows.as_flattened_mut()[..dimensions].copy_from_slice(values);
+    });
+    rows
 }
 
-impl Search<'_, '_> {
-    fn consider(&mut self, point: u32) {
-        let at = point as usize * self.tree.dimensions;
-        let coordinates = &self.tree.points[at..at + self.tree.dimensions];
-        let mut sum = 0.0;
-        for (a, b) in self.query.chunks(STRETCH).zip(coordinates.chunks(STRETCH)) {
-            sum += a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
-            if sum > self.best.0 {
-                return;
+/// Splits `numbers`, which begin at `first` of all, and appends their nodes.
+fn grow(points: &[f64], dimensions: usize, numbers: &mut [u32], first: usize, nodes: &mut Vec<Node>) {
+    let at = |v: u32, axis: usize| points[v as usize * dimensions + axis];
+    let mut spread = vec![(f64::INFINITY, f64::NEG_INFINITY); dimensions];
+    for v in numbers.iter() {
+        for (axis, (low, high)) in spread.iter_mut().enumerate() {
+            (*low, *high) = (low.min(at(*v, axis)), high.max(at(*v, axis)));
+        }
+    }
+    let width = |axis: &usize| spread[*axis].1 - spread[*axis].0;
+    let widest = (0..dimensions).max_by(|a, b| width(a).total_cmp(&width(b))).unwrap_or(0);
+    let here = nodes.len();
+    nodes.push(Node { first, end: first + numbers.len(), above: None });
+    if numbers.len() <= LEAF || width(&widest) <= 0.0 {
+        return;
+    }
+    let middle = numbers.len() / 2;
+    numbers.select_nth_unstable_by(middle, |a, b| at(*a, widest).total_cmp(&at(*b, widest)).then(a.cmp(b)));
+    let (below, above) = numbers.split_at_mut(middle);
+    grow(points, dimensions, below, first, nodes);
+    nodes[here].above = Some(nodes.len());
+    grow(points, dimensions, above, first + middle, nodes);
+}
+
+/// A chunk of queries and their answers.
+struct Search<'a> {
+    tree: &'a PointTree,
+    queries: &'a [Row],
+    guesses: &'a [u32],
+    found: &'a mut [u32],
+}
+
+impl Kernel for Search<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _lanes: L) {
+        let Self { tree, queries, guesses, found } = self;
+        let mut before = 0;
+        // Nodes to look at, and how far (squared) their boxes are.
+        let mut waiting: Vec<(f64, usize)> = Vec::new();
+        for (q, (query, found)) in queries.chunks_exact(tree.width).zip(found).enumerate() {
+            // The smallest squared distance so far, and whose it is.
+            let mut best = (f64::INFINITY, u32::MAX);
+            consider(tree, query, before, &mut best);
+            if let Some(guess) = guesses.get(q).and_then(|guess| tree.places.get(*guess as usize)) {
+                consider(tree, query, *guess as usize, &mut best);
+            }
+            waiting.push((0.0, 0));
+            while let Some((gap, at)) = waiting.pop() {
+                // Rounding must not hide a point that is as near.
+                if gap > best.0 * (1.0 + 1e-12) {
+                    continue;
+                }
+                let node = &tree.nodes[at];
+                let Some(above) = node.above else {
+                    (node.first..node.end).for_each(|place| consider(tree, query, place, &mut best));
+                    continue;
+                };
+                let (near, far) = (
+                    (distance_to_box(tree, query, at + 1), at + 1),
+                    (distance_to_box(tree, query, above), above),
+                );
+                let (near, far) = if near.0 <= far.0 { (near, far) } else { (far, near) };
+                waiting.extend([far, near]);
+            }
+            *found = best.1;
+            before = tree.places[best.1 as usize] as usize;
+        }
+    }
+}
+
+#[inline(always)]
+fn consider(tree: &PointTree, query: &[Row], place: usize, best: &mut (f64, u32)) {
+    let point = &tree.points[place * tree.width..][..tree.width];
+    let mut sums = [0.0; 8];
+    for (query, point) in query.chunks(STRETCH).zip(point.chunks(STRETCH)) {
+        for (a, b) in query.iter().zip(point) {
+            for i in 0..8 {
+                sums[i] += (a[i] - b[i]) * (a[i] - b[i]);
             }
         }
-        if (sum, point) < self.best {
-            self.best = (sum, point);
-        }
-    }
-
-    /// Looks at a node that is `distance` (squared) away.
-    fn visit(&mut self, node: usize, distance: f64) {
-        // Rounding must not hide a point that is as near.
-        if distance > self.best.0 * (1.0 + 1e-12) {
+        if total(&sums) > best.0 {
             return;
         }
-        match self.tree.nodes[node] {
-            Node::Leaf(first, end) => {
-                for at in first..end {
-                    self.consider(self.tree.order[at]);
-                }
-            }
-            Node::Split { axis, at, above } => {
-                let gap = self.query[axis] - at;
-                let (near, far) = if gap < 0.0 { (node + 1, above) } else { (above, node + 1) };
-                self.visit(near, distance);
-                let old = std::mem::replace(&mut self.offsets[axis], gap);
-                self.visit(far, distance - old * old + gap * gap);
-                self.offsets[axis] = old;
-            }
+    }
+    let found = (total(&sums), tree.numbers[place]);
+    if found < *best {
+        *best = found;
+    }
+}
+
+/// Squared, 0 inside.
+#[inline(always)]
+fn distance_to_box(tree: &PointTree, query: &[Row], node: usize) -> f64 {
+    let mut sums = [0.0; 8];
+    for (q, [low, high]) in query.iter().zip(&tree.boxes[node * tree.width..][..tree.width]) {
+        for i in 0..8 {
+            let gap = (low[i] - q[i]).max(q[i] - high[i]).max(0.0);
+            sums[i] += gap * gap;
         }
     }
+    total(&sums)
+}
+
+#[inline(always)]
+fn total(sums: &Row) -> f64 {
+    ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]))
 }
 
 #[cfg(test)]
