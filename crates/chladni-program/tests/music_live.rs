@@ -12,7 +12,7 @@ use chladni_mesh::{samples, save_mesh};
 use chladni_music::{Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
 use chladni_program::studio::{Folders, Opening};
 use chladni_sound::{Capture, CaptureFeed};
-use driving::{Window, no_time, open_with, shows, wait};
+use driving::{Answers, Window, no_time, open_with, shows, wait};
 use egui::{Event, Key, Pos2, ViewportCommand};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -25,6 +25,7 @@ struct Evening {
     feed: CaptureFeed,
     fps: u32,
     heard: usize,
+    answers: Answers,
     _folder: tempfile::TempDir,
 }
 
@@ -40,13 +41,16 @@ impl Evening {
         let files = vec![path("ball.obj"), path("session.toml")];
         let (input, feed) = Capture::fed(RATE_HZ).unwrap();
         let folders = Folders { settings: Some(path("settings.toml")), ..Folders::default() };
-        let opening = Opening { folders, files, input: Some(input), now: no_time, ..Opening::default() };
+        let answers = Answers::default();
+        let chooser = Box::new(answers.clone());
+        let opening =
+            Opening { folders, files, chooser, input: Some(input), now: no_time, ..Opening::default() };
         let builder = Harness::builder().with_size([640.0, 640.0]).with_step_dt(1.0 / fps as f32);
         let mut window = open_with(opening, builder);
         // The sample that opens meanwhile has twelve items; the stage has no top bar.
         wait(&mut window, "the ball", |w| shows(w, "6 items") || !shows(w, "Chladni"));
         window.run_steps(3);
-        Self { window, feed, fps, heard: 0, _folder: folder }
+        Self { window, feed, fps, heard: 0, answers, _folder: folder }
     }
 
     /// One step, with what `sound` says of each sample since the last one.
@@ -204,4 +208,50 @@ fn the_stage_fills_the_chosen_screen_and_gives_it_back() {
         assert!(seen.starts_with(&[command]), "{screen}: {seen:?}");
         assert!(seen.ends_with(&[ViewportCommand::Fullscreen(false)]), "{screen}: {seen:?}");
     }
+}
+
+#[test]
+fn the_set_is_recorded_with_its_sound_while_it_is_played() {
+    if !chladni_view::ffmpeg_is_there() {
+        return println!("skipped: no ffmpeg");
+    }
+    let mut evening = Evening::begin(20, "", "");
+    let path = evening._folder.path().join("set.mp4");
+    evening.answers.add(&path);
+    // A picture is there once its brightness is known.
+    (0..10).for_each(|_| evening.step(kick));
+    evening.window.get_by_label("File").click();
+    evening.window.run_steps(2);
+    evening.window.get_by_label("Record the set …").click();
+    for step in 0..60 {
+        evening.step(kick);
+        if step == 30 {
+            // The stage fills the window: the picture has another size.
+            evening.window.event(Event::PointerMoved(Pos2::new(100.0, 200.0)));
+            evening.window.run_steps(1);
+            evening.window.key_press(Key::S);
+        }
+    }
+    evening.window.key_press(Key::Escape);
+    evening.window.run_steps(20);
+    evening.window.get_by_label("End the recording").click();
+    wait(&mut evening.window, "the recording", |w| shows(w, "Recorded"));
+    let probe = std::process::Command::new("ffprobe")
+        .args(["-v", "error", "-count_frames", "-show_entries", "stream=codec_type,duration,nb_read_frames"])
+        .args(["-of", "csv=p=0"])
+        .arg(&path)
+        .output()
+        .unwrap();
+    let told = String::from_utf8(probe.stdout).unwrap();
+    let of = |kind: &str| -> Vec<f64> {
+        let line = told.lines().find(|line| line.starts_with(kind)).unwrap();
+        line.split(',').skip(1).filter_map(|number| number.parse().ok()).collect()
+    };
+    let (video, audio) = (of("video"), of("audio"));
+    // Some 80 steps of a twentieth of a second.
+    assert!((3.5..5.0).contains(&video[0]) && (video[0] - audio[0]).abs() < 0.1, "{told}");
+    assert!((video[1] - 30.0 * video[0]).abs() < 1.5, "{told}");
+    let song = chladni_sound::Song::open(&path).unwrap();
+    let loudest = song.left.iter().fold(0.0f32, |most, sample| most.max(sample.abs()));
+    assert!(loudest > 0.4, "{loudest}");
 }

@@ -118,15 +118,19 @@ impl Canvas {
     }
 }
 
-/// What one picture of a canvas comes back through.
+/// What one picture of a canvas comes back through, while later ones are drawn.
 #[derive(Debug)]
-pub(crate) struct Readback {
+pub struct Readback {
     /// Premultiplied pixels, or the way from a graphics device.
     held: Held<Vec<u8>, gpu::Readback>,
 }
 
 impl Readback {
-    pub(crate) fn new(device: &Device, canvas: &Canvas) -> Result<Self, ViewError> {
+    /// For pictures of the size of `canvas`.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where the device is not the canvas's own.
+    pub fn new(device: &Device, canvas: &Canvas) -> Result<Self, ViewError> {
         let held = match device {
             Device::Processor => Held::Cpu(Vec::new()),
             Device::Graphics(gpu) => Held::Gpu(gpu::Readback::new(gpu, canvas.held.gpu()?)),
@@ -135,7 +139,10 @@ impl Readback {
     }
 
     /// Queues the copy of what has been drawn so far; does not wait.
-    pub(crate) fn start(&mut self, device: &Device, canvas: &Canvas) -> Result<(), ViewError> {
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where the device is not the canvas's own.
+    pub fn start(&mut self, device: &Device, canvas: &Canvas) -> Result<(), ViewError> {
         match (&mut self.held, device) {
             (Held::Gpu(readback), Device::Graphics(gpu)) => readback.start(gpu, canvas.held.gpu()?),
             (Held::Cpu(copy), _) => copy.clone_from(&canvas.held.cpu()?.pixels()),
@@ -147,7 +154,10 @@ impl Readback {
     }
 
     /// Waits for the copy and unpacks it into `rgba`, with straight alpha.
-    pub(crate) fn finish_into(&mut self, device: &Device, rgba: &mut Vec<u8>) -> Result<(), ViewError> {
+    ///
+    /// # Errors
+    /// [`ViewError::Device`] where the device fails.
+    pub fn finish_into(&mut self, device: &Device, rgba: &mut Vec<u8>) -> Result<(), ViewError> {
         match (&mut self.held, device) {
             (Held::Gpu(readback), Device::Graphics(gpu)) => readback.finish_into(gpu, rgba)?,
             (Held::Cpu(copy), _) => std::mem::swap(copy, rgba),

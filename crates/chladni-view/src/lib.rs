@@ -57,7 +57,7 @@ mod uniforms;
 
 pub use buffers::{BrushRing, ItemBuffers, Skin, Topology, VertexPaint};
 pub use camera::{Camera, Projection, View};
-pub use canvas::Canvas;
+pub use canvas::{Canvas, Readback};
 pub use colormap::{ColorMap, Scale};
 pub use device::{Device, Draw};
 pub use error::ViewError;

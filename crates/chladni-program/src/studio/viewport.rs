@@ -196,6 +196,11 @@ impl Viewport {
         self.kept.as_ref().map(|(_, texture)| *texture)
     }
 
+    /// What was kept last; `None` before the first picture that was kept.
+    pub fn kept_canvas(&self) -> Option<&Canvas> {
+        self.kept.as_ref().map(|(canvas, _)| canvas)
+    }
+
     /// What was drawn on last; `None` before the first picture.
     pub fn canvas(&self) -> Option<&Canvas> {
         self.canvas.as_ref().map(|(canvas, _)| canvas)

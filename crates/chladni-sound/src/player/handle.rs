@@ -234,6 +234,23 @@ impl Player {
         timeline.stretches.at(heard, rate_hz).map_or(0.0, |(_, secs)| secs)
     }
 
+    /// Appends what was heard after frame `from` of all that is played, before volume, at
+    /// [`PlayerStatus::rate_hz`], and sets `from` to what is heard now; nothing the first time. What is more than a few
+    /// seconds ago is silence.
+    pub fn take_heard(&self, from: &mut Option<u64>, left: &mut Vec<f32>, right: &mut Vec<f32>) {
+        let timeline = self.shared.timeline();
+        let rate_hz = timeline.rate_hz.max(1);
+        let heard = self.shared.clock.heard_frame(Instant::now(), rate_hz).round().max(0.0) as u64;
+        let most = 4 * u64::from(rate_hz);
+        let count = from.map_or(0, |from| heard.saturating_sub(from)).min(most) as usize;
+        *from = Some(from.map_or(heard, |from| from.max(heard)));
+        let before = left.len();
+        left.resize(before + count, 0.0);
+        right.resize(before + count, 0.0);
+        let (Some(left), Some(right)) = (left.get_mut(before..), right.get_mut(before..)) else { return };
+        timeline.history.window(heard as i64, left, right);
+    }
+
     fn send(&self, command: Command) {
         // The engine only goes away together with this handle.
         let _ = self.commands.send(command);

@@ -2,6 +2,7 @@
 
 mod frames;
 mod gif;
+mod live;
 mod mp4;
 mod palette;
 mod raw;
@@ -15,6 +16,7 @@ use chladni_task::temporary_beside;
 
 use crate::{Picture, ViewError};
 
+pub use live::LiveFilm;
 pub use mp4::ffmpeg_is_there;
 pub use raw::RawFormat;
 pub use shoot::{Waits, shoot, shoot_retouched};

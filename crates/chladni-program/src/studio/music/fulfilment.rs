@@ -17,6 +17,12 @@ impl MusicRoom {
         if let Wish::Open | Wish::AddSongs = wish {
             return self.choose_files(matches!(wish, Wish::AddSongs), shared);
         }
+        if let Wish::Record = wish {
+            if let Err(why) = self.record(shared) {
+                shared.notices.failed(why);
+            }
+            return;
+        }
         if let Wish::Press(target) = wish {
             return self.ask(target, &Which::Press, shared, &mut Vec::new());
         }
@@ -63,7 +69,7 @@ impl MusicRoom {
             },
             Wish::SaveShow => save_show(concert, listening, &self.names, shared).map(drop),
             Wish::Film => self.filming.ask(),
-            Wish::Open | Wish::AddSongs | Wish::Press(_) => Ok(()),
+            Wish::Open | Wish::AddSongs | Wish::Press(_) | Wish::Record => Ok(()),
         };
         if let Err(why) = done {
             shared.notices.warn(why);

@@ -23,6 +23,8 @@ mod meters;
 mod pace;
 mod preferences;
 mod projection;
+mod recorder;
+mod recording;
 mod remote;
 mod shelf;
 mod show_bar;
@@ -92,6 +94,8 @@ pub struct MusicRoom {
     preset: Option<usize>,
     /// The stage has a window of its own.
     apart: bool,
+    /// The time of the last frame, by the window's clock.
+    recorded_secs: f64,
 }
 
 /// Bodies by the names that the command line knows them by.
@@ -189,6 +193,8 @@ impl Room for MusicRoom {
         for wish in wishes {
             self.fulfil(wish, shared);
         }
+        self.recorded_secs = shared.ctx.input(|input| input.time);
+        self.follow_recording(shared);
         if let Some(listening) = &mut self.listening {
             for message in listening.messages() {
                 shared.notices.warn(message);
@@ -263,6 +269,7 @@ impl Room for MusicRoom {
     }
 
     fn leave(&mut self) {
+        self.save_recording();
         self.filming.stop();
     }
 
@@ -356,7 +363,9 @@ impl MusicRoom {
                     Ok(concert)
                 });
                 match concert {
-                    Ok(concert) => {
+                    Ok(mut concert) => {
+                        // Another shape goes on in the same film.
+                        concert.recorder = self.concert.take().and_then(|before| before.recorder);
                         self.concert = Some(concert);
                         self.names.dancing = std::mem::take(&mut self.names.loading);
                         if let Some((path, show)) = self.coming.take() {

@@ -18,7 +18,8 @@ use crate::studio::theme;
 /// Draws the bar.
 pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &mut Vec<Wish>) {
     ui.horizontal_centered(|ui| {
-        files(ui, wishes);
+        files(ui, concert, wishes);
+        recording(ui, concert, wishes);
         ui.separator();
         song(ui, listening);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -33,7 +34,22 @@ pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &
     });
 }
 
-fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
+/// That it is recorded, for how long, and the way to end it.
+fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
+    let Some(recorder) = &concert.recorder else { return };
+    let (secs, left_out) = recorder.progress(ui.input(|input| input.time));
+    let text = RichText::new(icon::label(Icon::Circle, &clock(secs))).color(theme::palette(ui).error);
+    let tip = match left_out {
+        0 => "Recording: end it".to_owned(),
+        _ => format!("Recording, {left_out} pictures left out so far: end it"),
+    };
+    let end = ui.button(text).accessible_name("End the recording");
+    if end.on_hover_text(tip).clicked() {
+        wishes.push(Wish::Record);
+    }
+}
+
+fn files(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     ui.menu_button(icon::label(Icon::FolderOpen, "File"), |ui| {
         for (mark, name, tip, wish) in [
             (Icon::FolderOpen, "Open …", OPEN.tooltip(ui.ctx()), Wish::Open),
@@ -43,6 +59,12 @@ fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
                 "Save show …",
                 format!("{}: all that was done, to go on with or to film later", SAVE.tooltip(ui.ctx())),
                 Wish::SaveShow,
+            ),
+            (
+                Icon::Circle,
+                if concert.recorder.is_some() { "End the recording" } else { "Record the set …" },
+                "Picture and sound as they are played now, to an MP4".into(),
+                Wish::Record,
             ),
             (Icon::Clapperboard, "Film …", format!("{} ({})", film::TIP, FILM.text(ui.ctx())), Wish::Film),
         ] {

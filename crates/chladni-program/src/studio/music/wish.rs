@@ -19,6 +19,8 @@ pub enum Wish {
     AddSongs,
     /// Save the show as a file.
     SaveShow,
+    /// Record the set as it is played, or end that.
+    Record,
     /// Ask for a film of what dances.
     Film,
     /// Show the gallery, one item or the harmonics.

@@ -16,7 +16,7 @@ use chladni_music::{
 use chladni_synth::{
     AutoSynthesizer, Backend, Coefficients, FrameSettings, GpuContext, SynthModel, Synthesizer,
 };
-use chladni_view::{Rect, RestShape, Topology};
+use chladni_view::{Gpu, Rect, RestShape, Topology};
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
@@ -35,6 +35,7 @@ use super::harmonics::Harmonics;
 use super::listening::Listening;
 use super::loading::Ready;
 use super::pace::Pace;
+use super::recorder::Recorder;
 use super::stillness;
 use super::view::View;
 use super::wish::Wish;
@@ -73,6 +74,8 @@ pub struct Concert {
     piloted: Option<Piloted>,
     /// Black and stillness on stage.
     pub house: House,
+    /// Films the set.
+    pub recorder: Option<Recorder>,
     moving: bool,
     /// The pane that is drawn shows the stage.
     draws_stage: bool,
@@ -128,6 +131,7 @@ impl Concert {
             hand: Hand::default(),
             piloted: None,
             house: House::default(),
+            recorder: None,
             moving: true,
             draws_stage: false,
             seconds: 0.0,
@@ -156,6 +160,7 @@ impl Concert {
         self.synthesizer = AutoSynthesizer::new(&context, self.synthesizer.model().clone(), Backend::Auto);
         self.harmonics.forget_device();
         (self.pane, self.apart) = (pane, None);
+        self.recorder.iter_mut().for_each(Recorder::change_device);
         Ok(())
     }
 
@@ -182,6 +187,11 @@ impl Concert {
     /// Whether the last frame showed something new.
     pub fn is_moving(&self) -> bool {
         self.moving
+    }
+
+    /// The window's device.
+    pub fn gpu(&self) -> &Gpu {
+        self.pane.viewport.gpu()
     }
 
     /// What keeps the frames coming.

@@ -87,6 +87,11 @@ impl Listening {
         self.left.clear();
         self.right.clear();
         live.capture.take(&mut self.left, &mut self.right);
+        if let Some(tee) = &mut self.tee {
+            (tee.rate_hz, tee.until) = (live.capture.rate_hz(), None);
+            tee.left.extend_from_slice(&self.left);
+            tee.right.extend_from_slice(&self.right);
+        }
         self.follower.push(&self.left, &self.right);
         self.count_beats();
     }

@@ -63,6 +63,8 @@ pub struct Listening {
     outer: Outer,
     outer_beat: Beat,
     progress: Progress,
+    /// What was heard since it was taken last, for a recording.
+    tee: Option<HeardSound>,
     /// A shot that was called by hand, and when.
     called: Option<(usize, f64)>,
     levels: [Loudness; 2],
@@ -96,6 +98,16 @@ impl ShowSong {
     pub fn new(path: PathBuf, reading: BeatReading) -> Self {
         Self { path, reading, beats: None, given_up: false, title: None }
     }
+}
+
+/// Sound as it was heard, before volume.
+#[derive(Clone, Debug, Default)]
+pub struct HeardSound {
+    pub rate_hz: u32,
+    pub left: Vec<f32>,
+    pub right: Vec<f32>,
+    /// Where in all that the player plays it ends.
+    until: Option<u64>,
 }
 
 /// What is listened to instead of a song.
@@ -140,6 +152,7 @@ impl Listening {
             outer: Outer::default(),
             outer_beat: Beat::default(),
             progress: Progress::default(),
+            tee: None,
             called: None,
             levels: [Loudness::default(); 2],
             songs: vec![tune.clone()],
@@ -370,6 +383,23 @@ impl Listening {
             return self.director.at(self.follower.now_secs());
         }
         self.hearing.framing_at(self.clock.at_secs(), seed)
+    }
+
+    /// Keeps what is heard for a recording, or no longer.
+    pub fn keep_sound(&mut self, on: bool) {
+        self.tee = on.then(HeardSound::default);
+    }
+
+    /// What was heard since the last call, where it is kept.
+    pub fn take_sound(&mut self) -> Option<HeardSound> {
+        let tee = self.tee.as_mut()?;
+        if self.live.is_none() {
+            let status = self.player.status();
+            tee.rate_hz = status.rate_hz;
+            self.player.take_heard(&mut tee.until, &mut tee.left, &mut tee.right);
+        }
+        let rest = HeardSound { rate_hz: tee.rate_hz, until: tee.until, ..HeardSound::default() };
+        Some(std::mem::replace(tee, rest))
     }
 
     /// The shot that was called by hand: a number of [`SHOTS`](chladni_music::SHOTS).

@@ -1,0 +1,67 @@
+//! Beginning and ending a recording of the set.
+
+use std::path::Path;
+
+use super::MusicRoom;
+use super::recorder::Recorder;
+use crate::studio::room::Shared;
+use crate::work::Error;
+
+impl MusicRoom {
+    /// Asks for a file and records the set from now on; or ends that.
+    pub(super) fn record(&mut self, shared: &mut Shared<'_>) -> Result<(), Error> {
+        let now_secs = shared.ctx.input(|input| input.time);
+        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else {
+            return Ok(());
+        };
+        if concert.recorder.is_some() {
+            listening.keep_sound(false);
+            let gpu = concert.gpu().clone();
+            return concert
+                .recorder
+                .as_mut()
+                .map_or(Ok(()), |recorder| recorder.finish(Some(&gpu), now_secs));
+        }
+        let Some(path) = shared.chooser.save(&[("Films", &["mp4"])], Path::new("set.mp4")) else {
+            return Ok(());
+        };
+        concert.recorder = Some(Recorder::begin(&path, concert.picture_size(), now_secs)?);
+        listening.keep_sound(true);
+        Ok(())
+    }
+
+    /// Gives a recording what was heard, and tells how it ended.
+    pub(super) fn follow_recording(&mut self, shared: &mut Shared<'_>) {
+        let now_secs = shared.ctx.input(|input| input.time);
+        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
+        let Some(recorder) = &mut concert.recorder else { return };
+        if let Some(heard) = listening.take_sound()
+            && let Err(why) = recorder.sound(now_secs, &heard)
+        {
+            shared.notices.failed(why);
+        }
+        let Some(ended) = recorder.ended() else { return };
+        let (path, left_out) = (recorder.path().display().to_string(), recorder.progress(now_secs).1);
+        listening.keep_sound(false);
+        concert.recorder = None;
+        match ended {
+            Ok(frames) if left_out == 0 => shared.notices.done(format!("Recorded {path}: {frames} frames")),
+            Ok(frames) => {
+                let told =
+                    format!("Recorded {path}: {frames} frames, of which {left_out} repeat the one before");
+                shared.notices.warn(told);
+            }
+            Err(why) => shared.notices.failed(why.of(path)),
+        }
+    }
+
+    /// The window closes: the film is ended first.
+    pub(super) fn save_recording(&mut self) {
+        let Some(mut recorder) = self.concert.as_mut().and_then(|concert| concert.recorder.take()) else {
+            return;
+        };
+        // Its last pictures may be lost; the time is that of the last one.
+        let _ = recorder.finish(None, self.recorded_secs);
+        recorder.wait();
+    }
+}

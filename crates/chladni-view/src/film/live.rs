@@ -1,0 +1,354 @@
+//! A film of what happens now: nobody waits for its encoder, and what comes too fast is left out and counted.
+
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use image::RgbaImage;
+use image::imageops::{FilterType, overlay, resize};
+
+use super::mp4::Mp4;
+use super::{Encode, FilmSettings, FrameRate, beside, ffmpeg_is_there, persist};
+use crate::{Picture, ViewError};
+
+/// Pictures that may wait for the encoder.
+const MOST_WAITING: usize = 4;
+/// Messages that may wait; sound comes in small pieces.
+const MOST_MESSAGES: usize = 4096;
+/// Sound that is later than this is silence in between.
+const LATE_SECS: f64 = 0.1;
+
+/// An MP4 with sound that is written while it happens. Dropped before it is finished, it leaves nothing behind.
+#[derive(Debug)]
+pub struct LiveFilm {
+    sender: Option<SyncSender<Message>>,
+    waiting: Arc<AtomicUsize>,
+    rate: FrameRate,
+    sound_hz: u32,
+    /// The slot of the last picture, and frames of sound so far.
+    last: Option<u64>,
+    sounded: u64,
+    left_out: u64,
+    thread: Option<JoinHandle<Result<u64, ViewError>>>,
+}
+
+enum Message {
+    Frame(u64, Picture),
+    Sound(Vec<f32>),
+    Finish(u64),
+}
+
+impl LiveFilm {
+    /// Begins one of `width`×`height` pixels and so many frames a second, with sound at `sound_hz`.
+    ///
+    /// # Errors
+    /// [`ViewError::NoFfmpeg`], [`ViewError::Film`] for settings that no film has, [`ViewError::File`] where nothing
+    /// can be written.
+    pub fn begin(
+        path: &Path,
+        (width, height): (u32, u32),
+        rate: FrameRate,
+        sound_hz: u32,
+    ) -> Result<Self, ViewError> {
+        let settings = FilmSettings { width, height, rate, frames: u64::MAX, audio: None };
+        settings.check()?;
+        if !ffmpeg_is_there() {
+            return Err(ViewError::NoFfmpeg);
+        }
+        let failed = |source| ViewError::File { path: path.to_owned(), source };
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let folder = tempfile::Builder::new().prefix(".chladni-").tempdir_in(folder).map_err(failed)?;
+        let sound = std::fs::File::create(folder.path().join(SOUND)).map_err(failed)?;
+        let encoder = Mp4::create(&folder.path().join(PICTURE), &settings)?;
+        let blank = RgbaImage::from_pixel(width, height, image::Rgba([0, 0, 0, 255]));
+        let writer = Writer {
+            path: path.to_owned(),
+            folder,
+            encoder,
+            sound: BufWriter::new(sound),
+            sound_hz,
+            rate,
+            shown: Picture { width, height, rgba: blank.into_raw() },
+            written: 0,
+        };
+        let (sender, receiver) = sync_channel(MOST_MESSAGES);
+        let waiting = Arc::new(AtomicUsize::new(0));
+        let taken = Arc::clone(&waiting);
+        let thread = std::thread::Builder::new()
+            .name("recording".into())
+            .spawn(move || writer.run(&receiver, &taken))
+            .map_err(|error| ViewError::Film(format!("no thread to encode on: {error}")))?;
+        let thread = Some(thread);
+        Ok(Self {
+            sender: Some(sender),
+            waiting,
+            rate,
+            sound_hz,
+            last: None,
+            sounded: 0,
+            left_out: 0,
+            thread,
+        })
+    }
+
+    fn slot(&self, at_secs: f64) -> u64 {
+        (at_secs * f64::from(self.rate.numerator) / f64::from(self.rate.denominator)).max(0.0) as u64
+    }
+
+    /// Whether a picture is wanted at `at_secs` since it began.
+    pub fn is_due(&self, at_secs: f64) -> bool {
+        self.last.is_none_or(|last| self.slot(at_secs) > last)
+    }
+
+    /// Takes the picture of `at_secs`, of any size; it is shown until the next one. Left out where it is not due, and
+    /// left out and counted where the encoder is too far behind.
+    pub fn picture(&mut self, at_secs: f64, picture: Picture) {
+        let slot = self.slot(at_secs);
+        if !self.is_due(at_secs) {
+            return;
+        }
+        self.last = Some(slot);
+        let sent = self.waiting.load(Ordering::Relaxed) < MOST_WAITING
+            && self.sender.as_ref().is_some_and(|sender| {
+                self.waiting.fetch_add(1, Ordering::Relaxed);
+                let sent = sender.try_send(Message::Frame(slot, picture)).is_ok();
+                if !sent {
+                    self.waiting.fetch_sub(1, Ordering::Relaxed);
+                }
+                sent
+            });
+        self.left_out += u64::from(!sent);
+    }
+
+    /// Takes the sound up to `at_secs`; what is missing before it is silence.
+    pub fn sound(&mut self, at_secs: f64, left: &[f32], right: &[f32]) {
+        let due = (at_secs.max(0.0) * f64::from(self.sound_hz)) as u64;
+        let missing = due.saturating_sub(self.sounded + left.len() as u64);
+        let late = (LATE_SECS * f64::from(self.sound_hz)) as u64;
+        let silence = if missing > late { missing } else { 0 };
+        let mut samples = vec![0.0; 2 * silence as usize];
+        samples.extend(left.iter().zip(right).flat_map(|(left, right)| [*left, *right]));
+        let frames = samples.len() as u64 / 2;
+        let send = |sender: &SyncSender<Message>| sender.try_send(Message::Sound(samples)).is_ok();
+        // What finds no place is silence later.
+        if frames > 0 && self.sender.as_ref().is_some_and(send) {
+            self.sounded += frames;
+        }
+    }
+
+    /// Pictures that were left out because the encoder was behind.
+    pub fn left_out(&self) -> u64 {
+        self.left_out
+    }
+
+    /// It ends at `at_secs`; its file appears a little later ([`ended`](Self::ended)).
+    pub fn finish(&mut self, at_secs: f64) {
+        let silence = LATE_SECS + 1.0 / f64::from(self.sound_hz);
+        self.sound(at_secs + silence, &[], &[]);
+        let slots = self.slot(at_secs).max(1);
+        if let Some(sender) = self.sender.take() {
+            // If the encoder has stopped, its thread says why.
+            let _ = sender.send(Message::Finish(slots));
+        }
+    }
+
+    /// How many frames it has, once its file is there, or why it is not; `None` before.
+    pub fn ended(&mut self) -> Option<Result<u64, ViewError>> {
+        if self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
+            return None;
+        }
+        self.wait()
+    }
+
+    /// As [`ended`](Self::ended), but waits for it.
+    pub fn wait(&mut self) -> Option<Result<u64, ViewError>> {
+        let stopped = || Err(ViewError::Film("its encoder stopped".into()));
+        self.thread.take().map(|thread| thread.join().unwrap_or_else(|_| stopped()))
+    }
+}
+
+const PICTURE: &str = "picture.mp4";
+const SOUND: &str = "sound.raw";
+
+/// On a thread of its own.
+struct Writer {
+    path: PathBuf,
+    folder: tempfile::TempDir,
+    encoder: Mp4,
+    sound: BufWriter<std::fs::File>,
+    sound_hz: u32,
+    rate: FrameRate,
+    shown: Picture,
+    written: u64,
+}
+
+impl Writer {
+    fn run(mut self, messages: &Receiver<Message>, waiting: &AtomicUsize) -> Result<u64, ViewError> {
+        let path = self.path.clone();
+        let failed = |source| ViewError::File { path: path.clone(), source };
+        for message in messages {
+            match message {
+                Message::Frame(slot, picture) => {
+                    waiting.fetch_sub(1, Ordering::Relaxed);
+                    self.hold(slot)?;
+                    self.shown = fit(picture, self.shown.width, self.shown.height);
+                    self.hold(slot + 1)?;
+                }
+                Message::Sound(samples) => {
+                    for sample in samples {
+                        self.sound.write_all(&sample.to_le_bytes()).map_err(failed)?;
+                    }
+                }
+                Message::Finish(slots) => {
+                    self.hold(slots)?;
+                    return self.finish();
+                }
+            }
+        }
+        // Dropped: nobody wants it.
+        Ok(0)
+    }
+
+    /// Shows the last picture until `slot`.
+    fn hold(&mut self, slot: u64) -> Result<(), ViewError> {
+        while self.written < slot {
+            self.encoder.frame(&self.shown)?;
+            self.written += 1;
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<u64, ViewError> {
+        let Self { path, folder, encoder, mut sound, sound_hz, rate, written, .. } = self;
+        sound.flush().map_err(|source| ViewError::File { path: path.clone(), source })?;
+        Box::new(encoder).finish()?;
+        let file = beside(&path)?;
+        let mut command = Command::new("ffmpeg");
+        command.args(["-y", "-nostdin", "-loglevel", "error", "-i"]).arg(folder.path().join(PICTURE));
+        command.args(["-f", "f32le", "-ar", &sound_hz.to_string(), "-ac", "2", "-i"]);
+        command.arg(folder.path().join(SOUND));
+        command.args(["-map", "0:v", "-map", "1:a", "-c:v", "copy", "-c:a", "aac", "-b:a", "192k"]);
+        // As long as the pictures, whose copy would let the sound run on with -shortest.
+        let secs = format!("{:.6}", rate.start_secs(written));
+        command.args(["-af", "apad", "-t", &secs, "-movflags", "+faststart", "-f", "mp4"]).arg(file.path());
+        let said = command.stdin(Stdio::null()).output().map_err(|why| ViewError::Ffmpeg(why.to_string()))?;
+        if !said.status.success() {
+            return Err(ViewError::Ffmpeg(String::from_utf8_lossy(&said.stderr).trim().to_owned()));
+        }
+        persist(file, &path)?;
+        Ok(written)
+    }
+}
+
+/// A picture of another size as large as it fits, on black.
+fn fit(picture: Picture, width: u32, height: u32) -> Picture {
+    if (picture.width, picture.height) == (width, height) {
+        return picture;
+    }
+    let mut whole = RgbaImage::from_pixel(width, height, image::Rgba([0, 0, 0, 255]));
+    if let Some(own) = RgbaImage::from_raw(picture.width, picture.height, picture.rgba) {
+        let scale = (f64::from(width) / f64::from(own.width().max(1)))
+            .min(f64::from(height) / f64::from(own.height().max(1)));
+        let scaled = |length: u32| ((f64::from(length) * scale).round() as u32).max(1);
+        let (w, h) = (scaled(own.width()).min(width), scaled(own.height()).min(height));
+        let own = resize(&own, w, h, FilterType::Triangle);
+        overlay(&mut whole, &own, i64::from((width - w) / 2), i64::from((height - h) / 2));
+    }
+    Picture { width, height, rgba: whole.into_raw() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::{Duration, Instant};
+
+    fn flat(width: u32, height: u32, shade: u8) -> Picture {
+        let pixel = [shade, shade, shade, 255];
+        Picture { width, height, rgba: pixel.repeat((width * height) as usize) }
+    }
+
+    fn wait(film: &mut LiveFilm) -> u64 {
+        film.wait().unwrap().unwrap()
+    }
+
+    #[test]
+    fn pictures_are_held_and_sound_is_in_time() {
+        if !ffmpeg_is_there() {
+            return println!("skipped: no ffmpeg");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("set.mp4");
+        let mut film = LiveFilm::begin(&path, (64, 48), FrameRate::per_second(30), 8000).unwrap();
+        // Two seconds of which every third picture comes, of changing sizes; the sound begins after one.
+        for i in 0..60 {
+            let at_secs = (f64::from(i) + 0.5) / 30.0;
+            if i % 3 == 0 {
+                assert!(film.is_due(at_secs));
+                while film.waiting.load(Ordering::Relaxed) >= MOST_WAITING {
+                    std::thread::sleep(Duration::from_millis(5));
+                }
+                let size = if i % 2 == 0 { (64, 48) } else { (40, 40) };
+                film.picture(at_secs, flat(size.0, size.1, 200));
+                assert!(!film.is_due(at_secs));
+            }
+            if i >= 30 {
+                let tone: Vec<f32> = (0..266).map(|n| (0.4 * f64::from(n)).sin() as f32).collect();
+                film.sound(at_secs, &tone, &tone);
+            }
+        }
+        film.finish(2.0);
+        assert_eq!((wait(&mut film), film.left_out()), (60, 0));
+        let probe = Command::new("ffprobe")
+            .args(["-v", "error", "-count_frames", "-show_entries"])
+            .args(["stream=codec_type,nb_read_frames,duration", "-of", "csv=p=0"])
+            .arg(&path)
+            .output()
+            .unwrap();
+        let told = String::from_utf8(probe.stdout).unwrap();
+        assert!(told.contains("video,2.000000,60"), "{told}");
+        assert!(told.contains("audio,2.0") || told.contains("audio,1.9"), "{told}");
+        // The first second is silent, the other is not.
+        let raw = Command::new("ffmpeg")
+            .args(["-v", "error", "-i"])
+            .arg(&path)
+            .args(["-f", "f32le", "-ac", "1", "-ar", "8000", "-"])
+            .output()
+            .unwrap()
+            .stdout;
+        let loudest = |range: std::ops::Range<usize>| {
+            let samples = raw[4 * range.start..4 * range.end].as_chunks::<4>().0.iter();
+            samples.map(|bytes| f32::from_le_bytes(*bytes).abs()).fold(0.0, f32::max)
+        };
+        assert!(loudest(0..7200) < 0.05 && loudest(9000..15_000) > 0.3);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_comes_too_fast_is_left_out_and_nobody_waits() {
+        if !ffmpeg_is_there() {
+            return println!("skipped: no ffmpeg");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("set.mp4");
+        let mut film = LiveFilm::begin(&path, (640, 480), FrameRate::per_second(60), 8000).unwrap();
+        for i in 0..2000 {
+            film.picture(f64::from(i) / 60.0, flat(640, 480, (i % 256) as u8));
+            assert!(film.waiting.load(Ordering::Relaxed) <= MOST_WAITING);
+        }
+        assert!(film.left_out() > 0);
+        drop(film);
+        // Its thread ends by itself, and leaves nothing behind.
+        let start = Instant::now();
+        while std::fs::read_dir(folder.path()).unwrap().count() > 0 {
+            assert!(start.elapsed() < Duration::from_secs(300));
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
