@@ -26,6 +26,8 @@ pub enum PaintEdit {
     Grow,
     /// Each vertex takes the smallest value among its neighbors.
     Shrink,
+    /// Each vertex takes the mean over the corners of its triangles.
+    Smooth,
     /// χ01 becomes 1 − χ01.
     Invert,
     /// χ01 becomes 0.
@@ -75,6 +77,7 @@ impl PaintEdit {
             }
             Self::Grow => values = ring(surface, &values, f32::max),
             Self::Shrink => values = ring(surface, &values, f32::min),
+            Self::Smooth => values = means(surface, &values),
             Self::Invert => values.iter_mut().for_each(|x| *x = 1.0 - *x),
             Self::Clear => values.fill(0.0),
             Self::Set(whole) => return Ok(whole.clone()),
@@ -134,6 +137,19 @@ fn ring(surface: &Surface, values: &[f32], fold: fn(f32, f32) -> f32) -> Vec<f32
         .collect()
 }
 
+/// For each vertex the mean over the corners of its triangles; its own value where it has none.
+fn means(surface: &Surface, values: &[f32]) -> Vec<f32> {
+    (0..values.len())
+        .into_par_iter()
+        .map(|v| {
+            let around = surface.triangles_around(v as u32);
+            let corners = around.iter().flat_map(|t| surface.triangles[*t as usize]);
+            let sum: f32 = corners.map(|w| values[w as usize]).sum();
+            if around.is_empty() { values[v] } else { sum / (3 * around.len()) as f32 }
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -172,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn grow_shrink_invert_and_clear() {
+    fn grow_shrink_smooth_invert_and_clear() {
         let (_, surface) = bumpy_sphere();
         let once = PaintEdit::Dab(dab(&surface, 7)).apply(&Painted::Everywhere, &surface).unwrap();
         let grown = PaintEdit::Grow.apply(&once, &surface).unwrap();
@@ -180,6 +196,13 @@ mod tests {
         assert_eq!(PaintEdit::Shrink.apply(&grown, &surface).unwrap(), once);
         let twice = PaintEdit::Invert.apply(&PaintEdit::Invert.apply(&once, &surface).unwrap(), &surface);
         assert_eq!(twice.unwrap(), once);
+        let smooth = PaintEdit::Smooth.apply(&once, &surface).unwrap();
+        let (touched, most) = count(&smooth, &surface);
+        assert!(touched > count(&once, &surface).0 && most <= 0.75);
+        let values = smooth.values(&surface.file_positions());
+        assert!(values.iter().any(|x| *x > 0.0 && *x < 0.75), "an edge in between");
+        let whole = PaintEdit::Smooth.apply(&Painted::Everywhere, &surface).unwrap();
+        assert!(whole.values(&surface.file_positions()).iter().all(|x| *x == 1.0));
         assert_eq!(count(&PaintEdit::Clear.apply(&once, &surface).unwrap(), &surface).0, 0);
     }
 

@@ -304,6 +304,7 @@ impl Action {
                 PaintEdit::Dab(dab) if dab.erase => "erase",
                 PaintEdit::Dab(_) => "paint",
                 PaintEdit::FillComponent { .. } => "fill component",
+                PaintEdit::Smooth => "smooth region",
                 PaintEdit::Grow => "grow region",
                 PaintEdit::Shrink => "shrink region",
                 PaintEdit::Invert => "invert region",

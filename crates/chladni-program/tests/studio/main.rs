@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+mod drawing;
 #[path = "../driving/mod.rs"]
 mod driving;
 mod export;

@@ -128,10 +128,11 @@ fn show_stage(
         session.prepare_brush(ui.ctx());
     }
     let mirror = if brush.active && brush.mirror { session.mirror() } else { None };
-    let in_hand = brush.active.then(|| BrushInHand {
-        brush: Brush { radius: f64::from(brush.radius), mirror },
-        surface: session.stack.surface(),
-    });
+    // Parts need no ring but the smallest, which points at them.
+    let radius = if limbs.is_some() { 0.005 } else { f64::from(brush.radius) };
+    let in_hand = brush
+        .active
+        .then(|| BrushInHand { brush: Brush { radius, mirror }, surface: session.stack.surface() });
     let StageResponse { response, presses, figure } = stage.show(ui, gpu, rect, look, in_hand, &[])?;
     if let Some(layer) = session.selected.filter(|_| brush.active) {
         if let Some(limbs) = limbs

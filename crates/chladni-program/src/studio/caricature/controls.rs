@@ -287,6 +287,9 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
         if tool(ui, Icon::CircleMinus, "Shrink", "Shrink: one ring of vertices less") {
             paint(PaintEdit::Shrink);
         }
+        if tool(ui, Icon::Droplet, "Soften", "Soften: the edge fades over one ring of vertices more") {
+            paint(PaintEdit::Smooth);
+        }
     });
     if everywhere {
         return;
