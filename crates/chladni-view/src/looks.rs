@@ -87,7 +87,7 @@ impl Look {
         response: Response {
             flow: 0.04,
             timbre: 0.2,
-            sides: 0.2,
+            sides: 0.1,
             glow: 0.18,
             light: 0.6,
             halo: 0.9,

@@ -78,7 +78,7 @@ fn curved(cell: &CellUniform, linear: Vec3) -> Vec3 {
 }
 
 /// Half the width, of 2, in which the picture's left passes into its right.
-const WING: f32 = 0.4;
+const WING: f32 = 0.3;
 
 /// What the sides make at `x`, -1 at the left edge of the picture and 1 at the right.
 #[inline(always)]

@@ -69,7 +69,7 @@ override SHADOWS = true;
 // Whether shadows are filtered between the texels of their map: without, a pixel must be no smaller.
 override FILTERED = true;
 // Half the width, of 2, in which the picture's left passes into its right.
-const WING = 0.4;
+const WING = 0.3;
 
 @group(0) @binding(0) var<uniform> cell: Cell;
 @group(1) @binding(0) var<uniform> figure: Figure;
