@@ -164,6 +164,7 @@ impl Room for MusicRoom {
                 }
                 return;
             };
+            concert.adjusts = self.drawers.adjusts;
             if let Err(why) = concert.show(ui, shared, listening, self.trace.as_ref(), &mut wishes) {
                 shared.notices.failed(why);
             }

@@ -57,7 +57,7 @@ impl Concert {
     pub(super) fn show_apart(
         &mut self,
         ctx: &egui::Context,
-        shared: &Shared<'_>,
+        shared: &mut Shared<'_>,
         apart: &mut Apart,
         (reaction, framing, at_secs): (Reaction, Option<Framing>, f64),
         look: Look,
@@ -88,7 +88,11 @@ impl Concert {
             let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
             let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
             let (cells, _) = Staging::cells(area, apart.items.len());
-            self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)
+            self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)?;
+            if self.adjusts {
+                shared.settings.music.projection.adjust(ui, rect);
+            }
+            Ok(())
         });
         std::mem::swap(&mut self.pane, &mut apart.pane);
         shown

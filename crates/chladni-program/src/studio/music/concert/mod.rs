@@ -74,6 +74,8 @@ pub struct Concert {
     piloted: Option<Piloted>,
     /// Black and stillness on stage.
     pub house: House,
+    /// The corners of the picture are being moved.
+    pub adjusts: bool,
     /// Films the set.
     pub recorder: Option<Recorder>,
     moving: bool,
@@ -131,6 +133,7 @@ impl Concert {
             hand: Hand::default(),
             piloted: None,
             house: House::default(),
+            adjusts: false,
             recorder: None,
             moving: true,
             draws_stage: false,

@@ -9,8 +9,11 @@ use crate::work::read_beats;
 impl Listening {
     /// A tap by hand: the beats of a fully known song are shifted to it, and an outer clock takes it as a beat.
     pub fn tap(&mut self) {
+        if self.outer.wanted || self.follows_clock() {
+            self.hear_clock(ClockMessage::Beat { in_bar: None }, self.last_secs);
+        }
         if self.follows_clock() {
-            return self.hear_clock(ClockMessage::Beat { in_bar: None }, self.last_secs);
+            return;
         }
         let at_secs = self.clock.at_secs();
         let stretch = self.hearing.stretch();
