@@ -88,8 +88,9 @@ impl BrushTool {
                 .on_hover_text("Paint both sides of the shape at once");
             theme::checkbox(ui, &mut self.fill, "Fill")
                 .on_hover_text("A click fills everything that is connected");
+            self.limbs.show_switch(ui);
         });
-        self.limbs.show(ui);
+        self.limbs.show_level(ui);
         if self.mirror {
             show_mirror(ui, plane);
         }

@@ -266,6 +266,9 @@ fn meter(ui: &mut Ui, good: bool, text: &str, tip: &str) -> bool {
 fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
     let everywhere = layer.region.painted == Painted::Everywhere;
     ui.horizontal_wrapped(|ui| {
+        // All in one row, however narrow the panel.
+        ui.spacing_mut().item_spacing.x = 3.0;
+        ui.spacing_mut().button_padding.x = 6.0;
         let mut paint = |edit: PaintEdit| edits.once(Action::Paint { layer: id, edit });
         if ui.selectable_label(everywhere, "Everywhere").on_hover_text("The whole shape").clicked()
             && !everywhere

@@ -28,11 +28,15 @@ impl Default for LimbTool {
 }
 
 impl LimbTool {
-    /// Draws its controls.
-    pub fn show(&mut self, ui: &mut Ui) {
+    /// Draws what turns it on.
+    pub fn show_switch(&mut self, ui: &mut Ui) {
         theme::checkbox(ui, &mut self.active, "Parts").on_hover_text(
             "A click takes the part under the pointer as the region; Shift adds it, Erase or Ctrl takes it away",
         );
+    }
+
+    /// Draws the level where it is on.
+    pub fn show_level(&mut self, ui: &mut Ui) {
         if self.active {
             let tip = "From whole limbs (0) to small features (1)";
             theme::row(ui, "Level", tip, |ui| {
