@@ -31,10 +31,12 @@
 
 #![warn(clippy::missing_errors_doc)]
 
+#[cfg(feature = "gpu")]
 mod auto;
 mod cpu;
 mod error;
 mod exact;
+#[cfg(feature = "gpu")]
 mod gpu;
 mod item;
 mod model;
@@ -44,9 +46,11 @@ mod packed_basis;
 mod plan;
 mod synthesizer;
 
+#[cfg(feature = "gpu")]
 pub use auto::{AutoSynthesizer, Backend, Fallback};
 pub use cpu::{CpuPath, CpuSynthesizer};
 pub use error::SynthError;
+#[cfg(feature = "gpu")]
 pub use gpu::{DeviceFrame, DeviceFrameBuffers, DeviceLoss, GpuContext, GpuSynthesizer, Tiles};
 pub use item::{Coefficients, Item, Residual, Term};
 pub use model::{SynthModel, displacements_f64};
