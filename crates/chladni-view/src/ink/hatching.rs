@@ -164,7 +164,7 @@ fn place(sight: &Sight<'_>, at: [f64; 2]) -> Option<Place> {
         let [Some(from), Some(to)] = ends else { return [0.0; 2] };
         let (x, y) = (to[0] - from[0], to[1] - from[1]);
         let squared = x * x + y * y;
-        // (x + iy)² has twice the angle.
+        // As a complex number, (x + i·y)² has twice the angle.
         if squared > 0.0 {
             [sure * (x * x - y * y) / squared, sure * 2.0 * x * y / squared]
         } else {
