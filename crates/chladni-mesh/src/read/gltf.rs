@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::Beside;
+use super::beside::Beside;
 use super::draft::{Draft, coordinate, vertex_index};
 use super::gltf_buffers::{Buffers, percent_decoded};
 use super::gltf_json::{Material as JsonMaterial, Node, Primitive, Root};

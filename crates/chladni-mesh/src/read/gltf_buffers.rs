@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::Beside;
+use super::beside::Beside;
 use super::gltf_json::{Accessor, Root};
 use crate::error::Fault;
 

@@ -1,5 +1,6 @@
 //! From bytes to a mesh.
 
+mod beside;
 mod draft;
 mod gltf;
 mod gltf_buffers;
@@ -17,6 +18,8 @@ use std::fmt;
 use std::path::Path;
 
 use chladni_task::read_file;
+
+use beside::{Beside, read_within};
 
 use crate::error::Fault;
 use crate::{Format, HealthReport, MeshError, TriMesh};
@@ -81,9 +84,6 @@ impl fmt::Display for Mended {
     }
 }
 
-/// Files that a mesh file names (glTF buffers, material libraries, textures), by that name.
-pub(crate) type Beside<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
-
 /// Reads a mesh from `bytes`.
 ///
 /// Files that it refers to are not opened: a glTF file with outside buffers is an error, an
@@ -99,7 +99,8 @@ pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Loaded, MeshError> {
 /// The largest file that is read: text of a mesh of fifty million vertices.
 const MOST_BYTES: u64 = 8 << 30;
 
-/// Reads the mesh file at `path`; its format is determined by extension and content.
+/// Reads the mesh file at `path`; its format is determined by extension and content. Files that it names are read from
+/// its own folder or below, not from elsewhere.
 ///
 /// # Errors
 /// Those of [`read_mesh`], of the file system, and [`MeshError::UnknownFormat`], each inside a
@@ -113,12 +114,8 @@ fn load(path: &Path) -> Result<Loaded, MeshError> {
     let extension = path.extension().and_then(|extension| extension.to_str());
     let format = Format::of(extension, &bytes).map_err(MeshError::UnknownFormat)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let beside = |name: &str| {
-        // Names from Windows have backslashes.
-        let file = folder.join(name.replace('\\', "/"));
-        read_file(&file, MOST_BYTES).map_err(|error| error.to_string())
-    };
-    let mut loaded = read_beside(&bytes, format, &beside)?;
+    let within = |name: &str| read_within(folder, name, MOST_BYTES);
+    let mut loaded = read_beside(&bytes, format, &within)?;
     let promised = extension.and_then(Format::from_extension);
     if promised.is_some_and(|promised| promised != format) {
         loaded.mended.insert(0, Mended::Misnamed(format));

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::Beside;
+use super::beside::Beside;
 use super::draft::Draft;
 use super::text::{Lines, words};
 use crate::appearance::linear_from_srgb;

@@ -1,6 +1,6 @@
 //! Wavefront OBJ.
 
-use super::Beside;
+use super::beside::Beside;
 use super::draft::{Draft, coordinate, vertex_index};
 use super::mtl;
 use super::text::{Lines, number, words};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Beside;
+use super::beside::Beside;
 use super::draft::{Draft, coordinate, vertex_index};
 use super::mtl::is_picture;
 use super::ply_header::{Element, Encoding, Header, Property, Scalar};

@@ -249,7 +249,9 @@ impl Staging {
         let mut look = look.scaled(limit * self.dancer.box_diagonal);
         look.lights = look.lights.turned(reaction.light_turn_rad);
         look.lights.exposure = look.lights.exposure.map(|light| light * reaction.light_gain);
-        look = look.seen_from(camera.yaw_rad);
+        // Exchanged sides move the other half: as if it were seen from behind.
+        let exchanged = instrument.parameters().is_on(Switch::FlipSides);
+        look = look.seen_from(camera.yaw_rad + if exchanged { std::f32::consts::PI } else { 0.0 });
         // Many shapes do not stand on one floor.
         look.background.floor = look.background.floor.filter(|_| items == 1).and_then(|floor| {
             let (at, radius) = self.ground(FLOOR_BELOW * limit * self.dancer.box_diagonal)?;

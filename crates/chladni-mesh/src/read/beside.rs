@@ -1,0 +1,74 @@
+//! Files that a mesh file names: glTF buffers, material libraries, textures.
+
+use std::io;
+use std::path::{Component, Path};
+
+use chladni_task::read_file;
+
+/// Their bytes, or why there are none, by that name.
+pub(crate) type Beside<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// Reads the file that a mesh in `folder` calls `name`. It must lie in that folder or below, links followed: a mesh may
+/// come from anywhere, and what it names may end up in what is sent on.
+pub(super) fn read_within(folder: &Path, name: &str, most_bytes: u64) -> Result<Vec<u8>, String> {
+    // Names from Windows have backslashes.
+    let name = name.replace('\\', "/");
+    let outside = || Err("it lies outside the folder of the mesh, which may name files in there only".to_owned());
+    let mut depth = 0i64;
+    for part in Path::new(&name).components() {
+        match part {
+            Component::Normal(_) => depth += 1,
+            Component::CurDir => {}
+            Component::ParentDir => depth -= 1,
+            Component::RootDir | Component::Prefix(_) => return outside(),
+        }
+        if depth < 0 {
+            return outside();
+        }
+    }
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let read = || -> io::Result<Option<Vec<u8>>> {
+        let file = folder.join(&name).canonicalize()?;
+        if !file.starts_with(folder.canonicalize()?) {
+            return Ok(None);
+        }
+        read_file(&file, most_bytes).map(Some)
+    };
+    match read() {
+        Ok(Some(bytes)) => Ok(bytes),
+        Ok(None) => outside(),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_names_files_in_its_folder_only() {
+        let home = tempfile::tempdir().unwrap();
+        let folder = home.path().join("mesh");
+        std::fs::create_dir_all(folder.join("textures")).unwrap();
+        let secret = home.path().join("secret.png");
+        for (path, text) in [(&secret, "secret"), (&folder.join("textures/skin.png"), "skin")] {
+            std::fs::write(path, text).unwrap();
+        }
+        let read = |name: &str| read_within(&folder, name, 100);
+        for name in ["textures/skin.png", "textures\\skin.png", "./textures/../textures/skin.png"] {
+            assert_eq!(read(name).unwrap(), b"skin", "{name}");
+        }
+        let absolute = secret.display().to_string();
+        for name in ["../secret.png", "textures/../../secret.png", "..\\secret.png", &absolute, "//server/share/x.png"] {
+            assert!(read(name).unwrap_err().contains("outside"), "{name}");
+        }
+        assert!(!read("textures/none.png").unwrap_err().contains("outside"));
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(&secret, folder.join("link.png")).unwrap();
+            std::os::unix::fs::symlink("textures/skin.png", folder.join("near.png")).unwrap();
+            assert!(read("link.png").unwrap_err().contains("outside"));
+            assert_eq!(read("near.png").unwrap(), b"skin");
+        }
+    }
+}
