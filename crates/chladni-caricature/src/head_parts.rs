@@ -1,7 +1,5 @@
 //! The named parts of a head, found through a match with the sample template.
 
-use std::sync::Arc;
-
 use chladni_match::{MatchError, MatchReport, MatchSettings, match_shapes};
 use chladni_mesh::TriMesh;
 use chladni_mesh::samples::{HEAD_PARTS, head_parts, sample};
@@ -67,16 +65,8 @@ impl HeadParts {
             let (found, expected) = (self.part.len(), operator_vertex.len());
             return Err(CaricatureError::VertexCount { what: "the parts", found, expected });
         }
-        let vertices = operator_vertex.iter().flatten().max().map_or(0, |last| *last as usize + 1);
-        let mut values = vec![0.0_f32; vertices];
-        for (part, vertex) in self.part.iter().zip(operator_vertex) {
-            if let Some(value) = vertex.and_then(|v| values.get_mut(v as usize))
-                && wanted.contains(&usize::from(*part))
-            {
-                *value = 1.0;
-            }
-        }
-        Ok(Painted::Vertices(Arc::from(values)))
+        let value = |part: &u8| f32::from(u8::from(wanted.contains(&usize::from(*part))));
+        Ok(Painted::of_file(self.part.iter().map(value), operator_vertex))
     }
 }
 

@@ -33,6 +33,21 @@ pub enum Painted {
     Vertices(#[serde(with = "crate::runs")] Arc<[f32]>),
 }
 
+impl Painted {
+    /// From a value in [0, 1] for each vertex of the file, and each one's operator vertex
+    /// (`chladni_mesh::weld`). Vertices in one place take the largest of theirs.
+    pub fn of_file(values: impl IntoIterator<Item = f32>, operator_vertex: &[Option<u32>]) -> Self {
+        let vertices = operator_vertex.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+        let mut painted = vec![0.0_f32; vertices];
+        for (value, vertex) in values.into_iter().zip(operator_vertex) {
+            if let Some(own) = vertex.and_then(|v| painted.get_mut(v as usize)) {
+                *own = own.max(value);
+            }
+        }
+        Self::Vertices(Arc::from(painted))
+    }
+}
+
 /// A ball in the coordinates of the shape's file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sphere {

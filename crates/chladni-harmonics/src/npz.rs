@@ -1,12 +1,12 @@
-//! NumPy archives that appear whole or not at all (feature `npz`).
+//! NumPy archives that appear whole or not at all, and arrays that are read (feature `npz`).
 
 use std::fs::File;
-use std::io::{BufWriter, Error, Result};
+use std::io::{BufWriter, Cursor, Error, Read, Result};
 use std::path::Path;
 
-use npyz::{AutoSerialize, DType, Order, WriteOptions, WriterBuilder};
+use npyz::{AutoSerialize, DType, Deserialize, NpyFile, Order, TypeChar, WriteOptions, WriterBuilder};
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipWriter};
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use crate::{Body, Operator};
 
@@ -114,4 +114,93 @@ pub fn write_operator(path: &Path, operator: &Operator) -> Result<()> {
         npz.array("shape", &[2], [n as i64, n as i64])?;
         npz.array("data", &[entries], stiffness.values.iter().copied())
     })
+}
+
+/// The largest array that is read, packed or not.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// The numbers of the array at `path`, a `.npy` file, or of the array `name` of a `.npz` archive, in the order in which the
+/// file has them; truth values are 0 and 1.
+///
+/// # Errors
+/// What the system says; what is neither, has no array of that name, holds no real numbers, or is larger than 1 GiB.
+pub fn read_numbers(path: &Path, name: &str) -> Result<Vec<f64>> {
+    let bytes = chladni_task::read_file(path, MOST_BYTES)?;
+    if !bytes.starts_with(b"PK") {
+        return numbers_of(bytes.as_slice());
+    }
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(Error::other)?;
+    let member = archive.by_name(&format!("{name}.npy"));
+    // An archive may be packed a thousandfold.
+    numbers_of(member.map_err(|_| Error::other(format!("it has no array {name:?}")))?.take(MOST_BYTES))
+}
+
+fn numbers_of(file: impl Read) -> Result<Vec<f64>> {
+    let file = NpyFile::new(file)?;
+    let DType::Plain(kind) = file.dtype() else { return Err(Error::other("it holds records, not numbers")) };
+    match (kind.type_char(), kind.size_field()) {
+        (TypeChar::Bool, _) => each(file, |x: bool| f64::from(u8::from(x))),
+        (TypeChar::Float, 4) => each(file, |x: f32| f64::from(x)),
+        (TypeChar::Float, 8) => each(file, |x: f64| x),
+        (TypeChar::Int, 1) => each(file, |x: i8| f64::from(x)),
+        (TypeChar::Int, 4) => each(file, |x: i32| f64::from(x)),
+        (TypeChar::Int, 8) => each(file, |x: i64| x as f64),
+        (TypeChar::Uint, 1) => each(file, |x: u8| f64::from(x)),
+        (TypeChar::Uint, 4) => each(file, |x: u32| f64::from(x)),
+        _ => {
+            Err(Error::other(format!("it holds {kind}, which is none of the kinds of number that are read")))
+        }
+    }
+}
+
+/// One by one, since a damaged header may promise more than memory holds.
+fn each<T: Deserialize>(file: NpyFile<impl Read>, number: impl Fn(T) -> f64) -> Result<Vec<f64>> {
+    let mut numbers = Vec::new();
+    for value in file.data::<T>().map_err(Error::other)? {
+        numbers.push(number(value?));
+    }
+    Ok(numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An array of one row, as NumPy writes it.
+    fn npy(kind: &str, promised: usize, bytes: &[u8]) -> Vec<u8> {
+        let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({promised},), }}");
+        while !(header.len() + 11).is_multiple_of(64) {
+            header.push(' ');
+        }
+        header.push('\n');
+        let length = (header.len() as u16).to_le_bytes();
+        [b"\x93NUMPY\x01\x00", length.as_slice(), header.as_bytes(), bytes].concat()
+    }
+
+    #[test]
+    fn what_was_written_is_read_and_what_is_damaged_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.npz");
+        write_npz(&path, |npz| {
+            npz.array("mask", &[3], [0.0f32, 0.25, 1.0])?;
+            npz.array("part", &[2], [-1i64, 7])
+        })
+        .unwrap();
+        assert_eq!(read_numbers(&path, "mask").unwrap(), [0.0, 0.25, 1.0]);
+        assert_eq!(read_numbers(&path, "part").unwrap(), [-1.0, 7.0]);
+        assert!(read_numbers(&path, "none").unwrap_err().to_string().contains("no array \"none\""));
+        let read = |bytes: &[u8]| {
+            let path = folder.path().join("x.npy");
+            std::fs::write(&path, bytes).unwrap();
+            read_numbers(&path, "")
+        };
+        assert_eq!(read(&npy("|b1", 3, &[1, 0, 1])).unwrap(), [1.0, 0.0, 1.0]);
+        assert_eq!(read(&npy("<f8", 1, &2.5f64.to_le_bytes())).unwrap(), [2.5]);
+        // Far more is promised than there is.
+        assert!(read(&npy("<f8", usize::MAX / 16, &[0; 16])).is_err());
+        assert!(read(&npy("<c16", 1, &[0; 16])).unwrap_err().to_string().contains("kinds of number"));
+        for bytes in [&b""[..], b"P", b"PK\x03\x04", b"\x93NUMPY\x01\x00\xff\xff{", b"no array"] {
+            assert!(read(bytes).is_err(), "{bytes:?}");
+        }
+    }
 }

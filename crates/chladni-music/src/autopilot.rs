@@ -163,14 +163,8 @@ impl Autopilot {
                     1
                 })
         };
-        let mut left = draw % free.iter().map(weight).sum::<u64>().max(1);
-        for dance in &free {
-            if left < weight(dance) {
-                return Some(*dance);
-            }
-            left -= weight(dance);
-        }
-        free.first().copied()
+        let drawn = crate::stage::drawn(free.iter().map(weight), draw);
+        drawn.and_then(|i| free.get(i)).or(free.first()).copied()
     }
 }
 

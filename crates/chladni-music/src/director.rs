@@ -208,14 +208,8 @@ impl Director {
             };
             if recent().any(|recent| recent == kind) { 0 } else { suits }
         };
-        let mut left = draw % KINDS.map(weight).iter().sum::<u64>().max(1);
-        for kind in KINDS {
-            if left < weight(kind) {
-                return kind;
-            }
-            left -= weight(kind);
-        }
-        Kind::Front
+        let drawn = crate::stage::drawn(KINDS.into_iter().map(weight), draw);
+        drawn.map_or(Kind::Front, |kind| KINDS[kind])
     }
 
     /// How the shape is framed at a time.
@@ -227,7 +221,7 @@ impl Director {
         match before {
             Some(before) if secs < shot.at_secs + shot.glide_secs => {
                 let x = ((secs - shot.at_secs) / shot.glide_secs).clamp(0.0, 1.0) as f32;
-                before.at(secs).toward(framing, x * x * (3.0 - 2.0 * x))
+                before.at(secs).toward(framing, crate::stage::smooth(x))
             }
             _ => framing,
         }

@@ -88,7 +88,7 @@ pub use sand::{Grain, SAND_STEP_SECS, Sand, Tray};
 pub use sand_mode::{SAND_MODE, experiment};
 pub use show::{BeatReading, FileRef, Looks, Show, SongRef, Stretch, Viewpoint};
 pub use sides::{SideSource, Sides};
-pub use stage::{Beat, Reaction, Scene, Stage, react};
+pub use stage::{Beat, Reaction, Scene, Stage, react, smooth};
 pub use suggestion::suggest;
 pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
 pub use target::{Cue, Kind, Target, Which, controls_page, osc_cue, setting};

@@ -238,8 +238,18 @@ fn ease(gone: f64, duration: f64) -> f32 {
     smooth((gone / duration).max(0.0) as f32)
 }
 
-/// From 0 to 1 with rest at both ends.
-fn smooth(x: f32) -> f32 {
+/// Which of `weights` a random number draws, each as often as it weighs; none where all are 0.
+pub(crate) fn drawn(weights: impl Iterator<Item = u64> + Clone, draw: u64) -> Option<usize> {
+    let mut left = draw % weights.clone().sum::<u64>().max(1);
+    weights.enumerate().find_map(|(i, weight)| {
+        let is_it = left < weight;
+        left = left.saturating_sub(weight);
+        is_it.then_some(i)
+    })
+}
+
+/// From 0 to 1 with rest at both ends, for x in [0, 1].
+pub fn smooth(x: f32) -> f32 {
     x * x * (3.0 - 2.0 * x)
 }
 

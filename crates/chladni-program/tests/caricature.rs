@@ -6,9 +6,12 @@
     reason = "a panic is how a test fails, and a skipped one says so"
 )]
 
+mod archive;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use chladni_harmonics::npz::write_npz;
 use chladni_mesh::{TriMesh, load_mesh, samples, save_mesh};
 
 /// A folder with a lumpy shape, `shape.obj`.
@@ -535,6 +538,29 @@ fn the_limbs_of_any_shape_are_its_parts_at_a_level() {
     assert!(desk.path("parts.npz").exists() && desk.path("parts.png").exists());
     assert!(desk.ok("parts shape.obj --level 0").contains("% of the surface"));
     assert!(desk.refused("parts shape.obj --level 2").contains("from 0 to 1"));
+    let line = "caricature sample:octopus ellipsoid -k 64 --mu -1 -o arm.ply --limb";
+    let moved = |limb: &str| {
+        desk.ok(&format!("{line} {limb}"));
+        load_mesh(&desk.path("arm.ply")).unwrap().mesh.positions
+    };
+    let (one, other) = (moved("1"), moved("2,3"));
+    assert!(largest(&one, &other) > 0.01, "limbs are regions");
+    assert!(desk.refused(&format!("{line} 99")).contains("there is no 99"));
+    assert!(desk.refused("caricature shape.obj ellipsoid -o x.ply --level 0.1").contains("--limb"));
+    // The same parts as a mask, whose numbers another program could have written.
+    let parts = archive::array(&desk.path("parts.npz"), "part").unwrap().values;
+    write_npz(&desk.path("mask.npz"), |npz| {
+        npz.array("mask", &[parts.len() as u64], parts.iter().map(|part| f32::from(u8::from(*part == 1.0))))
+    })
+    .unwrap();
+    let line = "caricature sample:octopus ellipsoid -k 64 --mu -1 -o masked.ply --mask";
+    desk.ok(&format!("{line} mask.npz"));
+    let masked = load_mesh(&desk.path("masked.ply")).unwrap().mesh.positions;
+    assert_eq!(masked, one);
+    assert!(desk.refused(&format!("{line} parts.npz")).contains("no array \"mask\""));
+    assert!(
+        desk.refused("caricature shape.obj ellipsoid -o x.ply --mask mask.npz").contains("a number for each")
+    );
 }
 
 #[test]

@@ -13,7 +13,8 @@ pub(crate) type Beside<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
 pub(super) fn read_within(folder: &Path, name: &str, most_bytes: u64) -> Result<Vec<u8>, String> {
     // Names from Windows have backslashes.
     let name = name.replace('\\', "/");
-    let outside = || Err("it lies outside the folder of the mesh, which may name files in there only".to_owned());
+    let outside =
+        || Err("it lies outside the folder of the mesh, which may name files in there only".to_owned());
     let mut depth = 0i64;
     for part in Path::new(&name).components() {
         match part {
@@ -59,7 +60,13 @@ mod tests {
             assert_eq!(read(name).unwrap(), b"skin", "{name}");
         }
         let absolute = secret.display().to_string();
-        for name in ["../secret.png", "textures/../../secret.png", "..\\secret.png", &absolute, "//server/share/x.png"] {
+        for name in [
+            "../secret.png",
+            "textures/../../secret.png",
+            "..\\secret.png",
+            &absolute,
+            "//server/share/x.png",
+        ] {
             assert!(read(name).unwrap_err().contains("outside"), "{name}");
         }
         assert!(!read("textures/none.png").unwrap_err().contains("outside"));

@@ -6,15 +6,17 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, HEAD_PARTS, Project, ShapeSource, Template};
+use chladni_caricature::{
+    Base, Crossings, DEFAULT_HARMONICS, HEAD_PARTS, Limbs, Project, ShapeSource, Template,
+};
 use chladni_mesh::{Format, TriMesh, weld};
 
 use super::Terminal;
 use super::ink::{InkOptions, check_drawing};
 use super::layer_options::LayerOptions;
-use super::parts;
 use super::portrait::{self, Portrait};
 use super::sheet::SheetOptions;
+use super::{limbs, mask, parts};
 use crate::work::body::{self, laplacian};
 use crate::work::outputs::check_file;
 use crate::work::{Error, Made, Warning, Watcher, make, source};
@@ -50,6 +52,17 @@ pub struct Caricature {
     /// with a head whose parts are known; may be repeated.
     #[arg(long, value_name = "NAME", conflicts_with_all = ["recipe", "region"], value_parser = part)]
     part: Vec<String>,
+    /// Act only on this part of any shape, by the number that `parts --level` prints; may be repeated, or several with
+    /// commas between.
+    #[arg(long, value_name = "N", conflicts_with_all = ["recipe", "region", "part"], value_delimiter = ',')]
+    limb: Vec<usize>,
+    /// Act where this mask says: a number from 0 to 1 for each vertex of the shape's file (.npy, or the array `mask` of
+    /// an .npz).
+    #[arg(long, value_name = "M.npy", conflicts_with_all = ["recipe", "region", "part", "limb"])]
+    mask: Option<PathBuf>,
+    /// Which parts --limb counts, from 0 (whole limbs) to 1 (small features).
+    #[arg(long, value_name = "X", requires = "limb", default_value_t = Limbs::USUAL_LEVEL, value_parser = parts::level)]
+    level: f64,
     /// Draw the shape before and after, side by side: a PNG, or, in ink, an SVG. With --batch a folder.
     #[arg(long, value_name = "P.png|P.svg")]
     render: Option<PathBuf>,
@@ -133,6 +146,13 @@ impl Caricature {
             let mesh = source::mesh(shape, terminal)?;
             let found = parts::found(shape, &mesh, terminal)?;
             layer.region.painted = found.painted(&weld(&mesh).operator_vertex, &self.part)?;
+        }
+        if !self.limb.is_empty() {
+            let mesh = source::mesh(shape, terminal)?;
+            layer.region.painted = limbs::region((shape, &mesh), self.level, &self.limb, terminal)?;
+        }
+        if let Some(path) = &self.mask {
+            layer.region.painted = mask::region(path, &source::mesh(shape, terminal)?)?;
         }
         project.push(layer)?;
         one(shape, &project, None, self.output.as_deref(), self.picture(self.render.as_deref()), terminal)

@@ -1,6 +1,6 @@
 //! `chladni parts MESH --level X`: the limbs of any shape.
 
-use chladni_caricature::Limbs;
+use chladni_caricature::{Limbs, Painted};
 use chladni_harmonics::Laplacian;
 use chladni_harmonics::npz::write_npz;
 use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
@@ -57,6 +57,26 @@ pub fn run(wanted: &Parts, level: f64, name: &str, mesh: &TriMesh, terminal: &Te
         terminal.result(format_args!("{part:<3} {:.1} % of the surface, {kind}{twin}", 100.0 * share))?;
     }
     [&wanted.output, &wanted.render].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
+}
+
+/// χ01 of some parts of the shape of that name, by their numbers at `level`.
+pub fn region(
+    (name, mesh): (&str, &TriMesh),
+    level: f64,
+    wanted: &[usize],
+    terminal: &Terminal,
+) -> Result<Painted, Error> {
+    let (body, _) = body::build(name, mesh, Limbs::HARMONICS, Laplacian::Delaunay, terminal)?;
+    let found = Limbs::of(&body, level);
+    let count = found.parts.len();
+    match wanted.iter().find(|part| **part >= count) {
+        Some(part) => {
+            let why =
+                format_args!("{name} has {count} parts at level {level}, from 0 on: there is no {part}");
+            Err(Error::input(why))
+        }
+        None => Ok(found.painted(wanted)),
+    }
 }
 
 /// A color for each part: gray for trunks, the same for mirror images.

@@ -12,6 +12,7 @@ mod info;
 mod ink;
 mod layer_options;
 mod limbs;
+mod mask;
 mod match_shapes;
 mod open;
 mod parts;

@@ -33,7 +33,8 @@ pub struct Parts {
     pub(super) render: Option<PathBuf>,
 }
 
-fn level(text: &str) -> Result<f64, String> {
+/// A level of [`Limbs`](chladni_caricature::Limbs).
+pub fn level(text: &str) -> Result<f64, String> {
     let parsed = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
     parsed.ok_or_else(|| "must be a number from 0 to 1".into())
 }

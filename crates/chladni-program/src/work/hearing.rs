@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use chladni_music::{
     Bands, BarLine, Beat, BeatReading, Director, Framing, Parameter, Parameters, Resonators, Ringing,
-    Stretch, Switch, Timbre,
+    Stretch, Switch, Timbre, smooth,
 };
 use chladni_sound::{
     Bar, Beats, ENERGY_RATE_HZ, FrontEnd, Hop, Section, Song, SongSpectrum, SoundError, Spectrum,
@@ -390,8 +390,7 @@ impl Hearing {
 
 impl Fade {
     fn done(&self, at_secs: f64) -> f32 {
-        let x = ((at_secs - self.since_secs) / FADE_SECS).clamp(0.0, 1.0) as f32;
-        x * x * (3.0 - 2.0 * x)
+        smooth(((at_secs - self.since_secs) / FADE_SECS).clamp(0.0, 1.0) as f32)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The stage in the window: nothing but the dance, on the chosen screen.
 
+use chladni_music::smooth;
 use egui::{Align2, Color32, FontId, Ui, ViewportCommand};
 
 use super::concert::Concert;
@@ -86,8 +87,7 @@ impl Curtain {
 
 /// In within a second, there for four, out within two.
 fn title_opacity(age_secs: f64) -> f32 {
-    let x = age_secs.min(0.5 * (7.0 - age_secs)).clamp(0.0, 1.0) as f32;
-    x * x * (3.0 - 2.0 * x)
+    smooth(age_secs.min(0.5 * (7.0 - age_secs)).clamp(0.0, 1.0) as f32)
 }
 
 #[cfg(test)]

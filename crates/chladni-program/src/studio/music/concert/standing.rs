@@ -1,7 +1,7 @@
 //! The viewpoint of the dance, by hand or by the camera's own choice.
 
 use chladni_mesh::Orientation;
-use chladni_music::{Framing, Viewpoint};
+use chladni_music::{Framing, Viewpoint, smooth};
 use chladni_view::Camera;
 use egui::Ui;
 
@@ -105,7 +105,7 @@ impl Hand {
             None => framing,
             Some(hold) => {
                 let x = ((now_secs - hold.at_secs - LET_GO_SECS) / RETURN_SECS).clamp(0.0, 1.0) as f32;
-                let share = x * x * (3.0 - 2.0 * x);
+                let share = smooth(x);
                 *viewpoint = between(hold.left, hold.home, share);
                 if x >= 1.0 {
                     self.hold = None;
