@@ -54,8 +54,13 @@ def test_ctrl_c_stops_the_work(human):
     def interrupt(stage, done, total):
         os.kill(os.getpid(), signal.SIGINT)
 
-    with pytest.raises(KeyboardInterrupt):
-        chladni.Basis(*human, 200, progress=interrupt)
+    # Where the tests are a job in the background, the shell has Ctrl-C ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            chladni.Basis(*human, 200, progress=interrupt)
+    finally:
+        signal.signal(signal.SIGINT, before)
     # The next call begins anew.
     assert len(chladni.Basis(*human, 4).eigenvalues) == 4
 
