@@ -43,7 +43,7 @@ pub struct Timbre {
 impl Timbre {
     /// Named ones, the default first.
     pub const NAMED: [(&'static str, Self); 6] = [
-        ("rubber", Self { damping: 0.7, tuning_hz: 5.0, stretch: 0.45, strike: 2.4, hold: 0.7 }),
+        ("rubber", Self { damping: 0.7, tuning_hz: 5.0, stretch: 0.45, strike: 2.4, hold: 0.5 }),
         ("jelly", Self { damping: 0.3, tuning_hz: 3.0, stretch: 0.45, strike: 3.5, hold: 0.25 }),
         ("bell", Self { damping: 0.04, tuning_hz: 2.5, stretch: 0.6, strike: 1.0, hold: 0.1 }),
         ("drum", Self { damping: 0.3, tuning_hz: 3.0, stretch: 0.5, strike: 1.8, hold: 0.15 }),

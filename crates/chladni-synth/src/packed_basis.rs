@@ -75,6 +75,7 @@ impl PackedBasis {
     }
 
     /// The lines of a range of panels.
+    #[cfg(feature = "gpu")]
     pub fn lines(&self, panels: std::ops::Range<usize>) -> &[Line] {
         let harmonics = self.harmonics();
         &self.lines[panels.start * harmonics..panels.end * harmonics]

@@ -14,9 +14,9 @@ const ROWS: usize = 24;
 const HALVINGS: usize = 9;
 /// Where the figure is larger than the picture, its upper end at rest stays this share of half a picture from the
 /// middle: it moves.
-const HEADROOM: f32 = 0.62;
-/// A figure is at most this many pictures high, so that most of a standing one is seen, however slim.
-const MOST_HEIGHTS: f32 = 1.25;
+const HEADROOM: f32 = 0.58;
+/// A figure is at most this many pictures high, so that a standing one is seen down to its knees, however slim.
+const MOST_HEIGHTS: f32 = 0.95;
 /// And a part of one that is looked at.
 const MOST_HEIGHTS_OF_PART: f32 = 1.7;
 /// The nearest an eye comes to a shape, as a share of the shape's reach about the point looked at.
@@ -170,7 +170,7 @@ mod tests {
     fn a_wall_covers_what_it_should_from_every_side() {
         let points = cuboid([2.0, 1.0, 0.8]);
         assert!((5000..7000).contains(&points.len()));
-        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.5, 0.36, true);
+        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.5, 0.27, true);
         for (yaw_rad, pitch_rad) in [(0.0, 0.0), (0.6, 0.1), (3.0, -0.4), (-1.2, 0.8), (7.0, 0.5)] {
             let Standpoint { distance, lift } = filling.from(yaw_rad, pitch_rad);
             let camera = Camera { yaw_rad, pitch_rad, ..Camera::default() };
@@ -179,7 +179,7 @@ mod tests {
                 points.iter().map(|p| Vec3::from(axes.map(|a| Vec3::from(*p).dot(a)))).collect();
             let tan_y = (0.5 * camera.fov_y_rad).tan();
             let share = covered(&seen, distance, lift, tan_y, 1.5);
-            assert!((share - 0.36).abs() < 0.06, "from {yaw_rad}, {pitch_rad}: {share}");
+            assert!((share - 0.27).abs() < 0.06, "from {yaw_rad}, {pitch_rad}: {share}");
         }
     }
 

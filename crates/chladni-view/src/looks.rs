@@ -68,7 +68,7 @@ impl Look {
             edge: [40, 90, 190],
             ..Material::BARE
         },
-        answer: answer(Palette::Aurora, 0.4, 0.0, 0.55, 0.16),
+        answer: answer(Palette::Aurora, 0.4, 0.0, 0.55, 0.1),
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.75, 0.95, 1.1]),
@@ -83,7 +83,7 @@ impl Look {
             ..Lights::BARE
         },
         background: halo([15, 36, 80], [5, 6, 20]),
-        finish: Finish { bloom: 0.9, bloom_from: 0.6, vignette: 0.35, ..Finish::NOTHING },
+        finish: Finish { bloom: 0.7, bloom_from: 0.65, vignette: 0.35, ..Finish::NOTHING },
         response: Response {
             flow: 0.04,
             timbre: 0.2,

@@ -142,7 +142,7 @@ struct Filled {
 }
 
 /// The shares of the picture that the figure covers, seen as a whole and near.
-const COVERS: [f32; 2] = [0.32, 0.4];
+const COVERS: [f32; 2] = [0.27, 0.4];
 /// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
 const PART: f32 = 0.4;
 /// Points that stand for the surface.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use chladni_music::{Action, BeatReading, LoggedAction, Moment, Show, Switch};
-use chladni_view::{FrameRate, Look, ffmpeg_is_there};
+use chladni_view::{FrameRate, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 use super::view::View;
@@ -61,8 +61,6 @@ struct Form {
     what: What,
     size: [u32; 2],
     fps: u32,
-    /// The name of the look; none is the one that is chosen in the room.
-    look: Option<&'static str>,
     /// Of the song or the show; the end where `to_secs` is 0.
     from_secs: f64,
     to_secs: f64,
@@ -90,8 +88,7 @@ impl Filming {
         if self.running.is_some() {
             return Err(Error::input("A film is being made already."));
         }
-        let first =
-            Form { what: What::AsItIs, size: SIZES[0].1, fps: 30, look: None, from_secs: 0.0, to_secs: 0.0 };
+        let first = Form { what: What::AsItIs, size: SIZES[0].1, fps: 30, from_secs: 0.0, to_secs: 0.0 };
         self.form.get_or_insert(first);
         Ok(())
     }
@@ -211,17 +208,6 @@ impl Form {
                 }
             });
         });
-        ui.label(RichText::new("Look").strong());
-        let shown = self.look.map_or_else(|| "As here".to_owned(), theme::capitalized);
-        egui::ComboBox::from_id_salt("look of the film").width(160.0).selected_text(shown).show_ui(
-            ui,
-            |ui| {
-                ui.selectable_value(&mut self.look, None, "As here");
-                for (name, _) in Look::PRESETS {
-                    ui.selectable_value(&mut self.look, Some(name), theme::capitalized(name));
-                }
-            },
-        );
         ui.label(RichText::new("Range").strong());
         theme::group(ui, "Range", |ui| {
             ui.horizontal(|ui| {
@@ -255,8 +241,7 @@ impl Form {
             }
         };
         let duration_secs = (self.to_secs > 0.0).then_some(self.to_secs - self.from_secs);
-        let look = self.look.and_then(Look::named).unwrap_or(film.look);
-        Ok(Film { look, start_secs: self.from_secs, duration_secs, ..film })
+        Ok(Film { start_secs: self.from_secs, duration_secs, ..film })
     }
 }
 
@@ -283,28 +268,6 @@ fn as_it_is(mut show: Show, view: View, favourites: usize) -> Show {
 mod tests {
     use super::*;
     use chladni_music::{GalleryShape, Instrument, Parameter};
-
-    #[test]
-    fn a_film_may_have_a_look_of_its_own() {
-        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
-        let film = |look| {
-            let form =
-                Form { what: What::AsItIs, size: [640, 360], fps: 30, look, from_secs: 2.0, to_secs: 5.0 };
-            let scene = Scene {
-                show: Show::of(&Instrument::new(1, 6, shape.clone()).unwrap()),
-                body: "sample:octopus".into(),
-                songs: vec![("sample:tune".into(), BeatReading::default())],
-                song: Some(0),
-                view: View::Gallery,
-                favourites: 0,
-            };
-            form.film(scene, PathBuf::from("dance.mp4")).unwrap()
-        };
-        let (here, ember) = (film(None), film(Some("ember")));
-        assert_eq!(ember.look, Look::EMBER);
-        assert_ne!(here.look, ember.look);
-        assert_eq!((ember.start_secs, ember.duration_secs), (2.0, Some(3.0)));
-    }
 
     #[test]
     fn favourites_in_turn_are_all_seen() {
