@@ -70,7 +70,8 @@ impl Spectrum {
             decay: self.decay,
             side_gain: self.side_gain,
             level: if self.fixed_level { Level::Fixed(1.0) } else { Level::Auto },
-            loud: Some(song.loud_level()?),
+            // A fixed level does not ask.
+            loud: if self.fixed_level { None } else { Some(song.loud_level()?) },
             ..SpectrumSettings::new(song.rate_hz)
         };
         let fps = match (self.fps, &self.render) {

@@ -67,13 +67,13 @@ impl Leveller {
         let level = self.whole.follow(amplitudes.iter().fold(0.0, |a: f32, &b| a.max(b)), dt_secs);
         if !self.is_known {
             let keep = (-dt_secs / LOUD_RELEASE_SECS).exp() as f32;
-            self.loud = if level >= self.loud { level } else { level * (self.loud / level).powf(keep) };
+            self.loud = followed(self.loud, level, keep);
         }
         self.softness = (level / self.loud).min(1.0).powf(DYNAMICS);
         let keep = (-dt_secs / BAND_RELEASE_SECS).exp() as f32;
         for (own, amplitude) in self.bands.iter_mut().zip(amplitudes) {
             let now = (*amplitude / level).clamp(SOFTEST, 1.0);
-            *own = if now >= *own { now } else { now * (*own / now).powf(keep) };
+            *own = followed(*own, now, keep);
             let levelled = *amplitude / (level * own.powf(LIFT));
             let gain = self.softness * levelled.powf(COMPRESSION) / *amplitude;
             *amplitude = if levelled > 0.0 { gain } else { 0.0 };
@@ -113,12 +113,12 @@ impl LevelFollower {
         }
         self.slots[self.slot] = self.slots[self.slot].max(loudest);
         let remembered = self.slots.iter().fold(FLOOR, |a, &b| a.max(b));
-        self.level = if remembered >= self.level {
-            remembered
-        } else {
-            let keep = (-dt_secs / RELEASE_SECS).exp() as f32;
-            remembered * (self.level / remembered).powf(keep)
-        };
+        self.level = followed(self.level, remembered, (-dt_secs / RELEASE_SECS).exp() as f32);
         self.level
     }
+}
+
+/// A level that rises at once from what it `was`, and of whose fall, in decibels, the share `keep` is left.
+fn followed(was: f32, now: f32, keep: f32) -> f32 {
+    if now >= was { now } else { now * (was / now).powf(keep) }
 }
