@@ -56,7 +56,7 @@ pub(crate) struct Reach {
 /// Triangles on which the steepness of each harmonic is measured.
 const PATCHES: usize = 4096;
 /// Harmonics in each doubling of their number whose steepest triangle is probed.
-const STEEP_PROBES: i32 = 5;
+const STEEP_PROBES: i32 = 8;
 /// Octaves of frequency that are calibrated and limited separately; higher ones count as the last.
 const OCTAVES: usize = 16;
 

@@ -35,7 +35,7 @@ const COUNT: usize = 64;
 /// Harmonics whose extremes are probed, those first that move the shape most.
 const BROAD: usize = 32;
 /// The number of evenly spread patches.
-const PATCHES: usize = 48;
+const PATCHES: usize = 64;
 
 impl Probes {
     /// `unit[k]`: how far harmonic k moves the shape. `steep`: harmonics, ascending, and the patches that they

@@ -329,7 +329,10 @@ fn a_preset_moves_a_shape_alike_with_half_and_twice_as_many_harmonics() {
             &displacements(&fewer, &preset.mapping, &bands, Playing::default()),
             &displacements(more, &preset.mapping, &bands, Playing::default()),
         );
-        assert!(by_waves < 0.02 && by_share > 0.2, "{by_waves} by waves, {by_share} by shares of K ({level})");
+        assert!(
+            by_waves < 0.02 && by_share > 0.2,
+            "{by_waves} by waves, {by_share} by shares of K ({level})"
+        );
     }
 }
 

@@ -107,7 +107,7 @@ impl BenchTables {
             if let Some(hit) = hit {
                 let at = SurfacePoint { triangle: hit.triangle, weights: hit.barycentric.map(f64::from) };
                 let eye = Some(ray.origin.map(f64::from));
-                let seen = Seen { surface: &surface, positions: &shown, eye };
+                let seen = Seen { surface: &surface, positions: &shown, eye, blocked: None };
                 let reach = Brush { radius: BRUSH, mirror: None }.reach(&seen, &at);
                 let dab = PaintEdit::Dab(Dab::of(&reach, 1.0, false));
                 painted = dab.apply(&painted, &surface)?;
