@@ -28,6 +28,7 @@ use super::{
 use animation::Animation;
 pub use animation::Approximation;
 pub use beginning::Beginning;
+pub use deformed::Deformed;
 use performance::{Means, Performance};
 pub use report::{Report, Seconds};
 use songs::Songs;
