@@ -48,6 +48,7 @@ pub mod npz;
 mod operator;
 mod pages;
 mod pencil;
+mod platform;
 mod report;
 mod settings;
 mod simd;

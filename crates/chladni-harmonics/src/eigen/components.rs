@@ -7,6 +7,7 @@ use chladni_task::Task;
 use super::plan::inertia;
 use super::problem::{Problem, Profile, ZEROS};
 use super::{Solved, cluster_end, or_dense, solve_connected};
+use crate::platform::Instant;
 use crate::{Basis, Certificate, HarmonicsError, Operator, Pencil, SymmetricSparse, pages};
 
 /// Relative width of the gap below the common shift in which no component has an eigenvalue.
@@ -46,10 +47,10 @@ pub(super) fn solve(
 ) -> Result<Solved, HarmonicsError> {
     task.stage("harmonics", 0);
     let mut profile = Profile::default();
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let components = Components::of(operator);
     profile.analyze = start.elapsed().as_secs_f64();
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let shift = components.common_shift(harmonics, &mut profile, task)?;
     profile.plan = start.elapsed().as_secs_f64();
     let stage = task.stage("harmonics", shift.counts.iter().sum::<usize>() as u64);
@@ -74,7 +75,7 @@ pub(super) fn solve(
         })
         .collect::<Result<Vec<_>, _>>()?;
     parts.sort_by_key(|(c, ..)| *c);
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let parts = parts.into_iter().map(|(_, vertices, solved)| (vertices, solved)).collect();
     let mut merged = merge(operator, parts, harmonics, whole_clusters);
     merged.profile.add(&profile);

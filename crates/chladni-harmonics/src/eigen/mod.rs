@@ -17,13 +17,12 @@ mod slicing;
 mod tall;
 mod window;
 
-use std::time::Instant;
-
 use chladni_task::{Stage, Task};
 
 pub(crate) use given::solve as solve_given;
 use problem::{Problem, ZEROS};
 
+use crate::platform::Instant;
 use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, Pencil, SolveProfile, canonical};
 
 /// Up to this many vertices a dense solve is quicker than slices.

@@ -18,9 +18,8 @@ use chladni_view::{
 
 use super::Seconds;
 use super::deformed::Deformed;
-use super::guard::FrameGuard;
 use super::record::Recording;
-use crate::work::{Error, Hearing, Programme, SandTable, Staging, along, chooses_shots, dots};
+use crate::work::{Error, FrameGuard, Hearing, Programme, SandTable, Staging, along, chooses_shots, dots};
 
 /// What computes and draws; by default what suits the device.
 #[derive(Clone, Copy, Default)]
