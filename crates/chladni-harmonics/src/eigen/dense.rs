@@ -7,6 +7,9 @@ use super::{Solved, certify, cluster_end};
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, HarmonicsError, Pencil, SolveProfile, SymmetricSparse};
 
+/// Parts that the work is split into. As many as there are threads would round differently on each machine.
+const PARTS: usize = 8;
+
 /// Solves M^-½ S M^-½, of which `zeros` eigenvalues are 0, as a dense matrix: all pairs are computed, so none
 /// can be missed.
 pub(super) fn solve(
@@ -16,7 +19,7 @@ pub(super) fn solve(
     whole_clusters: bool,
 ) -> Result<Solved, HarmonicsError> {
     let n = pencil.mass.len();
-    let par = Par::rayon(rayon::current_num_threads());
+    let par = Par::rayon(PARTS);
     let root = Root::of(pencil)?;
     let symmetric = root.symmetrized(pencil, par);
     let (mut eigenvalues, coordinates) = symmetric_eigen(&symmetric, par)
