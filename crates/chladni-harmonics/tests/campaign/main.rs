@@ -15,8 +15,8 @@ mod shapes;
 mod spectrum;
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use cases::Case;
 use judge::Verdict;
@@ -35,31 +35,33 @@ fn setting(name: &str, usual: u64) -> u64 {
     std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(usual)
 }
 
+/// Cases in which something was wrong once: runs of a slice that found no pair at all.
+const FOUND: [u64; 3] = [10_000_141, 10_000_900, 10_002_341];
+
 #[test]
 fn no_certificate_is_wrong_and_no_pair_is_missed() {
-    let (cases, seed) = (setting("CHLADNI_CASES", 400), setting("CHLADNI_SEED", 1));
+    let (cases, first) = (setting("CHLADNI_CASES", 400), setting("CHLADNI_SEED", 1));
+    let queue = Mutex::new((first..first + cases).chain(FOUND));
+    let judged = Mutex::new(Vec::new());
     // Threads of our own: one of rayon's would begin another case while it waits for the pool of the solver.
-    let (next, judged) = (AtomicU64::new(seed), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..rayon::current_num_threads() {
             scope.spawn(|| {
                 loop {
-                    let seed_of_case = next.fetch_add(1, Ordering::Relaxed);
-                    if seed_of_case >= seed + cases {
-                        break;
-                    }
-                    let case = Case::of(seed_of_case);
-                    let verdict = judge::judge(&case);
+                    let Some(seed) = queue.lock().unwrap().next() else { break };
+                    let case = Case::of(seed);
+                    let verdict = catch_unwind(AssertUnwindSafe(|| judge::judge(&case)))
+                        .unwrap_or_else(|_| Verdict::Wrong("it panics".into()));
                     if let Verdict::Refused(why) | Verdict::Wrong(why) = &verdict {
-                        println!("case {seed_of_case}, {}: {why}", case.title());
+                        println!("case {seed}, {}: {why}", case.title());
                     }
-                    judged.lock().unwrap().push((seed_of_case, case.family, verdict));
+                    judged.lock().unwrap().push((seed, case.family, verdict));
                 }
             });
         }
     });
     let judged: Vec<(u64, &str, Verdict)> = judged.into_inner().unwrap();
-    assert_eq!(judged.len() as u64, cases);
+    assert_eq!(judged.len() as u64, cases + FOUND.len() as u64);
     let mut families: BTreeMap<&str, Tally> = BTreeMap::new();
     let mut wrong = Vec::new();
     for (seed, family, verdict) in judged {
