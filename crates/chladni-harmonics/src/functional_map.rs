@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::HarmonicsError;
 use crate::nearest::PointTree;
-use crate::platform::all_threads;
+use crate::platform::split;
 
 /// The first eigenvectors of a shape, on all of its vertices or on a sample of them.
 #[derive(Clone, Copy, Debug)]
@@ -192,7 +192,7 @@ fn enough(given: Eigenvectors, needed: usize, side: &str) -> Result<(), Harmonic
 
 fn product(a: MatRef<f64>, b: MatRef<f64>) -> Mat<f64> {
     let mut out = Mat::zeros(a.nrows(), b.ncols());
-    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, all_threads());
+    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, split());
     out
 }
 

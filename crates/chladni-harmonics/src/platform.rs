@@ -7,13 +7,14 @@ pub(crate) use web_time::Instant;
 /// Whether threads can be started. A page has only the one that it is called on.
 pub(crate) const HAS_THREADS: bool = !cfg!(target_family = "wasm");
 
-/// All threads of the pool that this is called in, for dense products and factorizations.
+/// How dense products and factorizations are split: into as many parts on any number of threads, since as many
+/// as there are threads would round differently on each machine.
 #[cfg(not(target_family = "wasm"))]
-pub(crate) fn all_threads() -> Par {
-    Par::rayon(rayon::current_num_threads())
+pub(crate) fn split() -> Par {
+    Par::rayon(8)
 }
 
 #[cfg(target_family = "wasm")]
-pub(crate) fn all_threads() -> Par {
+pub(crate) fn split() -> Par {
     Par::Seq
 }

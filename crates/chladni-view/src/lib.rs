@@ -30,7 +30,12 @@
 
 #![cfg_attr(
     not(feature = "gpu"),
-    allow(dead_code, unreachable_code, unused_variables, reason = "what is kept for devices that nobody can have")
+    allow(
+        dead_code,
+        unreachable_code,
+        unused_variables,
+        reason = "what is kept for devices that nobody can have"
+    )
 )]
 
 mod buffers;

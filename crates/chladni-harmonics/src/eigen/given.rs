@@ -2,6 +2,7 @@
 
 use chladni_task::Task;
 
+use super::components::{self, Kind};
 use super::plan::inertia;
 use super::problem::{Problem, Profile};
 use super::{Solved, check_memory, or_dense, solve_connected};
@@ -27,7 +28,6 @@ pub(crate) fn solve(
     whole_clusters: bool,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
-    let stage = task.stage("harmonics", harmonics as u64);
     check_memory(pencil.mass.len(), harmonics)?;
     let mut profile = Profile::default();
     let mut problem = Problem::given(pencil)?;
@@ -40,7 +40,14 @@ pub(crate) fn solve(
         Some(consistent) => pencil.stiffness.plus(consistent, lift),
     };
     let lifted = Pencil { stiffness: &stiffness, ..pencil };
-    let solved = solve_connected(lifted, 0, Some(problem), harmonics, true, &stage, task);
+    let component = stiffness.components();
+    let solved = if component.iter().any(|c| *c > 0) {
+        // One space of all would need a direction for each copy of an eigenvalue that equal parts share.
+        components::solve(lifted, &component, Kind::Given { spacing: lift }, harmonics, true, task)
+    } else {
+        let stage = task.stage("harmonics", harmonics as u64);
+        solve_connected(lifted, 0, Some(problem), harmonics, true, &stage, task)
+    };
     let mut solved = or_dense(solved, lifted, 0, harmonics, true)?;
     solved.profile.add(&profile);
     let nothing = 1e-8 * lift + 1e-14 * bound;
@@ -175,6 +182,28 @@ mod tests {
             assert_eq!(zeros, if held > 0.0 { 0 } else { strings });
             assert!(worst_residual(&pencil, &basis) < 1e-8);
         }
+    }
+
+    #[test]
+    fn twelve_equal_spheres_are_solved_part_by_part() {
+        let sphere = Operator::of(&samples::icosphere(4)).unwrap();
+        let (n, copies) = (sphere.vertices(), 12);
+        let entries = (0..n * copies).flat_map(|v| {
+            let (first, j) = (v / n * n, v % n);
+            sphere.stiffness.column(j).filter(move |(i, _)| *i >= j).map(move |(i, s)| (first + i, v, s))
+        });
+        let stiffness = SymmetricSparse::from_entries(n * copies, entries).unwrap();
+        let mass = sphere.mass.repeat(copies);
+        let pencil = Pencil::new(&stiffness, &mass).unwrap();
+        // The last group of equal eigenvalues is cut by K, and is taken whole before.
+        let basis = solved(&pencil, 150);
+        let alone = solved(&sphere.pencil(), 16);
+        assert!(basis.eigenvalues[..copies].iter().all(|value| *value == 0.0));
+        for (k, value) in basis.eigenvalues.iter().enumerate() {
+            let exact = alone.eigenvalues[k / copies];
+            assert!((value - exact).abs() <= 1e-9 * exact, "{k}: {value} for {exact}");
+        }
+        assert!(worst_residual(&pencil, &basis) < 1e-8);
     }
 
     #[test]

@@ -19,6 +19,7 @@ mod window;
 
 use chladni_task::{Stage, Task};
 
+use components::Kind;
 pub(crate) use given::solve as solve_given;
 use problem::{Problem, ZEROS};
 
@@ -59,7 +60,7 @@ pub(crate) fn solve(
     check_memory(n, harmonics)?;
     let pencil = operator.pencil();
     let solved = if operator.components() > 1 {
-        components::solve(operator, harmonics, true, task)
+        components::solve(pencil, &operator.component, Kind::Surface, harmonics, true, task)
     } else {
         let stage = task.stage("harmonics", harmonics as u64);
         solve_connected(pencil, ZEROS, None, harmonics, true, &stage, task)
