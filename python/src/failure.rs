@@ -45,7 +45,9 @@ impl From<HarmonicsError> for Failure {
         match error {
             HarmonicsError::Cancelled(Cancelled) => Self::Cancelled,
             HarmonicsError::NotCertified { .. } => Self::NotCertified(error.to_string()),
-            HarmonicsError::Threads(_) => Self::Internal(error.to_string()),
+            HarmonicsError::Threads(_) | HarmonicsError::RanksFailed { .. } => {
+                Self::Internal(error.to_string())
+            }
             _ => Self::Input(error.to_string()),
         }
     }

@@ -188,7 +188,7 @@ pub(crate) fn on_threads<T: Send>(
 
 /// The file's triangles over operator vertices. Where a collapsed triangle is the only one that
 /// uses a vertex, that corner is given another of its corners (or 0), which keeps it collapsed.
-fn file_triangles(mesh: &TriMesh, operator_vertex: &[Option<u32>]) -> Vec<[u32; 3]> {
+pub(crate) fn file_triangles(mesh: &TriMesh, operator_vertex: &[Option<u32>]) -> Vec<[u32; 3]> {
     mesh.triangles
         .iter()
         .map(|corners| {

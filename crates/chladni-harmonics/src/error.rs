@@ -113,7 +113,19 @@ pub enum HarmonicsError {
         /// N.
         vertices: usize,
         /// What stands against it.
-        reason: &'static str,
+        reason: String,
+    },
+    /// There are no ranks to solve on, or not as asked for.
+    #[error("cannot solve with SLEPc: {reason}")]
+    NoRanks {
+        /// What is missing or wrong.
+        reason: String,
+    },
+    /// The ranks ended without a result.
+    #[error("the ranks of SLEPc failed: {reason}")]
+    RanksFailed {
+        /// What the first of them said.
+        reason: String,
     },
     /// The worker threads could not be started.
     #[error("the worker threads could not be started: {0}")]

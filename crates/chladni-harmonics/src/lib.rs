@@ -42,6 +42,7 @@ mod geodesic;
 mod heat;
 mod laplacian;
 mod ldlt;
+mod memory;
 mod nearest;
 #[cfg(feature = "npz")]
 pub mod npz;
@@ -49,6 +50,8 @@ mod operator;
 mod pages;
 mod pencil;
 mod platform;
+#[cfg(not(target_family = "wasm"))]
+mod ranks;
 mod report;
 mod settings;
 mod simd;
@@ -65,6 +68,8 @@ pub use geodesic::HeatGeodesics;
 pub use heat::{HeatFlow, HeatStep};
 pub use operator::{Operator, mesh_laplacian};
 pub use pencil::{ConsistentPencil, Eigenpairs, Pencil};
+#[cfg(not(target_family = "wasm"))]
+pub use ranks::{Ranks, RanksReport, RanksSeconds};
 pub use report::{BasisWarning, BuildReport, BuildSeconds, SolveProfile};
 pub use settings::{BasisSettings, Laplacian};
 pub use sparse::SymmetricSparse;

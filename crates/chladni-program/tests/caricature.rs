@@ -258,6 +258,35 @@ fn a_batch_gives_every_mesh_a_file_of_its_own_and_replaces_none() {
 }
 
 #[test]
+fn pieces_of_a_batch_are_all_of_it_and_what_is_there_stays() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    std::fs::create_dir(desk.path("many")).unwrap();
+    let names = ["a.obj", "b.ply", "c.obj"];
+    for (size, name) in names.iter().enumerate() {
+        save_mesh(&lump(1.0 + size as f64), &desk.path("many").join(name)).unwrap();
+    }
+    let list: String =
+        names.iter().map(|name| format!("{}\n\n", desk.path("many").join(name).display())).collect();
+    std::fs::write(desk.path("list.txt"), list).unwrap();
+    desk.ok("caricature --recipe p.chladni --batch many -o whole");
+    desk.ok("caricature --recipe p.chladni --batch list.txt -o out --piece 1/2");
+    let made = |name: &str| desk.path("out").join(name).exists();
+    assert!(made("a.obj") && !made("b.ply") && !made("c.obj"));
+    std::fs::write(desk.path("out/b.ply"), "kept").unwrap();
+    desk.ok("caricature --recipe p.chladni --batch list.txt -o out --piece 2/2 --resume");
+    assert_eq!(std::fs::read(desk.path("out/b.ply")).unwrap(), b"kept");
+    for name in ["a.obj", "c.obj"] {
+        let read = |folder: &str| std::fs::read(desk.path(folder).join(name)).unwrap();
+        assert!(read("out") == read("whole"), "{name}");
+    }
+    std::fs::write(desk.path("empty.txt"), "\n").unwrap();
+    assert!(desk.refused("caricature --recipe p.chladni --batch empty.txt -o out").contains("lists no mesh"));
+    assert!(desk.refused("caricature --recipe p.chladni --batch absent -o out").contains("absent"));
+}
+
+#[test]
 fn bad_arguments_are_told_apart() {
     let desk = Desk::new();
     desk.ok("project new shape.obj -o good.chladni --harmonics 16");
@@ -287,6 +316,12 @@ fn bad_arguments_are_told_apart() {
         ("caricature shape.obj ellipsoid -o nowhere/out.obj", "nowhere/out.obj: its folder does not exist"),
         ("caricature shape.obj ellipsoid -o folder.obj", "is a folder"),
         ("caricature shape.obj ellipsoid -o out.obj --render out.jpg", "out.jpg: a picture ends in .png"),
+        ("basis shape.obj --ranks 2", "belong to --engine slepc"),
+        ("basis shape.obj --engine slepc --ranks 0", "0 ranks: from 1 to"),
+        ("basis shape.obj --engine slepc --ranks 99999", "99999 ranks: from 1 to"),
+        ("basis shape.obj --engine slepc --ranks 4 --groups 3", "3 equal groups"),
+        ("basis shape.obj --engine slepc --hosts absent.txt", "absent.txt"),
+        ("basis shape.obj --engine slepc --threads 2", "--threads is for"),
         ("basis shape.obj -o nowhere/b.npz", "its folder does not exist"),
         ("match shape.obj shape.obj --method sphere", "neither a template"),
         ("match shape.obj shape.obj --render out.jpg", ".png"),

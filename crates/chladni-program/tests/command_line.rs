@@ -420,3 +420,24 @@ fn the_page_of_controls_is_the_one_in_the_documentation() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/controls.md");
     assert_eq!(std::fs::read_to_string(page).unwrap(), printed, "chladni controls > docs/controls.md");
 }
+
+#[test]
+fn without_mpi_one_line_says_what_to_install() {
+    let output = Command::new(env!("CARGO_BIN_EXE_chladni"))
+        .args([
+            "--quiet",
+            "basis",
+            "sample:ring",
+            "-k",
+            "10",
+            "--engine",
+            "slepc",
+            "--ranks",
+            "1",
+            "--no-cache",
+        ])
+        .env("PATH", "")
+        .output()
+        .unwrap();
+    Run { output }.refused("scripts/setup --mpi");
+}

@@ -122,6 +122,53 @@ fn frames_on_a_pipe_are_those_of_the_film_and_ffmpeg_reads_them() {
 }
 
 #[test]
+fn pieces_of_a_film_are_the_film_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    // The last piece begins after the two seconds that are drawn before it.
+    let film =
+        ["sample:octopus", "sample:tune", "-k", "24", "--start", "6", "--duration", "4", "--fps", "12"];
+    let drawn = ["--size", "64x48", "--draw", "cpu"];
+    let frames = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let arguments = [&["dance"], &film[..], &drawn, &["--frames", out.to_str().unwrap()], more].concat();
+        assert_eq!(run(&arguments), 0);
+        out
+    };
+    let read =
+        |folder: &Path, frame: usize| std::fs::read(folder.join(format!("frame-{frame:05}.png"))).unwrap();
+    let whole = frames("whole", &[]);
+    for piece in ["3/3", "0..16", "2/3"] {
+        frames("pieces", &["--piece", piece]);
+    }
+    let pieces = folder.path().join("pieces");
+    assert_eq!(std::fs::read_dir(&pieces).unwrap().count(), 48 + 1);
+    for frame in 0..48 {
+        assert!(read(&whole, frame) == read(&pieces, frame), "frame {frame}");
+    }
+    assert!(read(&whole, 40) != read(&whole, 41), "nothing moves");
+    assert!(
+        std::fs::read(whole.join("sound.wav")).unwrap() == std::fs::read(pieces.join("sound.wav")).unwrap()
+    );
+    // What is there stays, what is missing comes.
+    std::fs::write(pieces.join("frame-00033.png"), "kept").unwrap();
+    std::fs::remove_file(pieces.join("frame-00034.png")).unwrap();
+    frames("pieces", &["--piece", "3/3", "--resume"]);
+    assert_eq!(read(&pieces, 33), b"kept");
+    assert!(read(&pieces, 34) == read(&whole, 34) && read(&pieces, 47) == read(&whole, 47));
+    frames("pieces", &["--piece", "3/3", "--resume"]);
+    // The same on a pipe, where grains of sand depend on all that was before.
+    let raw = |more: &[&str]| {
+        let arguments = [&["--quiet", "dance"], &film[..], &drawn, &["--sand", "-o", "-"], more].concat();
+        let output =
+            std::process::Command::new(env!("CARGO_BIN_EXE_chladni")).args(arguments).output().unwrap();
+        assert!(output.status.success());
+        output.stdout
+    };
+    let joined = [raw(&["--piece", "0..30"]), raw(&["--piece", "30..48"])].concat();
+    assert!(joined.len() == 48 * 64 * 48 * 4 && joined == raw(&[]));
+}
+
+#[test]
 fn bad_input_is_refused_with_code_2() {
     let folder = tempfile::tempdir().unwrap();
     let gif = folder.path().join("x.gif");
@@ -132,6 +179,21 @@ fn bad_input_is_refused_with_code_2() {
         &["dance", "sample:octopus", "sample:tune", "-o", gif, "--preset", "nowhere.toml"],
         &["dance", "sample:octopus", "sample:tune", "-o", "x.avi"],
         &["dance", "sample:octopus", "sample:tune"],
+        &["dance", "sample:octopus", "sample:tune", "-o", gif, "--piece", "1/2"],
+        &["dance", "sample:octopus", "sample:tune", "-o", "x.mp4", "--piece", "3/2"],
+        &[
+            "dance",
+            "sample:octopus",
+            "sample:tune",
+            "-k",
+            "8",
+            "--duration",
+            "1",
+            "-o",
+            "-",
+            "--piece",
+            "20..31",
+        ],
         &["dance", "sample:octopus", "sample:tune", "-o", gif, "--start", "-1"],
         &["symmetry", "nowhere.obj"],
     ] {

@@ -21,7 +21,7 @@ const SIZE: (u32, u32) = (64, 48);
 
 fn settings(frames: u64, fps: u32) -> FilmSettings {
     let (width, height) = SIZE;
-    FilmSettings { width, height, rate: FrameRate::per_second(fps), frames, audio: None }
+    FilmSettings { width, height, rate: FrameRate::per_second(fps), frames, first: 0, audio: None }
 }
 
 /// A bar that moves two pixels a frame over a still gradient.

@@ -5,7 +5,7 @@ use chladni_task::Task;
 use super::components::{self, Kind};
 use super::plan::inertia;
 use super::problem::{Problem, Profile};
-use super::{Solved, check_memory, or_dense, solve_connected};
+use super::{Solved, or_dense, plan, solve_connected};
 use crate::{HarmonicsError, Pencil, canonical};
 
 /// Shares of the largest possible eigenvalue: where the search for the first ones begins, how far rounding
@@ -28,7 +28,8 @@ pub(crate) fn solve(
     whole_clusters: bool,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
-    check_memory(pencil.mass.len(), harmonics)?;
+    let slices = rayon::current_num_threads().min(plan::slices(harmonics));
+    crate::memory::check_solve(pencil.mass.len(), harmonics, slices)?;
     let mut profile = Profile::default();
     let mut problem = Problem::given(pencil)?;
     let bound = pencil.bound() * problem.stretch();

@@ -33,7 +33,7 @@ const DENSE_SHARE: usize = 4000;
 /// A dense solve of more vertices would hold four matrices of 3 GB.
 const DENSE_MOST: usize = 20_000;
 /// Two eigenvalues that agree to this relative tolerance count as one multiple eigenvalue.
-const CLUSTER: f64 = 1e-7;
+pub(crate) const CLUSTER: f64 = 1e-7;
 
 /// Eigenpairs and what must be reported about them.
 pub(crate) struct Solved {
@@ -57,7 +57,8 @@ pub(crate) fn solve(
         return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices: n });
     }
     task.check()?;
-    check_memory(n, harmonics)?;
+    let threads = rayon::current_num_threads();
+    crate::memory::check_solve(n, harmonics, threads.min(plan::slices(harmonics.saturating_sub(ZEROS))))?;
     let pencil = operator.pencil();
     let solved = if operator.components() > 1 {
         components::solve(pencil, &operator.component, Kind::Surface, harmonics, true, task)
@@ -73,13 +74,6 @@ pub(crate) fn solve(
     }
     solved.basis.certificate.laplacian = operator.laplacian;
     Ok(solved)
-}
-
-/// Refuses what the system would not even promise memory for.
-fn check_memory(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError> {
-    let refused = Vec::<f64>::new().try_reserve_exact(vertices.saturating_mul(harmonics)).is_err();
-    let reason = "they are more than this machine's memory";
-    if refused { Err(HarmonicsError::TooMany { harmonics, vertices, reason }) } else { Ok(()) }
 }
 
 /// The last resort where slices could not be certified, if affordable: a dense solve.
@@ -119,7 +113,7 @@ fn solve_connected(
     if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
         if n > DENSE_MOST {
             let reason = "half of all and more take a dense solver, which is for at most 20000 vertices";
-            return Err(HarmonicsError::TooMany { harmonics, vertices: n, reason });
+            return Err(HarmonicsError::TooMany { harmonics, vertices: n, reason: reason.into() });
         }
         let solved = dense::solve(pencil, zeros, harmonics, whole_clusters)?;
         // Where slivers make the largest eigenvalues huge, slices are more accurate for the lowest.
@@ -145,13 +139,19 @@ fn constant(pencil: Pencil) -> Solved {
 }
 
 /// The first position at or after K where neighboring `values` differ, or their end.
-fn cluster_end(values: &[f64], harmonics: usize) -> usize {
+pub(crate) fn cluster_end(values: &[f64], harmonics: usize) -> usize {
     let is_gap = |k: &usize| values[*k] - values[*k - 1] > CLUSTER * values[*k];
     (harmonics..values.len()).find(is_gap).unwrap_or(values.len())
 }
 
 /// Measures pairs of `pencil`, of which the first `zeros` have λ = 0.
-fn certify(pencil: Pencil, zeros: usize, eigenvalues: &[f64], vectors: &[f64], inertia: bool) -> Certificate {
+pub(crate) fn certify(
+    pencil: Pencil,
+    zeros: usize,
+    eigenvalues: &[f64],
+    vectors: &[f64],
+    inertia: bool,
+) -> Certificate {
     use faer::MatRef;
     let (n, k) = (pencil.mass.len(), eigenvalues.len());
     let mut residual = 0.0_f64;

@@ -46,8 +46,7 @@ pub(super) fn plan(
     let zeros = problem.zeros;
     // Two more than asked for, so that the top slice has pairs on both sides of λ_K.
     let wanted = (harmonics.max(zeros) + 2) as f64;
-    let slices = (harmonics.saturating_sub(zeros).div_ceil(PER_SLICE)).max(1);
-    let slices = if slices > 2 { slices.next_multiple_of(4) } else { slices };
+    let slices = slices(harmonics.saturating_sub(zeros));
     let step = (wanted - zeros as f64) / slices as f64;
     let mut counting = Counting(vec![(0.0, zeros as f64)]);
     if slices <= KEPT {
@@ -79,6 +78,12 @@ pub(super) fn plan(
             (Slice { shift, low, high, expected, ends, top: i + 1 == slices }, None)
         })
         .collect())
+}
+
+/// How many slices so many pairs are found in.
+pub(super) fn slices(pairs: usize) -> usize {
+    let slices = pairs.div_ceil(PER_SLICE).max(1);
+    if slices > 2 { slices.next_multiple_of(4) } else { slices }
 }
 
 /// Samples (λ, N(λ)) ascending in both, from (0, number of zeros) on.

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use chladni_harmonics::npz::{write_basis, write_operator};
-use chladni_harmonics::{BasisSettings, Body, BuildReport, HarmonicsError, Laplacian, Operator};
+use chladni_harmonics::{
+    BasisSettings, Body, BuildReport, HarmonicsError, Laplacian, Operator, Ranks, RanksReport,
+};
 use chladni_mesh::{ShapeSource, weld};
 use serde::Serialize;
 
@@ -42,6 +44,59 @@ pub struct Args {
     /// Where K would cut a group of equal eigenvalues, go on to its end.
     #[arg(long)]
     whole_clusters: bool,
+    /// Who solves: chladni, on this machine, or slepc, on the ranks of MPI, for meshes that outgrow it (needs Open MPI
+    /// and slepc4py, docs/scale.md). The certificate is Chladni's own.
+    #[arg(long, value_name = "ENGINE", default_value = "chladni")]
+    engine: Engine,
+    #[command(flatten)]
+    on: RankOptions,
+}
+
+/// Who solves.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Engine {
+    Chladni,
+    Slepc,
+}
+
+/// Where SLEPc solves.
+#[derive(clap::Args)]
+struct RankOptions {
+    /// MPI processes for --engine slepc [default: one for each core].
+    #[arg(long, value_name = "N")]
+    ranks: Option<usize>,
+    /// Split the ranks into this many groups, each with a factor and a part of the spectrum of its own: quicker, with as
+    /// many times the memory.
+    #[arg(long, value_name = "G")]
+    groups: Option<usize>,
+    /// A host file of MPI, to solve on more than this machine.
+    #[arg(long, value_name = "FILE")]
+    hosts: Option<PathBuf>,
+    /// The folder through which operator and harmonics pass, which all hosts must share [default: the system's for
+    /// temporary files].
+    #[arg(long, value_name = "DIR")]
+    scratch: Option<PathBuf>,
+}
+
+impl RankOptions {
+    /// The ranks that `engine` needs.
+    fn of(&self, engine: Engine) -> Result<Option<Ranks>, Error> {
+        let Self { ranks, groups, hosts, scratch } = self;
+        if engine == Engine::Chladni {
+            let given = ranks.is_some() || groups.is_some() || hosts.is_some() || scratch.is_some();
+            let refused = "--ranks, --groups, --hosts and --scratch belong to --engine slepc";
+            return if given { Err(Error::input(refused)) } else { Ok(None) };
+        }
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        let ranks = Ranks {
+            count: ranks.unwrap_or_else(cores),
+            groups: groups.unwrap_or(1),
+            hosts: hosts.clone(),
+            scratch: scratch.clone(),
+        };
+        ranks.check()?;
+        Ok(Some(ranks))
+    }
 }
 
 /// What `--json` prints.
@@ -57,12 +112,18 @@ struct Summary {
     cached: bool,
     cuts_cluster: bool,
     profile: chladni_harmonics::SolveProfile,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ranks: Option<RanksReport>,
 }
 
 impl Args {
     /// Solves, writes what was asked for, and reports.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         [&self.output, &self.operator].into_iter().flatten().try_for_each(|path| check_file(path))?;
+        let ranks = self.on.of(self.engine)?;
+        if ranks.is_some() && self.threads.is_some() {
+            return Err(Error::input("--threads is for Chladni's own solver; SLEPc has --ranks"));
+        }
         let loaded = ShapeSource::named(&self.mesh).load(None)?;
         let named = |error: HarmonicsError| Error::from(error).of(self.mesh.display());
         let settings = BasisSettings {
@@ -76,12 +137,21 @@ impl Args {
         if harmonics > vertices && vertices > 0 {
             return Err(named(HarmonicsError::BadHarmonicCount { harmonics, vertices }));
         }
-        let wanted = self.operator.is_some().then(|| Operator::with(&loaded.mesh, settings.laplacian));
+        let wanted = (self.operator.is_some() || ranks.is_some())
+            .then(|| Operator::with(&loaded.mesh, settings.laplacian));
         let operator = wanted.transpose().map_err(named)?;
-        let (body, report) = terminal
-            .watch("harmonics", |task| match &operator {
-                Some(operator) => Body::of_operator(&loaded.mesh, operator, &settings, cache.as_ref(), task),
-                None => Body::load_or_build(&loaded.mesh, &settings, cache.as_ref(), task),
+        let (body, report, of_ranks) = terminal
+            .watch("harmonics", |task| match (&operator, &ranks) {
+                (Some(operator), Some(ranks)) => {
+                    Body::solve_on_ranks(&loaded.mesh, operator, &settings, ranks, task)
+                        .map(|(body, report, of_ranks)| (body, report, Some(of_ranks)))
+                }
+                (Some(operator), None) => {
+                    Body::of_operator(&loaded.mesh, operator, &settings, cache.as_ref(), task)
+                        .map(|(body, report)| (body, report, None))
+                }
+                (None, _) => Body::load_or_build(&loaded.mesh, &settings, cache.as_ref(), task)
+                    .map(|(body, report)| (body, report, None)),
             })
             .map_err(named)?;
         for warning in report.warnings(&body.basis.certificate) {
@@ -104,10 +174,16 @@ impl Args {
         if let Some(path) = &self.output {
             write_basis(path, &body).map_err(|e| Error::unwritten(path, e))?;
         }
-        self.report(terminal, &body, &report)
+        self.report(terminal, &body, &report, of_ranks)
     }
 
-    fn report(&self, terminal: &Terminal, body: &Body, report: &BuildReport) -> Result<(), Error> {
+    fn report(
+        &self,
+        terminal: &Terminal,
+        body: &Body,
+        report: &BuildReport,
+        of_ranks: Option<RanksReport>,
+    ) -> Result<(), Error> {
         let (basis, certificate) = (&body.basis, &body.basis.certificate);
         if self.json {
             return terminal.json(&Summary {
@@ -121,15 +197,17 @@ impl Args {
                 cached: report.cached,
                 cuts_cluster: report.cuts_cluster,
                 profile: report.profile,
+                ranks: of_ranks,
             });
         }
         terminal.result(format_args!(
-            "{} harmonics of {} vertices ({} Laplacian) in {:.2} s{}; residual {:.1e}, orthogonality {:.1e}, counts {}",
+            "{} harmonics of {} vertices ({} Laplacian) in {:.2} s{}{}; residual {:.1e}, orthogonality {:.1e}, counts {}",
             basis.harmonics(),
             basis.vertices(),
             certificate.laplacian,
             report.seconds.total,
             if report.cached { " (cached)" } else { "" },
+            of_ranks.map_or_else(String::new, |of| format!(" by SLEPc on {} ranks, counted by {}", of.ranks, of.counted_by)),
             certificate.max_relative_residual,
             certificate.max_orthogonality_error,
             if certificate.inertia_counts_match { "match" } else { "do not match" },

@@ -1,7 +1,7 @@
 //! `chladni caricature SHAPE TEMPLATE -o OUT`: exaggerate what makes a shape differ from a
 //! template, or play a whole recipe on one or many shapes.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use super::sheet::SheetOptions;
 use super::{limbs, mask, parts};
 use crate::work::body::{self, laplacian};
 use crate::work::outputs::check_file;
-use crate::work::{Error, Made, Warning, Watcher, make, source};
+use crate::work::{Error, Made, Share, Warning, Watcher, make, source};
 
 /// Exaggerate what makes a shape differ from a template.
 #[derive(clap::Args)]
@@ -75,9 +75,15 @@ pub struct Caricature {
     /// A project whose layers are applied instead.
     #[arg(long, value_name = "P.chladni", conflicts_with = "LayerOptions")]
     recipe: Option<PathBuf>,
-    /// Apply the recipe to every mesh in this folder.
-    #[arg(long, value_name = "DIR", requires = "recipe", conflicts_with = "shape")]
+    /// Apply the recipe to every mesh in this folder, or to those that a text file lists, one in each line.
+    #[arg(long, value_name = "DIR|LIST", requires = "recipe", conflicts_with = "shape")]
     batch: Option<PathBuf>,
+    /// Of the meshes of --batch, only piece I of N, in order of name: what many machines share (docs/scale.md).
+    #[arg(long, value_name = "I/N", requires = "batch")]
+    piece: Option<Share>,
+    /// Leave results of --batch that are there already, which are whole or missing.
+    #[arg(long, requires = "batch")]
+    resume: bool,
 }
 
 impl Caricature {
@@ -158,22 +164,30 @@ impl Caricature {
         one(shape, &project, None, self.output.as_deref(), self.picture(self.render.as_deref()), terminal)
     }
 
-    /// Every mesh of `folder`, in order of name. One that fails does not stop the others.
-    fn batch(&self, project: &Project, folder: &Path, terminal: &Terminal) -> Result<(), Error> {
+    /// Every mesh of `batch`, or the piece of it that is asked for. One that fails does not stop the others.
+    fn batch(&self, project: &Project, batch: &Path, terminal: &Terminal) -> Result<(), Error> {
         let Some(results) = &self.output else {
             return Err(Error::input("--batch needs a folder for the results: -o"));
         };
-        let shapes = meshes_in(folder)?;
-        let planned = self.planned(folder, results, &shapes)?;
+        let shapes = if batch.is_dir() { meshes_in(batch)? } else { meshes_listed(batch)? };
+        // Whether results would collide depends on all of them, whichever of them are made here.
+        let planned = self.planned(results, &shapes)?;
+        let piece = self.piece.map_or(0..shapes.len() as u64, |piece| piece.range(shapes.len() as u64));
+        let piece = piece.start as usize..piece.end as usize;
+        let (shapes, planned) = (&shapes[piece.clone()], &planned[piece]);
         let from = source::shape(&project.shape, terminal)?;
         for out in [Some(results), self.render.as_ref()].into_iter().flatten() {
             std::fs::create_dir_all(out).map_err(|error| Error::unwritten(out, error))?;
         }
-        let mut failed = 0;
+        let (mut failed, mut kept) = (0, 0);
         for (shape, (output, render)) in shapes.iter().zip(planned) {
             terminal.task().check()?;
+            if self.resume && output.is_file() && render.as_ref().is_none_or(|render| render.is_file()) {
+                kept += 1;
+                continue;
+            }
             let name = shape.display().to_string();
-            match one(&name, project, Some(&from), Some(&output), self.picture(render.as_deref()), terminal) {
+            match one(&name, project, Some(&from), Some(output), self.picture(render.as_deref()), terminal) {
                 Ok(()) => {}
                 Err(Error::Cancelled) => return Err(Error::Cancelled),
                 Err(failure) => {
@@ -185,22 +199,25 @@ impl Caricature {
                 }
             }
         }
+        if kept > 0 {
+            terminal.note(format_args!("{kept} of {} results were there already", shapes.len()));
+        }
         match failed {
             0 => Ok(()),
             _ => Err(Error::input(format_args!("{failed} of {} shapes failed", shapes.len()))),
         }
     }
 
-    /// The mesh in `results` and the picture that each of `shapes`, the meshes of `folder`, becomes; refused
-    /// where one would replace another or a shape.
-    fn planned(
-        &self,
-        folder: &Path,
-        results: &Path,
-        shapes: &[PathBuf],
-    ) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Error> {
-        let real = |path: &Path| std::fs::canonicalize(path).ok();
-        if real(results).is_some_and(|output| Some(output) == real(folder)) {
+    /// The mesh in `results` and the picture that each of `shapes` becomes; refused where one would replace another or
+    /// a shape.
+    fn planned(&self, results: &Path, shapes: &[PathBuf]) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Error> {
+        let real = |path: &Path| {
+            let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+            std::fs::canonicalize(path).ok()
+        };
+        let output = real(results);
+        let folders: HashSet<&Path> = shapes.iter().filter_map(|shape| shape.parent()).collect();
+        if let Some(folder) = folders.into_iter().find(|folder| output.is_some() && real(folder) == output) {
             let folder = folder.display();
             return Err(Error::input(format_args!("{folder}: results there would replace the shapes")));
         }
@@ -332,6 +349,21 @@ fn carry(
         terminal.warn(Warning::of(format_args!("{name}, matched with {}", project.shape), warning));
     }
     Ok(carried.project)
+}
+
+/// The largest list of meshes that is read.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The meshes that a text file names, in its order; empty lines are left out.
+fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
+    let text = chladni_task::read_text_file(list, MOST_BYTES);
+    let text = text.map_err(|error| Error::input(format_args!("{}: {error}", list.display())))?;
+    let meshes: Vec<PathBuf> =
+        text.lines().map(str::trim).filter(|line| !line.is_empty()).map(PathBuf::from).collect();
+    if meshes.is_empty() {
+        return Err(Error::input(format_args!("{}: lists no mesh", list.display())));
+    }
+    Ok(meshes)
 }
 
 fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {

@@ -13,7 +13,7 @@ use chladni_view::{Answer, Background, FrameRate, Lights, Look, Material, Palett
 use super::Terminal;
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
-use crate::work::{Error, Watcher, resolve};
+use crate::work::{Error, Piece, Watcher, resolve};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -39,6 +39,13 @@ pub struct Dance {
     /// Write PNG frames and sound.wav into this folder; needs no other program.
     #[arg(long, value_name = "DIR", conflicts_with = "output")]
     frames: Option<PathBuf>,
+    /// Only these frames, exactly those of the whole film: A..B counts from 0 and leaves B out, I/N is piece I of N. An MP4
+    /// has no sound then (docs/scale.md).
+    #[arg(long, value_name = "A..B|I/N")]
+    piece: Option<Piece>,
+    /// Leave what is there already: a film, or the first frames of a folder, which are whole or missing.
+    #[arg(long)]
+    resume: bool,
     /// The largest number of morph targets in a .glb: more come nearer to the film.
     #[arg(long, value_name = "N", default_value_t = film::TARGETS)]
     targets: usize,
@@ -154,6 +161,10 @@ impl Dance {
     /// Makes the film.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let (json, samples) = (self.json, self.samples);
+        if let Some(film) = self.output.as_deref().filter(|film| self.resume && film.is_file()) {
+            terminal.note(format_args!("{} is there already", film.display()));
+            return Ok(());
+        }
         let film = self.film(terminal)?;
         let output = film.output.clone();
         let report = film::make(film, terminal)?;
@@ -190,6 +201,8 @@ impl Dance {
         }
         let to = file.map_or_else(Output::nowhere, Output::to);
         let output = Output {
+            piece: self.piece.clone(),
+            resume: self.resume,
             pipe,
             film: to.film.or_else(|| self.frames.clone()),
             animation: to.animation,

@@ -5,7 +5,6 @@ mod beats;
 mod caricature;
 mod choose_file;
 mod controls;
-
 mod dance;
 mod demo;
 mod info;

@@ -117,7 +117,8 @@ impl Error {
             Self::Input(_) => true,
             Self::Mesh(_) | Self::Match(_) | Self::Caricature(_) | Self::Music(_) => true,
             Self::Harmonics(error) => {
-                !matches!(error, HarmonicsError::NotCertified { .. } | HarmonicsError::Threads(_))
+                use HarmonicsError::{NotCertified, RanksFailed, Threads};
+                !matches!(error, NotCertified { .. } | RanksFailed { .. } | Threads(_))
             }
             Self::Sound(error) => !matches!(error, SoundError::Write { .. } | SoundError::Device { .. }),
             Self::Cancelled

@@ -56,20 +56,25 @@ impl Encode for Apng {
 /// `frame-00000.png`, `frame-00001.png`, …
 pub(super) struct Folder {
     path: PathBuf,
-    written: u64,
+    next: u64,
+}
+
+/// The picture of frame `number` in `folder`; it is there whole or not at all.
+pub fn frame_path(folder: &Path, number: u64) -> PathBuf {
+    folder.join(format!("frame-{number:05}.png"))
 }
 
 impl Folder {
-    pub(super) fn create(path: &Path) -> Result<Self, ViewError> {
+    pub(super) fn create(path: &Path, first: u64) -> Result<Self, ViewError> {
         std::fs::create_dir_all(path).map_err(|source| ViewError::File { path: path.to_owned(), source })?;
-        Ok(Self { path: path.to_owned(), written: 0 })
+        Ok(Self { path: path.to_owned(), next: first })
     }
 }
 
 impl Encode for Folder {
     fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
-        let path = self.path.join(format!("frame-{:05}.png", self.written));
-        self.written += 1;
+        let path = frame_path(&self.path, self.next);
+        self.next += 1;
         let png = picture.to_png()?;
         chladni_task::write_atomic(&path, &png).map_err(|source| ViewError::File { path, source })
     }

@@ -54,7 +54,7 @@ impl LiveFilm {
         rate: FrameRate,
         sound_hz: u32,
     ) -> Result<Self, ViewError> {
-        let settings = FilmSettings { width, height, rate, frames: u64::MAX, audio: None };
+        let settings = FilmSettings { width, height, rate, frames: u64::MAX, first: 0, audio: None };
         settings.check()?;
         if !ffmpeg_is_there() {
             return Err(ViewError::NoFfmpeg);

@@ -16,6 +16,7 @@ use chladni_task::temporary_beside;
 
 use crate::{Picture, ViewError};
 
+pub use frames::frame_path;
 pub use live::LiveFilm;
 pub use mp4::ffmpeg_is_there;
 pub use raw::RawFormat;
@@ -90,6 +91,8 @@ pub struct FilmSettings {
     pub rate: FrameRate,
     /// How many frames there will be.
     pub frames: u64,
+    /// The number of the first one, which pictures in a folder bear: not 0 where the film is a part of a longer one.
+    pub first: u64,
     /// A sound file that ffmpeg reads (WAV), laid under an MP4 from its first frame on and cut or
     /// filled with silence to the film's length. The other formats have no sound.
     pub audio: Option<PathBuf>,
@@ -144,7 +147,7 @@ impl Film {
             FilmFormat::Mp4 => Box::new(mp4::Mp4::create(path, &settings)?),
             FilmFormat::Gif => Box::new(gif::Gif::create(path, &settings)?),
             FilmFormat::Apng => Box::new(frames::Apng::create(path, &settings)?),
-            FilmFormat::Frames => Box::new(frames::Folder::create(path)?),
+            FilmFormat::Frames => Box::new(frames::Folder::create(path, settings.first)?),
         };
         Self::begin(encoder, settings)
     }

@@ -110,7 +110,7 @@ mod tests {
     }
 
     fn settings(frames: u64) -> FilmSettings {
-        FilmSettings { width: 3, height: 2, rate: FrameRate::per_second(25), frames, audio: None }
+        FilmSettings { width: 3, height: 2, rate: FrameRate::per_second(25), frames, first: 0, audio: None }
     }
 
     fn picture(shade: u8) -> Picture {

@@ -35,11 +35,12 @@ pub fn shoot<E: From<ViewError>>(
     task: &Task,
     draw: impl FnMut(&mut Renderer, &Canvas, u64) -> Result<(), E>,
 ) -> Result<(), E> {
-    shoot_retouched(renderer, canvas, film, task, draw, |_, _| ())?;
+    shoot_retouched(renderer, canvas, film, 0, task, draw, |_, _| ())?;
     Ok(())
 }
 
-/// As [`shoot`]; `retouch` gets the index of each frame and its picture, in order, before it is
+/// As [`shoot`], with `lead` frames more before those of the film, which are drawn and retouched but are no part of it:
+/// numbers count from the first of them. `retouch` gets the index of each frame and its picture, in order, before it is
 /// encoded, some frames after it was drawn.
 ///
 /// # Errors
@@ -48,12 +49,13 @@ pub fn shoot_retouched<E: From<ViewError>>(
     renderer: &mut Renderer,
     canvas: &Canvas,
     mut film: Film,
+    lead: u64,
     task: &Task,
     mut draw: impl FnMut(&mut Renderer, &Canvas, u64) -> Result<(), E>,
     mut retouch: impl FnMut(u64, &mut Picture),
 ) -> Result<Waits, E> {
     let device = renderer.device().clone();
-    let frames = film.settings().frames;
+    let frames = lead + film.settings().frames;
     let stage = task.stage("filming", frames);
     let mut idle: Vec<Readback> =
         (0..IN_FLIGHT).map(|_| Readback::new(&device, canvas)).collect::<Result<_, _>>()?;
@@ -68,7 +70,9 @@ pub fn shoot_retouched<E: From<ViewError>>(
         retouch(fetched, &mut picture);
         fetched += 1;
         let start = Instant::now();
-        film.push(picture)?;
+        if fetched > lead {
+            film.push(picture)?;
+        }
         waits.encoder_secs += start.elapsed().as_secs_f64();
         stage.advance(1);
         Ok(())

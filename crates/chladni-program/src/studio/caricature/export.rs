@@ -169,7 +169,7 @@ impl CaricatureRoom {
                 }
                 let rate = FrameRate::per_second(fps);
                 let settings =
-                    FilmSettings { width, height, rate, frames: rate.frames_in(secs), audio: None };
+                    FilmSettings { width, height, rate, frames: rate.frames_in(secs), first: 0, audio: None };
                 Job::start(label, &shared.ctx, move |task| {
                     let made = shot.turntable(&path, settings, task);
                     made.map_err(|error| Error::from(error).of(path.display()))?;

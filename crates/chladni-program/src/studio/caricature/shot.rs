@@ -175,7 +175,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("turn.gif");
         let rate = FrameRate::per_second(10);
-        let settings = FilmSettings { width: 64, height: 48, rate, frames: 5, audio: None };
+        let settings = FilmSettings { width: 64, height: 48, rate, frames: 5, first: 0, audio: None };
         let task = Task::new();
         task.cancel();
         assert!(matches!(shot.turntable(&path, settings.clone(), &task), Err(ViewError::Cancelled(_))));

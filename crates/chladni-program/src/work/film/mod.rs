@@ -8,27 +8,28 @@ mod record;
 mod report;
 mod songs;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use chladni_music::{BeatReading, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
 use chladni_sound::{WavSample, write_wav};
 use chladni_synth::Backend;
-use chladni_view::film::RawFormat;
+use chladni_view::film::{RawFormat, frame_path};
 use chladni_view::{Draw, Film as Reel, FilmFormat, FilmSettings, FrameRate, Look, Samples, ffmpeg_is_there};
 
 use super::body::laplacian;
 use super::dancer::{Dancing, classes};
 use super::outputs::check_file;
 use super::{
-    Cast, Error, HARMONICS, Hearing, Stance, Warning, Watcher, first_looks, look_named, opening_looks,
+    Cast, Error, HARMONICS, Hearing, Piece, Stance, Warning, Watcher, first_looks, look_named, opening_looks,
     opening_view,
 };
 use animation::Animation;
 pub use animation::Approximation;
 pub use beginning::Beginning;
 pub use deformed::Deformed;
-use performance::{Means, Performance};
+use performance::{Done, Means, Performance};
 pub use report::{Report, Seconds};
 use songs::Songs;
 
@@ -74,6 +75,10 @@ pub struct Film {
 pub struct Output {
     /// The film's file or folder; none is drawn without.
     pub film: Option<PathBuf>,
+    /// Only these frames are made, exactly those of the whole film; an MP4 of them has no sound.
+    pub piece: Option<Piece>,
+    /// Frames that are in the folder already stay as they are.
+    pub resume: bool,
     /// The film's frames go to standard output as they are, silent.
     pub pipe: Option<RawFormat>,
     /// Where the shape goes with its movement, as a GLB file with morph targets; its sound lies beside it.
@@ -174,6 +179,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
 
     let (instrument, script) = wanted.beginning.begin(&dancer)?;
     let frames = output.rate.frames_in(songs.film_secs());
+    let range = output.range(frames)?;
     let film_secs = output.rate.start_secs(frames);
     let (tempo_bpm, beat_confidence) = songs.tempo();
     let box_diagonal = dancer.box_diagonal;
@@ -206,13 +212,16 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let recording = output.coefficients.is_some();
     let mut animation = output.animation.as_ref().map(|_| Animation::new(frames, box_diagonal));
     let done = match (&output.film, output.pipe) {
+        _ if range.is_empty() => Done::default(),
         (path, pipe) if path.is_some() || pipe.is_some() => {
-            let sound = path.as_deref().map(|path| sound_for(path, &songs, watcher)).transpose()?.flatten();
+            let sound = path.as_deref().filter(|_| output.piece.is_none());
+            let sound = sound.map(|path| sound_for(path, &songs, watcher)).transpose()?.flatten();
             let settings = FilmSettings {
                 width: output.width,
                 height: output.height,
                 rate: output.rate,
-                frames,
+                frames: range.end - range.start,
+                first: range.start,
                 audio: sound.as_ref().map(|file| file.path().to_owned()),
             };
             let film = match (path, pipe) {
@@ -226,13 +235,17 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
             })?
         }
         _ => watcher.watch("dancing", |task| {
-            performance.rehearse(frames, &mut seconds, task, |form, items| match (&mut animation, items) {
-                (Some(_), [_, _, ..]) => Err(Error::input("a GLB holds one dance, not a gallery of them")),
-                (Some(animation), [item]) => {
-                    animation.push(form, item);
-                    Ok(())
+            performance.rehearse(range.clone(), &mut seconds, task, |form, items| {
+                match (&mut animation, items) {
+                    (Some(_), [_, _, ..]) => {
+                        Err(Error::input("a GLB holds one dance, not a gallery of them"))
+                    }
+                    (Some(animation), [item]) => {
+                        animation.push(form, item);
+                        Ok(())
+                    }
+                    _ => Ok(()),
                 }
-                _ => Ok(()),
             })
         })?,
     };
@@ -262,7 +275,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     Ok(Report {
         vertices: body.positions.len(),
         harmonics: body.basis.harmonics(),
-        frames,
+        frames: range.end - range.start,
         film_secs,
         times_real_time: film_secs / seconds.total,
         tempo_bpm,
@@ -322,6 +335,8 @@ impl Output {
     pub fn nowhere() -> Self {
         Self {
             film: None,
+            piece: None,
+            resume: false,
             pipe: None,
             is_folder: false,
             animation: None,
@@ -339,8 +354,24 @@ impl Output {
         }
     }
 
+    /// The frames that are to be made of `total`; none where all are there already.
+    fn range(&self, total: u64) -> Result<Range<u64>, Error> {
+        let Range { start, end } = match &self.piece {
+            None => 0..total,
+            Some(piece) => piece
+                .frames(total)
+                .ok_or_else(|| Error::Input(format!("--piece: the film has {total} frames")))?,
+        };
+        let folder = self.film.as_deref().filter(|_| self.is_folder && self.resume);
+        let is_there = |frame: &u64| folder.is_some_and(|folder| frame_path(folder, *frame).is_file());
+        Ok((start..end).find(|frame| !is_there(frame)).unwrap_or(end)..end)
+    }
+
     /// Checks, before any work, that it can be written.
     fn check(&self) -> Result<(), Error> {
+        if self.piece.is_some() && self.animation.is_some() {
+            return Err(Error::input("--piece: a GLB holds the whole dance"));
+        }
         if let Some(path) = self.film.as_deref().filter(|_| !self.is_folder) {
             let format = FilmFormat::of(path).map_err(Error::input)?;
             if format == FilmFormat::Frames {
@@ -348,6 +379,11 @@ impl Output {
                 return Err(Error::Input(format!(
                     "{path}: a film ends in .mp4, .gif or .png; for a folder use --frames"
                 )));
+            }
+            if format == FilmFormat::Gif && self.piece.is_some() {
+                return Err(Error::input(
+                    "--piece: a GIF has one palette for all frames: use --frames, -o -, or .mp4",
+                ));
             }
             if format == FilmFormat::Mp4 && !ffmpeg_is_there() {
                 return Err(Error::input(

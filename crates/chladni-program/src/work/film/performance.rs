@@ -1,5 +1,6 @@
 //! A performance, frame after frame: actions, sound, shape, picture.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use chladni_harmonics::Body;
@@ -20,6 +21,10 @@ use super::Seconds;
 use super::deformed::Deformed;
 use super::record::Recording;
 use crate::work::{Error, FrameGuard, Hearing, Programme, SandTable, Staging, along, chooses_shots, dots};
+
+/// Where a film begins in the midst of another, so much before it is drawn for the flash guard, which has to know what was
+/// seen in the last second.
+const LEAD_SECS: f64 = 2.0;
 
 /// What computes and draws; by default what suits the device.
 #[derive(Clone, Copy, Default)]
@@ -216,17 +221,18 @@ impl Performance {
         Ok((shot, items))
     }
 
-    /// Plays without drawing, for the coefficients; `each` is called with the form and items of every frame.
+    /// Plays without drawing, for the coefficients; `each` is called with the form and items of each of `frames`.
     pub fn rehearse(
         &mut self,
-        frames: u64,
+        frames: Range<u64>,
         seconds: &mut Seconds,
         task: &Task,
         mut each: impl FnMut(Form, &[Item]) -> Result<(), Error>,
     ) -> Result<Done, Error> {
-        let stage = task.stage("dancing", frames);
+        self.play_until(frames.start, seconds, task)?;
+        let stage = task.stage("dancing", frames.end - frames.start);
         let mut done = Done::default();
-        for frame in 0..frames {
+        for frame in frames {
             task.check()?;
             let (Shot { time_secs, .. }, items) = self.play(frame, seconds)?;
             let items = items.to_vec();
@@ -238,7 +244,18 @@ impl Performance {
         Ok(done)
     }
 
-    /// Draws all frames of `film` and finishes it.
+    /// Plays the frames before `end`, on which the others depend.
+    fn play_until(&mut self, end: u64, seconds: &mut Seconds, task: &Task) -> Result<(), Error> {
+        let stage = task.stage("dancing", end);
+        for frame in 0..end {
+            task.check()?;
+            self.play(frame, seconds)?;
+            stage.advance(1);
+        }
+        Ok(())
+    }
+
+    /// Draws all frames of `film`, the first of which is frame `film.settings().first` of the performance, and finishes it.
     pub fn film(
         &mut self,
         film: Film,
@@ -255,17 +272,21 @@ impl Performance {
         let mut deformed = Deformed::new(&device, &self.model, &self.triangles, means.synthesis)?;
         let rest = self.staging.rest_on(&device)?;
         let (rate, mut done) = (self.rate, Done::default());
-        let mut guard =
-            FrameGuard::new(!self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit));
+        let is_guarded = !self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit);
+        let mut guard = FrameGuard::new(is_guarded);
+        let first = film.settings().first;
+        let lead = if is_guarded { rate.frames_in(LEAD_SECS).min(first) } else { 0 };
+        let begin = first - lead;
+        self.play_until(begin, seconds, task)?;
         let mut guarding = 0.0;
         if canvas.samples() != samples {
             done.warnings.push(format!("the processor draws {}, whatever --samples says", canvas.samples()));
         }
         let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Error> {
-            let (shot, items) = self.play(frame, seconds)?;
+            let (shot, items) = self.play(begin + frame, seconds)?;
             let items = items.to_vec();
-            if let Some(first) = items.first().filter(|_| recording) {
-                done.recording.push(shot.time_secs, self.instrument.parameters().form, first);
+            if let Some(item) = items.first().filter(|_| recording && frame >= lead) {
+                done.recording.push(shot.time_secs, self.instrument.parameters().form, item);
             }
             // Full blending is the paper's: the mean of the exact and the rest normal.
             let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
@@ -285,15 +306,22 @@ impl Performance {
         };
         let retouch = |frame, picture: &mut _| {
             let start = Instant::now();
-            guard.pass(rate.start_secs(frame), picture);
+            guard.pass(rate.start_secs(begin + frame), picture);
             guarding += start.elapsed().as_secs_f64();
         };
-        let waits = shoot_retouched(&mut Renderer::new(&device), &canvas, film, task, draw, retouch)?;
+        let waits = shoot_retouched(&mut Renderer::new(&device), &canvas, film, lead, task, draw, retouch)?;
         seconds.drawing += waits.device_secs;
         seconds.encoding += waits.encoder_secs;
         seconds.guarding += guarding;
         done.most_flashes = guard.most_flashes();
         done.damped_frames = guard.damped_frames();
+        if lead > 0 && done.damped_frames > 0 {
+            done.warnings.push(
+                "the flash guard acted, which knows only the last two seconds before a piece: its first frames may be \
+                 veiled otherwise than in the whole film"
+                    .into(),
+            );
+        }
         done.drawn = Some(Drawn {
             device: device.description(),
             samples: canvas.samples(),

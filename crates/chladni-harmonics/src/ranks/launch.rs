@@ -1,0 +1,169 @@
+//! The ranks as processes: found, started, watched, ended.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+use chladni_task::{Cancelled, Task};
+
+use super::Ranks;
+use crate::HarmonicsError;
+
+/// Between two looks at whether the work was cancelled.
+const LOOK: Duration = Duration::from_millis(50);
+/// For mpirun to end its ranks before it is ended itself.
+const FAREWELL: Duration = Duration::from_secs(10);
+/// Of what goes wrong, this many lines are kept.
+const LINES: usize = 200;
+
+/// What starts ranks on this machine.
+pub(super) struct Launcher {
+    python: PathBuf,
+    is_open_mpi: bool,
+}
+
+fn missing(what: &str) -> HarmonicsError {
+    let reason = format!("{what}: install Open MPI and slepc4py (scripts/setup --mpi does)");
+    HarmonicsError::NoRanks { reason }
+}
+
+fn output(command: &mut Command) -> Option<String> {
+    let output = command.stdin(Stdio::null()).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+impl Launcher {
+    /// Looks for mpirun, and for a Python that has slepc4py: the one that `CHLADNI_MPI_PYTHON` names, else the PATH's, else
+    /// the system's.
+    pub(super) fn find(worker: &Path) -> Result<Self, HarmonicsError> {
+        let version = output(Command::new("mpirun").arg("--version"));
+        let version = version.ok_or_else(|| missing("mpirun is not on the PATH"))?;
+        let named = std::env::var_os("CHLADNI_MPI_PYTHON").filter(|name| !name.is_empty());
+        let candidates = match named {
+            Some(python) => vec![PathBuf::from(python)],
+            None => vec!["python3".into(), "/usr/bin/python3".into()],
+        };
+        let has_slepc = |python: &PathBuf| output(Command::new(python).arg(worker).arg("--check")).is_some();
+        let python = candidates.into_iter().find(has_slepc);
+        let python = python.ok_or_else(|| missing("no Python has slepc4py"))?;
+        Ok(Self { python, is_open_mpi: version.contains("Open MPI") })
+    }
+
+    fn command(&self, ranks: &Ranks, worker: &Path, folder: &Path) -> Command {
+        let mut command = Command::new("mpirun");
+        match (&ranks.hosts, self.is_open_mpi) {
+            (Some(hosts), true) => command.arg("--hostfile").arg(hosts),
+            (Some(hosts), false) => command.arg("-f").arg(hosts),
+            // More ranks than cores are slow, not wrong.
+            (None, true) => command.args(["--oversubscribe", "--bind-to", "none"]),
+            (None, false) => &mut command,
+        };
+        command.arg("-n").arg(ranks.count.to_string()).arg(&self.python).arg(worker).arg(folder);
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    /// Runs all ranks to their end; the stages that they report are those of `task`.
+    pub(super) fn run(
+        &self,
+        ranks: &Ranks,
+        worker: &Path,
+        folder: &Path,
+        task: &Task,
+    ) -> Result<(), HarmonicsError> {
+        let failed = |reason: String| HarmonicsError::RanksFailed { reason };
+        let mut command = self.command(ranks, worker, folder);
+        let mut running = Running(command.spawn().map_err(|error| failed(format!("mpirun: {error}")))?);
+        let told = lines(running.0.stdout.take());
+        let complaints = lines(running.0.stderr.take());
+        loop {
+            match told.recv_timeout(LOOK) {
+                Ok(line) => {
+                    if let Some(stage) = line.strip_prefix("stage ") {
+                        task.stage(stage, 0);
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            if task.is_cancelled() {
+                return Err(Cancelled.into());
+            }
+        }
+        let status = running.0.wait().map_err(|error| failed(format!("mpirun: {error}")))?;
+        task.check()?;
+        if status.success() { Ok(()) } else { Err(failed(reason(&complaints.iter().collect::<Vec<_>>()))) }
+    }
+}
+
+/// The lines of a pipe, as they come; those beyond the first are dropped where nobody takes them.
+fn lines(pipe: Option<impl std::io::Read + Send + 'static>) -> Receiver<String> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        let Some(pipe) = pipe else { return };
+        let mut sent = 0;
+        // Read to the end in any case: a full pipe would stop the ranks.
+        for line in BufReader::new(pipe).split(b'\n').map_while(Result::ok) {
+            sent += 1;
+            if sent <= LINES {
+                let _ = sender.send(String::from_utf8_lossy(&line).into_owned());
+            }
+        }
+    });
+    receiver
+}
+
+/// What a rank itself said, or else mpirun's first sentence.
+fn reason(complaints: &[String]) -> String {
+    if complaints.iter().any(|line| line.contains("attempt to run as root")) {
+        return "Open MPI runs as root only where OMPI_ALLOW_RUN_AS_ROOT=1 and OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 are set"
+            .into();
+    }
+    let of_rank = complaints.iter().find_map(|line| line.strip_prefix("chladni: "));
+    let raised = || complaints.iter().find(|line| line.contains("Error: ")).map(|line| line.trim());
+    let first =
+        || complaints.iter().map(|line| line.trim()).find(|line| line.chars().any(char::is_alphabetic));
+    of_rank.or_else(raised).or_else(first).unwrap_or("mpirun failed without a word").to_owned()
+}
+
+/// Ends mpirun, and with it all ranks, if it still runs when it is dropped.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if matches!(self.0.try_wait(), Ok(Some(_))) {
+            return;
+        }
+        // Asked to, mpirun ends its ranks on all hosts; killed, it would leave them behind.
+        let asked = Command::new("kill").args(["-TERM", &self.0.id().to_string()]).status();
+        let until = Instant::now() + FAREWELL;
+        while asked.as_ref().is_ok_and(std::process::ExitStatus::success) && Instant::now() < until {
+            if matches!(self.0.try_wait(), Ok(Some(_))) {
+                return;
+            }
+            std::thread::sleep(LOOK);
+        }
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reason_is_the_rank_s_own_where_it_gave_one() {
+        let told = |text: &str| reason(&text.lines().map(str::to_owned).collect::<Vec<_>>());
+        assert_eq!(
+            told("------\nPrimary job ended\nchladni: rank 1 on a: out of memory\n"),
+            "rank 1 on a: out of memory"
+        );
+        assert_eq!(told("-----\n\n  Bad hosts\n---"), "Bad hosts");
+        assert!(told("mpirun has detected an attempt to run as root.").contains("OMPI_ALLOW_RUN_AS_ROOT=1"));
+        assert_eq!(told("Traceback:\n  File a\nImportError: no b"), "ImportError: no b");
+        assert!(told("").contains("without a word"));
+    }
+}

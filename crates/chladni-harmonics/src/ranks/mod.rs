@@ -1,0 +1,405 @@
+//! Harmonics of meshes that outgrow one machine: the operator is built and the basis certified here, and SLEPc solves in
+//! between, on the ranks of MPI (docs/scale.md).
+//!
+//! The ranks run a small Python program, because slepc4py is packaged for every system that has MPI, while bindings of our
+//! own would tie the build to one version of four C libraries. It travels inside this crate.
+
+mod launch;
+mod petsc;
+
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use chladni_mesh::TriMesh;
+use chladni_task::Task;
+use serde::{Deserialize, Serialize};
+
+use crate::build::file_triangles;
+use crate::eigen::{certify, cluster_end};
+use crate::operator::Domain;
+use crate::{Basis, BasisSettings, Body, BuildReport, HarmonicsError, Operator, canonical, pages};
+use launch::Launcher;
+use petsc::ScaledOperator;
+
+/// What every rank runs.
+const WORKER: &str = include_str!("worker.py");
+/// More are a slip of the finger.
+const MOST: usize = 65_536;
+/// Without other hosts: more, and the machine would do nothing but switch between them.
+const MOST_PER_CORE: usize = 8;
+
+/// Where a solve by SLEPc runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ranks {
+    /// MPI processes, one core each.
+    pub count: usize,
+    /// The ranks are split into this many groups of equal size, each with a factor of its own and its own part of the
+    /// spectrum: quicker, with as many times the memory. 1 keeps one factor, spread over all.
+    pub groups: usize,
+    /// A host file of MPI; this machine alone without.
+    pub hosts: Option<PathBuf>,
+    /// The folder of the operator and the vectors on their way, which all hosts must see under this name; the system's
+    /// folder of temporary files unless given. What is written there is private and removed.
+    pub scratch: Option<PathBuf>,
+}
+
+/// How the ranks solved.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct RanksReport {
+    /// MPI processes.
+    pub ranks: usize,
+    /// Groups of them with a factor each.
+    pub groups: usize,
+    /// Whose factors the eigenvalues were counted with; the certificate's residuals and scalar products are measured here.
+    pub counted_by: &'static str,
+    /// Each shift (working units) with the number of eigenvalues below it, from the inertia of its factor.
+    pub counts: Vec<(f64, usize)>,
+    /// The largest memory of each rank, in bytes.
+    pub peak_bytes: Vec<u64>,
+    /// Seconds of rank 0: reading, counting, solving, polishing.
+    pub seconds: RanksSeconds,
+}
+
+/// Wall-clock seconds of rank 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RanksSeconds {
+    /// The operator, from disk.
+    pub read: f64,
+    /// Looking for the bounds of the spectrum that is asked for.
+    pub count: f64,
+    /// Krylov–Schur in all slices.
+    pub solve: f64,
+    /// One step of inverse iteration of all vectors, and writing them.
+    pub polish: f64,
+}
+
+/// What the ranks read.
+#[derive(Serialize)]
+struct Settings {
+    harmonics: usize,
+    zeros: usize,
+    weyl: f64,
+    groups: usize,
+}
+
+/// What each rank leaves.
+#[derive(Deserialize)]
+struct Part {
+    rows: [usize; 2],
+    eigenvalues: Vec<f64>,
+    counts: Vec<(f64, usize)>,
+    below: (f64, usize),
+    peak_bytes: u64,
+    seconds: RanksSeconds,
+}
+
+impl Ranks {
+    /// `count` ranks of one group on this machine.
+    pub fn here(count: usize) -> Self {
+        Self { count, groups: 1, hosts: None, scratch: None }
+    }
+
+    /// Checks, before any work, what can be checked.
+    ///
+    /// # Errors
+    /// [`HarmonicsError::NoRanks`] for no ranks or absurdly many, groups that do not divide them, and files that are not
+    /// there.
+    pub fn check(&self) -> Result<(), HarmonicsError> {
+        let refused = |reason: String| Err(HarmonicsError::NoRanks { reason });
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let most = if self.hosts.is_some() { MOST } else { MOST_PER_CORE * cores };
+        if !(1..=most).contains(&self.count) {
+            let of = if self.hosts.is_some() { "" } else { " without a file of hosts" };
+            return refused(format!("{} ranks: from 1 to {most} are possible{of}", self.count));
+        }
+        if self.groups == 0 || !self.count.is_multiple_of(self.groups) {
+            return refused(format!(
+                "{} ranks cannot be split into {} equal groups",
+                self.count, self.groups
+            ));
+        }
+        if let Some(hosts) = self.hosts.as_ref().filter(|hosts| !hosts.is_file()) {
+            return refused(format!("{}: there is no such file of hosts", hosts.display()));
+        }
+        if let Some(scratch) = self.scratch.as_ref().filter(|scratch| !scratch.is_dir()) {
+            return refused(format!("{}: there is no such folder", scratch.display()));
+        }
+        Ok(())
+    }
+}
+
+impl Body {
+    /// The body of `mesh` with harmonics of `operator`, which is of it, solved by SLEPc on `ranks`. Nothing is cached.
+    ///
+    /// The certificate is measured here, except that eigenvalues are counted with the factors that MUMPS made at the bounds
+    /// of all slices. K is at most half of N.
+    ///
+    /// # Errors
+    /// [`HarmonicsError::NoRanks`] where MPI or slepc4py is missing or the ranks asked for cannot be,
+    /// [`HarmonicsError::RanksFailed`] where they fail, and as [`Body::build`].
+    pub fn solve_on_ranks(
+        mesh: &TriMesh,
+        operator: &Operator,
+        settings: &BasisSettings,
+        ranks: &Ranks,
+        task: &Task,
+    ) -> Result<(Self, BuildReport, RanksReport), HarmonicsError> {
+        let start = Instant::now();
+        ranks.check()?;
+        let vertices = operator.vertices();
+        let harmonics = settings.clamped(vertices)?;
+        if harmonics * 2 > vertices || ranks.count > vertices {
+            let reason = "ranks are for large meshes: ask for at most half of all harmonics, and no more ranks than vertices";
+            return Err(HarmonicsError::TooMany { harmonics, vertices, reason: reason.into() });
+        }
+        crate::memory::check_ranks(vertices, harmonics)?;
+        let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
+        let (mut basis, of_ranks) = solve(operator, harmonics, ranks, task)?;
+        canonical::choose(&mut basis, &operator.positions, &operator.stiffness);
+        let whole = basis.harmonics();
+        if !settings.whole_clusters && whole > harmonics {
+            basis.truncate(harmonics);
+            report.cuts_cluster = true;
+        }
+        basis.certificate.laplacian = operator.laplacian;
+        report.seconds.solve = start.elapsed().as_secs_f64();
+        report.seconds.total = report.seconds.solve;
+        let Domain { frame, positions, operator_vertex, .. } = operator.domain();
+        let triangles = file_triangles(mesh, &operator_vertex);
+        let body = Self { frame, positions, triangles, operator_vertex, basis: Arc::new(basis) };
+        Ok((body, report, of_ranks))
+    }
+}
+
+/// K pairs, or more where K would cut a group of equal eigenvalues; and how they were found.
+fn solve(
+    operator: &Operator,
+    harmonics: usize,
+    ranks: &Ranks,
+    task: &Task,
+) -> Result<(Basis, RanksReport), HarmonicsError> {
+    let folder = private_folder(ranks).map_err(|error| unwritten(&error))?;
+    let worker = folder.path().join("worker.py");
+    fs::write(&worker, WORKER).map_err(|error| unwritten(&error))?;
+    let launcher = Launcher::find(&worker)?;
+    let zeros = operator.components();
+    let pairs = if harmonics > zeros {
+        task.stage("writing the operator", 0);
+        let settings = Settings {
+            harmonics,
+            zeros,
+            weyl: 4.0 * std::f64::consts::PI / operator.mass.iter().sum::<f64>(),
+            groups: ranks.groups,
+        };
+        write_problem(folder.path(), operator, &settings)?;
+        launcher.run(ranks, &worker, folder.path(), task)?;
+        task.stage("reading the harmonics", 0);
+        Pairs::read(folder.path(), ranks.count, operator.vertices())?
+    } else {
+        Pairs::default()
+    };
+    drop(folder);
+    task.stage("certificate", 0);
+    let counts_match = pairs.counts_match(zeros);
+    let mut eigenvalues = vec![0.0; zeros];
+    eigenvalues.extend(&pairs.eigenvalues);
+    if !eigenvalues.is_sorted() {
+        return Err(HarmonicsError::not_certified("the slices of the ranks overlap"));
+    }
+    if eigenvalues.len() < harmonics {
+        return Err(HarmonicsError::not_certified(format!(
+            "the ranks found {} pairs of {harmonics}",
+            eigenvalues.len()
+        )));
+    }
+    // Below λ = 0 there is none, and the last bound lies beyond a gap of 10⁻⁶.
+    let keep = if harmonics < zeros { zeros } else { cluster_end(&eigenvalues, harmonics) };
+    eigenvalues.truncate(keep);
+    let vectors = pairs.vectors_with_constants(operator, keep);
+    let certificate = certify(operator.pencil(), zeros, &eigenvalues, &vectors, counts_match);
+    let report = RanksReport {
+        ranks: ranks.count,
+        groups: ranks.groups,
+        counted_by: "MUMPS",
+        counts: pairs.counts,
+        peak_bytes: pairs.peak_bytes,
+        seconds: pairs.seconds,
+    };
+    Ok((Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate }, report))
+}
+
+fn unwritten(error: &std::io::Error) -> HarmonicsError {
+    HarmonicsError::RanksFailed { reason: format!("the operator cannot be handed to the ranks: {error}") }
+}
+
+fn private_folder(ranks: &Ranks) -> std::io::Result<tempfile::TempDir> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".chladni-ranks-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o700));
+    }
+    match &ranks.scratch {
+        Some(scratch) => builder.tempdir_in(fs::canonicalize(scratch)?),
+        None => builder.tempdir(),
+    }
+}
+
+fn write_problem(folder: &Path, operator: &Operator, settings: &Settings) -> Result<(), HarmonicsError> {
+    let scaled = ScaledOperator::of(operator.pencil())?;
+    let write = || {
+        let mut file = BufWriter::with_capacity(1 << 20, fs::File::create(folder.join("operator.petsc"))?);
+        scaled.write(&mut file)?;
+        file.flush()?;
+        fs::write(folder.join("settings.json"), serde_json::to_vec(settings)?)
+    };
+    write().map_err(|error: std::io::Error| unwritten(&error))
+}
+
+/// What all ranks found together: pairs of A = M^-½ S M^-½ above 0.
+#[derive(Default)]
+struct Pairs {
+    eigenvalues: Vec<f64>,
+    /// N values of each.
+    vectors: Vec<f64>,
+    counts: Vec<(f64, usize)>,
+    peak_bytes: Vec<u64>,
+    seconds: RanksSeconds,
+}
+
+impl Pairs {
+    fn read(folder: &Path, ranks: usize, n: usize) -> Result<Self, HarmonicsError> {
+        let mut pairs = Self::default();
+        let mut next_row = 0;
+        for rank in 0..ranks {
+            let bad = |what: &str| HarmonicsError::RanksFailed { reason: format!("rank {rank} left {what}") };
+            let told = fs::read(folder.join(format!("rank-{rank}.json"))).map_err(|_| bad("no result"))?;
+            let part: Part =
+                serde_json::from_slice(&told).map_err(|_| bad("a result that cannot be read"))?;
+            if rank == 0 {
+                pairs.vectors = pages::zeroed(n * part.eigenvalues.len());
+                (pairs.eigenvalues, pairs.counts, pairs.seconds) =
+                    (part.eigenvalues.clone(), part.counts, part.seconds);
+                pairs.counts.push(part.below);
+            }
+            let [first, end] = part.rows;
+            let fits = first == next_row
+                && first <= end
+                && end <= n
+                && part.eigenvalues.len() == pairs.eigenvalues.len();
+            let file =
+                fs::File::open(folder.join(format!("rank-{rank}.f64"))).map_err(|_| bad("no vectors"))?;
+            let expected = 8 * end.saturating_sub(first).saturating_mul(part.eigenvalues.len()) as u64;
+            if !fits || file.metadata().is_ok_and(|about| about.len() != expected) {
+                return Err(bad("rows that do not fit"));
+            }
+            let mut file = std::io::BufReader::with_capacity(1 << 20, file);
+            for column in pairs.vectors.chunks_exact_mut(n) {
+                let rows = bytemuck::cast_slice_mut(&mut column[first..end]);
+                std::io::Read::read_exact(&mut file, rows).map_err(|_| bad("vectors that end early"))?;
+            }
+            next_row = end;
+            pairs.peak_bytes.push(part.peak_bytes);
+        }
+        if cfg!(target_endian = "big") {
+            pairs.vectors.iter_mut().for_each(|x| *x = f64::from_bits(x.to_bits().swap_bytes()));
+        }
+        if next_row == n { Ok(pairs) } else { Err(HarmonicsError::not_certified("rows are missing")) }
+    }
+
+    /// Whether below every shift there are as many pairs as its factor counts.
+    fn counts_match(&self, zeros: usize) -> bool {
+        let below = |shift: f64| zeros + self.eigenvalues.iter().filter(|value| **value < shift).count();
+        self.counts.iter().all(|&(shift, count)| below(shift) == count)
+    }
+
+    /// The vectors H = M^-½ X after the constants of all components, whose share is removed from them; the first `keep`.
+    fn vectors_with_constants(&self, operator: &Operator, keep: usize) -> Vec<f64> {
+        let (n, zeros) = (operator.vertices(), operator.components());
+        let mut area = vec![0.0; zeros];
+        operator.component.iter().zip(&operator.mass).for_each(|(c, a)| area[*c as usize] += a);
+        let mut vectors = pages::zeroed(n * keep);
+        let (constants, rest) = vectors.split_at_mut(n * zeros.min(keep));
+        for (c, column) in constants.chunks_exact_mut(n).enumerate() {
+            for (x, own) in column.iter_mut().zip(&operator.component) {
+                if *own as usize == c {
+                    *x = area[c].sqrt().recip();
+                }
+            }
+        }
+        for (column, x) in rest.chunks_exact_mut(n).zip(self.vectors.chunks_exact(n)) {
+            let mut mean = vec![0.0; zeros];
+            for v in 0..n {
+                let root = operator.mass[v].sqrt();
+                column[v] = x[v] / root;
+                mean[operator.component[v] as usize] += x[v] * root;
+            }
+            mean.iter_mut().zip(&area).for_each(|(mean, area)| *mean /= area);
+            column.iter_mut().zip(&operator.component).for_each(|(h, c)| *h -= mean[*c as usize]);
+        }
+        vectors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_is_refused_before_any_work() {
+        let refused = |ranks: Ranks| ranks.check().unwrap_err().to_string();
+        assert!(refused(Ranks::here(0)).contains("0 ranks: from 1 to"));
+        assert!(refused(Ranks::here(1_000_000)).contains("without a file of hosts"));
+        assert!(refused(Ranks { groups: 3, ..Ranks::here(4) }).contains("4 ranks cannot be split into 3"));
+        assert!(refused(Ranks { groups: 0, ..Ranks::here(4) }).contains("into 0"));
+        let nowhere = Some(PathBuf::from("/no/such/place"));
+        assert!(refused(Ranks { hosts: nowhere.clone(), ..Ranks::here(1) }).contains("/no/such/place"));
+        assert!(refused(Ranks { scratch: nowhere, ..Ranks::here(1) }).contains("no such folder"));
+        assert!(Ranks { groups: 2, ..Ranks::here(4) }.check().is_ok());
+    }
+
+    #[test]
+    fn pairs_that_are_missing_are_counted() {
+        let pairs = |eigenvalues: &[f64]| Pairs {
+            eigenvalues: eigenvalues.to_vec(),
+            counts: vec![(0.1, 2), (3.5, 5), (9.0, 6)],
+            ..Pairs::default()
+        };
+        assert!(pairs(&[1.0, 2.0, 3.0, 8.0]).counts_match(2));
+        assert!(!pairs(&[1.0, 2.0, 8.0]).counts_match(2));
+        assert!(!pairs(&[1.0, 2.0, 3.0, 3.0, 8.0]).counts_match(2));
+        assert!(!pairs(&[1.0, 2.0, 3.0, 8.0]).counts_match(1));
+    }
+
+    #[test]
+    fn damaged_results_of_ranks_are_errors() {
+        let folder = tempfile::tempdir().unwrap();
+        let read = |told: &str, vectors: &[u8]| {
+            fs::write(folder.path().join("rank-0.json"), told).unwrap();
+            fs::write(folder.path().join("rank-0.f64"), vectors).unwrap();
+            Pairs::read(folder.path(), 1, 2).map(|pairs| pairs.vectors)
+        };
+        let told = |rows: &str| {
+            format!(
+                r#"{{"rows": {rows}, "eigenvalues": [1.0], "counts": [], "below": [2.0, 2], "peak_bytes": 1,
+                "seconds": {{"read": 0, "count": 0, "solve": 0, "polish": 0}}}}"#
+            )
+        };
+        let two: Vec<u8> = [1.5f64, -2.5].iter().flat_map(|x| x.to_le_bytes()).collect();
+        assert_eq!(read(&told("[0, 2]"), &two).unwrap(), [1.5, -2.5]);
+        for (rows, bytes) in [
+            ("[0, 2]", &two[..15]),
+            ("[1, 0]", &two),
+            ("[0, 3]", &two),
+            ("[0, 1]", &two),
+            ("[0, 1]", &two[..8]),
+        ] {
+            assert!(read(&told(rows), bytes).is_err(), "{rows}");
+        }
+        assert!(read("{", &two).is_err());
+    }
+}

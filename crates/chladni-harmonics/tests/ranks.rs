@@ -1,0 +1,146 @@
+//! Bases by SLEPc on the ranks of MPI against those of our own solver. Where MPI or slepc4py is missing, a line is printed
+//! and the test is skipped.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod shapes;
+
+use chladni_harmonics::{Basis, BasisSettings, Body, HarmonicsError, Operator, Ranks, RanksReport};
+use chladni_mesh::TriMesh;
+use chladni_task::{Cancelled, Task};
+
+/// A bumpy sphere: no two eigenvalues are equal.
+fn bumpy(levels: u32) -> TriMesh {
+    let mut mesh = shapes::icosphere(levels);
+    for p in &mut mesh.positions {
+        let size = 1.0 + 0.2 * (3.0 * p[0] + 1.0).sin() * (2.0 * p[1]).cos() + 0.1 * p[2];
+        *p = p.map(|x| x * size);
+    }
+    mesh
+}
+
+/// `None` where nothing can be solved with.
+fn solved(mesh: &TriMesh, settings: &BasisSettings, ranks: &Ranks) -> Option<(Body, RanksReport, bool)> {
+    let operator = Operator::of(mesh).unwrap();
+    match Body::solve_on_ranks(mesh, &operator, settings, ranks, &Task::new()) {
+        Ok((body, report, of_ranks)) => {
+            // Our own factorizations agree with those of MUMPS.
+            let again = operator.certify(&body.basis).unwrap();
+            for certificate in [again, body.basis.certificate] {
+                assert!(certificate.is_precise(), "{certificate:?}");
+            }
+            if settings.harmonics > operator.components() {
+                assert_eq!((of_ranks.ranks, of_ranks.peak_bytes.len()), (ranks.count, ranks.count));
+            }
+            Some((body, of_ranks, report.cuts_cluster))
+        }
+        Err(HarmonicsError::NoRanks { reason }) => {
+            println!("skipped: {reason}");
+            None
+        }
+        Err(HarmonicsError::RanksFailed { reason }) if reason.contains("OMPI_ALLOW_RUN_AS_ROOT") => {
+            println!("skipped: {reason}");
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Eigenvalues to 10⁻⁸; vectors by the share of each one that lies in ours of the same and equal eigenvalues.
+fn agree(theirs: &Basis, ours: &Basis) {
+    assert_eq!(theirs.harmonics(), ours.harmonics());
+    for (k, (a, b)) in theirs.eigenvalues.iter().zip(&ours.eigenvalues).enumerate() {
+        assert!((a - b).abs() <= 1e-8 * b, "{k}: {a} for {b}");
+    }
+    let last = ours.harmonics() - 1;
+    for k in 0..=last {
+        let near = |j: &usize| {
+            (ours.eigenvalues[*j] - theirs.eigenvalues[k]).abs() <= 1e-4 * theirs.eigenvalues[k].max(1e-9)
+        };
+        let share: f64 = (0..=last)
+            .filter(near)
+            .map(|j| {
+                let product = |v: usize| theirs.harmonic(k)[v] * ours.harmonic(j)[v] * ours.mass[v];
+                (0..ours.vertices()).map(product).sum::<f64>().powi(2)
+            })
+            .sum();
+        // The last group may go on beyond K.
+        assert!(
+            (share - 1.0).abs() < 1e-8
+                || ours.eigenvalues[last] - ours.eigenvalues[k] < 1e-4 * ours.eigenvalues[k],
+            "{k}: {share}"
+        );
+    }
+}
+
+#[test]
+fn one_two_and_four_ranks_find_what_our_solver_finds() {
+    let (mesh, settings) = (bumpy(3), BasisSettings::new(40));
+    let ours = Body::build(&mesh, &settings, &Task::new()).unwrap();
+    for (count, groups) in [(1, 1), (2, 1), (4, 2)] {
+        let ranks = Ranks { groups, ..Ranks::here(count) };
+        let Some((body, report, cuts)) = solved(&mesh, &settings, &ranks) else { return };
+        agree(&body.basis, &ours.basis);
+        assert!(!cuts && report.counts.len() >= 3);
+        for k in 0..40 {
+            // The same choice of sign.
+            let product =
+                |v: usize| body.basis.harmonic(k)[v] * ours.basis.harmonic(k)[v] * ours.basis.mass[v];
+            assert!((0..ours.basis.vertices()).map(product).sum::<f64>() > 0.99, "{k}");
+        }
+    }
+}
+
+#[test]
+fn clusters_and_several_components_come_whole() {
+    // Two spheres: every eigenvalue l (l + 1) is there 2 (2 l + 1) times; 20 is in the middle of a group of ten.
+    let sphere = shapes::icosphere(3);
+    let mesh = shapes::beside(&[sphere.clone(), sphere], [3.0, 0.0, 0.0]);
+    for (whole_clusters, expected) in [(false, 15), (true, 18)] {
+        let settings = BasisSettings { whole_clusters, ..BasisSettings::new(15) };
+        let ours = Body::build(&mesh, &settings, &Task::new()).unwrap();
+        let Some((body, _, cuts)) = solved(&mesh, &settings, &Ranks::here(1)) else { return };
+        assert_eq!((body.basis.harmonics(), cuts), (expected, !whole_clusters));
+        agree(&body.basis, &ours.basis);
+    }
+    // No more than the constants.
+    let Some((body, ..)) = solved(&mesh, &BasisSettings::new(2), &Ranks::here(1)) else { return };
+    assert_eq!(body.basis.eigenvalues, [0.0, 0.0]);
+}
+
+#[test]
+fn a_cancelled_solve_ends_its_ranks_and_leaves_nothing() {
+    let scratch = tempfile::tempdir().unwrap();
+    let mesh = bumpy(5);
+    let operator = Operator::of(&mesh).unwrap();
+    let ranks = Ranks { scratch: Some(scratch.path().to_owned()), ..Ranks::here(2) };
+    let task = Task::new();
+    let outcome = std::thread::scope(|scope| {
+        let solving = scope.spawn(|| {
+            Body::solve_on_ranks(&mesh, &operator, &BasisSettings::new(300), &ranks, &task).map(|_| ())
+        });
+        // Until the ranks are at work.
+        while !solving.is_finished() && task.progress().stage != "counting" {
+            std::thread::yield_now();
+        }
+        task.cancel();
+        solving.join().unwrap()
+    });
+    match outcome {
+        Err(HarmonicsError::Cancelled(Cancelled)) => {}
+        Err(HarmonicsError::NoRanks { reason } | HarmonicsError::RanksFailed { reason }) => {
+            println!("skipped: {reason}")
+        }
+        other => panic!("{other:?}"),
+    }
+    assert_eq!(std::fs::read_dir(scratch.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn too_many_harmonics_are_refused() {
+    let mesh = shapes::icosphere(1);
+    let operator = Operator::of(&mesh).unwrap();
+    let error =
+        Body::solve_on_ranks(&mesh, &operator, &BasisSettings::new(30), &Ranks::here(1), &Task::new());
+    assert!(error.unwrap_err().to_string().contains("at most half"));
+}
