@@ -12,7 +12,7 @@ use crate::sides::Sides;
 use crate::steepness::{Patch, steepness};
 use crate::swing::Swing;
 use crate::unison::unisons;
-use crate::{Class, Error, Form, SymmetrySettings, Timbre, symmetry};
+use crate::{Class, Form, MusicError, SymmetrySettings, Timbre, symmetry};
 
 /// What the mappings of all items share: the data of one body, in the working frame.
 #[derive(Clone, Debug)]
@@ -65,17 +65,17 @@ impl Dancer {
     /// stands as `stands` says: its left half is the viewer's.
     ///
     /// Errors if the counts differ, or if there is no harmonic or no vertex.
-    pub fn new(body: &Body, classes: &[Class], stands: &Orientation) -> Result<Self, Error> {
+    pub fn new(body: &Body, classes: &[Class], stands: &Orientation) -> Result<Self, MusicError> {
         let basis = &*body.basis;
         let k = basis.harmonics();
         if classes.len() != k {
-            return Err(Error::Size { what: "symmetry classes", found: classes.len(), expected: k });
+            return Err(MusicError::Size { what: "symmetry classes", found: classes.len(), expected: k });
         }
         if k == 0 || basis.vertices() == 0 {
-            return Err(Error::Size { what: "harmonics", found: k, expected: 1 });
+            return Err(MusicError::Size { what: "harmonics", found: k, expected: 1 });
         }
         if body.positions.len() != basis.vertices() {
-            return Err(Error::Size {
+            return Err(MusicError::Size {
                 what: "positions",
                 found: body.positions.len(),
                 expected: basis.vertices(),

@@ -12,7 +12,7 @@ use super::Concert;
 struct Dance<'a> {
     name: &'a str,
     chosen: bool,
-    favourite: bool,
+    favorite: bool,
     locked: bool,
 }
 
@@ -42,7 +42,7 @@ impl Concert {
     pub fn state(&self) -> Result<String, JsError> {
         let instrument = &self.instrument;
         let gallery = instrument.gallery();
-        let is_favourite = |id| instrument.favourites().iter().any(|known| known.id == id);
+        let is_favorite = |id| instrument.favorites().iter().any(|known| known.id == id);
         let beat = self.hearing.beat_at(self.clock.at_secs());
         let state = State {
             body: &self.name,
@@ -52,7 +52,7 @@ impl Concert {
                 .map(|item| Dance {
                     name: &item.name,
                     chosen: item.chosen,
-                    favourite: is_favourite(item.id),
+                    favorite: is_favorite(item.id),
                     locked: item.locked,
                 })
                 .collect(),
