@@ -222,7 +222,7 @@ fn solve(
         )));
     }
     // Below λ = 0 there is none, and the last bound lies beyond a gap of 10⁻⁶.
-    debug_assert!(CLUSTER < 1e-6);
+    const { assert!(CLUSTER < 1e-6) };
     let keep = if harmonics < zeros { zeros } else { cluster_end(&eigenvalues, harmonics) };
     eigenvalues.truncate(keep);
     let mut vectors = pairs.vectors;
