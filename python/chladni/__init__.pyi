@@ -39,6 +39,11 @@ class Basis:
         whole_clusters: bool = False,
         threads: int | None = None,
         progress: Progress | None = None,
+        engine: str = "chladni",
+        ranks: int | None = None,
+        groups: int | None = None,
+        hosts: str | PathLike[str] | None = None,
+        scratch: str | PathLike[str] | None = None,
     ) -> None: ...
     @property
     def eigenvalues(self) -> Floats: ...

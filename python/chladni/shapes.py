@@ -15,6 +15,9 @@ class Basis(_chladni.Basis):
     any mesh with area. Vertices in one place are welded: they have equal rows and share their area. With
     ``whole_clusters``, a k that would cut a multiple eigenvalue is raised to the end of its group.
 
+    With ``engine="slepc"``, SLEPc solves on so many ``ranks`` of MPI, in ``groups`` that each have a factor, on the machines
+    of a file of ``hosts`` that share the folder ``scratch``; the certificate is still measured here (docs/scale.md).
+
     Borders are free (Neumann). ``eigenvectors.T @ (mass[:, None] * eigenvectors)`` is the identity.
     """
 

@@ -1,8 +1,9 @@
 //! The basis of a mesh, with a row for each vertex that was given.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use chladni_harmonics::{self as harmonics, BasisSettings, Body, BuildReport};
+use chladni_harmonics::{self as harmonics, BasisSettings, Body, BuildReport, Operator, Ranks};
 use chladni_mesh::{Frame, TriMesh};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -74,8 +75,15 @@ pub struct Basis {
 #[pymethods]
 impl Basis {
     #[new]
-    #[pyo3(signature = (V, F, k, *, whole_clusters=false, threads=None, progress=None))]
-    #[expect(non_snake_case, reason = "as the field writes them")]
+    #[pyo3(signature = (
+        V, F, k, *, whole_clusters=false, threads=None, progress=None, engine="chladni", ranks=None, groups=None,
+        hosts=None, scratch=None
+    ))]
+    #[expect(
+        non_snake_case,
+        clippy::too_many_arguments,
+        reason = "as the field writes them; each has a name in Python"
+    )]
     fn new(
         py: Python<'_>,
         V: &Bound<'_, PyAny>,
@@ -84,8 +92,14 @@ impl Basis {
         whole_clusters: bool,
         threads: Option<&Bound<'_, PyAny>>,
         progress: Option<&Bound<'_, PyAny>>,
+        engine: &str,
+        ranks: Option<&Bound<'_, PyAny>>,
+        groups: Option<&Bound<'_, PyAny>>,
+        hosts: Option<PathBuf>,
+        scratch: Option<PathBuf>,
     ) -> PyResult<Self> {
         let mesh = arrays::mesh(V, F, ["V", "F"])?;
+        let ranks = ranks_of(engine, ranks, groups, hosts, scratch)?;
         let harmonics = arrays::count(k, "k", 1)?;
         if harmonics > mesh.positions.len() {
             let n = mesh.positions.len();
@@ -95,8 +109,16 @@ impl Basis {
         }
         let threads = threads.map(|threads| arrays::count(threads, "threads", 1)).transpose()?;
         let settings = BasisSettings { threads, whole_clusters, ..BasisSettings::new(harmonics) };
-        let (body, report) =
-            work::run(py, progress, |task| Ok(Body::load_or_build(&mesh, &settings, None, task)?))?;
+        let (body, report) = work::run(py, progress, |task| {
+            Ok(match &ranks {
+                None => Body::load_or_build(&mesh, &settings, None, task)?,
+                Some(ranks) => {
+                    let operator = Operator::of(&mesh)?;
+                    let (body, report, _) = Body::solve_on_ranks(&mesh, &operator, &settings, ranks, task)?;
+                    (body, report)
+                }
+            })
+        })?;
         told(py, &report, &body.basis.certificate)?;
         let rows = rows_of(&body);
         let Body { frame, positions, triangles, operator_vertex, .. } = body;
@@ -181,6 +203,36 @@ impl Basis {
             operator_vertex: self.operator_vertex.clone(),
             basis: Arc::new(basis),
         })
+    }
+}
+
+/// The ranks that SLEPc is to solve on, where it is asked for.
+fn ranks_of(
+    engine: &str,
+    ranks: Option<&Bound<'_, PyAny>>,
+    groups: Option<&Bound<'_, PyAny>>,
+    hosts: Option<PathBuf>,
+    scratch: Option<PathBuf>,
+) -> PyResult<Option<Ranks>> {
+    let given = ranks.is_some() || groups.is_some() || hosts.is_some() || scratch.is_some();
+    match engine {
+        "chladni" if !given => Ok(None),
+        "chladni" => Err(InputError::new_err("ranks, groups, hosts and scratch belong to engine=\"slepc\"")),
+        "slepc" => {
+            let number = |given: Option<&Bound<'_, PyAny>>, name: &str, usual: usize| {
+                given.map_or(Ok(usual), |given| arrays::count(given, name, 1))
+            };
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            let ranks = Ranks {
+                count: number(ranks, "ranks", cores)?,
+                groups: number(groups, "groups", 1)?,
+                hosts,
+                scratch,
+            };
+            ranks.check().map_err(Failure::from)?;
+            Ok(Some(ranks))
+        }
+        _ => Err(InputError::new_err(format!("engine is {engine:?}, where 'chladni' or 'slepc' is needed"))),
     }
 }
 

@@ -17,9 +17,9 @@ fn of_solve(vertices: usize, harmonics: usize, slices: usize) -> u64 {
     each.saturating_mul(vertices as u64)
 }
 
-/// About how many bytes stay here where others solve: the mesh, and the vectors as they come and as they are certified.
+/// About how many bytes it takes here where others solve: the mesh, and the vectors.
 fn of_ranks(vertices: usize, harmonics: usize) -> u64 {
-    (3 * VALUE).saturating_mul(harmonics as u64).saturating_add(SURFACE).saturating_mul(vertices as u64)
+    VALUE.saturating_mul(harmonics as u64 + 64).saturating_add(SURFACE).saturating_mul(vertices as u64)
 }
 
 /// Refuses a solve, in `slices` at once, for which there is not enough memory.

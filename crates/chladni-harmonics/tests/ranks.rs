@@ -19,8 +19,12 @@ fn bumpy(levels: u32) -> TriMesh {
     mesh
 }
 
-/// `None` where nothing can be solved with.
-fn solved(mesh: &TriMesh, settings: &BasisSettings, ranks: &Ranks) -> Option<(Body, RanksReport, bool)> {
+/// Why nothing can be solved with ranks here, where that is so.
+fn solved(
+    mesh: &TriMesh,
+    settings: &BasisSettings,
+    ranks: &Ranks,
+) -> Result<(Body, RanksReport, bool), String> {
     let operator = Operator::of(mesh).unwrap();
     match Body::solve_on_ranks(mesh, &operator, settings, ranks, &Task::new()) {
         Ok((body, report, of_ranks)) => {
@@ -32,15 +36,11 @@ fn solved(mesh: &TriMesh, settings: &BasisSettings, ranks: &Ranks) -> Option<(Bo
             if settings.harmonics > operator.components() {
                 assert_eq!((of_ranks.ranks, of_ranks.peak_bytes.len()), (ranks.count, ranks.count));
             }
-            Some((body, of_ranks, report.cuts_cluster))
+            Ok((body, of_ranks, report.cuts_cluster))
         }
-        Err(HarmonicsError::NoRanks { reason }) => {
-            println!("skipped: {reason}");
-            None
-        }
+        Err(HarmonicsError::NoRanks { reason }) => Err(reason),
         Err(HarmonicsError::RanksFailed { reason }) if reason.contains("OMPI_ALLOW_RUN_AS_ROOT") => {
-            println!("skipped: {reason}");
-            None
+            Err(reason)
         }
         Err(error) => panic!("{error}"),
     }
@@ -79,7 +79,10 @@ fn one_two_and_four_ranks_find_what_our_solver_finds() {
     let ours = Body::build(&mesh, &settings, &Task::new()).unwrap();
     for (count, groups) in [(1, 1), (2, 1), (4, 2)] {
         let ranks = Ranks { groups, ..Ranks::here(count) };
-        let Some((body, report, cuts)) = solved(&mesh, &settings, &ranks) else { return };
+        let (body, report, cuts) = match solved(&mesh, &settings, &ranks) {
+            Ok(solved) => solved,
+            Err(reason) => return println!("skipped: {reason}"),
+        };
         agree(&body.basis, &ours.basis);
         assert!(!cuts && report.counts.len() >= 3);
         for k in 0..40 {
@@ -99,12 +102,18 @@ fn clusters_and_several_components_come_whole() {
     for (whole_clusters, expected) in [(false, 15), (true, 18)] {
         let settings = BasisSettings { whole_clusters, ..BasisSettings::new(15) };
         let ours = Body::build(&mesh, &settings, &Task::new()).unwrap();
-        let Some((body, _, cuts)) = solved(&mesh, &settings, &Ranks::here(1)) else { return };
+        let (body, _, cuts) = match solved(&mesh, &settings, &Ranks::here(1)) {
+            Ok(solved) => solved,
+            Err(reason) => return println!("skipped: {reason}"),
+        };
         assert_eq!((body.basis.harmonics(), cuts), (expected, !whole_clusters));
         agree(&body.basis, &ours.basis);
     }
     // No more than the constants.
-    let Some((body, ..)) = solved(&mesh, &BasisSettings::new(2), &Ranks::here(1)) else { return };
+    let (body, ..) = match solved(&mesh, &BasisSettings::new(2), &Ranks::here(1)) {
+        Ok(solved) => solved,
+        Err(reason) => return println!("skipped: {reason}"),
+    };
     assert_eq!(body.basis.eigenvalues, [0.0, 0.0]);
 }
 

@@ -32,6 +32,8 @@ const DENSE: usize = 300;
 const DENSE_SHARE: usize = 4000;
 /// A dense solve of more vertices would hold four matrices of 3 GB.
 const DENSE_MOST: usize = 20_000;
+/// Columns of M H that are in memory at once where all scalar products are measured.
+const COLUMNS: usize = 32;
 /// Two eigenvalues that agree to this relative tolerance count as one multiple eigenvalue.
 pub(crate) const CLUSTER: f64 = 1e-7;
 
@@ -164,12 +166,16 @@ pub(crate) fn certify(
         residual = residual.max(error.sqrt() / norm);
     }
     let h = MatRef::from_column_major_slice(vectors, n, k);
-    let weighted: Vec<f64> = vectors.chunks_exact(n.max(1)).flat_map(|h| pencil.mass_times(h)).collect();
-    let gram = h.transpose() * MatRef::from_column_major_slice(&weighted, n, k);
     let mut orthogonality = 0.0_f64;
-    for j in 0..k {
-        for i in 0..k {
-            orthogonality = orthogonality.max((gram[(i, j)] - f64::from(u8::from(i == j))).abs());
+    // Some columns of M H at a time: all of them would take as much memory as H.
+    for (number, columns) in vectors.chunks(COLUMNS * n.max(1)).enumerate() {
+        let weighted: Vec<f64> = columns.chunks_exact(n.max(1)).flat_map(|h| pencil.mass_times(h)).collect();
+        let gram = h.transpose() * MatRef::from_column_major_slice(&weighted, n, weighted.len() / n.max(1));
+        for j in 0..gram.ncols() {
+            for i in 0..k {
+                let unit = f64::from(u8::from(i == number * COLUMNS + j));
+                orthogonality = orthogonality.max((gram[(i, j)] - unit).abs());
+            }
         }
     }
     Certificate {

@@ -18,7 +18,7 @@ use chladni_task::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::build::file_triangles;
-use crate::eigen::{certify, cluster_end};
+use crate::eigen::{CLUSTER, certify, cluster_end};
 use crate::operator::Domain;
 use crate::{Basis, BasisSettings, Body, BuildReport, HarmonicsError, Operator, canonical, pages};
 use launch::Launcher;
@@ -59,6 +59,10 @@ pub struct RanksReport {
     pub counts: Vec<(f64, usize)>,
     /// The largest memory of each rank, in bytes.
     pub peak_bytes: Vec<u64>,
+    /// Values in a factor, over all ranks.
+    pub factor_entries: f64,
+    /// Additions and multiplications that it takes.
+    pub factor_flops: f64,
     /// Seconds of rank 0: reading, counting, solving, polishing.
     pub seconds: RanksSeconds,
 }
@@ -93,6 +97,8 @@ struct Part {
     counts: Vec<(f64, usize)>,
     below: (f64, usize),
     peak_bytes: u64,
+    factor_entries: f64,
+    factor_flops: f64,
     seconds: RanksSeconds,
 }
 
@@ -197,9 +203,9 @@ fn solve(
         write_problem(folder.path(), operator, &settings)?;
         launcher.run(ranks, &worker, folder.path(), task)?;
         task.stage("reading the harmonics", 0);
-        Pairs::read(folder.path(), ranks.count, operator.vertices())?
+        Pairs::read(folder.path(), ranks.count, operator.vertices(), zeros)?
     } else {
-        Pairs::default()
+        Pairs { vectors: pages::zeroed(operator.vertices() * zeros), ..Pairs::default() }
     };
     drop(folder);
     task.stage("certificate", 0);
@@ -216,9 +222,12 @@ fn solve(
         )));
     }
     // Below λ = 0 there is none, and the last bound lies beyond a gap of 10⁻⁶.
+    const { assert!(CLUSTER < 1e-6) };
     let keep = if harmonics < zeros { zeros } else { cluster_end(&eigenvalues, harmonics) };
     eigenvalues.truncate(keep);
-    let vectors = pairs.vectors_with_constants(operator, keep);
+    let mut vectors = pairs.vectors;
+    vectors.truncate(operator.vertices() * keep);
+    to_harmonics(&mut vectors, operator);
     let certificate = certify(operator.pencil(), zeros, &eigenvalues, &vectors, counts_match);
     let report = RanksReport {
         ranks: ranks.count,
@@ -226,6 +235,8 @@ fn solve(
         counted_by: "MUMPS",
         counts: pairs.counts,
         peak_bytes: pairs.peak_bytes,
+        factor_entries: pairs.factor[0],
+        factor_flops: pairs.factor[1],
         seconds: pairs.seconds,
     };
     Ok((Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate }, report))
@@ -264,15 +275,16 @@ fn write_problem(folder: &Path, operator: &Operator, settings: &Settings) -> Res
 #[derive(Default)]
 struct Pairs {
     eigenvalues: Vec<f64>,
-    /// N values of each.
+    /// Columns of zeros, in which the constants will lie, and then N values of each pair.
     vectors: Vec<f64>,
     counts: Vec<(f64, usize)>,
     peak_bytes: Vec<u64>,
+    factor: [f64; 2],
     seconds: RanksSeconds,
 }
 
 impl Pairs {
-    fn read(folder: &Path, ranks: usize, n: usize) -> Result<Self, HarmonicsError> {
+    fn read(folder: &Path, ranks: usize, n: usize, zeros: usize) -> Result<Self, HarmonicsError> {
         let mut pairs = Self::default();
         let mut next_row = 0;
         for rank in 0..ranks {
@@ -281,10 +293,11 @@ impl Pairs {
             let part: Part =
                 serde_json::from_slice(&told).map_err(|_| bad("a result that cannot be read"))?;
             if rank == 0 {
-                pairs.vectors = pages::zeroed(n * part.eigenvalues.len());
+                pairs.vectors = pages::zeroed(n * (zeros + part.eigenvalues.len()));
                 (pairs.eigenvalues, pairs.counts, pairs.seconds) =
                     (part.eigenvalues.clone(), part.counts, part.seconds);
                 pairs.counts.push(part.below);
+                pairs.factor = [part.factor_entries, part.factor_flops];
             }
             let [first, end] = part.rows;
             let fits = first == next_row
@@ -298,7 +311,7 @@ impl Pairs {
                 return Err(bad("rows that do not fit"));
             }
             let mut file = std::io::BufReader::with_capacity(1 << 20, file);
-            for column in pairs.vectors.chunks_exact_mut(n) {
+            for column in pairs.vectors.chunks_exact_mut(n).skip(zeros) {
                 let rows = bytemuck::cast_slice_mut(&mut column[first..end]);
                 std::io::Read::read_exact(&mut file, rows).map_err(|_| bad("vectors that end early"))?;
             }
@@ -316,32 +329,28 @@ impl Pairs {
         let below = |shift: f64| zeros + self.eigenvalues.iter().filter(|value| **value < shift).count();
         self.counts.iter().all(|&(shift, count)| below(shift) == count)
     }
+}
 
-    /// The vectors H = M^-½ X after the constants of all components, whose share is removed from them; the first `keep`.
-    fn vectors_with_constants(&self, operator: &Operator, keep: usize) -> Vec<f64> {
-        let (n, zeros) = (operator.vertices(), operator.components());
-        let mut area = vec![0.0; zeros];
-        operator.component.iter().zip(&operator.mass).for_each(|(c, a)| area[*c as usize] += a);
-        let mut vectors = pages::zeroed(n * keep);
-        let (constants, rest) = vectors.split_at_mut(n * zeros.min(keep));
-        for (c, column) in constants.chunks_exact_mut(n).enumerate() {
-            for (x, own) in column.iter_mut().zip(&operator.component) {
-                if *own as usize == c {
-                    *x = area[c].sqrt().recip();
-                }
+/// X to H = M^-½ X, in place, without any share of the constants of the components, which fill the first columns.
+fn to_harmonics(vectors: &mut [f64], operator: &Operator) {
+    let (n, zeros) = (operator.vertices(), operator.components());
+    let mut area = vec![0.0; zeros];
+    operator.component.iter().zip(&operator.mass).for_each(|(c, a)| area[*c as usize] += a);
+    for (k, column) in vectors.chunks_exact_mut(n).enumerate() {
+        if let Some(area) = area.get(k) {
+            for (h, _) in column.iter_mut().zip(&operator.component).filter(|(_, c)| **c as usize == k) {
+                *h = area.sqrt().recip();
             }
+            continue;
         }
-        for (column, x) in rest.chunks_exact_mut(n).zip(self.vectors.chunks_exact(n)) {
-            let mut mean = vec![0.0; zeros];
-            for v in 0..n {
-                let root = operator.mass[v].sqrt();
-                column[v] = x[v] / root;
-                mean[operator.component[v] as usize] += x[v] * root;
-            }
-            mean.iter_mut().zip(&area).for_each(|(mean, area)| *mean /= area);
-            column.iter_mut().zip(&operator.component).for_each(|(h, c)| *h -= mean[*c as usize]);
+        let mut mean = vec![0.0; zeros];
+        for (v, h) in column.iter_mut().enumerate() {
+            let root = operator.mass[v].sqrt();
+            mean[operator.component[v] as usize] += *h * root;
+            *h /= root;
         }
-        vectors
+        mean.iter_mut().zip(&area).for_each(|(mean, area)| *mean /= area);
+        column.iter_mut().zip(&operator.component).for_each(|(h, c)| *h -= mean[*c as usize]);
     }
 }
 
@@ -381,11 +390,12 @@ mod tests {
         let read = |told: &str, vectors: &[u8]| {
             fs::write(folder.path().join("rank-0.json"), told).unwrap();
             fs::write(folder.path().join("rank-0.f64"), vectors).unwrap();
-            Pairs::read(folder.path(), 1, 2).map(|pairs| pairs.vectors)
+            Pairs::read(folder.path(), 1, 2, 0).map(|pairs| pairs.vectors)
         };
         let told = |rows: &str| {
             format!(
-                r#"{{"rows": {rows}, "eigenvalues": [1.0], "counts": [], "below": [2.0, 2], "peak_bytes": 1,
+                r#"{{"rows": {rows}, "eigenvalues": [1.0], "counts": [], "below": [2.0, 2],
+                "peak_bytes": 1, "factor_entries": 3, "factor_flops": 4,
                 "seconds": {{"read": 0, "count": 0, "solve": 0, "polish": 0}}}}"#
             )
         };

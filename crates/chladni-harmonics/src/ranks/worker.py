@@ -193,6 +193,9 @@ def solve(folder):
             for done in (bv, x):
                 done.destroy()
     seconds["polish"] = time.perf_counter() - start - sum(seconds.values())
+    factor = counter.pc.getFactorMatrix()
+    # In millions and negative where 32 bits are too few.
+    entries = float(factor.getMumpsInfog(29))
     report = {
         "rows": [first_row, end_row],
         "eigenvalues": eigenvalues,
@@ -200,6 +203,8 @@ def solve(folder):
         "below": [high, count],
         "host": socket.gethostname(),
         "peak_bytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
+        "factor_entries": entries * (-1e6 if entries < 0 else 1),
+        "factor_flops": factor.getMumpsRinfog(3),
         "seconds": seconds,
     }
     # Renamed when it is whole.

@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""Where the time of `basis` goes for the sizes that are asked for most, and the section of BENCHMARKS.md on it.
+
+usage: bench/basis/shares.py [--write]     after `cargo build --release`; needs NumPy
+
+One thread, so that the parts add up to the whole; the median of three runs each.
+"""
+
+import itertools
+import json
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+
+here = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(here.parent))
+from section import machine, write_section  # noqa: E402
+from torus import torus  # noqa: E402
+
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", here.parents[1] / "target"))
+# Vertices in the two directions of a bumpy torus.
+MESHES = [(100, 50), (200, 100), (320, 160)]
+HARMONICS = [64, 150, 300]
+RUNS = 3
+PARTS = {
+    "operator": lambda told: told["seconds"]["operator"],
+    "ordering": lambda told: told["profile"]["analyze"],
+    "factors": lambda told: told["profile"]["factor"],
+    "solves": lambda told: told["profile"]["solve"],
+    "Lanczos": lambda told: sum(told["profile"][part] for part in ("orthogonalize", "project", "vectors")),
+    "certificate": lambda told: told["profile"]["assemble"],
+}
+
+
+def run(mesh, k):
+    command = [TARGET / "release" / "chladni", "--quiet", "basis", str(mesh), "-k", str(k), "--no-cache", "--json", "--threads", "1"]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def main():
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for (m, n), k in itertools.product(MESHES, HARMONICS):
+            mesh = pathlib.Path(folder) / f"{m}x{n}.ply"
+            torus(m, n, mesh)
+            runs = sorted((run(mesh, k) for _ in range(RUNS)), key=lambda told: told["seconds"]["total"])
+            told, total = runs[RUNS // 2], statistics.median(told["seconds"]["total"] for told in runs)
+            shares = [100 * part(told) / total for part in PARTS.values()]
+            cells = " | ".join(f"{share:.0f}" for share in [*shares, 100 - sum(shares)])
+            rows.append(f"| {told['vertices']:,} | {k} | {total:.2f} | {cells} |")
+            print(rows[-1], flush=True)
+    text = [
+        "## Where the time of a basis goes",
+        "",
+        f"Per cent of `basis --threads 1` of bumpy tori, median of {RUNS} runs, made by `bench/basis/shares.py --write` on {machine()}.",
+        "Solves are triangular, with the factors; Lanczos is orthogonalization, projection and vectors; the certificate",
+        "includes writing the vectors in the mesh's order.",
+        "",
+        f"| vertices | K | s | {' | '.join(PARTS)} | rest |",
+        "|---|---|---|" + "---|" * (len(PARTS) + 1),
+        *rows,
+    ]
+    if "--write" in sys.argv:
+        write_section("shares", "\n".join(text))
+
+
+main()
