@@ -52,11 +52,14 @@ function show(body) {
   const before = concert;
   concert = new Concert(body, gallerySize(), Math.floor(Math.random() * 2 ** 31));
   before?.free();
+  // A new concert has heard nothing yet: its first song is the one that plays.
+  songs.splice(0, songs.length - 1);
+  if (songs.length) songs[0].number = sound.number = 0;
   hear();
   refresh();
 }
 
-/** Tells a new concert of the song that plays. */
+/** Tells the concert of the song that plays. */
 function hear() {
   const song = songs.at(-1);
   if (song) concert.know_song(song.number, song.name, song.rate, song.left, song.right, song.beats);
