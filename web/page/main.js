@@ -11,6 +11,8 @@ const brush = picture.getContext("2d", { alpha: false });
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
+/** The plate at night, so that words can be read over it. */
+const FRONT = JSON.stringify({ material: "dark", lights: "studio", background: "night" });
 /** The gallery on a screen of this width. */
 const gallerySize = () => (innerWidth < 700 ? 6 : 12);
 /** A picture may take so long, in milliseconds; else it gets fewer pixels. */
@@ -220,7 +222,7 @@ function listen() {
   on("save-picture", () => picture.toBlob((png) => save("chladni.png", png), "image/png"));
   of("seek").addEventListener("input", () => sound.seek(of("seek").value * sound.duration));
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));
-  of("look").addEventListener("change", () => { concert.set_look(of("look").value); refresh(); });
+  of("look").addEventListener("change", () => { concert.set_look(JSON.stringify({ look: of("look").value })); refresh(); });
   of("shape").addEventListener("change", attempt(() => (of("shape").value ? dance(of("shape").value) : of("file").click())));
   of("file").addEventListener("change", () => { open([...of("file").files]); of("file").value = ""; });
   addEventListener("dragover", (event) => event.preventDefault());
@@ -232,6 +234,7 @@ function listen() {
 /** The plate with sand on it, which moves as soon as the tune is there. */
 async function front() {
   show(await bodyOf("sample:plate"));
+  concert.set_look(FRONT);
   concert.sand(true);
   refresh();
 }
