@@ -235,6 +235,9 @@ function listen() {
 async function front() {
   show(await bodyOf("sample:plate"));
   concert.set_look(FRONT);
+  // Beside the words, or above them.
+  if (innerWidth > 900) concert.shift(0.24, -0.04);
+  else concert.shift(0, -0.1);
   concert.sand(true);
   refresh();
 }
