@@ -11,6 +11,8 @@ const brush = picture.getContext("2d", { alpha: false });
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
+/** The plate at night, so that words can be read over it. */
+const FRONT = JSON.stringify({ material: "dark", lights: "studio", background: "night" });
 /** The gallery on a screen of this width. */
 const gallerySize = () => (innerWidth < 700 ? 6 : 12);
 /** A picture may take so long, in milliseconds; else it gets fewer pixels. */
@@ -52,11 +54,14 @@ function show(body) {
   const before = concert;
   concert = new Concert(body, gallerySize(), Math.floor(Math.random() * 2 ** 31));
   before?.free();
+  // A new concert has heard nothing yet: its first song is the one that plays.
+  songs.splice(0, songs.length - 1);
+  if (songs.length) songs[0].number = sound.number = 0;
   hear();
   refresh();
 }
 
-/** Tells a new concert of the song that plays. */
+/** Tells the concert of the song that plays. */
 function hear() {
   const song = songs.at(-1);
   if (song) concert.know_song(song.number, song.name, song.rate, song.left, song.right, song.beats);
@@ -217,7 +222,7 @@ function listen() {
   on("save-picture", () => picture.toBlob((png) => save("chladni.png", png), "image/png"));
   of("seek").addEventListener("input", () => sound.seek(of("seek").value * sound.duration));
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));
-  of("look").addEventListener("change", () => { concert.set_look(of("look").value); refresh(); });
+  of("look").addEventListener("change", () => { concert.set_look(JSON.stringify({ look: of("look").value })); refresh(); });
   of("shape").addEventListener("change", attempt(() => (of("shape").value ? dance(of("shape").value) : of("file").click())));
   of("file").addEventListener("change", () => { open([...of("file").files]); of("file").value = ""; });
   addEventListener("dragover", (event) => event.preventDefault());
@@ -229,6 +234,10 @@ function listen() {
 /** The plate with sand on it, which moves as soon as the tune is there. */
 async function front() {
   show(await bodyOf("sample:plate"));
+  concert.set_look(FRONT);
+  // Beside the words, or above them.
+  if (innerWidth > 900) concert.shift(0.24, -0.04);
+  else concert.shift(0, -0.1);
   concert.sand(true);
   refresh();
 }

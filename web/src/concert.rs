@@ -22,6 +22,7 @@ use chladni_view::{
 };
 use wasm_bindgen::prelude::*;
 
+use crate::coarse::coarse;
 use crate::parcel::Parcel;
 
 /// A shape, its dances, what is heard, and the picture of it.
@@ -48,6 +49,8 @@ pub struct Concert {
 struct Stage {
     synthesizer: CpuSynthesizer,
     topology: Topology,
+    /// For a gallery, whose pictures are small; none where the body has few vertices anyway.
+    small: Option<Topology>,
     rest: RestShape,
     buffers: ItemBuffers,
     renderer: Renderer,
@@ -57,6 +60,9 @@ struct Stage {
     /// x, y, width and height of each item's cell.
     cells: Vec<u32>,
 }
+
+/// Vertices of a body in a gallery.
+const SMALL: usize = 2500;
 
 /// Who draws: the page has no other device yet.
 const DEVICE: Device = Device::Processor;
@@ -204,8 +210,9 @@ impl Concert {
         let area = Rect::of_size(width, height);
         let staged = self.staging.set(area, items, from, &look, reaction, &self.instrument);
         let grains = self.sand.drawn();
-        let figure =
-            |item| Figure { grains, ..staged.figure(&stage.topology, &stage.buffers, item, &stage.rest) };
+        let small = stage.small.as_ref().filter(|_| items > 1);
+        let topology = small.unwrap_or(&stage.topology);
+        let figure = |item| Figure { grains, ..staged.figure(topology, &stage.buffers, item, &stage.rest) };
         let figures: Vec<Figure<'_>> = (0..items).map(figure).collect();
         let cells = staged.cells(&figures);
         stage.renderer.draw_finished(&stage.canvas, &cells, &staged.look.finish, at_secs)?;
@@ -222,7 +229,10 @@ impl Concert {
 impl Stage {
     fn new(model: SynthModel, triangles: &[[u32; 3]], staging: &Staging) -> Result<Self, Error> {
         let vertices = model.vertices();
+        let small = coarse(model.rest_positions(), model.rest_normals(), triangles, SMALL);
+        let small = small.map(|triangles| Topology::new(&DEVICE, vertices, &triangles)).transpose()?;
         Ok(Self {
+            small,
             topology: Topology::new(&DEVICE, vertices, triangles)?,
             rest: staging.rest_on(&DEVICE)?,
             buffers: ItemBuffers::new(&DEVICE, vertices, 0),

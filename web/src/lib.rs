@@ -6,6 +6,7 @@
 
 use std::path::Path;
 
+mod coarse;
 mod concert;
 mod decode;
 mod parcel;

@@ -1,6 +1,6 @@
 //! What a person does to a concert.
 
-use chladni_music::{Action, Looks, Moment, Parameters, SAND_MODE, experiment};
+use chladni_music::{Action, Moment, Parameters, SAND_MODE, experiment};
 use chladni_program::work::{Error, Programme, opening_view};
 use chladni_view::Camera;
 use wasm_bindgen::prelude::*;
@@ -61,9 +61,13 @@ impl Concert {
         Ok(())
     }
 
-    /// Shows the look of that name. What the autopilot chose for itself ends with it.
-    pub fn set_look(&mut self, look: &str) {
-        self.looks = Looks { look: look.to_owned(), ..Looks::default() };
+    /// Shows a look by its names, as a show file has them: `{"look": "ember"}`. The autopilot shows its own.
+    ///
+    /// # Errors
+    /// Text that says no look.
+    pub fn set_look(&mut self, looks: &str) -> Result<(), JsError> {
+        self.looks = serde_json::from_str(looks)?;
+        Ok(())
     }
 
     /// Turns the viewer by a drag of so many pixels.
