@@ -218,6 +218,24 @@ fn what_is_wrong_with_a_file_is_told_in_one_line() {
 }
 
 #[test]
+fn a_few_bytes_do_not_ask_for_all_memory() {
+    let layer = |i: usize, painted: &str| {
+        format!(
+            "[[layer]]\nname = \"{i}\"\ntemplate = \"sphere\"\nmu = 1.0\nregion.painted = \"{painted}\"\n"
+        )
+    };
+    let head = "format_version = 3\nshape.source = \"head.obj\"\n";
+    let text = |count: usize, painted: &str| -> String {
+        std::iter::once(head.to_owned()).chain((0..count).map(|i| layer(i, painted))).collect()
+    };
+    let path = Path::new("/p.chladni");
+    assert_eq!(Project::from_text(&text(3, "5000*1"), path).unwrap().0.layers().len(), 3);
+    // A gigabyte, if it were read.
+    let refused = Project::from_text(&text(4, "60000000*0"), path).unwrap_err().to_string();
+    assert!(refused.contains("layer 2 (1)") && refused.contains("more painted values"), "{refused}");
+}
+
+#[test]
 fn a_dead_session_is_found_and_a_living_one_is_not() {
     let folder = tempfile::tempdir().unwrap();
     let state = folder.path().join("state");
