@@ -2,8 +2,7 @@
 
 use chladni_harmonics::{Basis, Certificate, HarmonicsError, SymmetricSparse};
 
-use crate::cases::{Case, Found};
-use crate::spectrum::spectrum;
+use crate::cases::{Case, Found, Known};
 
 /// What became of a case.
 pub enum Verdict {
@@ -24,11 +23,10 @@ const ROUNDING: f64 = 2e-13;
 
 /// Solves a case and compares.
 pub fn judge(case: &Case) -> Verdict {
-    let (stiffness, mass, zeros, known) = match case.problem.pencil() {
-        Ok(pencil) => pencil,
+    let Known { stiffness, mass, zeros, spectrum: exact } = match case.problem.pencil() {
+        Ok(known) => known,
         Err(refusal) => return refused(&refusal),
     };
-    let exact = known.map_or_else(|| spectrum(&stiffness, &mass), <[f64]>::to_vec);
     let Found { basis, cuts_cluster } = match case.solve(1) {
         Ok(found) => found,
         Err(refusal) => return refused(&refusal),
