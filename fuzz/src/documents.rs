@@ -2,7 +2,9 @@
 
 use chladni_caricature::Project;
 use chladni_match::{read_landmarks, write_landmarks};
-use chladni_music::{Bindings, ClockMessage, GalleryShape, OscMessage, Parameters, Preset, Show, Tempo, Touch};
+use chladni_music::{
+    Bindings, ClockMessage, GalleryShape, OscMessage, Parameters, Preset, Show, Tempo, Touch,
+};
 
 use crate::place;
 
@@ -56,7 +58,8 @@ pub fn landmarks(text: &str) {
 
 /// MIDI messages and OSC packets, as they turn knobs and set the clock; each begins with its length.
 pub fn messages(mut bytes: &[u8]) {
-    let (mut bindings, mut parameters, mut tempo) = (Bindings::default(), Parameters::default(), Tempo::default());
+    let (mut bindings, mut parameters, mut tempo) =
+        (Bindings::default(), Parameters::default(), Tempo::default());
     let mut secs = 0.0;
     let mut targets = chladni_music::Target::all().collect::<Vec<_>>().into_iter().cycle();
     while let Some((&length, rest)) = bytes.split_first() {

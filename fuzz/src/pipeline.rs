@@ -34,9 +34,11 @@ pub fn pipeline(shape: Shape) {
         [x * factor, y, z]
     });
     let triangles = shape.triangles.iter().take(200).map(|t| t.map(|v| u32::from(v) % n as u32));
-    let mesh = TriMesh { positions: positions.collect(), triangles: triangles.collect(), ..TriMesh::default() };
+    let mesh =
+        TriMesh { positions: positions.collect(), triangles: triangles.collect(), ..TriMesh::default() };
     assert!(HealthReport::of(&mesh).area.is_finite());
-    let settings = BasisSettings { threads: Some(1), ..BasisSettings::new(usize::from(shape.harmonics).max(1)) };
+    let settings =
+        BasisSettings { threads: Some(1), ..BasisSettings::new(usize::from(shape.harmonics).max(1)) };
     let Ok(body) = Body::build(&mesh, &settings, &Task::new()) else { return };
     assert!(body.basis.vectors.iter().chain(&body.basis.eigenvalues).all(|x| x.is_finite()));
     let body = Arc::new(body);
@@ -68,5 +70,8 @@ pub fn pipeline(shape: Shape) {
     assert!(positions.iter().flatten().all(|x| x.is_finite()), "a caricature has coordinates");
     let exported = TriMesh { positions, triangles: body.triangles.clone(), ..TriMesh::default() };
     let bytes = write_mesh(&exported, Format::Ply).expect("what was made can be written");
-    assert_eq!(read_mesh(&bytes, Format::Ply).expect("and read").mesh.positions.len(), exported.positions.len());
+    assert_eq!(
+        read_mesh(&bytes, Format::Ply).expect("and read").mesh.positions.len(),
+        exported.positions.len()
+    );
 }
