@@ -232,7 +232,7 @@ mod tests {
             // Knuth's linear congruential generator: bursts of edits, and pauses.
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             if state >> 60 < if frame % 400 < 200 { 9 } else { 1 } {
-                let to = chladni_caricature::Property::Mu(now);
+                let to = chladni_caricature::Property::Mu(now / 10.0);
                 history.apply_live(&Action::Set { layer, to }, None).unwrap();
                 since_secs = since_secs.or(Some(now));
             }
