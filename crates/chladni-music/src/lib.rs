@@ -39,6 +39,7 @@ mod flash;
 mod gallery;
 mod instrument;
 mod mapping;
+mod osc;
 mod paper_mode;
 mod parameter;
 mod player;
@@ -78,6 +79,7 @@ pub use gallery::{
 };
 pub use instrument::{Action, Instrument, LoggedAction, Moment};
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
+pub use osc::{LONGEST_OSC_PACKET, OscMessage};
 pub use paper_mode::PAPER_MODE;
 pub use parameter::{Parameter, Parameters, Settings, Switch};
 pub use player::{Bands, Choir, Control as FormControl, Form, Player, Playing, blend};

@@ -8,7 +8,7 @@ use super::problem::{Problem, Profile};
 use super::{Solved, or_dense, plan, solve_connected};
 use crate::{HarmonicsError, Pencil, canonical};
 
-/// Shares of the largest possible eigenvalue: where the search for the first ones begins, how far rounding
+/// Shares of the largest possible eigenvalue: below which one is zero and the search for others begins, how far rounding
 /// may push one below zero, and the least shift of all.
 const FIRST: f64 = 1e-13;
 const BELOW_ZERO: f64 = 1e-10;
@@ -33,7 +33,13 @@ pub(crate) fn solve(
     let mut profile = Profile::default();
     let mut problem = Problem::given(pencil)?;
     let bound = pencil.bound() * problem.stretch();
-    let spacing = if bound > 0.0 { spacing(&problem, bound, harmonics, &mut profile, task)? } else { 1.0 };
+    // What is zero is counted: by value, none is told from one that is small compared with the lift.
+    let (spacing, zeros) = if bound > 0.0 {
+        let spacing = spacing(&problem, bound, harmonics, &mut profile, task)?;
+        (spacing, inertia(&problem, FIRST * bound, &mut profile)?.1)
+    } else {
+        (1.0, pencil.mass.len())
+    };
     let lift = spacing.max(LEAST_LIFT * bound);
     problem.lift(lift);
     let stiffness = match pencil.consistent {
@@ -51,12 +57,8 @@ pub(crate) fn solve(
     };
     let mut solved = or_dense(solved, lifted, 0, harmonics, true)?;
     solved.profile.add(&profile);
-    let nothing = 1e-8 * lift + 1e-14 * bound;
-    for value in &mut solved.basis.eigenvalues {
-        *value -= lift;
-        if *value < nothing {
-            *value = 0.0;
-        }
+    for (k, value) in solved.basis.eigenvalues.iter_mut().enumerate() {
+        *value = if k < zeros { 0.0 } else { (*value - lift).max(0.0) };
     }
     canonical::orient(&mut solved.basis);
     if !whole_clusters && solved.basis.harmonics() > harmonics {
@@ -182,6 +184,19 @@ mod tests {
             let zeros = basis.eigenvalues.iter().filter(|l| **l == 0.0).count();
             assert_eq!(zeros, if held > 0.0 { 0 } else { strings });
             assert!(worst_residual(&pencil, &basis) < 1e-8);
+        }
+    }
+
+    #[test]
+    fn a_small_eigenvalue_is_not_zero() {
+        // The search for the lift ends far above the first eigenvalue.
+        let stiffness =
+            SymmetricSparse::from_entries(2, [(0, 0, 1e8 + 0.5), (1, 1, 1e8 + 0.5), (0, 1, 0.5 - 1e8)])
+                .unwrap();
+        let pencil = Pencil::new(&stiffness, &[1.0; 2]).unwrap();
+        for harmonics in [1, 2] {
+            let first = solved(&pencil, harmonics).eigenvalues[0];
+            assert!((first - 1.0).abs() < 1e-6, "{first}");
         }
     }
 

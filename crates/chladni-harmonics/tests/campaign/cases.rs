@@ -8,6 +8,7 @@ use chladni_task::Task;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::spectrum::spectrum;
 use crate::{meshes, pencils};
 
 pub struct Case {
@@ -22,7 +23,17 @@ pub enum Problem {
     Pencil { stiffness: SymmetricSparse, mass: Vec<f64>, known: Option<Vec<f64>> },
 }
 
-/// A basis and the pencil that it is of.
+/// A pencil, and what is known of it otherwise.
+pub struct Known {
+    pub stiffness: SymmetricSparse,
+    pub mass: Vec<f64>,
+    /// Eigenvalues that are 0, where the solver knows that beforehand.
+    pub zeros: usize,
+    /// All eigenvalues, ascending.
+    pub spectrum: Vec<f64>,
+}
+
+/// What the solver gives.
 #[derive(Debug, PartialEq)]
 pub struct Found {
     pub basis: Basis,
@@ -92,16 +103,17 @@ impl Problem {
         }
     }
 
-    /// S, M's diagonal, the number of zeros known beforehand, and the spectrum where it is known.
-    pub fn pencil(&self) -> Result<(SymmetricSparse, Vec<f64>, usize, Option<&[f64]>), HarmonicsError> {
+    pub fn pencil(&self) -> Result<Known, HarmonicsError> {
         match self {
             Self::Mesh(mesh) => {
                 let operator = Operator::with(mesh, Laplacian::Delaunay)?;
-                let components = operator.components();
-                Ok((operator.stiffness, operator.mass, components, None))
+                let zeros = operator.components();
+                let spectrum = spectrum(&operator.stiffness, &operator.mass);
+                Ok(Known { stiffness: operator.stiffness, mass: operator.mass, zeros, spectrum })
             }
             Self::Pencil { stiffness, mass, known } => {
-                Ok((stiffness.clone(), mass.clone(), 0, known.as_deref()))
+                let spectrum = known.clone().unwrap_or_else(|| spectrum(stiffness, mass));
+                Ok(Known { stiffness: stiffness.clone(), mass: mass.clone(), zeros: 0, spectrum })
             }
         }
     }
