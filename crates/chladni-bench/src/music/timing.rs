@@ -71,7 +71,7 @@ impl BenchMusic {
             let (left, right) = (&song.left[from..from + window], &song.right[from..from + window]);
             let s = analyser.analyse(left, right, 1.0 / 60.0);
             let heard = start.elapsed().as_secs_f64();
-            let timbre = instrument.playing().timbre;
+            let timbre = instrument.parameters().playing().timbre;
             Resonators::follow(&mut bank, timbre.as_ref(), s.mid.len());
             let mut bands = bands_of(s);
             if let Some(bank) = &mut bank {
