@@ -101,6 +101,7 @@ async function laptop() {
   const show = join(out, "screens", "show.toml");
   await (await saving).saveAs(show);
   await page.click(".cell:nth-child(1) .choose");
+  await page.click(".cell:nth-child(4) .choose");
   await page.click("#breed");
   await until(page, (generation) => window.chladni.state.generation > generation, before.generation);
   await page.setInputFiles("#file", show);

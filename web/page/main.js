@@ -183,8 +183,9 @@ function refresh() {
   if (!concert) return;
   state = told.state = JSON.parse(concert.state());
   const chosen = state.dances.filter((dance) => dance.chosen).length;
-  of("breed").textContent = chosen ? `Breed ${chosen}` : "Breed";
-  of("breed").disabled = !chosen || state.on_stage;
+  of("breed").textContent = chosen > 1 ? `Breed ${chosen}` : "Breed";
+  of("breed").disabled = chosen < 2 || state.on_stage;
+  of("breed").title = chosen < 2 ? "Choose two dances or more that you love" : "Their children take the place of all";
   of("back").disabled = !state.on_stage;
   of("pilot").setAttribute("aria-pressed", state.piloted);
   of("sand").setAttribute("aria-pressed", state.sand);
