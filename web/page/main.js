@@ -17,6 +17,8 @@ const FRONT = JSON.stringify({ material: "dark", lights: "studio", background: "
 const gallerySize = () => (innerWidth < 700 ? 6 : 12);
 /** A picture may take so long, in milliseconds; else it gets fewer pixels. */
 const [SLOWEST, FASTEST] = [40, 22];
+/** Fewer pixels than this share of those of the page look like fog. */
+const COARSEST = 0.55;
 
 const sound = new Sound();
 const songs = [];
@@ -164,7 +166,7 @@ let sinceChange = 0;
 function suit() {
   if (++sinceChange < 12) return;
   const finest = Math.min(devicePixelRatio, 1.5);
-  if (told.drawMs > SLOWEST && detail > 0.45) detail = Math.max(0.45, detail * 0.85);
+  if (told.drawMs > SLOWEST && detail > COARSEST) detail = Math.max(COARSEST, detail * 0.85);
   else if (told.drawMs < FASTEST && detail < finest) detail = Math.min(finest, detail * 1.1);
   else return;
   told.detail = detail;
@@ -236,9 +238,10 @@ function listen() {
 async function front() {
   show(await bodyOf("sample:plate"));
   concert.set_look(FRONT);
+  concert.zoom(-1);
   // Beside the words, or above them.
   if (innerWidth > 900) concert.shift(0.24, -0.04);
-  else concert.shift(0, -0.1);
+  else concert.shift(0, -0.16);
   concert.sand(true);
   refresh();
 }

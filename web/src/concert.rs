@@ -62,7 +62,7 @@ struct Stage {
 }
 
 /// Vertices of a body in a gallery.
-const SMALL: usize = 2500;
+const SMALL: usize = 1600;
 
 /// Who draws: the page has no other device yet.
 const DEVICE: Device = Device::Processor;
