@@ -1,22 +1,43 @@
 //! What must hold whatever the bytes are. The test suites hold the same on mutations of a few files
 //! (`bad_input.rs` of chladni-mesh, `decoding.rs` of chladni-sound); here libFuzzer looks for the bytes.
 
-use chladni_mesh::{Format, HealthReport, read_mesh, weld, write_mesh};
+mod documents;
+mod pipeline;
+
+use std::path::Path;
+
+use chladni_harmonics::npz::numbers_in;
+use chladni_mesh::{Format, HealthReport, Loaded, read_mesh, read_mesh_beside, weld, write_mesh};
 use chladni_sound::{Song, SongOptions, SongReader};
 use chladni_task::Task;
 
+pub use documents::{bindings, landmarks, messages, preset, project, show};
+pub use pipeline::{Shape, pipeline};
+
 /// Reads a mesh, and where that works checks what the types promise.
 pub fn mesh(bytes: &[u8], format: Format) {
-    let Ok(loaded) = read_mesh(bytes, format) else { return };
-    let mesh = loaded.mesh;
+    read_mesh(bytes, format).map_or((), |loaded| promised(&loaded));
+}
+
+/// Reads an OBJ or glTF file, and the file that it names, from one input: what follows the first line of `----` is the
+/// content of every file that is named.
+pub fn mesh_beside(bytes: &[u8], format: Format) {
+    let cut = bytes.windows(6).position(|window| window == b"\n----\n");
+    let (own, beside) = cut.map_or((bytes, &[][..]), |at| (&bytes[..at], &bytes[at + 6..]));
+    let beside = |_: &str| Ok(beside.to_vec());
+    read_mesh_beside(own, format, &beside).map_or((), |loaded| promised(&loaded));
+}
+
+fn promised(loaded: &Loaded) {
+    let mesh = &loaded.mesh;
     let n = mesh.positions.len();
     assert!(mesh.positions.iter().flatten().all(|x| x.is_finite()));
     assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < n));
     assert!(!mesh.triangles.is_empty());
-    assert!(HealthReport::of(&mesh).area.is_finite());
-    assert_eq!(weld(&mesh).operator_vertex.len(), n);
+    assert!(HealthReport::of(mesh).area.is_finite());
+    assert_eq!(weld(mesh).operator_vertex.len(), n);
     assert_eq!(mesh.triangle_materials().len(), mesh.triangles.len());
-    write_mesh(&mesh, Format::Obj).expect("what was read can be written");
+    write_mesh(mesh, Format::Obj).expect("what was read can be written");
 }
 
 /// Decodes a song of any container, at most 4 MiB of it, from the start and from a place within.
@@ -31,4 +52,17 @@ pub fn song(bytes: &[u8]) {
     if let Ok(mut reader) = SongReader::from_bytes("fuzz", bytes.to_vec()) {
         let _ = Song::read(&mut reader, &from_within, &Task::new());
     }
+}
+
+/// Reads the array `mask` of a `.npz` archive, or a `.npy` file: masks and labels.
+pub fn numbers(bytes: &[u8]) {
+    if let Ok(numbers) = numbers_in(bytes, "mask") {
+        // Stored or deflated, what is read is bounded; see `MOST_BYTES`.
+        assert!(numbers.len() <= 1 << 30);
+    }
+}
+
+/// Where a document is thought to lie.
+fn place() -> &'static Path {
+    Path::new("/somewhere/file")
 }

@@ -4,7 +4,10 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
+use chladni_caricature::{Layer, Painted, Project, ShapeSource, Template};
+use chladni_harmonics::npz::write_npz;
 use chladni_mesh::{Format, samples, write_mesh};
+use chladni_music::{Action, GalleryShape, Instrument, Moment, Parameter, Show, repertoire};
 use chladni_sound::{Song, WavSample, wav_bytes};
 
 const OFF: &str = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
@@ -33,7 +36,43 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("gltf", "strip", GLTF.as_bytes())?;
     let wave = |hz: f32| (0..8000).map(|n| (n as f32 * hz / 8000.0 * std::f32::consts::TAU).sin()).collect();
     let song = Song { rate_hz: 8000, left: wave(300.0), right: wave(500.0) };
+    for (name, bytes) in documents()? {
+        save(name, "good", &bytes)?;
+    }
+    let archive = Path::new(&corpus).join("numbers/mask.npz");
+    save("numbers", "mask.npz", b"")?;
+    write_npz(&archive, |npz| npz.array("mask", &[3], [0.0f32, 0.25, 1.0]))?;
     save("song", "int.wav", &wav_bytes(&song, WavSample::Int16)?)?;
     save("song", "float.wav", &wav_bytes(&song, WavSample::Float32)?)?;
     Ok(())
+}
+
+/// One of each kind of document, by its target.
+fn documents() -> Result<Vec<(&'static str, Vec<u8>)>, Box<dyn Error>> {
+    let mut layer = Layer::new("nose", Template::Ellipsoid);
+    layer.region.painted = Painted::Vertices([0.0, 1.0, 1.0, 0.5].into());
+    let mut project = Project::new(ShapeSource::File("/somewhere/head.obj".into()), 64);
+    project.push(layer)?;
+    let shape = GalleryShape { eigenvalues: (0..16).map(f64::from).collect(), bands: 8 };
+    let mut instrument = Instrument::new(7, 4, shape)?;
+    instrument.apply(Moment::default(), Action::Set { parameter: Parameter::StereoMu, value: 0.5 })?;
+    let presets = repertoire()?;
+    let preset = presets.first().ok_or("there is a repertoire")?;
+    let binding = "format_version = 3\n[[binding]]\ncontrol = { kind = \"controller\", channel = 0, number = 7 }\ntarget = \"gain\"\n";
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n----\nnewmtl m\nKd 1 0 0\nmap_Kd a.png\n";
+    let packet = [&[16][..], b"/beat\0\0\0,f\0\0\x3f\x80\0\0"].concat();
+    let midi: [&[u8]; 5] = [&[3, 0xb0, 7, 64], &[3, 0x90, 36, 100], &[1, 0xf8], &[3, 0xf2, 1, 2], &packet];
+    let buffer = GLTF.replace("data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAAAAAAAAA", "a.bin");
+    let triangle =
+        [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0].map(f32::to_le_bytes).concat();
+    Ok(vec![
+        ("project", project.to_text(Path::new("/somewhere/file"), None)?.into_bytes()),
+        ("show", Show::of(&instrument).to_text()?.into_bytes()),
+        ("preset", preset.to_text()?.into_bytes()),
+        ("bindings", binding.into()),
+        ("landmarks", b"# shape template\n0 1\n5 7\n".to_vec()),
+        ("messages", midi.concat()),
+        ("obj_mtl", obj.into()),
+        ("gltf_buffer", [buffer.as_bytes(), b"\n----\n", &triangle].concat()),
+    ])
 }

@@ -71,10 +71,10 @@ impl From<CaricatureError> for Failure {
     }
 }
 
-impl From<chladni_music::Error> for Failure {
-    fn from(error: chladni_music::Error) -> Self {
+impl From<chladni_music::MusicError> for Failure {
+    fn from(error: chladni_music::MusicError) -> Self {
         match error {
-            chladni_music::Error::Cancelled(_) => Self::Cancelled,
+            chladni_music::MusicError::Cancelled(_) => Self::Cancelled,
             _ => Self::Input(error.to_string()),
         }
     }

@@ -1,12 +1,18 @@
 //! What a brush covers: the part of the displayed shape within its radius along the surface.
 
+use std::fmt;
+
 use chladni_mesh::MirrorPlane;
+use rayon::prelude::*;
 
 use crate::{Surface, SurfacePoint};
 use chladni_mesh::surface::vec3::{Vec3, dot, sub};
 
+/// Whether something stands between an eye and a point, both in the working frame.
+pub type Blocked<'a> = dyn Fn([f64; 3], [f64; 3]) -> bool + Sync + 'a;
+
 /// The shape as displayed, and the viewpoint.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Seen<'a> {
     /// Its triangles and rest positions.
     pub surface: &'a Surface,
@@ -14,6 +20,14 @@ pub struct Seen<'a> {
     pub positions: &'a [[f32; 3]],
     /// The eye, far away for a parallel view; `None` ignores visibility.
     pub eye: Option<[f64; 3]>,
+    /// What another part of the shape hides from the eye; `None` hides nothing.
+    pub blocked: Option<&'a Blocked<'a>>,
+}
+
+impl fmt::Debug for Seen<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Seen").field("vertices", &self.positions.len()).field("eye", &self.eye).finish()
+    }
 }
 
 /// A round brush.
@@ -52,7 +66,8 @@ impl Seen<'_> {
 impl Brush {
     /// What the brush covers when it is pressed on `seen` at `at`: all that lies within its radius along the
     /// surface, over triangles that show the eye the same side as the one at `at`. So it passes neither
-    /// through the shape nor around its edge onto the hidden side. Empty if there is no such triangle or the
+    /// through the shape nor around its edge onto the hidden side; and what is behind another part, such as
+    /// the cheek behind a nose, stays bare, too. Empty if there is no such triangle or the
     /// positions belong to another shape.
     pub fn reach(&self, seen: &Seen<'_>, at: &SurfacePoint) -> Reach {
         let mut reach = self.press(seen, at);
@@ -75,8 +90,14 @@ impl Brush {
         let side = seen.eye.map(|eye| (eye, seen.facing(at.triangle, eye).signum()));
         let passes = |t: u32| side.is_none_or(|(eye, side)| side * seen.facing(t, eye) >= 0.0);
         let marched = surface.march(at, self.radius, |v| seen.at(v), passes);
-        let (mut distances, triangles) = (marched.distances, marched.triangles);
+        let (mut distances, mut triangles) = (marched.distances, marched.triangles);
         distances.sort_unstable_by_key(|(v, _)| *v);
+        if let Some((eye, blocked)) = seen.eye.zip(seen.blocked) {
+            let shown = |v: u32| !blocked(eye, seen.at(v));
+            distances = distances.into_par_iter().filter(|(v, _)| shown(*v)).collect();
+            let kept = |v: &u32| distances.binary_search_by_key(v, |(kept, _)| *kept).is_ok();
+            triangles.retain(|t| surface.triangles[*t as usize].iter().all(kept));
+        }
         Reach { radius: self.radius, distances, triangles }
     }
 }
@@ -144,7 +165,7 @@ mod tests {
 
     fn reach(surface: &Surface, at: Vec3, radius: f64, eye: Option<Vec3>) -> Reach {
         let positions = single(&surface.positions);
-        let seen = Seen { surface, positions: &positions, eye };
+        let seen = Seen { surface, positions: &positions, eye, blocked: None };
         Brush { radius, mirror: None }.reach(&seen, &surface.nearest_vertex(at).unwrap())
     }
 
@@ -171,6 +192,39 @@ mod tests {
     }
 
     #[test]
+    fn what_another_part_hides_stays_bare_here_and_in_the_mirror() {
+        let (positions, triangles) = plate(61, 1.0 / 30.0, 0.0, true);
+        let surface = Surface::of(positions, triangles, FILE);
+        let positions = single(&surface.positions);
+        // A wall across the plate hides a strip behind it, also from the mirrored eye.
+        let blocked = |eye: [f64; 3], p: [f64; 3]| {
+            let side = eye[0].signum();
+            (0.21..0.31).contains(&(side * p[0]))
+        };
+        let plane = MirrorPlane { normal: [1.0, 0.0, 0.0], offset: 0.0, misfit: 0.0 };
+        for mirror in [None, Some(plane)] {
+            let seen = |blocked| Seen {
+                surface: &surface,
+                positions: &positions,
+                eye: Some([2.0, 0.0, 9.0]),
+                blocked,
+            };
+            let at = surface.nearest_vertex([0.4, 0.0, 0.0]).unwrap();
+            let brush = Brush { radius: 0.35, mirror };
+            let all = brush.reach(&seen(None), &at);
+            let shown = brush.reach(&seen(Some(&blocked)), &at);
+            let expected: Vec<u32> = all
+                .vertices()
+                .into_iter()
+                .filter(|v| !(0.21..0.31).contains(&surface.positions[*v as usize][0].abs()))
+                .collect();
+            assert!(expected.len() + 20 < all.vertices().len());
+            assert_eq!(shown.vertices(), expected);
+            assert!(shown.triangles.len() < all.triangles.len());
+        }
+    }
+
+    #[test]
     fn after_a_strong_layer_the_dab_is_round_where_it_is_seen() {
         let (positions, triangles) = plate(61, 1.0 / 30.0, 0.0, true);
         let surface = Surface::of(positions, triangles, FILE);
@@ -181,7 +235,7 @@ mod tests {
             .map(|p| [4.0 * p[0], 2.0 * p[1], 1.0 + p[0]].map(|c| c as f32))
             .collect();
         let start = surface.nearest_vertex([0.0, 0.0, 0.0]).unwrap();
-        let seen = Seen { surface: &surface, positions: &moved, eye: Some([0.0, 0.0, 9.0]) };
+        let seen = Seen { surface: &surface, positions: &moved, eye: Some([0.0, 0.0, 9.0]), blocked: None };
         let radius = 0.6;
         let covered = Brush { radius, mirror: None }.reach(&seen, &start).vertices();
         let center = surface.position(&start).map(|p| [4.0 * p[0], 2.0 * p[1], 1.0 + p[0]]).unwrap();
@@ -231,7 +285,7 @@ mod tests {
         let normal = chladni_mesh::surface::vec3::scaled([1.0, 2.0, -0.5], 1.0 / 5.25_f64.sqrt());
         let plane = MirrorPlane { normal, offset: 0.0, misfit: 0.0 };
         let positions = single(&surface.positions);
-        let seen = Seen { surface: &surface, positions: &positions, eye: None };
+        let seen = Seen { surface: &surface, positions: &positions, eye: None, blocked: None };
         let at = surface.nearest_vertex([0.8, 0.6, 0.1]).unwrap();
         let alone = Brush { radius: 0.25, mirror: None }.reach(&seen, &at).vertices();
         let both = Brush { radius: 0.25, mirror: Some(plane) }.reach(&seen, &at).vertices();
@@ -246,7 +300,7 @@ mod tests {
         let (points, triangles) = icosphere(1);
         let surface = Surface::of(points, triangles, FILE);
         let positions = single(&surface.positions);
-        let seen = Seen { surface: &surface, positions: &positions, eye: None };
+        let seen = Seen { surface: &surface, positions: &positions, eye: None, blocked: None };
         let brush = Brush { radius: 1e-3, mirror: None };
         let corner = SurfacePoint { triangle: 5, weights: [0.2, 0.7, 0.1] };
         assert_eq!(brush.reach(&seen, &corner).vertices(), vec![surface.triangles[5][1]]);

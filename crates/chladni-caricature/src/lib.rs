@@ -72,7 +72,7 @@ mod stack;
 mod surface;
 mod wavelength;
 
-pub use brush::{Brush, Reach, Seen};
+pub use brush::{Blocked, Brush, Reach, Seen};
 pub use carry::Carried;
 pub use crossing::Crossings;
 pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};

@@ -168,7 +168,7 @@ mod tests {
 
     fn dab(surface: &Surface, triangle: u32) -> Dab {
         let positions = crate::fixture::single(&surface.positions);
-        let seen = Seen { surface, positions: &positions, eye: None };
+        let seen = Seen { surface, positions: &positions, eye: None, blocked: None };
         Dab::of(&Brush { radius: 0.3, mirror: None }.reach(&seen, &at(triangle)), 0.75, false)
     }
 

@@ -144,11 +144,10 @@ impl Project {
     }
 
     /// The text of a project file at `path`; with `recovered_from`, of a recovery file.
-    pub(crate) fn to_text(
-        &self,
-        path: &Path,
-        recovered_from: Option<PathBuf>,
-    ) -> Result<String, CaricatureError> {
+    ///
+    /// # Errors
+    /// Names that are not Unicode.
+    pub fn to_text(&self, path: &Path, recovered_from: Option<PathBuf>) -> Result<String, CaricatureError> {
         let invalid = |why: String| CaricatureError::ProjectFile { path: path.into(), why };
         let folder = folder_of(path);
         let source = match &self.shape {
@@ -171,8 +170,11 @@ impl Project {
         toml::to_string(&document).map_err(|e| invalid(e.to_string()))
     }
 
-    /// A project and, from a recovery file, where it was saved before.
-    pub(crate) fn from_text(text: &str, path: &Path) -> Result<(Self, Option<PathBuf>), CaricatureError> {
+    /// The project in the `text` of a file at `path` and, from a recovery file, where it was saved before.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), but those of the file system.
+    pub fn from_text(text: &str, path: &Path) -> Result<(Self, Option<PathBuf>), CaricatureError> {
         let invalid = |why: String| CaricatureError::ProjectFile { path: path.into(), why };
         let table: toml::Table = text.parse().map_err(|e: toml::de::Error| invalid(one_line(&e, text)))?;
         let migrated = migrate(table, path)?;
@@ -198,10 +200,18 @@ impl Project {
         project.stands = document.shape.stands;
         project.laplacian = document.shape.laplacian;
         project.keep_triangles = document.shape.keep_triangles;
+        // A few bytes of text stand for as many painted values as a mesh may have.
+        let mut painted = 0;
         for (i, table) in document.layers.into_iter().enumerate() {
             let place = format!("layer {} ({})", i + 1, table.name);
-            let layer = table.into_layer(&folder).and_then(|l| project.push(l));
-            layer.map_err(|e| invalid(format!("{place}: {e}")))?;
+            let layer = table.into_layer(&folder).map_err(|e| invalid(format!("{place}: {e}")))?;
+            if let Painted::Vertices(values) = &layer.region.painted {
+                painted += values.len();
+            }
+            if painted > runs::MOST_VALUES {
+                return Err(invalid(format!("{place}: the layers have more painted values than are read")));
+            }
+            project.push(layer).map_err(|e| invalid(format!("{place}: {e}")))?;
         }
         Ok((project, document.recovered_from))
     }

@@ -7,9 +7,9 @@ use serde::{Deserialize, Deserializer, Serializer};
 
 use crate::CaricatureError;
 
-/// More vertices than any mesh that fits in memory with its harmonics; a longer text is refused
+/// More values than the layers of any mesh that fits in memory with its harmonics; a longer text is refused
 /// before anything is allocated for it.
-const MAX_VALUES: usize = 1 << 26;
+pub(crate) const MOST_VALUES: usize = 1 << 26;
 
 /// `values` as text. Every value is read back bit for bit.
 pub(crate) fn to_text(values: &[f32]) -> String {
@@ -39,7 +39,7 @@ pub(crate) fn from_text(text: &str) -> Result<Arc<[f32]>, CaricatureError> {
         if !(0.0..=1.0).contains(&value) {
             return Err(bad(run, "values lie between 0 and 1"));
         }
-        if count > MAX_VALUES - values.len() {
+        if count > MOST_VALUES - values.len() {
             return Err(bad(run, "more vertices than any shape has"));
         }
         values.resize(values.len() + count, value);

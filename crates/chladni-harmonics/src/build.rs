@@ -2,13 +2,13 @@
 
 use std::borrow::Cow;
 use std::sync::Arc;
-use std::time::Instant;
 
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
 use crate::eigen::{self, Solved};
 use crate::operator::Domain;
+use crate::platform::{HAS_THREADS, Instant};
 use crate::{
     Basis, BasisCache, BasisSettings, Body, BuildReport, ConsistentPencil, Eigenpairs, HarmonicsError,
     Operator, Pencil,
@@ -172,12 +172,13 @@ fn solved(
     })?
 }
 
-/// Runs `work` on `threads` threads; `None` is the pool it is called in, or all of the machine's.
+/// Runs `work` on `threads` threads; `None` is the pool it is called in, or all of the machine's. Where no
+/// thread can be started, the one that calls does all of it.
 pub(crate) fn on_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
 ) -> Result<T, HarmonicsError> {
-    if threads.is_none() && rayon::current_thread_index().is_some() {
+    if !HAS_THREADS || (threads.is_none() && rayon::current_thread_index().is_some()) {
         return Ok(work());
     }
     // Not on the shared pool: drawing, which uses it, must not wait for a solve.

@@ -79,7 +79,7 @@ impl CacheEntry {
     /// The basis and whether it cuts a cluster; `None` where there is no entry; a warning
     /// where there is one that cannot be used.
     pub(crate) fn read(&self, vertices: usize) -> Result<Option<(Basis, bool)>, String> {
-        let mut file = match fs::File::open(&self.path) {
+        let mut file = match chladni_task::open_file(&self.path) {
             Ok(file) => file,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(format!("{}: {e}", self.path.display())),

@@ -4,11 +4,12 @@
 use chladni_task::Task;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::SolveLstsq;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatRef};
 use rayon::prelude::*;
 
 use crate::HarmonicsError;
 use crate::nearest::PointTree;
+use crate::platform::split;
 
 /// The first eigenvectors of a shape, on all of its vertices or on a sample of them.
 #[derive(Clone, Copy, Debug)]
@@ -191,7 +192,7 @@ fn enough(given: Eigenvectors, needed: usize, side: &str) -> Result<(), Harmonic
 
 fn product(a: MatRef<f64>, b: MatRef<f64>) -> Mat<f64> {
     let mut out = Mat::zeros(a.nrows(), b.ncols());
-    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::rayon(0));
+    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, split());
     out
 }
 

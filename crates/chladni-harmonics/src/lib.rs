@@ -49,6 +49,8 @@ pub mod npz;
 mod operator;
 mod pages;
 mod pencil;
+mod platform;
+#[cfg(not(target_family = "wasm"))]
 mod ranks;
 mod report;
 mod settings;
@@ -66,6 +68,7 @@ pub use geodesic::HeatGeodesics;
 pub use heat::{HeatFlow, HeatStep};
 pub use operator::{Operator, mesh_laplacian};
 pub use pencil::{ConsistentPencil, Eigenpairs, Pencil};
+#[cfg(not(target_family = "wasm"))]
 pub use ranks::{Ranks, RanksReport, RanksSeconds};
 pub use report::{BasisWarning, BuildReport, BuildSeconds, SolveProfile};
 pub use settings::{BasisSettings, Laplacian};

@@ -1,9 +1,9 @@
 //! NumPy archives that appear whole or not at all, and arrays that are read (feature `npz`).
 
-use std::fs::File;
 use std::io::{BufWriter, Cursor, Error, Read, Result};
 use std::path::Path;
 
+use chladni_task::Draft;
 use npyz::{AutoSerialize, DType, Deserialize, NpyFile, Order, TypeChar, WriteOptions, WriterBuilder};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -13,7 +13,7 @@ use crate::{Body, Operator};
 /// An archive that is being written.
 #[allow(missing_debug_implementations, reason = "it holds a writer")]
 pub struct Npz<'a, 'b> {
-    archive: ZipWriter<&'a mut BufWriter<&'b mut File>>,
+    archive: ZipWriter<&'a mut BufWriter<Draft<'b>>>,
 }
 
 impl Npz<'_, '_> {
@@ -125,9 +125,16 @@ const MOST_BYTES: u64 = 1 << 30;
 /// # Errors
 /// What the system says; what is neither, has no array of that name, holds no real numbers, or is larger than 1 GiB.
 pub fn read_numbers(path: &Path, name: &str) -> Result<Vec<f64>> {
-    let bytes = chladni_task::read_file(path, MOST_BYTES)?;
+    numbers_in(&chladni_task::read_file(path, MOST_BYTES)?, name)
+}
+
+/// Like [`read_numbers`], from the bytes of the file.
+///
+/// # Errors
+/// As [`read_numbers`].
+pub fn numbers_in(bytes: &[u8], name: &str) -> Result<Vec<f64>> {
     if !bytes.starts_with(b"PK") {
-        return numbers_of(bytes.as_slice());
+        return numbers_of(bytes);
     }
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(Error::other)?;
     let member = archive.by_name(&format!("{name}.npy"));

@@ -62,11 +62,15 @@ impl<'a> Pencil<'a> {
         }
     }
 
-    /// Gershgorin on M⁻¹ S, with the diagonal of M: no eigenvalue is above the largest sum of sizes in a row. Where nothing off
-    /// the diagonal is above zero that is twice the largest S_vv / a_v; plain cotangents may have more.
+    /// Gershgorin on M⁻¹ S and on D^-½ S D^-½, D the diagonal of M: no eigenvalue of D⁻¹ S is above the largest sum of sizes
+    /// in a row of either. The first is tight for Laplacians, the second where masses differ by orders of magnitude.
     pub(crate) fn bound(&self) -> f64 {
-        let row = |v: usize| self.stiffness.column(v).map(|(_, s)| s.abs()).sum::<f64>() / self.mass[v];
-        (0..self.mass.len()).map(row).fold(0.0, f64::max)
+        let largest = |weight: &dyn Fn(usize, usize) -> f64| {
+            let row = |v| self.stiffness.column(v).map(|(i, s)| s.abs() * weight(i, v)).sum::<f64>();
+            (0..self.mass.len()).map(row).fold(0.0, f64::max)
+        };
+        let roots: Vec<f64> = self.mass.iter().map(|a| a.sqrt()).collect();
+        largest(&|_, v| self.mass[v].recip()).min(largest(&|i, v| (roots[i] * roots[v]).recip()))
     }
 }
 

@@ -108,6 +108,12 @@ pub(crate) enum Processor {
 #[cfg(test)]
 pub(crate) const PROCESSORS: [Processor; 3] = [Processor::This, Processor::Avx2, Processor::Any];
 
+/// a b + c: in one rounding, but where that is a call for each number, as in a page.
+#[inline(always)]
+fn mul_add(a: f64, b: f64, c: f64) -> f64 {
+    if cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
+}
+
 #[derive(Clone, Copy)]
 struct Portable;
 
@@ -139,11 +145,11 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn mul_add(self, a: [f64; 8], b: [f64; 8], c: [f64; 8]) -> [f64; 8] {
-        std::array::from_fn(|i| a[i].mul_add(b[i], c[i]))
+        std::array::from_fn(|i| mul_add(a[i], b[i], c[i]))
     }
     #[inline(always)]
     fn mul_sub_from(self, a: [f64; 8], b: [f64; 8], c: [f64; 8]) -> [f64; 8] {
-        std::array::from_fn(|i| (-a[i]).mul_add(b[i], c[i]))
+        std::array::from_fn(|i| mul_add(-a[i], b[i], c[i]))
     }
 }
 

@@ -299,6 +299,29 @@ impl SymmetricSparse {
         self.diagonal().into_iter().fold(0.0, f64::max)
     }
 
+    /// For each row the number of its connected component, numbered from 0 in order of appearance.
+    pub(crate) fn components(&self) -> Vec<u32> {
+        let mut component = vec![u32::MAX; self.size()];
+        let (mut count, mut reached) = (0, Vec::new());
+        for first in 0..self.size() {
+            if component[first] != u32::MAX {
+                continue;
+            }
+            component[first] = count;
+            reached.push(first);
+            while let Some(j) = reached.pop() {
+                for (i, _) in self.column(j) {
+                    if component[i] == u32::MAX {
+                        component[i] = count;
+                        reached.push(i);
+                    }
+                }
+            }
+            count += 1;
+        }
+        component
+    }
+
     /// The rows and columns of `vertices`, which no entry joins to others; vertex v gets the
     /// number `local[v]`.
     pub(crate) fn block(&self, vertices: &[u32], local: &[u32]) -> Self {

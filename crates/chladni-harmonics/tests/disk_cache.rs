@@ -39,6 +39,80 @@ fn entries_are_reused_and_damaged_ones_solved_again() {
 }
 
 #[test]
+fn no_flipped_bit_and_no_cut_is_trusted() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = BasisCache::new(folder.path());
+    let mesh = shapes::icosphere(0);
+    let build = || Body::load_or_build(&mesh, &BasisSettings::new(3), Some(&cache), &Task::new()).unwrap();
+    let (fresh, _) = build();
+    let entry = std::fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
+    let sound = std::fs::read(&entry).unwrap();
+    let flipped = (0..sound.len()).map(|at| {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 1 << (at % 8);
+        bytes
+    });
+    let cut = (0..sound.len()).step_by(7).map(|length| sound[..length].to_vec());
+    let longer = [[&sound[..], &[0]].concat(), [&sound[..], &sound].concat()];
+    for damaged in flipped.chain(cut).chain(longer) {
+        std::fs::write(&entry, &damaged).unwrap();
+        let (body, report) = build();
+        assert!(!report.cached && report.cache_warning.is_some());
+        assert_eq!(body.basis, fresh.basis);
+    }
+    assert!(build().1.cached);
+}
+
+#[test]
+fn many_at_once_share_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = BasisCache::new(folder.path());
+    let mesh = shapes::icosphere(1);
+    let settings = |k| BasisSettings { threads: Some(1), ..BasisSettings::new(k) };
+    let alone: Vec<_> =
+        (1..6).map(|k| Body::build(&mesh, &settings(k), &Task::new()).unwrap().basis).collect();
+    std::thread::scope(|scope| {
+        for first in 0..8 {
+            let (cache, mesh, alone) = (&cache, &mesh, &alone);
+            scope.spawn(move || {
+                for round in first..first + 20 {
+                    let k = 1 + round % 5;
+                    let built = Body::load_or_build(mesh, &settings(k), Some(cache), &Task::new());
+                    let (body, report) = built.unwrap();
+                    assert!(report.cache_warning.is_none(), "{report:?}");
+                    assert_eq!(body.basis, alone[k - 1]);
+                    // Somebody clears the cache meanwhile.
+                    if round % 7 == 0 {
+                        std::fs::read_dir(cache.folder())
+                            .unwrap()
+                            .filter_map(Result::ok)
+                            .filter(|entry| entry.path().extension().is_some_and(|e| e == "basis"))
+                            .for_each(|entry| drop(std::fs::remove_file(entry.path())));
+                    }
+                }
+            });
+        }
+    });
+    let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+    assert!(left.into_iter().all(|path| path.extension().is_some_and(|e| e == "basis")));
+}
+
+#[test]
+fn what_is_no_file_is_no_entry() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = BasisCache::new(folder.path());
+    let mesh = shapes::icosphere(0);
+    let build = || Body::load_or_build(&mesh, &BasisSettings::new(3), Some(&cache), &Task::new()).unwrap();
+    build();
+    let entry = std::fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
+    std::fs::remove_file(&entry).unwrap();
+    std::fs::create_dir(&entry).unwrap();
+    let (_, report) = build();
+    assert!(!report.cached && report.cache_warning.is_some());
+    assert!(entry.is_dir() && std::fs::read_dir(folder.path()).unwrap().count() == 1);
+}
+
+#[test]
 fn each_laplacian_has_entries_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let cache = BasisCache::new(folder.path());

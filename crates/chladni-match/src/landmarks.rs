@@ -1,5 +1,6 @@
 //! Pairs of vertices that a user says belong together, and the small file they live in.
 
+use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -38,7 +39,7 @@ pub fn load_landmarks(path: &Path) -> Result<Vec<Landmark>, MatchError> {
 /// # Errors
 /// Names the line that is not two vertex numbers, or that repeats a shape vertex.
 pub fn read_landmarks(text: &str) -> Result<Vec<Landmark>, MatchError> {
-    let mut landmarks: Vec<Landmark> = Vec::new();
+    let (mut landmarks, mut known) = (Vec::new(), HashSet::new());
     for (index, line) in text.lines().enumerate() {
         let line_number = index + 1;
         let content = line.split('#').next().unwrap_or_default();
@@ -51,7 +52,7 @@ pub fn read_landmarks(text: &str) -> Result<Vec<Landmark>, MatchError> {
                     word.parse::<u32>().map_err(|e| problem(format!("“{word}” is not a vertex number ({e})")))
                 };
                 let landmark = Landmark { shape: number(shape)?, template: number(template)? };
-                if landmarks.iter().any(|l| l.shape == landmark.shape) {
+                if !known.insert(landmark.shape) {
                     return Err(problem(format!("shape vertex {} has a landmark already", landmark.shape)));
                 }
                 landmarks.push(landmark);

@@ -21,7 +21,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// How much more often a favourite comes.
+    /// How much more often a favorite comes.
     pub const FAVOURITE: u32 = 4;
 
     /// By the words that a preset is found by: calm and lively say what it suits.
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_comes_back_within_ten_minutes_and_favourites_come_more_often() {
+    fn nothing_comes_back_within_ten_minutes_and_favorites_come_more_often() {
         let mut counts = vec![0; 44];
         for seed in 0..10 {
             let mut autopilot = Autopilot::new(seed, candidates(), 6);
@@ -200,9 +200,9 @@ mod tests {
                 counts[turn.dance] += 1;
             }
         }
-        let favourite = counts[..3].iter().sum::<u32>() as f32 / 3.0;
+        let favorite = counts[..3].iter().sum::<u32>() as f32 / 3.0;
         let other = counts[3..].iter().sum::<u32>() as f32 / 41.0;
-        assert!(favourite > 1.1 * other, "{favourite} {other}");
+        assert!(favorite > 1.1 * other, "{favorite} {other}");
         assert!(counts.iter().all(|count| *count > 10), "{counts:?}");
     }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::target::{Cue, Kind, Target, Which};
 use crate::text_file::{self, FORMAT_VERSION};
-use crate::{Error, Parameters};
+use crate::{MusicError, Parameters};
 
 /// Something on a controller that can be touched.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -177,7 +177,7 @@ impl Bindings {
     }
 
     /// As a text file.
-    pub fn to_text(&self) -> Result<String, Error> {
+    pub fn to_text(&self) -> Result<String, MusicError> {
         text_file::print(
             "bindings",
             &BindingFile { format_version: FORMAT_VERSION, binding: self.list.clone() },
@@ -185,7 +185,7 @@ impl Bindings {
     }
 
     /// Takes the bindings of a text file; those of other devices and controls stay. Returns how many there were.
-    pub fn import(&mut self, text: &str) -> Result<usize, Error> {
+    pub fn import(&mut self, text: &str) -> Result<usize, MusicError> {
         text_file::version("bindings", text)?;
         let file: BindingFile = text_file::parse("bindings", text)?;
         let count = file.binding.len();

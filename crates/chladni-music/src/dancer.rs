@@ -12,7 +12,7 @@ use crate::sides::Sides;
 use crate::steepness::{Patch, steepness};
 use crate::swing::Swing;
 use crate::unison::unisons;
-use crate::{Class, Error, Form, SymmetrySettings, Timbre, symmetry};
+use crate::{Class, Form, MusicError, SymmetrySettings, Timbre, symmetry};
 
 /// What the mappings of all items share: the data of one body, in the working frame.
 #[derive(Clone, Debug)]
@@ -55,8 +55,8 @@ pub(crate) struct Reach {
 
 /// Triangles on which the steepness of each harmonic is measured.
 const PATCHES: usize = 4096;
-/// Harmonics whose steepest triangle is probed.
-const STEEP_PROBES: usize = 36;
+/// Harmonics in each doubling of their number whose steepest triangle is probed.
+const STEEP_PROBES: i32 = 8;
 /// Octaves of frequency that are calibrated and limited separately; higher ones count as the last.
 const OCTAVES: usize = 16;
 
@@ -65,17 +65,17 @@ impl Dancer {
     /// stands as `stands` says: its left half is the viewer's.
     ///
     /// Errors if the counts differ, or if there is no harmonic or no vertex.
-    pub fn new(body: &Body, classes: &[Class], stands: &Orientation) -> Result<Self, Error> {
+    pub fn new(body: &Body, classes: &[Class], stands: &Orientation) -> Result<Self, MusicError> {
         let basis = &*body.basis;
         let k = basis.harmonics();
         if classes.len() != k {
-            return Err(Error::Size { what: "symmetry classes", found: classes.len(), expected: k });
+            return Err(MusicError::Size { what: "symmetry classes", found: classes.len(), expected: k });
         }
         if k == 0 || basis.vertices() == 0 {
-            return Err(Error::Size { what: "harmonics", found: k, expected: 1 });
+            return Err(MusicError::Size { what: "harmonics", found: k, expected: 1 });
         }
         if body.positions.len() != basis.vertices() {
-            return Err(Error::Size {
+            return Err(MusicError::Size {
                 what: "positions",
                 found: body.positions.len(),
                 expected: basis.vertices(),
@@ -110,7 +110,10 @@ impl Dancer {
             runs.iter().zip(&of_runs).flat_map(|(run, of)| vec![of.0; run.len()]).collect();
         let displacement: Vec<f32> = filter_reach.iter().map(|reach| reach.displacement).collect();
         let modal_reach = of_harmonics.iter().map(|of| of.0).collect();
-        let steep = [steepest(&of_runs), steepest(&of_harmonics)].concat();
+        let of_unisons: Vec<_> = runs.iter().zip(&of_runs).map(|(run, of)| (run.start, of.1)).collect();
+        let of_each: Vec<_> = of_harmonics.iter().map(|of| of.1).enumerate().collect();
+        let mut steep = [steepest(&of_unisons), steepest(&of_each)].concat();
+        steep.sort_by_key(|(k, _)| *k);
         let probes = Probes::new(body, &displacement, &normals, &steep);
         let sides = Sides::of(body, classes, stands);
         let slowest = basis.eigenvalues.get(symmetry::first_waving(basis)).copied().unwrap_or(1.0);
@@ -214,11 +217,13 @@ fn liveliest(body: &Body, spectrum: &[[f64; 3]], runs: &[Range<usize>]) -> [f32;
     body.positions.get(most).map_or([0.0; 3], |p| p.map(|c| c as f32))
 }
 
-/// The steepest patches of harmonics that are spaced evenly in the logarithm of their number.
-fn steepest(of: &[(Reach, Option<Patch>)]) -> Vec<Patch> {
-    let ratio = (of.len() as f64).powf(1.0 / STEEP_PROBES as f64);
-    let number = |i: usize| (ratio.powi(i as i32 + 1).round() as usize).min(of.len()) - 1;
-    (0..STEEP_PROBES).filter_map(|i| of.get(number(i))?.1).collect()
+/// Of harmonics (or the first of their unison) that are spaced evenly in the logarithm of their number: the
+/// steepest patches.
+fn steepest(of: &[(usize, Option<Patch>)]) -> Vec<(u32, Patch)> {
+    let number = |i: i32| 2f64.powf(f64::from(i) / f64::from(STEEP_PROBES)).round() as usize;
+    let mut numbers: Vec<usize> = (0..).map(number).take_while(|&number| number < of.len()).collect();
+    numbers.dedup();
+    numbers.into_iter().filter_map(|i| Some((of[i].0 as u32, of[i].1?))).collect()
 }
 
 fn octaves(eigenvalues: &[f64], slowest: f64) -> Vec<u8> {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{Bands, Dancer, Error, Mapping, Player, Playing};
+use crate::{Bands, Dancer, Mapping, MusicError, Player, Playing};
 
 /// A few moments of a song, by which movements are compared.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -87,18 +87,22 @@ impl Describer {
     /// For a body, a way of playing and some moments.
     ///
     /// # Errors
-    /// [`Error::Size`] where there is no moment or their bands differ in number, and what
+    /// [`MusicError::Size`] where there is no moment or their bands differ in number, and what
     /// [`Playing::validate`] says.
-    pub fn new(dancer: Arc<Dancer>, playing: Playing, moments: Moments) -> Result<Self, Error> {
+    pub fn new(dancer: Arc<Dancer>, playing: Playing, moments: Moments) -> Result<Self, MusicError> {
         playing.validate()?;
         let bands = moments.bands.first().map_or(0, |moment| moment[0].len());
         for band in moments.bands.iter().flatten() {
             if band.len() != bands {
-                return Err(Error::Size { what: "bands of a moment", found: band.len(), expected: bands });
+                return Err(MusicError::Size {
+                    what: "bands of a moment",
+                    found: band.len(),
+                    expected: bands,
+                });
             }
         }
         if bands == 0 {
-            return Err(Error::Size { what: "bands of a moment", found: 0, expected: 1 });
+            return Err(MusicError::Size { what: "bands of a moment", found: 0, expected: 1 });
         }
         // Moments are single pictures: what rings has no time to.
         Ok(Self { dancer, playing: Playing { timbre: None, ..playing }, moments })
@@ -108,7 +112,7 @@ impl Describer {
     ///
     /// # Errors
     /// Where it is not valid.
-    pub fn describe(&self, mapping: &Mapping) -> Result<Descriptor, Error> {
+    pub fn describe(&self, mapping: &Mapping) -> Result<Descriptor, MusicError> {
         let bands = self.moments.bands[0][0].len();
         let mut player = Player::new(mapping, &self.dancer, bands, self.playing)?;
         let mut item = player.item();

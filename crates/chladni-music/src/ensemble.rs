@@ -6,7 +6,9 @@ use chladni_synth::{Item, Term};
 
 use crate::gallery::ItemId;
 use crate::voice::{Voice, VoiceSettings, Voices};
-use crate::{Bands, Beat, Dancer, Error, Instrument, Mapping, Parameter, Player, Playing, Settings, blend};
+use crate::{
+    Bands, Beat, Dancer, Instrument, Mapping, MusicError, Parameter, Player, Playing, Settings, blend,
+};
 
 /// Plays all items of the gallery that is shown, or the one on stage, for one dancer.
 ///
@@ -54,7 +56,7 @@ impl Ensemble {
     /// every item on top of its mapping, as [`Instrument::voice`] says.
     ///
     /// Errors if a term has more coefficients than the dancer has harmonics.
-    pub fn with_voices(mut self, terms: Vec<Term>) -> Result<Self, Error> {
+    pub fn with_voices(mut self, terms: Vec<Term>) -> Result<Self, MusicError> {
         let settings = VoiceSettings::initial;
         let voices = terms.into_iter().enumerate();
         let voices = voices.map(|(i, term)| Voice { term, settings: settings(i) }).collect();
@@ -76,7 +78,12 @@ impl Ensemble {
 
     /// The items that `bands` and `beat` drive: S items of the gallery in order, or one while something is on
     /// stage.
-    pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<&[Item], Error> {
+    pub fn play(
+        &mut self,
+        instrument: &Instrument,
+        bands: &Bands<'_>,
+        beat: Beat,
+    ) -> Result<&[Item], MusicError> {
         let Some(scene) = instrument.scene(beat.count) else {
             return self.play_gallery(instrument, bands, beat);
         };
@@ -85,7 +92,7 @@ impl Ensemble {
         let cast = [scene.to, scene.from];
         let cast = if scene.weight < 1.0 { &cast[..] } else { &cast[..1] };
         for (slot, &id) in cast.iter().enumerate() {
-            let none = Error::NoSuch { what: "item with id", index: id as usize, count: 0 };
+            let none = MusicError::NoSuch { what: "item with id", index: id as usize, count: 0 };
             let found = instrument.item(id).ok_or(none)?;
             self.play_slot(slot, id, &found.mapping, playing, bands)?;
         }
@@ -103,7 +110,7 @@ impl Ensemble {
         instrument: &Instrument,
         bands: &Bands<'_>,
         beat: Beat,
-    ) -> Result<&[Item], Error> {
+    ) -> Result<&[Item], MusicError> {
         let playing = self.within(instrument.parameters().playing());
         self.play_voices(instrument, bands, beat)?;
         let shown = instrument.gallery().items();
@@ -128,7 +135,7 @@ impl Ensemble {
         (mapping, settings): (&Mapping, &Settings),
         bands: &Bands<'_>,
         beat: Beat,
-    ) -> Result<&[Item], Error> {
+    ) -> Result<&[Item], MusicError> {
         let mut parameters = instrument.parameters().clone();
         parameters.apply(settings)?;
         let playing = self.within(parameters.playing());
@@ -157,7 +164,12 @@ impl Ensemble {
         Playing { harmonics, ..playing }
     }
 
-    fn play_voices(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<(), Error> {
+    fn play_voices(
+        &mut self,
+        instrument: &Instrument,
+        bands: &Bands<'_>,
+        beat: Beat,
+    ) -> Result<(), MusicError> {
         if self.voices.count() == 0 {
             return Ok(());
         }
@@ -177,7 +189,7 @@ impl Ensemble {
         mapping: &Mapping,
         playing: Playing,
         bands: &Bands<'_>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), MusicError> {
         if !self.slots.get(slot).is_some_and(|s| s.plays(Some(id), mapping, playing, bands)) {
             let new = Slot::new(Some(id), mapping, &self.dancer, playing, bands)?;
             let at_rest = new.player.item();
@@ -204,7 +216,7 @@ impl Slot {
         dancer: &Arc<Dancer>,
         playing: Playing,
         bands: &Bands<'_>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, MusicError> {
         let bands = bands.mid.len();
         let player = Player::new(mapping, dancer, bands, playing)?;
         Ok(Self { id, mapping: mapping.clone(), playing, bands, player })

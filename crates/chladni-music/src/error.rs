@@ -2,7 +2,7 @@
 
 /// An error of this crate: what, where and why.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {
+pub enum MusicError {
     /// A mapping whose numbers cannot be played.
     #[error("mapping: {what} {why}")]
     BadMapping {
@@ -24,7 +24,7 @@ pub enum Error {
     /// A gallery of a size that is not offered.
     #[error("a gallery holds 6, 9, 12 or 16 items, not {0}")]
     GallerySize(usize),
-    /// An action names an item, a generation or a favourite that does not exist.
+    /// An action names an item, a generation or a favorite that does not exist.
     #[error("there is no {what} {index}: there are {count}")]
     NoSuch {
         /// What was asked for.

@@ -6,7 +6,7 @@ use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
 use crate::breeding::{breed, mutate};
-use crate::{Error, Mapping, direct_transfer};
+use crate::{Mapping, MusicError, direct_transfer};
 
 /// The sizes S a gallery may have.
 pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
@@ -115,16 +115,25 @@ impl Gallery {
     /// The initial gallery of `size` ∈ [`GALLERY_SIZES`] items.
     ///
     /// Seeds go up to 2⁶³ − 1, the largest number that session files can hold.
-    pub fn new(seed: u64, size: usize, shape: &GalleryShape) -> Result<Self, Error> {
+    pub fn new(seed: u64, size: usize, shape: &GalleryShape) -> Result<Self, MusicError> {
         Self::numbered_from(0, seed, size, shape)
     }
 
-    fn numbered_from(next_id: ItemId, seed: u64, size: usize, shape: &GalleryShape) -> Result<Self, Error> {
+    fn numbered_from(
+        next_id: ItemId,
+        seed: u64,
+        size: usize,
+        shape: &GalleryShape,
+    ) -> Result<Self, MusicError> {
         if !GALLERY_SIZES.contains(&size) {
-            return Err(Error::GallerySize(size));
+            return Err(MusicError::GallerySize(size));
         }
         if i64::try_from(seed).is_err() {
-            return Err(Error::OutOfRange { name: "seed", value: seed as f64, range: "[0, 2^63)".into() });
+            return Err(MusicError::OutOfRange {
+                name: "seed",
+                value: seed as f64,
+                range: "[0, 2^63)".into(),
+            });
         }
         let mut gallery = Self {
             seed,
@@ -149,7 +158,7 @@ impl Gallery {
     }
 
     /// Another gallery whose items continue the numbering of this one.
-    pub(crate) fn restart(&self, seed: u64, size: usize, shape: &GalleryShape) -> Result<Self, Error> {
+    pub(crate) fn restart(&self, seed: u64, size: usize, shape: &GalleryShape) -> Result<Self, MusicError> {
         Self::numbered_from(self.next_id, seed, size, shape)
     }
 
@@ -185,24 +194,24 @@ impl Gallery {
         shown.or_else(|| self.generations.iter().rev().flat_map(|g| &g.items).find(|item| item.id == id))
     }
 
-    pub(crate) fn item_mut(&mut self, index: usize) -> Result<&mut GalleryItem, Error> {
+    pub(crate) fn item_mut(&mut self, index: usize) -> Result<&mut GalleryItem, MusicError> {
         let items = &mut self.generations[self.current].items;
         let count = items.len();
-        items.get_mut(index).ok_or(Error::NoSuch { what: "item", index, count })
+        items.get_mut(index).ok_or(MusicError::NoSuch { what: "item", index, count })
     }
 
     /// Shows an earlier (or later) generation again.
-    pub(crate) fn go_to(&mut self, generation: usize) -> Result<(), Error> {
+    pub(crate) fn go_to(&mut self, generation: usize) -> Result<(), MusicError> {
         let count = self.generations.len();
         if generation >= count {
-            return Err(Error::NoSuch { what: "generation", index: generation, count });
+            return Err(MusicError::NoSuch { what: "generation", index: generation, count });
         }
         self.current = generation;
         Ok(())
     }
 
     /// A new generation: S children of random pairs of distinct chosen items; locked items stay.
-    pub(crate) fn breed(&mut self) -> Result<(), Error> {
+    pub(crate) fn breed(&mut self) -> Result<(), MusicError> {
         self.check_room()?;
         let parents = self.parents(2)?;
         let mut rng = self.rng();
@@ -224,17 +233,17 @@ impl Gallery {
     }
 
     /// The chosen items, at least so many.
-    fn parents(&self, least: usize) -> Result<Vec<GalleryItem>, Error> {
+    fn parents(&self, least: usize) -> Result<Vec<GalleryItem>, MusicError> {
         let parents: Vec<GalleryItem> = self.items().iter().filter(|i| i.chosen).cloned().collect();
-        if parents.len() < least { Err(Error::NotEnoughParents(parents.len())) } else { Ok(parents) }
+        if parents.len() < least { Err(MusicError::NotEnoughParents(parents.len())) } else { Ok(parents) }
     }
 
     /// The [`CANDIDATES`] that the next generation may be chosen from: children of the chosen items, half of
     /// them mutated; of a single chosen item mutants alone. They do not depend on each other.
     ///
     /// # Errors
-    /// [`Error::NotEnoughParents`] where nothing is chosen.
-    pub fn candidates(&self) -> Result<Vec<Mapping>, Error> {
+    /// [`MusicError::NotEnoughParents`] where nothing is chosen.
+    pub fn candidates(&self) -> Result<Vec<Mapping>, MusicError> {
         let parents = self.parents(1)?;
         Ok((0..CANDIDATES).map(|number| self.candidate(&parents, number).0).collect())
     }
@@ -259,14 +268,14 @@ impl Gallery {
     }
 
     /// A new generation: in each place the candidate of that number; locked items stay.
-    pub(crate) fn breed_from(&mut self, candidates: &[u16]) -> Result<(), Error> {
+    pub(crate) fn breed_from(&mut self, candidates: &[u16]) -> Result<(), MusicError> {
         self.check_room()?;
         let (found, expected) = (candidates.len(), self.items().len());
         if found != expected {
-            return Err(Error::Size { what: "candidates", found, expected });
+            return Err(MusicError::Size { what: "candidates", found, expected });
         }
         if let Some(&number) = candidates.iter().find(|number| usize::from(**number) >= CANDIDATES) {
-            return Err(Error::NoSuch { what: "candidate", index: number.into(), count: CANDIDATES });
+            return Err(MusicError::NoSuch { what: "candidate", index: number.into(), count: CANDIDATES });
         }
         let parents = self.parents(1)?;
         let born: Vec<(Mapping, Origin)> =
@@ -298,9 +307,13 @@ impl Gallery {
     }
 
     /// A new generation in which one item is changed a little.
-    pub(crate) fn mutate(&mut self, index: usize, amount: f32) -> Result<(), Error> {
+    pub(crate) fn mutate(&mut self, index: usize, amount: f32) -> Result<(), MusicError> {
         if !(0.0..=1.0).contains(&amount) {
-            return Err(Error::OutOfRange { name: "mutation", value: amount.into(), range: "[0, 1]".into() });
+            return Err(MusicError::OutOfRange {
+                name: "mutation",
+                value: amount.into(),
+                range: "[0, 1]".into(),
+            });
         }
         self.check_room()?;
         let parent = self.item_mut(index)?.clone();
@@ -311,7 +324,7 @@ impl Gallery {
     }
 
     /// A new generation in which one item is replaced by a mapping from elsewhere.
-    pub(crate) fn load(&mut self, index: usize, name: &str, mapping: Mapping) -> Result<(), Error> {
+    pub(crate) fn load(&mut self, index: usize, name: &str, mapping: Mapping) -> Result<(), MusicError> {
         mapping.validate()?;
         self.check_room()?;
         self.item_mut(index)?;
@@ -327,8 +340,12 @@ impl Gallery {
         self.show_new(items);
     }
 
-    fn check_room(&self) -> Result<(), Error> {
-        if self.genes < MOST_GENES { Ok(()) } else { Err(Error::TooManyGenerations(self.generations.len())) }
+    fn check_room(&self) -> Result<(), MusicError> {
+        if self.genes < MOST_GENES {
+            Ok(())
+        } else {
+            Err(MusicError::TooManyGenerations(self.generations.len()))
+        }
     }
 
     fn show_new(&mut self, items: Vec<GalleryItem>) {
@@ -553,7 +570,7 @@ mod tests {
         gallery.genes = MOST_GENES;
         let before = gallery.clone();
         (0..3).for_each(|i| gallery.item_mut(i).unwrap().chosen = false);
-        assert!(matches!(gallery.breed(), Err(Error::TooManyGenerations(3))));
+        assert!(matches!(gallery.breed(), Err(MusicError::TooManyGenerations(3))));
         assert!(gallery.mutate(0, 0.5).is_err() && gallery.load(0, "", Mapping::rest(1, 1)).is_err());
         assert_eq!(gallery, before);
         gallery.go_to(1).unwrap();
@@ -563,7 +580,7 @@ mod tests {
     #[test]
     fn breeding_keeps_locked_items_and_records_parents() {
         let mut gallery = Gallery::new(9, 12, &shape()).unwrap();
-        assert!(matches!(gallery.breed(), Err(Error::NotEnoughParents(0))));
+        assert!(matches!(gallery.breed(), Err(MusicError::NotEnoughParents(0))));
         for i in [1, 4, 6] {
             gallery.item_mut(i).unwrap().chosen = true;
         }

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::gallery::{Gallery, GalleryItem, GalleryShape, ItemId};
 use crate::stage::{Scene, Stage};
-use crate::{Choir, Error, Form, Mapping, Parameter, Parameters, Preset, Settings, Switch, VoiceSettings};
+use crate::{
+    Choir, Form, Mapping, MusicError, Parameter, Parameters, Preset, Settings, Switch, VoiceSettings,
+};
 
 /// Everything a user can do to the instrument. The window emits these; only
 /// [`Instrument::apply`] changes state. Items are named by their place in the gallery shown.
@@ -27,8 +29,9 @@ pub enum Action {
     Mutate { item: usize, amount: f32 },
     /// Locks an item in its place, or unlocks it.
     Lock { item: usize, on: bool },
-    /// Adds an item to the favourites, or removes it.
-    Favourite { item: usize, on: bool },
+    /// Adds an item to the favorites, or removes it.
+    #[serde(alias = "favourite")]
+    Favorite { item: usize, on: bool },
     /// Names an item.
     Rename { item: usize, name: String },
     /// Shows a generation, counted from 0.
@@ -61,8 +64,9 @@ pub enum Action {
     SetVoice { voice: usize, settings: VoiceSettings },
     /// Puts an item of the gallery on stage.
     Perform { item: usize },
-    /// Puts the favourites on stage, beginning with one.
-    PerformFavourites { first: usize },
+    /// Puts the favorites on stage, beginning with one.
+    #[serde(alias = "perform-favourites")]
+    PerformFavorites { first: usize },
     /// Says which item of the gallery comes on stage next.
     CueUp { item: usize },
     /// Brings the next one on stage, within the beats of a transition.
@@ -106,7 +110,7 @@ pub struct Instrument {
     seed: u64,
     size: usize,
     gallery: Gallery,
-    favourites: Vec<GalleryItem>,
+    favorites: Vec<GalleryItem>,
     beginning: Parameters,
     parameters: Parameters,
     /// Voices that were changed; the others do what [`VoiceSettings::initial`] says.
@@ -119,7 +123,7 @@ pub struct Instrument {
 
 impl Instrument {
     /// The initial gallery of `size` items for a body.
-    pub fn new(seed: u64, size: usize, shape: GalleryShape) -> Result<Self, Error> {
+    pub fn new(seed: u64, size: usize, shape: GalleryShape) -> Result<Self, MusicError> {
         Self::beginning_with(Parameters::default(), seed, size, shape)
     }
 
@@ -129,13 +133,13 @@ impl Instrument {
         seed: u64,
         size: usize,
         shape: GalleryShape,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, MusicError> {
         Ok(Self {
             gallery: Gallery::new(seed, size, &shape)?,
             shape,
             seed,
             size,
-            favourites: Vec::new(),
+            favorites: Vec::new(),
             beginning: parameters.clone(),
             parameters,
             voices: BTreeMap::new(),
@@ -170,9 +174,9 @@ impl Instrument {
         &self.gallery
     }
 
-    /// Favourites in the order they were added, as they were then.
-    pub fn favourites(&self) -> &[GalleryItem] {
-        &self.favourites
+    /// Favorites in the order they were added, as they were then.
+    pub fn favorites(&self) -> &[GalleryItem] {
+        &self.favorites
     }
 
     /// All knobs and switches.
@@ -197,7 +201,7 @@ impl Instrument {
 
     /// What plays on stage after `beat` beats; `None` while the gallery is shown.
     pub fn scene(&self, beat: f64) -> Option<Scene> {
-        self.stage.scene(beat, &self.favourites, &self.parameters)
+        self.stage.scene(beat, &self.favorites, &self.parameters)
     }
 
     /// Who comes on stage next, and how far the fader has brought it, in [0, 1].
@@ -210,13 +214,13 @@ impl Instrument {
         self.stage.fader()
     }
 
-    /// An item by id, among favourites and all generations.
+    /// An item by id, among favorites and all generations.
     pub fn item(&self, id: ItemId) -> Option<&GalleryItem> {
-        self.gallery.find(id).or_else(|| self.favourites.iter().find(|item| item.id == id))
+        self.gallery.find(id).or_else(|| self.favorites.iter().find(|item| item.id == id))
     }
 
     /// Does `action` and logs it. On error nothing changes and nothing is logged.
-    pub fn apply(&mut self, moment: Moment, action: Action) -> Result<(), Error> {
+    pub fn apply(&mut self, moment: Moment, action: Action) -> Result<(), MusicError> {
         self.act(moment, &action)?;
         self.log.push(LoggedAction { moment, action });
         Ok(())
@@ -224,7 +228,7 @@ impl Instrument {
 
     /// All actions replayed, with the beat of each recomputed by `beats` from its time: for a song whose
     /// beats become known while it plays.
-    pub fn with_beats(&self, beats: impl Fn(f64) -> f64) -> Result<Self, Error> {
+    pub fn with_beats(&self, beats: impl Fn(f64) -> f64) -> Result<Self, MusicError> {
         let mut again =
             Self::beginning_with(self.beginning.clone(), self.seed, self.size, self.shape.clone())?;
         for line in &self.log {
@@ -234,7 +238,7 @@ impl Instrument {
         Ok(again)
     }
 
-    fn act(&mut self, moment: Moment, action: &Action) -> Result<(), Error> {
+    fn act(&mut self, moment: Moment, action: &Action) -> Result<(), MusicError> {
         match *action {
             Action::Choose { item, on } => self.gallery.item_mut(item)?.chosen = on,
             Action::Breed => self.gallery.breed()?,
@@ -242,18 +246,18 @@ impl Instrument {
             Action::ForgetPreference => self.gallery.forget_preference(),
             Action::Mutate { item, amount } => self.gallery.mutate(item, amount)?,
             Action::Lock { item, on } => self.gallery.item_mut(item)?.locked = on,
-            Action::Favourite { item, on } => {
+            Action::Favorite { item, on } => {
                 let item = self.gallery.item_mut(item)?.clone();
-                self.favourites.retain(|f| f.id != item.id);
+                self.favorites.retain(|f| f.id != item.id);
                 if on {
-                    self.favourites.push(item);
+                    self.favorites.push(item);
                 }
             }
             Action::Rename { item, ref name } => {
                 let item = self.gallery.item_mut(item)?;
                 item.name = name.chars().filter(|c| !c.is_control()).take(200).collect();
                 let (id, name) = (item.id, item.name.clone());
-                self.favourites.iter_mut().filter(|f| f.id == id).for_each(|f| f.name.clone_from(&name));
+                self.favorites.iter_mut().filter(|f| f.id == id).for_each(|f| f.name.clone_from(&name));
             }
             Action::GoTo { generation } => self.gallery.go_to(generation)?,
             Action::NewGallery { seed, size } => {
@@ -282,26 +286,26 @@ impl Instrument {
             }
             Action::SetVoice { voice, settings } => {
                 if voice >= MAX_VOICES {
-                    return Err(Error::NoSuch { what: "voice", index: voice, count: MAX_VOICES });
+                    return Err(MusicError::NoSuch { what: "voice", index: voice, count: MAX_VOICES });
                 }
                 settings.validate()?;
                 self.voices.insert(voice, settings);
             }
             Action::Perform { item } => {
                 let id = self.gallery.item_mut(item)?.id;
-                self.stage.show_item(id, moment.at_beat, &self.favourites, &self.parameters);
+                self.stage.show_item(id, moment.at_beat, &self.favorites, &self.parameters);
             }
-            Action::PerformFavourites { first } => {
-                let count = self.favourites.len();
+            Action::PerformFavorites { first } => {
+                let count = self.favorites.len();
                 if first >= count {
-                    return Err(Error::NoSuch { what: "favourite", index: first, count });
+                    return Err(MusicError::NoSuch { what: "favorite", index: first, count });
                 }
-                self.stage.show_favourites(first, moment.at_beat, &self.favourites, &self.parameters);
+                self.stage.show_favorites(first, moment.at_beat, &self.favorites, &self.parameters);
             }
             Action::CueUp { item } => self.stage.cue_up(self.gallery.item_mut(item)?.id),
             Action::Go => {
-                let Some((id, _)) = self.stage.next() else { return Err(Error::NothingNext) };
-                self.stage.show_item(id, moment.at_beat, &self.favourites, &self.parameters);
+                let Some((id, _)) = self.stage.next() else { return Err(MusicError::NothingNext) };
+                self.stage.show_item(id, moment.at_beat, &self.favorites, &self.parameters);
             }
             Action::Crossfade { share } => self.stage.fade(share),
             Action::LeaveStage => self.stage.clear(),
@@ -310,7 +314,7 @@ impl Instrument {
         Ok(())
     }
 
-    fn edit(&mut self, index: usize, change: impl FnOnce(&mut Mapping)) -> Result<(), Error> {
+    fn edit(&mut self, index: usize, change: impl FnOnce(&mut Mapping)) -> Result<(), MusicError> {
         let item = self.gallery.item_mut(index)?;
         let mut mapping = item.mapping.clone();
         change(&mut mapping);

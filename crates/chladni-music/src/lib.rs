@@ -16,7 +16,7 @@
 //! let child = instrument.gallery().items()[0].clone();
 //! let text = Preset::of(&instrument, &child, vec!["calm".into()]).to_text()?;
 //! assert_eq!(Preset::from_text(&text)?.mapping, child.mapping);
-//! # Ok::<(), chladni_music::Error>(())
+//! # Ok::<(), chladni_music::MusicError>(())
 //! ```
 //!
 //! The window reads an [`Instrument`] and emits [`Action`]s; each frame a [`Player`] turns the
@@ -39,6 +39,7 @@ mod flash;
 mod gallery;
 mod instrument;
 mod mapping;
+mod osc;
 mod paper_mode;
 mod parameter;
 mod player;
@@ -71,13 +72,14 @@ pub use dancer::Dancer;
 pub use descriptor::{Describer, Descriptor, Moments};
 pub use director::{BarLine, Director, Framing, SHOTS};
 pub use ensemble::Ensemble;
-pub use error::Error;
+pub use error::MusicError;
 pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
 pub use gallery::{
     CANDIDATES, GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation, ItemId, Origin,
 };
 pub use instrument::{Action, Instrument, LoggedAction, Moment};
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
+pub use osc::{LONGEST_OSC_PACKET, OscMessage};
 pub use paper_mode::PAPER_MODE;
 pub use parameter::{Parameter, Parameters, Settings, Switch};
 pub use player::{Bands, Choir, Control as FormControl, Form, Player, Playing, blend};

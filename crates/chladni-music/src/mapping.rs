@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Class, Error};
+use crate::{Class, MusicError};
 
 /// Finer harmonics have lines too close for a figure of sand.
 const MOST_FIGURES: usize = 96;
@@ -93,8 +93,8 @@ impl Mapping {
 
     /// Checks lengths (1 to 16384), that every number is finite, and the ranges above
     /// (the gain lies in [0, 100]).
-    pub fn validate(&self) -> Result<(), Error> {
-        let bad = |what, why: String| Err(Error::BadMapping { what, why });
+    pub fn validate(&self) -> Result<(), MusicError> {
+        let bad = |what, why: String| Err(MusicError::BadMapping { what, why });
         for (what, values, low) in
             [("transfer", &self.transfer, 0.0), ("amplification", &self.amplification, -1.0)]
         {

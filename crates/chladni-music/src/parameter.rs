@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Choir, Error, Form, Playing, Timbre};
+use crate::{Choir, Form, MusicError, Playing, Timbre};
 
 /// A number that can be turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ pub enum Parameter {
     NormalBlending,
     /// Beats that a change on stage takes.
     TransitionBeats,
-    /// Beats between two favourites when the beat steps through them, rounded.
+    /// Beats between two favorites when the beat steps through them, rounded.
     BeatsPerStep,
     /// How far the beat turns the model, in radians.
     TurnRad,
@@ -168,7 +168,7 @@ pub enum Switch {
     BeatTurns,
     /// The beat moves the lights.
     BeatLights,
-    /// The beat steps to the next favourite.
+    /// The beat steps to the next favorite.
     BeatSteps,
     /// Left and right are exchanged.
     FlipSides,
@@ -258,11 +258,11 @@ impl Parameters {
     }
 
     /// Turns a knob; errors outside its range.
-    pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), Error> {
+    pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), MusicError> {
         let (low, high) = parameter.range();
         if !(low..=high).contains(&value) {
             let range = format!("[{low}, {high}]");
-            return Err(Error::OutOfRange { name: parameter.name(), value: value.into(), range });
+            return Err(MusicError::OutOfRange { name: parameter.name(), value: value.into(), range });
         }
         self.values[parameter as usize] = value;
         Ok(())
@@ -315,7 +315,7 @@ impl Parameters {
     }
 
     /// Applies `settings`; what they do not name stays. On error nothing changes.
-    pub fn apply(&mut self, settings: &Settings) -> Result<(), Error> {
+    pub fn apply(&mut self, settings: &Settings) -> Result<(), MusicError> {
         settings.validate()?;
         self.form = settings.form.unwrap_or(self.form);
         self.choir = settings.choir.unwrap_or(self.choir);
@@ -394,7 +394,7 @@ impl Settings {
         self
     }
 
-    pub(crate) fn validate(&self) -> Result<(), Error> {
+    pub(crate) fn validate(&self) -> Result<(), MusicError> {
         let mut tried = Parameters::default();
         self.knobs.iter().try_for_each(|(&knob, &value)| tried.set(knob, value))
     }

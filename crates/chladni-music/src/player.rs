@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::dancer::Reach;
 use crate::probes::Limits;
 use crate::stereo::Ear;
-use crate::{Class, Dancer, Error, Mapping, Ringing, Timbre};
+use crate::{Class, Dancer, Mapping, MusicError, Ringing, Timbre};
 
 /// How the gains of the harmonics move the shape (docs/music.md, "Forms").
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -219,7 +219,7 @@ impl Player {
         dancer: &Arc<Dancer>,
         bands: usize,
         playing: Playing,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, MusicError> {
         mapping.validate()?;
         playing.validate()?;
         let lift = Self::lift(mapping, dancer, bands, playing)?;
@@ -228,7 +228,12 @@ impl Player {
 
     /// The factor, 1 or more, for a mapping that spreads its sound thinly or sends it to one place: with it,
     /// a soft sound in every band uses half of the limits. As in the calibration, muting is ignored.
-    fn lift(mapping: &Mapping, dancer: &Arc<Dancer>, bands: usize, playing: Playing) -> Result<f32, Error> {
+    fn lift(
+        mapping: &Mapping,
+        dancer: &Arc<Dancer>,
+        bands: usize,
+        playing: Playing,
+    ) -> Result<f32, MusicError> {
         let playing = Playing { gain: 1.0, choir: Choir::All, harmonics: None, detail: 1.0, ..playing };
         let even_mapping = Mapping { gain: mapping.even_gain(), ..mapping.clone() };
         let mut all = Self::compiled(&even_mapping, dancer, bands, playing, 1.0);
@@ -321,11 +326,11 @@ impl Player {
     /// Writes what the sound does into `item`, which [`item`](Self::item) of a player of the
     /// same form and dancer made. Returns the share of the limit that the movement reached
     /// before it was softened. Nothing is allocated.
-    pub fn play(&mut self, bands: &Bands<'_>, item: &mut Item) -> Result<f32, Error> {
+    pub fn play(&mut self, bands: &Bands<'_>, item: &mut Item) -> Result<f32, MusicError> {
         self.check(bands)?;
         let terms = self.terms();
         if item.terms.len() != terms {
-            return Err(Error::Size { what: "terms", found: item.terms.len(), expected: terms });
+            return Err(MusicError::Size { what: "terms", found: item.terms.len(), expected: terms });
         }
         let ear = Ear::new(bands, &self.playing, self.stereo_mu);
         for (side, term) in item.terms.iter_mut().enumerate() {
@@ -389,7 +394,7 @@ impl Player {
         }
     }
 
-    fn check(&self, bands: &Bands<'_>) -> Result<(), Error> {
+    fn check(&self, bands: &Bands<'_>) -> Result<(), MusicError> {
         for (what, band) in [
             ("left bands", bands.left),
             ("right bands", bands.right),
@@ -397,7 +402,7 @@ impl Player {
             ("side bands", bands.side),
         ] {
             if band.len() != self.band_count {
-                return Err(Error::Size { what, found: band.len(), expected: self.band_count });
+                return Err(MusicError::Size { what, found: band.len(), expected: self.band_count });
             }
         }
         Ok(())
@@ -406,12 +411,12 @@ impl Player {
 
 impl Playing {
     /// Checks the ranges that the fields state.
-    pub fn validate(&self) -> Result<(), Error> {
+    pub fn validate(&self) -> Result<(), MusicError> {
         let check = |name, value: f32, ok: bool, range| {
             if ok {
                 Ok(())
             } else {
-                Err(Error::OutOfRange { name, value: value.into(), range: String::from(range) })
+                Err(MusicError::OutOfRange { name, value: value.into(), range: String::from(range) })
             }
         };
         let share = |v: f32| v > 0.0 && v <= 1.0;
@@ -472,11 +477,11 @@ fn grouped(voiced: &[Voiced], dancer: &Dancer, form: Form) -> Vec<Vec<u32>> {
     groups
 }
 
-fn fit<T>(coefficients: &[T], harmonics: usize) -> Result<(), Error> {
+fn fit<T>(coefficients: &[T], harmonics: usize) -> Result<(), MusicError> {
     if coefficients.len() == harmonics {
         return Ok(());
     }
-    Err(Error::Size { what: "coefficients", found: coefficients.len(), expected: harmonics })
+    Err(MusicError::Size { what: "coefficients", found: coefficients.len(), expected: harmonics })
 }
 
 pub(crate) fn scale_term(term: &mut Term, scale: f32) {
@@ -498,9 +503,9 @@ pub(crate) fn soft_limit(reach: f32) -> f32 {
 
 /// Moves `item` toward `other`, made by a player of the same form and dancer: weight 0 keeps it, 1 replaces
 /// it. This is how one mapping morphs into another on stage.
-pub fn blend(item: &mut Item, other: &Item, weight: f32) -> Result<(), Error> {
+pub fn blend(item: &mut Item, other: &Item, weight: f32) -> Result<(), MusicError> {
     if item.terms.len() != other.terms.len() {
-        return Err(Error::Size { what: "terms", found: other.terms.len(), expected: item.terms.len() });
+        return Err(MusicError::Size { what: "terms", found: other.terms.len(), expected: item.terms.len() });
     }
     let mix = |a: f32, b: f32| a + weight * (b - a);
     for (a, b) in item.terms.iter_mut().zip(&other.terms) {
@@ -516,7 +521,7 @@ pub fn blend(item: &mut Item, other: &Item, weight: f32) -> Result<(), Error> {
                 fit(b, a.len())?;
                 a.iter_mut().zip(b).for_each(|(a, b)| *a = mix(*a, *b));
             }
-            _ => return Err(Error::Size { what: "terms of the same form", found: 0, expected: 1 }),
+            _ => return Err(MusicError::Size { what: "terms of the same form", found: 0, expected: 1 }),
         }
     }
     Ok(())

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gallery::{GalleryItem, GalleryShape};
 use crate::text_file::{self, FORMAT_VERSION};
-use crate::{Error, Instrument, Mapping, Origin, Settings};
+use crate::{Instrument, Mapping, MusicError, Origin, Settings};
 
 /// Wavelengths that differ by less than this count as equal: solves with different K agree this closely.
 const SAME_WAVE: f32 = 1e-3;
@@ -136,7 +136,7 @@ impl Preset {
     }
 
     /// Reads the text of a preset file. Errors name the line, or a newer format version.
-    pub fn from_text(text: &str) -> Result<Self, Error> {
+    pub fn from_text(text: &str) -> Result<Self, MusicError> {
         let version = text_file::version("preset", text)?;
         let mut preset: Self = text_file::parse("preset", text)?;
         if version == 2 {
@@ -147,25 +147,25 @@ impl Preset {
     }
 
     /// The text of a preset file.
-    pub fn to_text(&self) -> Result<String, Error> {
+    pub fn to_text(&self) -> Result<String, MusicError> {
         text_file::print("preset", self)
     }
 
     /// Reads a preset file of at most 16 MiB.
-    pub fn load(path: &Path) -> Result<Self, Error> {
+    pub fn load(path: &Path) -> Result<Self, MusicError> {
         Self::from_text(&text_file::read(path, 16)?)
     }
 
     /// Writes a preset file whole or not at all.
-    pub fn save(&self, path: &Path) -> Result<(), Error> {
+    pub fn save(&self, path: &Path) -> Result<(), MusicError> {
         text_file::write(path, &self.to_text()?)
     }
 
-    pub(crate) fn validate(&self) -> Result<(), Error> {
+    pub(crate) fn validate(&self) -> Result<(), MusicError> {
         self.mapping.validate()?;
         self.settings.validate()?;
         let waves = &self.waves_per_size;
-        let bad = |why: &str| Err(Error::BadMapping { what: "waves_per_size", why: why.into() });
+        let bad = |why: &str| Err(MusicError::BadMapping { what: "waves_per_size", why: why.into() });
         if waves.len() > crate::MAX_GENES {
             return bad("has more values than harmonics can be");
         }

@@ -6,16 +6,22 @@ use chladni_synth::{Coefficients, Item, Residual, Term};
 use crate::player::{scale_term, soft_limit};
 use crate::steepness::Patch;
 
-/// Vertices at the extremes of the harmonics that move the shape most, and far from each other;
-/// and the corners of triangles that some harmonic bends most.
+/// Vertices at the extremes of the broad harmonics that move the shape most, and far from each other;
+/// and the corners of triangles, evenly spread ones and those that some harmonic bends most.
+///
+/// Which of them judge an item depends on the harmonics that it moves, not on how many there are: the same
+/// waves are limited alike whatever K.
 #[derive(Clone, Debug)]
 pub(crate) struct Probes {
     vertices: Vec<u32>,
     /// H at the probes: K rows of `vertices.len()`.
     harmonics: Vec<f32>,
     normals: Vec<[f32; 3]>,
-    /// The corners of the first patch are at `COUNT.min(n)`, and so on.
+    /// How many of the vertices belong to no patch; the corners of the patches follow them.
+    spots: usize,
     patches: Vec<Patch>,
+    /// For each patch the lowest harmonic that may fold it, ascending: 0 for those that are evenly spread.
+    from: Vec<u32>,
 }
 
 /// The largest displacement and steepness of an item or a part of it.
@@ -26,17 +32,19 @@ pub(crate) struct Limits {
 }
 
 const COUNT: usize = 64;
-/// The largest number of patches.
-const PATCHES: usize = 96;
+/// Harmonics whose extremes are probed, those first that move the shape most.
+const BROAD: usize = 32;
+/// The number of evenly spread patches.
+const PATCHES: usize = 64;
 
 impl Probes {
-    /// `unit[k]`: how far harmonic k moves the shape; its extremes are probed in this order.
-    /// `steep`: patches to probe before those that are merely far from each other.
-    pub(crate) fn new(body: &Body, unit: &[f32], normals: &[[f32; 3]], steep: &[Patch]) -> Self {
+    /// `unit[k]`: how far harmonic k moves the shape. `steep`: harmonics, ascending, and the patches that they
+    /// bend most.
+    pub(crate) fn new(body: &Body, unit: &[f32], normals: &[[f32; 3]], steep: &[(u32, Patch)]) -> Self {
         let n = body.positions.len();
-        let mut order: Vec<usize> = (0..unit.len()).collect();
+        let mut order: Vec<usize> = (0..unit.len().min(BROAD)).collect();
         order.sort_by(|&i, &j| unit[j].total_cmp(&unit[i]).then(i.cmp(&j)));
-        let mut vertices: Vec<u32> = Vec::with_capacity(COUNT + 3 * PATCHES);
+        let mut vertices: Vec<u32> = Vec::with_capacity(COUNT + 3 * (PATCHES + steep.len()));
         for k in order {
             if vertices.len() >= COUNT * 3 / 4 {
                 break;
@@ -50,10 +58,13 @@ impl Probes {
             }
         }
         spread(&body.positions, &mut vertices, COUNT.min(n));
-        let mut patches: Vec<Patch> = Vec::with_capacity(PATCHES);
-        for patch in steep.iter().chain(&Patch::among(body, PATCHES)) {
-            if patches.len() < PATCHES && !patches.iter().any(|p| p.corners == patch.corners) {
+        let spots = vertices.len();
+        let mut patches = Patch::among(body, PATCHES);
+        let mut from = vec![0; patches.len()];
+        for (k, patch) in steep {
+            if !patches.iter().any(|p| p.corners == patch.corners) {
                 patches.push(*patch);
+                from.push(*k);
             }
         }
         vertices.extend(patches.iter().flat_map(|patch| patch.corners));
@@ -64,7 +75,7 @@ impl Probes {
             })
             .collect();
         let normals = vertices.iter().map(|&v| normals[v as usize]).collect();
-        Self { vertices, harmonics, normals, patches }
+        Self { vertices, harmonics, normals, spots, patches, from }
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -74,7 +85,7 @@ impl Probes {
     /// The largest displacement of a probe under `item`. `scratch` keeps its memory between
     /// calls; nothing else is allocated.
     pub(crate) fn displacement(&self, item: &Item, scratch: &mut Vec<[f32; 3]>) -> f32 {
-        let (part, total) = self.fields(scratch);
+        let (part, total) = fields(scratch, self.count());
         self.sum(item, part, total);
         farthest(total)
     }
@@ -82,9 +93,9 @@ impl Probes {
     /// Adds to `out` the displacements and gradients of an item as shares of the limits; the squares of each
     /// kind are divided by the number of places, so that they add up to a mean.
     pub(crate) fn feel(&self, item: &Item, limits: Limits, scratch: &mut Vec<[f32; 3]>, out: &mut Vec<f32>) {
-        let (part, total) = self.fields(scratch);
+        let (part, total) = fields(scratch, self.count());
         self.sum(item, part, total);
-        let (spots, corners) = total.split_at(self.count() - 3 * self.patches.len());
+        let (spots, corners) = total.split_at(self.spots);
         let scale = 1.0 / (limits.displacement * (spots.len().max(1) as f32).sqrt());
         out.extend(spots.as_flattened().iter().map(|d| scale * d));
         let scale = 1.0 / (limits.steepness * (self.patches.len().max(1) as f32).sqrt());
@@ -103,7 +114,9 @@ impl Probes {
         limits: Limits,
         scratch: &mut Vec<[f32; 3]>,
     ) -> f32 {
-        let (part, total) = self.fields(scratch);
+        let highest = groups.iter().filter_map(|group| group.last()).max().copied().unwrap_or(0);
+        let judging = self.from.partition_point(|&from| from <= highest);
+        let (part, total) = fields(scratch, self.spots + 3 * judging);
         let mut most = 0.0f32;
         for term in &mut item.terms {
             for group in groups {
@@ -142,13 +155,6 @@ impl Probes {
             self.residual(term, part);
             add(total, part, 1.0);
         }
-    }
-
-    /// Two fields over the probes, at rest.
-    fn fields<'a>(&self, scratch: &'a mut Vec<[f32; 3]>) -> (&'a mut [[f32; 3]], &'a mut [[f32; 3]]) {
-        scratch.clear();
-        scratch.resize(2 * self.count(), [0.0; 3]);
-        scratch.split_at_mut(self.count())
     }
 
     /// The displacement by some harmonics of a term, without its mask.
@@ -213,12 +219,19 @@ impl Probes {
 
     /// The share of the limits that a movement of the probes reaches.
     fn reach(&self, field: &[[f32; 3]], limits: Limits) -> f32 {
-        let corners = &field[self.count() - 3 * self.patches.len()..];
+        let corners = &field[self.spots..];
         let steepest = (self.patches.iter().zip(corners.chunks_exact(3)))
             .map(|(patch, u)| patch.steepness([u[0], u[1], u[2]]))
             .fold(0.0, f32::max);
         (farthest(field) / limits.displacement).max(steepest / limits.steepness)
     }
+}
+
+/// Two fields over the first `count` probes, at rest.
+fn fields(scratch: &mut Vec<[f32; 3]>, count: usize) -> (&mut [[f32; 3]], &mut [[f32; 3]]) {
+    scratch.clear();
+    scratch.resize(2 * count, [0.0; 3]);
+    scratch.split_at_mut(count)
 }
 
 fn add(total: &mut [[f32; 3]], part: &[[f32; 3]], scale: f32) {

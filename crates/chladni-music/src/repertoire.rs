@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::text_file::FORMAT_VERSION;
-use crate::{Choir, Error, Form, Mapping, Parameter, Preset, Settings, Switch, Timbre, text_file};
+use crate::{Choir, Form, Mapping, MusicError, Parameter, Preset, Settings, Switch, Timbre, text_file};
 
 /// One dance, as `repertoire.toml` describes it.
 #[derive(Deserialize)]
@@ -55,9 +55,11 @@ fn ladder() -> Vec<f32> {
 }
 
 impl Entry {
-    fn preset(self) -> Result<Preset, Error> {
-        let bad =
-            |why: String| Error::Parse { kind: "repertoire", why: format!("“{}”: {why}", self.name) };
+    fn preset(self) -> Result<Preset, MusicError> {
+        let bad = |why: String| MusicError::Parse {
+            kind: "repertoire",
+            why: format!("“{}”: {why}", self.name),
+        };
         let timbre =
             Timbre::named(&self.timbre).ok_or_else(|| bad(format!("there is no timbre {}", self.timbre)))?;
         let waves_per_size = ladder();
@@ -114,7 +116,7 @@ impl Entry {
 ///
 /// # Errors
 /// Where the text that they are written in is wrong, which tests rule out.
-pub fn repertoire() -> Result<Vec<Preset>, Error> {
+pub fn repertoire() -> Result<Vec<Preset>, MusicError> {
     let Repertoire { dance } = text_file::parse("repertoire", include_str!("repertoire.toml"))?;
     dance.into_iter().map(Entry::preset).collect()
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gallery::GalleryShape;
 use crate::text_file::{self, FORMAT_VERSION};
-use crate::{Error, Instrument, LoggedAction, Parameters, Settings};
+use crate::{Instrument, LoggedAction, MusicError, Parameters, Settings};
 
 /// An external file that a show needs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -221,14 +221,14 @@ impl Show {
     }
 
     /// The instrument at its beginning, for a body; apply `actions` as time goes by.
-    pub fn begin(&self, shape: GalleryShape) -> Result<Instrument, Error> {
+    pub fn begin(&self, shape: GalleryShape) -> Result<Instrument, MusicError> {
         let mut parameters = Parameters::default();
         parameters.apply(&self.beginning)?;
         Instrument::beginning_with(parameters, self.seed, self.size, shape)
     }
 
     /// The instrument after all actions.
-    pub fn replay(&self, shape: GalleryShape) -> Result<Instrument, Error> {
+    pub fn replay(&self, shape: GalleryShape) -> Result<Instrument, MusicError> {
         let mut instrument = self.begin(shape)?;
         for line in &self.actions {
             instrument.apply(line.moment, line.action.clone())?;
@@ -245,7 +245,7 @@ impl Show {
     }
 
     /// Reads the text of a show file, or of a session of version 1.
-    pub fn from_text(text: &str) -> Result<Self, Error> {
+    pub fn from_text(text: &str) -> Result<Self, MusicError> {
         let version = text_file::version("show", text)?;
         let mut show = if version < 2 {
             let Session { song, seed, size, actions } = text_file::parse("session", text)?;
@@ -279,23 +279,23 @@ impl Show {
     }
 
     /// The text of a show file.
-    pub fn to_text(&self) -> Result<String, Error> {
+    pub fn to_text(&self) -> Result<String, MusicError> {
         text_file::print("show", self)
     }
 
     /// Reads a show file of at most 64 MiB: enough for hours of continuously turned knobs.
-    pub fn load(path: &Path) -> Result<Self, Error> {
+    pub fn load(path: &Path) -> Result<Self, MusicError> {
         Self::from_text(&text_file::read(path, 64)?)
     }
 
     /// Writes a show file whole or not at all.
-    pub fn save(&self, path: &Path) -> Result<(), Error> {
+    pub fn save(&self, path: &Path) -> Result<(), MusicError> {
         text_file::write(path, &self.to_text()?)
     }
 
-    fn validate(&self) -> Result<(), Error> {
+    fn validate(&self) -> Result<(), MusicError> {
         self.beginning.validate()?;
-        let bad = |why: String| Err(Error::Parse { kind: "show", why });
+        let bad = |why: String| Err(MusicError::Parse { kind: "show", why });
         let is_time = |secs: f64| (0.0..=LONGEST_SECS).contains(&secs);
         if !self.heard.iter().all(|s| is_time(s.at_secs) && is_time(s.song_secs))
             || !self.duration_secs.is_none_or(is_time)

@@ -54,11 +54,11 @@ const FADED: f32 = 0.996;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Cue {
     Item(ItemId),
-    /// The favourites in turn, from this one on.
-    Favourites(usize),
+    /// The favorites in turn, from this one on.
+    Favorites(usize),
 }
 
-/// The stage: at most one item, or the favourites in turn.
+/// The stage: at most one item, or the favorites in turn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stage {
     cue: Option<Cue>,
@@ -80,20 +80,20 @@ impl Stage {
         &mut self,
         id: ItemId,
         beat: f64,
-        favourites: &[GalleryItem],
+        favorites: &[GalleryItem],
         parameters: &Parameters,
     ) {
-        self.enter(Cue::Item(id), beat, favourites, parameters);
+        self.enter(Cue::Item(id), beat, favorites, parameters);
     }
 
-    pub(crate) fn show_favourites(
+    pub(crate) fn show_favorites(
         &mut self,
         first: usize,
         beat: f64,
-        favourites: &[GalleryItem],
+        favorites: &[GalleryItem],
         parameters: &Parameters,
     ) {
-        self.enter(Cue::Favourites(first), beat, favourites, parameters);
+        self.enter(Cue::Favorites(first), beat, favorites, parameters);
     }
 
     pub(crate) fn clear(&mut self) {
@@ -127,17 +127,17 @@ impl Stage {
         }
     }
 
-    fn enter(&mut self, cue: Cue, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) {
+    fn enter(&mut self, cue: Cue, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) {
         self.before =
-            self.scene(beat, favourites, parameters).map(|s| if s.weight < 0.5 { s.from } else { s.to });
+            self.scene(beat, favorites, parameters).map(|s| if s.weight < 0.5 { s.from } else { s.to });
         self.cue = Some(cue);
         self.since_beat = beat;
         self.next = None;
     }
 
     /// What plays after `beat` beats; `None` where the stage is empty.
-    pub fn scene(&self, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
-        let scene = self.by_beats(beat, favourites, parameters)?;
+    pub fn scene(&self, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
+        let scene = self.by_beats(beat, favorites, parameters)?;
         match self.next() {
             Some((to, share)) if share > 0.0 => {
                 let from = if scene.weight < 0.5 { scene.from } else { scene.to };
@@ -147,7 +147,7 @@ impl Stage {
         }
     }
 
-    fn by_beats(&self, beat: f64, favourites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
+    fn by_beats(&self, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
         let transition = f64::from(parameters.get(Parameter::TransitionBeats));
         let gone = (beat - self.since_beat).max(0.0);
         let entering = |to: ItemId| {
@@ -156,13 +156,13 @@ impl Stage {
         };
         match self.cue? {
             Cue::Item(id) => Some(entering(id)),
-            Cue::Favourites(first) => {
-                let count = favourites.len();
+            Cue::Favorites(first) => {
+                let count = favorites.len();
                 if count == 0 {
                     return None;
                 }
                 // A session file may hold any beat; a sum of remainders cannot overflow.
-                let at = |step: usize| favourites.get((first % count + step % count) % count).map(|i| i.id);
+                let at = |step: usize| favorites.get((first % count + step % count) % count).map(|i| i.id);
                 let per_step = f64::from(parameters.get(Parameter::BeatsPerStep).round()).max(1.0);
                 let step = if parameters.is_on(Switch::BeatSteps) { (gone / per_step).floor() } else { 0.0 };
                 if step < 1.0 {
@@ -285,14 +285,14 @@ mod tests {
             chosen: false,
             locked: false,
         };
-        let favourites = [item(3), item(4), item(5)];
+        let favorites = [item(3), item(4), item(5)];
         let mut parameters = Parameters::default();
         parameters.switch(Switch::BeatSteps, true);
         for since in [-1e300, 0.0, 1e300, f64::NAN, f64::INFINITY] {
             let mut stage = Stage::default();
-            stage.show_favourites(2, since, &favourites, &parameters);
+            stage.show_favorites(2, since, &favorites, &parameters);
             for beat in [-1e300, 0.0, 7.5, 1e300, f64::NAN] {
-                let scene = stage.scene(beat, &favourites, &parameters).unwrap();
+                let scene = stage.scene(beat, &favorites, &parameters).unwrap();
                 assert!([3, 4, 5].contains(&scene.to) && (0.0..=1.0).contains(&scene.weight));
                 react(Beat { count: beat, confidence: 1.0 }, 5, &parameters);
             }

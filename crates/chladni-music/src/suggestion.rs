@@ -14,7 +14,7 @@
 use rayon::prelude::*;
 
 use crate::gallery::CANDIDATES;
-use crate::{Describer, Descriptor, Error, Gallery};
+use crate::{Describer, Descriptor, Gallery, MusicError};
 
 /// Generations that the preference remembers.
 const REMEMBERED: usize = 8;
@@ -35,7 +35,7 @@ struct Preference {
 
 impl Preference {
     /// Of the generations that led to the one that is shown.
-    fn of(gallery: &Gallery, describer: &Describer) -> Result<Self, Error> {
+    fn of(gallery: &Gallery, describer: &Describer) -> Result<Self, MusicError> {
         let seen: Vec<(Descriptor, f32)> = gallery
             .opinions()
             .take(REMEMBERED)
@@ -47,7 +47,7 @@ impl Preference {
                 let weight = FADING.powi(age as i32) * if item.chosen { 1.0 } else { -PASSED_OVER };
                 Ok((describer.describe(&item.mapping)?, weight))
             })
-            .collect::<Result<_, Error>>()?;
+            .collect::<Result<_, MusicError>>()?;
         let newest: Vec<&Descriptor> = seen.iter().take(gallery.items().len()).map(|(d, _)| d).collect();
         let mut apart: Vec<f32> = (newest.iter().enumerate())
             .flat_map(|(i, a)| newest[..i].iter().map(|b| a.distance(b)).collect::<Vec<_>>())
@@ -70,8 +70,8 @@ impl Preference {
 /// used.
 ///
 /// # Errors
-/// As breeding does: [`Error::NotEnoughParents`] where nothing is chosen.
-pub fn suggest(gallery: &Gallery, describer: &Describer) -> Result<Vec<u16>, Error> {
+/// As breeding does: [`MusicError::NotEnoughParents`] where nothing is chosen.
+pub fn suggest(gallery: &Gallery, describer: &Describer) -> Result<Vec<u16>, MusicError> {
     let candidates = gallery.candidates()?;
     let described: Vec<Descriptor> =
         candidates.par_iter().map(|mapping| describer.describe(mapping)).collect::<Result<_, _>>()?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
+use crate::MusicError;
 
 /// The format version of preset and show files that this program writes.
 pub const FORMAT_VERSION: u32 = 3;
@@ -16,32 +16,32 @@ struct Version {
 }
 
 /// The version of a text, which is read first: a newer file may have unknown fields.
-pub(crate) fn version(kind: &'static str, text: &str) -> Result<u32, Error> {
+pub(crate) fn version(kind: &'static str, text: &str) -> Result<u32, MusicError> {
     let version: Version = parse(kind, text)?;
     if version.format_version > FORMAT_VERSION {
-        return Err(Error::Version { kind, found: version.format_version, known: FORMAT_VERSION });
+        return Err(MusicError::Version { kind, found: version.format_version, known: FORMAT_VERSION });
     }
     Ok(version.format_version)
 }
 
-pub(crate) fn parse<T: DeserializeOwned>(kind: &'static str, text: &str) -> Result<T, Error> {
+pub(crate) fn parse<T: DeserializeOwned>(kind: &'static str, text: &str) -> Result<T, MusicError> {
     toml::from_str(text).map_err(|error: toml::de::Error| {
         let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
         let line = 1 + before.matches('\n').count();
-        Error::Parse { kind, why: format!("line {line}: {}", error.message().trim().replace('\n', " ")) }
+        MusicError::Parse { kind, why: format!("line {line}: {}", error.message().trim().replace('\n', " ")) }
     })
 }
 
-pub(crate) fn print<T: Serialize>(kind: &'static str, value: &T) -> Result<String, Error> {
-    toml::to_string(value).map_err(|error| Error::Parse { kind, why: error.to_string() })
+pub(crate) fn print<T: Serialize>(kind: &'static str, value: &T) -> Result<String, MusicError> {
+    toml::to_string(value).map_err(|error| MusicError::Parse { kind, why: error.to_string() })
 }
 
-pub(crate) fn read(path: &Path, most_mib: u64) -> Result<String, Error> {
+pub(crate) fn read(path: &Path, most_mib: u64) -> Result<String, MusicError> {
     chladni_task::read_text_file(path, most_mib << 20)
-        .map_err(|why| Error::File { path: path.to_owned(), why })
+        .map_err(|why| MusicError::File { path: path.to_owned(), why })
 }
 
-pub(crate) fn write(path: &Path, text: &str) -> Result<(), Error> {
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), MusicError> {
     chladni_task::write_atomic(path, text.as_bytes())
-        .map_err(|why| Error::File { path: path.to_owned(), why })
+        .map_err(|why| MusicError::File { path: path.to_owned(), why })
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::player::{scale_term, soft_limit};
 use crate::probes::Probes;
 use crate::stage::Beat;
-use crate::{Bands, Dancer, Error};
+use crate::{Bands, Dancer, MusicError};
 
 /// What in the song a voice listens to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,13 +71,13 @@ impl VoiceSettings {
     }
 
     /// Checks that the band lies in [0, 1] and the gain in [−10, 10].
-    pub fn validate(&self) -> Result<(), Error> {
+    pub fn validate(&self) -> Result<(), MusicError> {
         let check = |name, value: f32, low: f32, high: f32, range| {
             let ok = (low..=high).contains(&value);
             if ok {
                 Ok(())
             } else {
-                Err(Error::OutOfRange { name, value: value.into(), range: String::from(range) })
+                Err(MusicError::OutOfRange { name, value: value.into(), range: String::from(range) })
             }
         };
         if let Driver::Band { from, to } = self.driver {
@@ -113,7 +113,7 @@ impl Voices {
     ///
     /// Errors if a gain or the limit is out of range, or a term has more coefficients than
     /// the dancer has harmonics.
-    pub fn new(voices: Vec<Voice>, dancer: &Dancer, limit: f32) -> Result<Self, Error> {
+    pub fn new(voices: Vec<Voice>, dancer: &Dancer, limit: f32) -> Result<Self, MusicError> {
         for voice in &voices {
             voice.settings.validate()?;
             let found = match &voice.term.coefficients {
@@ -121,7 +121,11 @@ impl Voices {
                 Coefficients::Normal(c) => c.len(),
             };
             if found > dancer.harmonics() {
-                return Err(Error::Size { what: "voice coefficients", found, expected: dancer.harmonics() });
+                return Err(MusicError::Size {
+                    what: "voice coefficients",
+                    found,
+                    expected: dancer.harmonics(),
+                });
             }
         }
         let mut new = Self { voices, ..Self::silent(dancer) };
@@ -141,19 +145,23 @@ impl Voices {
     }
 
     /// Another limit, (0, 1].
-    pub fn set_limit(&mut self, limit: f32) -> Result<(), Error> {
+    pub fn set_limit(&mut self, limit: f32) -> Result<(), MusicError> {
         if !(limit > 0.0 && limit <= 1.0) {
-            return Err(Error::OutOfRange { name: "limit", value: limit.into(), range: "(0, 1]".into() });
+            return Err(MusicError::OutOfRange {
+                name: "limit",
+                value: limit.into(),
+                range: "(0, 1]".into(),
+            });
         }
         self.limit = limit * self.box_diagonal;
         Ok(())
     }
 
     /// Lets a voice listen to something else.
-    pub fn tune(&mut self, voice: usize, settings: VoiceSettings) -> Result<(), Error> {
+    pub fn tune(&mut self, voice: usize, settings: VoiceSettings) -> Result<(), MusicError> {
         settings.validate()?;
         let count = self.voices.len();
-        let missing = Error::NoSuch { what: "voice", index: voice, count };
+        let missing = MusicError::NoSuch { what: "voice", index: voice, count };
         self.voices.get_mut(voice).ok_or(missing)?.settings = settings;
         Ok(())
     }
@@ -165,15 +173,19 @@ impl Voices {
 
     /// Writes what the sound does into `item`, made by [`item`](Self::item). Returns the share
     /// of the limit reached before it was softened. Allocates nothing after the first call.
-    pub fn play(&mut self, bands: &Bands<'_>, beat: Beat, item: &mut Item) -> Result<f32, Error> {
+    pub fn play(&mut self, bands: &Bands<'_>, beat: Beat, item: &mut Item) -> Result<f32, MusicError> {
         if item.terms.len() != self.voices.len() {
-            return Err(Error::Size { what: "terms", found: item.terms.len(), expected: self.voices.len() });
+            return Err(MusicError::Size {
+                what: "terms",
+                found: item.terms.len(),
+                expected: self.voices.len(),
+            });
         }
         for (voice, term) in self.voices.iter().zip(&mut item.terms) {
             match (&mut term.coefficients, &voice.term.coefficients) {
                 (Coefficients::Vector(to), Coefficients::Vector(from)) => to.clone_from(from),
                 (Coefficients::Normal(to), Coefficients::Normal(from)) => to.clone_from(from),
-                _ => return Err(Error::Size { what: "terms of the same form", found: 0, expected: 1 }),
+                _ => return Err(MusicError::Size { what: "terms of the same form", found: 0, expected: 1 }),
             }
             term.residual_gain = voice.term.residual_gain;
             let VoiceSettings { driver, gain } = voice.settings;

@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{Orientation, samples};
 use chladni_music::{
-    Action, CANDIDATES, Dancer, Describer, Descriptor, Error, Gallery, GalleryShape, Instrument, Mapping,
-    Moment, Moments, Playing, Symmetry, suggest,
+    Action, CANDIDATES, Dancer, Describer, Descriptor, Gallery, GalleryShape, Instrument, Mapping, Moment,
+    Moments, MusicError, Playing, Symmetry, suggest,
 };
 use chladni_task::Task;
 
@@ -88,7 +88,7 @@ fn suggestions_come_nearer_to_what_is_chosen_and_preferences_are_forgotten() {
 #[test]
 fn numbers_that_are_no_candidates_are_refused() {
     let (mut instrument, describer) = instrument(5);
-    assert!(matches!(suggest(instrument.gallery(), &describer), Err(Error::NotEnoughParents(0))));
+    assert!(matches!(suggest(instrument.gallery(), &describer), Err(MusicError::NotEnoughParents(0))));
     choose(&mut instrument, &[3]);
     let mut apply = |candidates| instrument.apply(Moment::default(), Action::BreedFrom { candidates });
     assert!(apply(vec![0; 11]).is_err());

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::samples;
 use chladni_music::{
-    Action, Bands, Beat, Dancer, Driver, Ensemble, Error, GalleryShape, Instrument, Mapping, Moment,
+    Action, Bands, Beat, Dancer, Driver, Ensemble, GalleryShape, Instrument, Mapping, Moment, MusicError,
     Parameter, Settings, Show, Symmetry, Voice, VoiceSettings, Voices,
 };
 use chladni_synth::{Coefficients, Item, Residual, Term, displacements_f64};
@@ -96,7 +96,7 @@ fn what_cannot_be_played_is_refused() {
     let settings = VoiceSettings { driver: Driver::Mid, gain: 1.0 };
     let voice = |term, settings| vec![Voice { term, settings }];
     let too_many = Term { coefficients: Coefficients::Normal(vec![0.0; K + 1]), ..shift([0.0; 3]) };
-    assert!(matches!(Voices::new(voice(too_many, settings), dancer, 0.5), Err(Error::Size { .. })));
+    assert!(matches!(Voices::new(voice(too_many, settings), dancer, 0.5), Err(MusicError::Size { .. })));
     for limit in [0.0, 1.5, f32::NAN] {
         assert!(Voices::new(voice(shift([0.0; 3]), settings), dancer, limit).is_err());
     }

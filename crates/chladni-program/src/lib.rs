@@ -10,7 +10,10 @@
 //! Not guaranteed: this library exists for the program, its benchmarks and its tests; its items may change
 //! with any version. What scripts may rely on are the command line, the files and the exit codes.
 
+#[cfg(feature = "desktop")]
 pub mod cli;
+#[cfg(feature = "desktop")]
 pub mod studio;
+#[cfg(feature = "desktop")]
 mod window;
 pub mod work;

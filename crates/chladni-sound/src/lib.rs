@@ -22,10 +22,13 @@
 //! decoder's version), and that a tracker's beats are a listener's beats: read its confidence.
 
 mod beat;
+#[cfg(feature = "devices")]
 mod capture;
 mod decode;
 mod error;
+#[cfg(feature = "devices")]
 mod history;
+#[cfg(feature = "devices")]
 mod player;
 mod spectrum;
 mod structure;
@@ -35,11 +38,13 @@ pub use beat::{
     BeatFollower, BeatMoment, BeatScore, Beats, ONSET_RATE_HZ, Onset, OnsetDetector, beat_score, track_beats,
     track_beats_causally,
 };
+#[cfg(feature = "devices")]
 pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
 pub use decode::{
     SONG_EXTENSIONS, Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav,
 };
 pub use error::SoundError;
+#[cfg(feature = "devices")]
 pub use player::{
     OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, output_devices,
 };

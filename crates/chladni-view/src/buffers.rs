@@ -2,9 +2,8 @@
 
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
-use wgpu::util::DeviceExt;
-
 use crate::cpu::Pyramid;
+use crate::gpu::{self, Use};
 use crate::{Device, Gpu, ViewError};
 
 /// A thing in this machine's memory, for the processor, or on a graphics device.
@@ -64,9 +63,9 @@ pub(crate) struct HostTriangles {
 #[derive(Clone, Debug)]
 pub(crate) struct DeviceTriangles {
     /// Indices, three a triangle; readable by the corner pipeline as storage.
-    pub(crate) indices: wgpu::Buffer,
+    pub(crate) indices: gpu::Buffer,
     /// Two floats a corner, or one pair where there are none.
-    pub(crate) uvs: wgpu::Buffer,
+    pub(crate) uvs: gpu::Buffer,
 }
 
 impl Topology {
@@ -121,20 +120,10 @@ impl DeviceTriangles {
     fn upload(gpu: &Gpu, triangles: &[[u32; 3]], uvs: Option<&[[f32; 2]]>) -> Self {
         // A buffer of no bytes cannot be bound.
         let indices: &[u8] = if triangles.is_empty() { &[0; 12] } else { bytemuck::cast_slice(triangles) };
-        let upload = |label, contents, usage| {
-            gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some(label),
-                contents,
-                usage,
-            })
-        };
+        let uvs: &[u8] = uvs.filter(|uvs| !uvs.is_empty()).map_or(&[0; 8], bytemuck::cast_slice);
         Self {
-            indices: upload("triangles", indices, wgpu::BufferUsages::INDEX | wgpu::BufferUsages::STORAGE),
-            uvs: upload(
-                "corner UVs",
-                uvs.filter(|uvs| !uvs.is_empty()).map_or(&[0; 8], bytemuck::cast_slice),
-                wgpu::BufferUsages::STORAGE,
-            ),
+            indices: gpu::filled(gpu, "triangles", indices, Use::Indices),
+            uvs: gpu::filled(gpu, "corner UVs", uvs, Use::Vertices),
         }
     }
 }
@@ -156,8 +145,8 @@ pub(crate) struct HostItems {
 
 #[derive(Clone, Debug)]
 pub(crate) struct DeviceItems {
-    pub(crate) positions: wgpu::Buffer,
-    pub(crate) normals: wgpu::Buffer,
+    pub(crate) positions: gpu::Buffer,
+    pub(crate) normals: gpu::Buffer,
 }
 
 impl ItemBuffers {
@@ -169,54 +158,12 @@ impl ItemBuffers {
                 Held::Cpu(Arc::new(RwLock::new(HostItems { positions: room.clone(), normals: room })))
             }
             Device::Graphics(gpu) => {
-                let room = |label| {
-                    gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                        label: Some(label),
-                        size: (vertices * items * 12).max(12) as u64,
-                        usage: wgpu::BufferUsages::VERTEX
-                            | wgpu::BufferUsages::STORAGE
-                            | wgpu::BufferUsages::COPY_DST,
-                        mapped_at_creation: false,
-                    })
-                };
+                let bytes = (vertices * items * 12).max(12);
+                let room = |label| gpu::room(&gpu, label, bytes, Use::Vertices);
                 Held::Gpu(DeviceItems { positions: room("positions"), normals: room("normals") })
             }
         };
         Self { vertices, items, held }
-    }
-
-    /// Draws from buffers that somebody else fills, such as a synthesizer on the same device;
-    /// nothing is copied. Both need the usages `VERTEX` and `STORAGE`.
-    ///
-    /// # Errors
-    /// [`ViewError::Shape`] where a buffer is too small or lacks a usage.
-    pub fn borrowed(
-        positions: wgpu::Buffer,
-        normals: wgpu::Buffer,
-        vertices: usize,
-        items: usize,
-    ) -> Result<Self, ViewError> {
-        let bytes = (vertices * items * 12) as u64;
-        let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE;
-        for buffer in [&positions, &normals] {
-            if buffer.size() < bytes || !buffer.usage().contains(usage) {
-                let (size, has) = (buffer.size(), buffer.usage());
-                return Err(ViewError::Shape(format!(
-                    "a buffer of {size} bytes, {has:?}, where {bytes} bytes, {usage:?} are needed"
-                )));
-            }
-        }
-        Ok(Self { vertices, items, held: Held::Gpu(DeviceItems { positions, normals }) })
-    }
-
-    /// Draws what a synthesizer has left on the device; nothing is copied. The synthesizer's next
-    /// frame shows in the same buffers as long as they need not grow: take its frame anew each time.
-    ///
-    /// # Errors
-    /// [`ViewError::Shape`] where the frame's buffers cannot be drawn from.
-    pub fn of_frame(frame: &chladni_synth::DeviceFrame<'_>) -> Result<Self, ViewError> {
-        let (vertices, items) = (frame.vertices as usize, frame.items as usize);
-        Self::borrowed(frame.positions.clone(), frame.normals.clone(), vertices, items)
     }
 
     /// Number of items.
@@ -255,8 +202,8 @@ impl ItemBuffers {
             }
             Device::Graphics(gpu) => {
                 let (items, offset) = (self.held.gpu()?, first as u64 * 12);
-                gpu.queue.write_buffer(&items.positions, offset, bytemuck::cast_slice(positions));
-                gpu.queue.write_buffer(&items.normals, offset, bytemuck::cast_slice(normals));
+                gpu::write(&gpu, &items.positions, offset, bytemuck::cast_slice(positions));
+                gpu::write(&gpu, &items.normals, offset, bytemuck::cast_slice(normals));
             }
         }
         Ok(())
@@ -267,7 +214,7 @@ impl ItemBuffers {
 #[derive(Clone, Debug)]
 pub struct VertexPaint {
     pub(crate) vertices: usize,
-    pub(crate) held: Held<Shared<Vec<[u8; 4]>>, wgpu::Buffer>,
+    pub(crate) held: Held<Shared<Vec<[u8; 4]>>, gpu::Buffer>,
 }
 
 impl VertexPaint {
@@ -275,14 +222,9 @@ impl VertexPaint {
     pub fn new(on: impl Into<Device>, vertices: usize) -> Self {
         let held = match on.into() {
             Device::Processor => Held::Cpu(Arc::new(RwLock::new(vec![[0; 4]; vertices]))),
-            Device::Graphics(gpu) => Held::Gpu(gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("vertex paint"),
-                size: (vertices * 4).max(4) as u64,
-                usage: wgpu::BufferUsages::VERTEX
-                    | wgpu::BufferUsages::STORAGE
-                    | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })),
+            Device::Graphics(gpu) => {
+                Held::Gpu(gpu::room(&gpu, "vertex paint", (vertices * 4).max(4), Use::Vertices))
+            }
         };
         Self { vertices, held }
     }
@@ -314,7 +256,7 @@ impl VertexPaint {
                 self.held.cpu()?.write().unwrap_or_else(PoisonError::into_inner).copy_from_slice(paint);
             }
             Device::Graphics(gpu) => {
-                gpu.queue.write_buffer(self.held.gpu()?, 0, bytemuck::cast_slice(paint));
+                gpu::write(gpu, self.held.gpu()?, 0, bytemuck::cast_slice(paint));
             }
         }
         Ok(())
@@ -324,7 +266,7 @@ impl VertexPaint {
 /// An image to wrap around a shape.
 #[derive(Clone, Debug)]
 pub struct Skin {
-    pub(crate) held: Held<Arc<Pyramid>, wgpu::TextureView>,
+    pub(crate) held: Held<Arc<Pyramid>, gpu::Image>,
 }
 
 impl Skin {
@@ -354,30 +296,11 @@ impl Skin {
             Device::Graphics(gpu) => {
                 let mut pyramid = picture.clone().into_raw();
                 smaller.for_each(|level| pyramid.extend(level.into_raw()));
-                Held::Gpu(skin_texture(&gpu, [width, height, levels], &pyramid))
+                Held::Gpu(gpu::image(&gpu, [width, height, levels], &pyramid))
             }
         };
         Ok(Self { held })
     }
-}
-
-fn skin_texture(gpu: &Gpu, [width, height, levels]: [u32; 3], pyramid: &[u8]) -> wgpu::TextureView {
-    let texture = gpu.device.create_texture_with_data(
-        &gpu.queue,
-        &wgpu::TextureDescriptor {
-            label: Some("skin"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: levels,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8UnormSrgb,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        },
-        wgpu::util::TextureDataOrder::LayerMajor,
-        pyramid,
-    );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Where a brush would paint: a ring on part of a surface, and a breath of its colour inside.
@@ -387,7 +310,7 @@ pub struct BrushRing {
     pub(crate) reach: VertexPaint,
     values: Vec<f32>,
     /// The triangles that it lies on.
-    pub(crate) triangles: Held<Vec<[u32; 3]>, wgpu::Buffer>,
+    pub(crate) triangles: Held<Vec<[u32; 3]>, gpu::Buffer>,
     pub(crate) corners: u32,
     pub(crate) radius: f32,
     pub(crate) color: [u8; 3],
@@ -399,7 +322,7 @@ impl BrushRing {
         let device = on.into();
         let triangles = match &device {
             Device::Processor => Held::Cpu(Vec::new()),
-            Device::Graphics(gpu) => Held::Gpu(index_buffer(gpu, 1)),
+            Device::Graphics(gpu) => Held::Gpu(gpu::room(gpu, "brush", 12, Use::Indices)),
         };
         let (reach, values) = (VertexPaint::new(&device, vertices), vec![0.0; vertices]);
         Self { reach, values, triangles, corners: 0, radius: 0.0, color }
@@ -433,10 +356,11 @@ impl BrushRing {
             }
             (Held::Gpu(buffer), Device::Graphics(gpu)) => {
                 let bytes: &[u8] = bytemuck::cast_slice(triangles);
-                if buffer.size() < bytes.len() as u64 {
-                    *buffer = index_buffer(gpu, triangles.len().next_power_of_two());
+                if gpu::size(buffer) < bytes.len() as u64 {
+                    let room = 12 * triangles.len().next_power_of_two();
+                    *buffer = gpu::room(gpu, "brush", room, Use::Indices);
                 }
-                gpu.queue.write_buffer(buffer, 0, bytes);
+                gpu::write(gpu, buffer, 0, bytes);
             }
             (held @ Held::Gpu(_), Device::Processor) => {
                 held.cpu()?;
@@ -450,13 +374,4 @@ impl BrushRing {
     pub fn lift(&mut self) {
         self.corners = 0;
     }
-}
-
-fn index_buffer(gpu: &Gpu, triangles: usize) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("brush"),
-        size: (12 * triangles) as u64,
-        usage: wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
 }

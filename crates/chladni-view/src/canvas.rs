@@ -1,7 +1,7 @@
 //! What is drawn on, and how its pixels come back.
 
 use crate::buffers::Held;
-use crate::{Device, Gpu, Picture, Samples, ViewError, cpu, gpu};
+use crate::{Device, Picture, Samples, ViewError, cpu, gpu};
 
 /// A surface to draw on, and the finished picture: a texture that a window can show, or pixels in
 /// memory. [`read`](Self::read) fetches either.
@@ -11,10 +11,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// The format of pictures and of what egui shows: sRGB-encoded numbers, premultiplied alpha.
-    pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-
-    /// A canvas of `width` × `height` pixels in [`FORMAT`](Self::FORMAT), four samples each.
+    /// A canvas of `width` × `height` pixels, four samples each: sRGB-encoded numbers, premultiplied alpha.
     ///
     /// # Errors
     /// [`ViewError::Size`] where a side is 0 or too long for the device.
@@ -22,7 +19,7 @@ impl Canvas {
         Self::with_samples(on, width, height, Samples::Four)
     }
 
-    /// A canvas in [`FORMAT`](Self::FORMAT) of so many samples a pixel. The processor takes four
+    /// As [`new`](Self::new), with so many samples a pixel. The processor takes four
     /// whatever is asked for: its edges cost little. [`samples`](Self::samples) says which it is.
     ///
     /// # Errors
@@ -42,31 +39,16 @@ impl Canvas {
                 }
                 Ok(Self { held: Held::Cpu(cpu::Canvas::new(width, height)) })
             }
-            Device::Graphics(gpu) => Self::with_format(gpu, width, height, Self::FORMAT, samples),
+            Device::Graphics(gpu) => {
+                Ok(Self { held: Held::Gpu(gpu::Canvas::for_pictures(gpu, width, height, samples)?) })
+            }
         }
-    }
-
-    /// A canvas of a graphics device in another eight-bit format, `…Unorm` or `…UnormSrgb`; the
-    /// renderer that draws on it must have been made for the same.
-    ///
-    /// # Errors
-    /// [`ViewError::Size`] where a side is 0 or too long for the device.
-    pub fn with_format(
-        gpu: &Gpu,
-        width: u32,
-        height: u32,
-        format: wgpu::TextureFormat,
-        samples: Samples,
-    ) -> Result<Self, ViewError> {
-        Ok(Self { held: Held::Gpu(gpu::Canvas::new(gpu, width, height, format, samples)?) })
     }
 
     /// Another canvas like this one.
     pub(crate) fn twin(&self, device: &Device) -> Result<Self, ViewError> {
         match (&self.held, device) {
-            (Held::Gpu(canvas), Device::Graphics(gpu)) => {
-                Self::with_format(gpu, canvas.width, canvas.height, canvas.format, canvas.samples)
-            }
+            (Held::Gpu(canvas), Device::Graphics(gpu)) => Ok(Self { held: Held::Gpu(canvas.twin(gpu)?) }),
             _ => Self::new(device, self.width(), self.height()),
         }
     }
@@ -93,15 +75,6 @@ impl Canvas {
             Held::Cpu(_) => Samples::Four,
             Held::Gpu(canvas) => canvas.samples,
         }
-    }
-
-    /// The finished picture, to show in a window: `Renderer::register_native_texture` of
-    /// egui-wgpu takes it as it is.
-    ///
-    /// # Errors
-    /// [`ViewError::Shape`] where the processor draws: its pictures are no textures.
-    pub fn view(&self) -> Result<&wgpu::TextureView, ViewError> {
-        Ok(&self.held.gpu()?.finished_view)
     }
 
     /// The finished picture. Alpha is straight, as PNG wants it.

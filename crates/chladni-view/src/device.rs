@@ -84,7 +84,7 @@ impl Device {
 
     /// Longest side of a picture, pixels.
     pub(crate) fn longest_side(&self) -> u32 {
-        self.gpu().map_or(Self::LONGEST_SIDE, |gpu| gpu.device.limits().max_texture_dimension_2d)
+        self.gpu().map_or(Self::LONGEST_SIDE, Gpu::longest_side)
     }
 }
 

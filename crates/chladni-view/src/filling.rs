@@ -12,11 +12,11 @@ const PITCHES: [f32; 6] = [-0.8, -0.4, 0.0, 0.4, 0.8, 1.2];
 const ROWS: usize = 24;
 /// Halvings until a distance is found.
 const HALVINGS: usize = 9;
-/// Where the figure is larger than the picture, its upper end at rest stays this share of half a picture from the
-/// middle: it moves.
-const HEADROOM: f32 = 0.58;
-/// A figure is at most this many pictures high, so that a standing one is seen down to its knees, however slim.
-const MOST_HEIGHTS: f32 = 0.95;
+/// The upper end of a figure that has risen is at most this share of half a picture above the middle.
+const TOP: f32 = 0.97;
+/// A figure that has risen is at most this many pictures high, so that a standing one is seen down to its knees,
+/// however slim.
+const MOST_HEIGHTS: f32 = 0.93;
 /// And a part of one that is looked at.
 const MOST_HEIGHTS_OF_PART: f32 = 1.7;
 /// The nearest an eye comes to a shape, as a share of the shape's reach about the point looked at.
@@ -39,20 +39,21 @@ pub struct Filling {
 
 impl Filling {
     /// Around `target`, so that what has these `points` spread evenly over its surface covers `share` of a picture of
-    /// `aspect`. `keeps_top`: where it does not fit, its lower part is cut off, not its upper one.
+    /// `aspect`, or less where it would not have room to rise by `rises`. Where it does not fit, its lower part is
+    /// cut off, not its upper one. `None` for a part of a shape, of which anything may be cut off.
     pub fn new(
         points: &[[f32; 3]],
         stands: Orientation,
         target: [f32; 3],
         aspect: f32,
         share: f32,
-        keeps_top: bool,
+        rises: Option<f32>,
     ) -> Self {
         let of_yaw = |yaw: usize| {
             let yaw_rad = yaw as f32 * std::f32::consts::TAU / YAWS as f32;
             PITCHES.map(|pitch_rad| {
                 let camera = Camera { yaw_rad, pitch_rad, target, stands, ..Camera::default() };
-                standpoint(&camera, points, aspect.clamp(0.05, 20.0), share, keeps_top)
+                standpoint(&camera, points, aspect.clamp(0.05, 20.0), share, rises)
             })
         };
         Self { around: (0..YAWS).map(of_yaw).collect() }
@@ -76,7 +77,13 @@ fn mix(a: Standpoint, b: Standpoint, share: f32) -> Standpoint {
     Standpoint { distance, lift: a.lift + share * (b.lift - a.lift) }
 }
 
-fn standpoint(camera: &Camera, points: &[[f32; 3]], aspect: f32, share: f32, keeps_top: bool) -> Standpoint {
+fn standpoint(
+    camera: &Camera,
+    points: &[[f32; 3]],
+    aspect: f32,
+    share: f32,
+    rises: Option<f32>,
+) -> Standpoint {
     let axes = camera.axes();
     let target = Vec3::from(camera.target);
     let seen: Vec<Vec3> = points
@@ -89,26 +96,26 @@ fn standpoint(camera: &Camera, points: &[[f32; 3]], aspect: f32, share: f32, kee
     let near = seen.iter().fold(0.0f32, |near, p| near.max(p.z)) + CLEARANCE * reach;
     let tan_y = (0.5 * camera.fov_y_rad).tan();
     let (bottom, top) = seen.iter().fold((0.0f32, 0.0f32), |(b, t), p| (b.min(p.y), t.max(p.y)));
-    let most = if keeps_top { MOST_HEIGHTS } else { MOST_HEIGHTS_OF_PART };
-    let near = near.max((top - bottom) / (2.0 * tan_y * most));
+    let most = if rises.is_some() { MOST_HEIGHTS } else { MOST_HEIGHTS_OF_PART };
+    let near = near.max((top + rises.unwrap_or(0.0) - bottom) / (2.0 * tan_y * most));
+    let lift = |distance| rises.map_or(0.0, |rises| lift(&seen, rises, distance, tan_y));
     let (mut low, mut high) = (near, 6.0 * (near + reach) / tan_y.min(tan_y * aspect));
     for _ in 0..HALVINGS {
         let distance = (low * high).sqrt();
-        let lift = if keeps_top { lift(&seen, distance, tan_y) } else { 0.0 };
-        if covered(&seen, distance, lift, tan_y, aspect) > share {
+        if covered(&seen, distance, lift(distance), tan_y, aspect) > share {
             low = distance;
         } else {
             high = distance;
         }
     }
     let distance = (low * high).sqrt();
-    Standpoint { distance, lift: if keeps_top { lift(&seen, distance, tan_y) } else { 0.0 } }
+    Standpoint { distance, lift: lift(distance) }
 }
 
-/// How far the shape is lowered so that its upper end is seen.
-fn lift(seen: &[Vec3], distance: f32, tan_y: f32) -> f32 {
-    let top = seen.iter().fold(f32::NEG_INFINITY, |top, p| top.max(p.y / (distance - p.z)));
-    ((top - HEADROOM * tan_y) / (2.0 * tan_y)).max(0.0)
+/// How far the shape is lowered so that its upper end is seen when it has risen.
+fn lift(seen: &[Vec3], rises: f32, distance: f32, tan_y: f32) -> f32 {
+    let top = seen.iter().fold(f32::NEG_INFINITY, |top, p| top.max((p.y + rises) / (distance - p.z)));
+    ((top - TOP * tan_y) / (2.0 * tan_y)).max(0.0)
 }
 
 /// The share of the picture's cells in which there is a point.
@@ -170,7 +177,7 @@ mod tests {
     fn a_wall_covers_what_it_should_from_every_side() {
         let points = cuboid([2.0, 1.0, 0.8]);
         assert!((5000..7000).contains(&points.len()));
-        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.5, 0.27, true);
+        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.5, 0.27, Some(0.0));
         for (yaw_rad, pitch_rad) in [(0.0, 0.0), (0.6, 0.1), (3.0, -0.4), (-1.2, 0.8), (7.0, 0.5)] {
             let Standpoint { distance, lift } = filling.from(yaw_rad, pitch_rad);
             let camera = Camera { yaw_rad, pitch_rad, ..Camera::default() };
@@ -186,19 +193,19 @@ mod tests {
     #[test]
     fn the_head_of_a_tall_figure_is_seen_and_the_eye_stays_outside() {
         let points = cuboid([0.3, 2.0, 0.3]);
-        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 0.4, true);
+        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 0.4, Some(0.4));
         let Standpoint { distance, lift } = filling.from(0.0, 0.0);
         let tan_y = (0.5 * Camera::default().fov_y_rad).tan();
-        let top = 1.0 / (distance * tan_y) - 2.0 * lift;
-        assert!(lift > 0.1 && (0.45..0.75).contains(&top), "{lift} {top}");
-        let near = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 1.0, false);
+        let [rest, risen] = [1.0, 1.4].map(|y| y / (distance * tan_y) - 2.0 * lift);
+        assert!(lift > 0.05 && rest > 0.4 && (0.85..0.98).contains(&risen), "{lift} {rest} {risen}");
+        let near = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 1.0, None);
         assert!(near.from(0.0, 0.0).distance > 0.15);
     }
 
     #[test]
     fn it_changes_smoothly_with_the_side() {
         let filling =
-            Filling::new(&cuboid([2.0, 0.7, 0.4]), Orientation::Y_UP, [0.2, 0.0, 0.0], 1.5, 0.42, true);
+            Filling::new(&cuboid([2.0, 0.7, 0.4]), Orientation::Y_UP, [0.2, 0.0, 0.0], 1.5, 0.42, Some(0.1));
         let steps = (0..2000).map(|i| filling.from(0.005 * i as f32, (0.01 * i as f32).sin()).distance);
         let distances: Vec<f32> = steps.collect();
         let most = distances.windows(2).map(|pair| (pair[1] / pair[0]).ln().abs()).fold(0.0, f32::max);

@@ -28,6 +28,16 @@
 //! Not guaranteed: pixels differ in their last bits from driver to driver, and from the processor. Translucent figures
 //! are not sorted. Only the key light casts shadows, within a cell.
 
+#![cfg_attr(
+    not(feature = "gpu"),
+    allow(
+        dead_code,
+        unreachable_code,
+        unused_variables,
+        reason = "what is kept for devices that nobody can have"
+    )
+)]
+
 mod buffers;
 mod camera;
 mod canvas;
@@ -39,6 +49,7 @@ pub mod filling;
 pub mod film;
 mod finish;
 pub mod framing;
+#[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 mod gpu;
 pub mod ink;
 pub mod layout;

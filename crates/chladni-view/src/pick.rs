@@ -51,6 +51,9 @@ pub struct PickTree {
 
 /// How much nearer a box is taken to be than it is, as a share: distances of hits are f32.
 const SLACK: f64 = 1e-6;
+/// How far in front of a point of the surface its view begins, so that its own triangles do not hide it; a
+/// share of the size of the shape.
+const CLEARANCE: f64 = 2e-3;
 
 impl PickTree {
     /// The tree of `triangles` at `positions`. A triangle with an index out of range, or a
@@ -94,6 +97,27 @@ impl PickTree {
             },
         );
         nearest
+    }
+
+    /// Whether a triangle stands between `eye` and `point` on the surface, other than those right at the
+    /// point. `positions` are those of the last [`refit`](Self::refit).
+    pub fn blocks(
+        &self,
+        eye: [f64; 3],
+        point: [f64; 3],
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+    ) -> bool {
+        let [eye, point] = [eye, point].map(glam::DVec3::from);
+        let way = eye - point;
+        let clearance = CLEARANCE * self.tree.bounds().diagonal();
+        let Some(direction) = way.try_normalize().filter(|_| way.length() > clearance) else { return false };
+        let ray = Ray {
+            origin: (point + direction * clearance).as_vec3().to_array(),
+            direction: direction.as_vec3().to_array(),
+        };
+        let hit = self.pick(&ray, positions, triangles);
+        hit.is_some_and(|hit| f64::from(hit.distance) < way.length() - clearance)
     }
 }
 

@@ -1,28 +1,25 @@
 //! Draws cells of figures on a canvas, whoever draws.
 
 use crate::buffers::Held;
-use crate::{Canvas, Cell, Device, Finish, Gpu, ViewError, cpu, gpu};
+use crate::{Canvas, Cell, Device, Finish, ViewError, cpu, gpu};
 
 /// What one device keeps from picture to picture: pipelines and uniforms, or bins and tiles. Make one
 /// and keep it.
 #[derive(Debug)]
 pub struct Renderer {
-    device: Device,
-    held: Held<Box<cpu::Renderer>, Box<gpu::Renderer>>,
+    pub(crate) device: Device,
+    pub(crate) held: Held<Box<cpu::Renderer>, Box<gpu::Renderer>>,
 }
 
 impl Renderer {
-    /// A renderer for pictures ([`Canvas::FORMAT`]).
+    /// A renderer for pictures ([`Canvas::new`]).
     pub fn new(on: impl Into<Device>) -> Self {
-        match on.into() {
-            Device::Graphics(gpu) => Self::with_format(&gpu, Canvas::FORMAT),
-            Device::Processor => Self { device: Device::Processor, held: Held::Cpu(Box::default()) },
-        }
-    }
-
-    /// A renderer of a graphics device for canvases of another eight-bit format.
-    pub fn with_format(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
-        Self { device: gpu.into(), held: Held::Gpu(Box::new(gpu::Renderer::new(gpu, format))) }
+        let device = on.into();
+        let held = match &device {
+            Device::Graphics(gpu) => Held::Gpu(Box::new(gpu::Renderer::for_pictures(gpu))),
+            Device::Processor => Held::Cpu(Box::default()),
+        };
+        Self { device, held }
     }
 
     /// Who draws.
@@ -45,8 +42,8 @@ impl Renderer {
     /// of the picture that this renderer drew before.
     ///
     /// # Errors
-    /// As [`draw`](Self::draw); [`ViewError::Shape`] for a finish on a canvas of a format that is not
-    /// [`Canvas::FORMAT`].
+    /// As [`draw`](Self::draw); [`ViewError::Shape`] for a finish on a canvas of another format than
+    /// [`Canvas::new`] gives.
     pub fn draw_finished(
         &mut self,
         canvas: &Canvas,

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use wgpu::util::DeviceExt;
-
 use crate::buffers::Held;
+use crate::gpu::{self, Use};
 use crate::{Device, ViewError};
 
 /// The rest of N vertices, for [`Paint::Answer`](crate::Paint::Answer).
@@ -12,7 +11,7 @@ use crate::{Device, ViewError};
 pub struct RestShape {
     pub(crate) vertices: usize,
     /// Position, and the number along the shape.
-    pub(crate) held: Held<Arc<[[f32; 4]]>, wgpu::Buffer>,
+    pub(crate) held: Held<Arc<[[f32; 4]]>, gpu::Buffer>,
 }
 
 impl RestShape {
@@ -32,11 +31,7 @@ impl RestShape {
             Device::Processor => Held::Cpu(all.into()),
             Device::Graphics(gpu) => {
                 let bytes: &[u8] = if all.is_empty() { &[0; 16] } else { bytemuck::cast_slice(&all) };
-                Held::Gpu(gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some("rest"),
-                    contents: bytes,
-                    usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE,
-                }))
+                Held::Gpu(gpu::filled(&gpu, "rest", bytes, Use::Vertices))
             }
         };
         Ok(Self { vertices: positions.len(), held })

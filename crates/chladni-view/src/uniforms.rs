@@ -4,7 +4,16 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
 use crate::style::linear;
-use crate::{Answer, Cell, Figure, Paint, ViewError};
+use crate::{Answer, Cell, Figure, Paint, Samples, ViewError};
+
+/// Texels of a side, columns and rows of `count` maps in a texture of at most `limit` texels a side.
+pub(crate) fn arrangement(count: u32, samples: Samples, limit: u32) -> (u32, u32, u32) {
+    let columns = count.isqrt() + u32::from(count.isqrt().pow(2) < count);
+    let size = if count == 1 { 1024 } else { 512 } >> u32::from(samples == Samples::One);
+    // So many that they would not fit are smaller.
+    let size = size.min(limit / columns).max(1);
+    (size, columns, count.div_ceil(columns))
+}
 
 /// A cell, as `shader.wgsl` describes it.
 #[repr(C)]
@@ -203,5 +212,20 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
         answer: [answer.offset, answer.span, answer.swing, answer.travel],
         glow: [m.glow, answer_glow[0], answer_glow[1], answer_glow[2]],
         grain: figure.grains.map_or([0.0; 4], |of| rgb(linear(of.color), of.radius)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shadow_maps_fit_into_their_texture() {
+        assert_eq!(arrangement(1, Samples::Four, 8192), (1024, 1, 1));
+        assert_eq!(arrangement(12, Samples::One, 8192), (256, 4, 3));
+        for count in [1, 2, 16, 17, 256, 257, 1000, 4096] {
+            let (size, columns, rows) = arrangement(count, Samples::Four, 2048);
+            assert!(size * columns.max(rows) <= 2048 && columns * rows >= count, "{count}: {size}");
+        }
     }
 }

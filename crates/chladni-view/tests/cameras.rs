@@ -119,6 +119,27 @@ fn a_vertex_that_is_seen_is_picked_through_its_pixel() {
 }
 
 #[test]
+fn the_far_side_is_blocked_and_the_near_side_is_not() {
+    let (positions, triangles) = sphere(24);
+    let tree = PickTree::new(&positions, &triangles);
+    for eye in [[0.0, 0.5, 3.0], [-1e6, 2e5, 0.0]] {
+        let (mut near, mut far) = (0, 0);
+        for p in positions.iter().map(|p| p.map(f64::from)) {
+            let way: [f64; 3] = std::array::from_fn(|i| eye[i] - p[i]);
+            let cosine =
+                (0..3).map(|i| p[i] * way[i]).sum::<f64>() / way.iter().map(|w| w * w).sum::<f64>().sqrt();
+            // Where it is seen at a grazing angle, either answer will do.
+            if cosine.abs() > 0.1 {
+                assert_eq!(tree.blocks(eye, p, &positions, &triangles), cosine < 0.0, "{p:?}");
+                *(if cosine < 0.0 { &mut far } else { &mut near }) += 1;
+            }
+        }
+        assert!(near > 100 && far > 100);
+    }
+    assert!(!PickTree::new(&[], &[]).blocks([0.0; 3], [1.0; 3], &[], &[]));
+}
+
+#[test]
 fn nothing_and_nonsense_are_never_hit() {
     let ray = Ray { origin: [0.0, 0.0, 5.0], direction: [0.0, 0.0, -1.0] };
     assert!(PickTree::new(&[], &[]).pick(&ray, &[], &[]).is_none());

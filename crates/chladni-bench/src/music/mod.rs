@@ -84,9 +84,9 @@ impl BenchMusic {
         }
         for r in &report.timing {
             terminal.result(format_args!(
-                "{:?}: n = {}, K = {}, S = {}: spectrum {:.3} ms, mapping {:.3} ms, synthesis {:.2} ms, normals {:.2} ms, \
+                "{:?}: n = {}, K = {}, S = {}: spectrum {:.3} ms, resonators {:.3} ms, mapping {:.3} ms, synthesis {:.2} ms, normals {:.2} ms, \
                  together {:.2} ms",
-                r.form, r.vertices, r.harmonics, r.items, r.spectrum_ms, r.mapping_ms, r.synthesis_ms, r.normals_ms, r.total_ms
+                r.form, r.vertices, r.harmonics, r.items, r.spectrum_ms, r.resonators_ms, r.mapping_ms, r.synthesis_ms, r.normals_ms, r.total_ms
             ))?;
         }
         for r in &report.stereo {

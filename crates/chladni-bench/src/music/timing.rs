@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use chladni_harmonics::Laplacian;
 use chladni_mesh::TriMesh;
-use chladni_music::{Action, Dancer, Ensemble, Form, GalleryShape, Instrument, Moment};
+use chladni_music::{Action, Dancer, Ensemble, Form, GalleryShape, Instrument, Moment, Resonators};
 use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
 use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
 use serde::Serialize;
@@ -26,6 +26,8 @@ pub struct Measured {
     pub form: Form,
     pub threads: usize,
     pub spectrum_ms: f64,
+    /// The bank of oscillators hears the spectrum and rings.
+    pub resonators_ms: f64,
     pub mapping_ms: f64,
     pub synthesis_ms: f64,
     pub normals_ms: f64,
@@ -61,23 +63,32 @@ impl BenchMusic {
         let window = analyser.window_frames();
         let hop = song.rate_hz as usize / 60;
         let frames = self.frames.clamp(1, (song.frames() - window) / hop);
-        let mut times: [Vec<f64>; 5] = std::array::from_fn(|_| Vec::with_capacity(frames));
+        let mut bank = None;
+        let mut times: [Vec<f64>; 6] = std::array::from_fn(|_| Vec::with_capacity(frames));
         for frame in 0..frames {
             let from = frame * hop;
             let start = Instant::now();
             let (left, right) = (&song.left[from..from + window], &song.right[from..from + window]);
             let s = analyser.analyse(left, right, 1.0 / 60.0);
             let heard = start.elapsed().as_secs_f64();
-            let items = ensemble.play(&instrument, &bands_of(s), chladni_music::Beat::default())?;
+            let timbre = instrument.parameters().playing().timbre;
+            Resonators::follow(&mut bank, timbre.as_ref(), s.mid.len());
+            let mut bands = bands_of(s);
+            if let Some(bank) = &mut bank {
+                bank.hear(&bands, 1.0 / 60.0);
+                bands.ringing = Some(bank.ring(0.5 / 60.0));
+            }
+            let rung = start.elapsed().as_secs_f64();
+            let items = ensemble.play(&instrument, &bands, chladni_music::Beat::default())?;
             let mapped = start.elapsed().as_secs_f64();
             synthesizer.synthesize_positions(items)?;
             let moved = start.elapsed().as_secs_f64();
             synthesizer.synthesize_normals(&FrameSettings::default())?;
             let lit = start.elapsed().as_secs_f64();
-            let parts = [heard, mapped - heard, moved - mapped, lit - moved, lit];
+            let parts = [heard, rung - heard, mapped - rung, moved - mapped, lit - moved, lit];
             times.iter_mut().zip(parts).for_each(|(t, secs)| t.push(1e3 * secs));
         }
-        let [spectrum_ms, mapping_ms, synthesis_ms, normals_ms, total_ms] = times.map(median);
+        let [spectrum_ms, resonators_ms, mapping_ms, synthesis_ms, normals_ms, total_ms] = times.map(median);
         Ok(Measured {
             vertices: synthesizer.model().vertices(),
             harmonics: dancer.harmonics(),
@@ -85,6 +96,7 @@ impl BenchMusic {
             form,
             threads: rayon::current_num_threads(),
             spectrum_ms,
+            resonators_ms,
             mapping_ms,
             synthesis_ms,
             normals_ms,

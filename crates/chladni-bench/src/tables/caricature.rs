@@ -12,9 +12,8 @@ use chladni_synth::{Item, SynthModel};
 use chladni_view::PickTree;
 use serde::Serialize;
 
-use super::frame::{Projector, Secs};
+use super::frame::{Easel, Projector, Secs};
 use super::{BenchTables, median_ms};
-use crate::synth::stage::Stage;
 use chladni_program::cli::Terminal;
 use chladni_program::work::body::laplacian;
 use chladni_program::work::{Error, Watcher};
@@ -54,14 +53,14 @@ impl BenchTables {
         &self,
         shape: &str,
         template: &str,
-        stage: &mut Stage,
+        easel: &mut Easel,
         terminal: &Terminal,
     ) -> Result<Row, Error> {
         let mesh = source::mesh(shape, terminal)?;
         let (body, harmonics_secs) = self.solve(shape, &mesh, self.harmonics, terminal)?;
         let triangles = body.triangles.clone();
         let model = SynthModel::new(&body)?;
-        let mut projector = Projector::new(stage, model, &triangles)?;
+        let mut projector = Projector::new(easel, &model, &triangles)?;
         let mut stack = Stack::new(Arc::new(body))?;
         let source: ShapeSource = shape.parse()?;
         let mut project = Project::new(source, self.harmonics);
@@ -95,7 +94,7 @@ impl BenchTables {
         let mut painted = Painted::Vertices(vec![0.0; shown.len()].into());
         let mut parts: [Vec<f64>; 8] = std::array::from_fn(|_| Vec::new());
         for frame in 0..=self.frames.max(1) {
-            let (camera, viewport) = projector.view(stage, 3);
+            let (camera, viewport) = projector.view(3);
             let start = Instant::now();
             tree.refit(&shown, &triangles);
             let turn = frame as f32;
@@ -107,7 +106,8 @@ impl BenchTables {
             if let Some(hit) = hit {
                 let at = SurfacePoint { triangle: hit.triangle, weights: hit.barycentric.map(f64::from) };
                 let eye = Some(ray.origin.map(f64::from));
-                let seen = Seen { surface: &surface, positions: &shown, eye };
+                let blocked = |eye, point| tree.blocks(eye, point, &shown, &triangles);
+                let seen = Seen { surface: &surface, positions: &shown, eye, blocked: Some(&blocked) };
                 let reach = Brush { radius: BRUSH, mirror: None }.reach(&seen, &at);
                 let dab = PaintEdit::Dab(Dab::of(&reach, 1.0, false));
                 painted = dab.apply(&painted, &surface)?;
@@ -120,7 +120,7 @@ impl BenchTables {
             let terms = terms.ok_or_else(|| Error::other("the layer does not act"))?;
             let items = terms.map(|term| Item { terms: vec![term] });
             let filtered = start.elapsed().as_secs_f64();
-            let secs = projector.show(stage, &items)?;
+            let secs = projector.show(easel, &items)?;
             let total = start.elapsed().as_secs_f64();
             shown = single(&stack.evaluate(history.project()).result.positions);
             // The same once more, beside the frame, to tell its share of the filters.

@@ -2,16 +2,35 @@
 
 use std::time::Instant;
 
-use chladni_synth::{AutoSynthesizer, Backend, FrameSettings, Item, SynthModel, Synthesizer};
-use chladni_view::{Background, Camera, Cell, Figure, ItemBuffers, Lights, Rect, Topology, View, layout};
-
-use crate::synth::stage::{Stage, wait};
 use chladni_program::work::Error;
+use chladni_program::work::film::{Deformed, Seconds};
+use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
+use chladni_view::{
+    Background, Camera, Canvas, Cell, Device, Draw, Figure, Lights, Rect, Renderer, View, layout,
+};
 
-/// A shape that is deformed and drawn as the program does it: on the graphics card where there is one.
+/// The papers' size of picture.
+const SIZE_PX: (u32, u32) = (1024, 768);
+
+/// Where pictures are drawn as the program draws its films: on a graphics card where there is one.
+pub struct Easel {
+    pub device: Device,
+    renderer: Renderer,
+    canvas: Canvas,
+}
+
+impl Easel {
+    pub fn new() -> Result<Self, Error> {
+        let device = Device::open(Draw::Auto)?;
+        let renderer = Renderer::new(&device);
+        let canvas = Canvas::with_samples(&device, SIZE_PX.0, SIZE_PX.1, device.live_samples())?;
+        Ok(Self { device, renderer, canvas })
+    }
+}
+
+/// A shape that is deformed and drawn.
 pub struct Projector {
-    synthesizer: AutoSynthesizer,
-    topology: Topology,
+    deformed: Deformed,
     camera: Camera,
 }
 
@@ -24,43 +43,41 @@ pub struct Secs {
 }
 
 impl Projector {
-    pub fn new(stage: &Stage, model: SynthModel, triangles: &[[u32; 3]]) -> Result<Self, Error> {
-        let topology = Topology::new(&stage.gpu, model.vertices(), triangles)?;
+    pub fn new(easel: &Easel, model: &SynthModel, triangles: &[[u32; 3]]) -> Result<Self, Error> {
         let mut camera = Camera::looking(View::ThreeQuarter);
         camera.fit(model.rest_positions().iter().copied(), 1.0, 0.8);
-        let synthesizer = AutoSynthesizer::new(&stage.context, model, Backend::Auto);
-        Ok(Self { synthesizer, topology, camera })
+        let deformed = Deformed::new(&easel.device, model, triangles, Backend::Auto)?;
+        Ok(Self { deformed, camera })
     }
 
     /// Who looks at the first of `items` cells, and where that is.
-    pub fn view(&self, stage: &Stage, items: usize) -> (Camera, Rect) {
-        (self.camera, cells(stage, items).first().copied().unwrap_or_default())
+    pub fn view(&self, items: usize) -> (Camera, Rect) {
+        (self.camera, cells(items).first().copied().unwrap_or_default())
     }
 
     /// Deforms and draws `items` in the papers' size.
-    pub fn show(&mut self, stage: &mut Stage, items: &[Item]) -> Result<Secs, Error> {
+    pub fn show(&mut self, easel: &mut Easel, items: &[Item]) -> Result<Secs, Error> {
+        let mut seconds = Seconds::default();
+        self.deformed.synthesize(items, &FrameSettings::default(), &mut seconds)?;
         let start = Instant::now();
-        self.synthesizer.synthesize_positions(items)?;
-        let moved = start.elapsed().as_secs_f64();
-        self.synthesizer.synthesize_normals(&FrameSettings::default())?;
-        let lit = start.elapsed().as_secs_f64();
-        let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
+        let buffers = self.deformed.buffers()?;
         let figures: Vec<Figure<'_>> =
-            (0..buffers.items()).map(|item| Figure::new(&self.topology, &buffers, item)).collect();
+            (0..buffers.items()).map(|item| Figure::new(&self.deformed.topology, &buffers, item)).collect();
         // The papers' pictures have no shadows.
         let lights = Lights { shadow: 0.0, ..Lights::default() };
-        let area = Rect::of_size(stage.canvas.width(), stage.canvas.height());
-        let placed = cells(stage, figures.len()).into_iter().zip(&figures);
+        let area = Rect::of_size(SIZE_PX.0, SIZE_PX.1);
+        let placed = cells(figures.len()).into_iter().zip(&figures);
         let cells = Cell::gallery(area, Background::default(), self.camera, lights, placed);
-        stage.renderer.draw(&stage.canvas, &cells)?;
-        wait(&stage.gpu)?;
-        let drawn = start.elapsed().as_secs_f64();
-        Ok(Secs { synthesis: moved, normals: lit - moved, drawing: drawn - lit })
+        easel.renderer.draw(&easel.canvas, &cells)?;
+        if let Some(gpu) = easel.device.gpu() {
+            crate::synth::stage::wait(gpu)?;
+        }
+        let drawing = start.elapsed().as_secs_f64();
+        Ok(Secs { synthesis: seconds.synthesis, normals: seconds.normals, drawing })
     }
 }
 
-fn cells(stage: &Stage, items: usize) -> Vec<Rect> {
-    let area = Rect::of_size(stage.canvas.width(), stage.canvas.height());
-    let (rows, columns) = layout::rows_and_columns(area.width, area.height, items, 1.0);
-    layout::grid(area, rows, columns, 0, items)
+fn cells(items: usize) -> Vec<Rect> {
+    let (rows, columns) = layout::rows_and_columns(SIZE_PX.0, SIZE_PX.1, items, 1.0);
+    layout::grid(Rect::of_size(SIZE_PX.0, SIZE_PX.1), rows, columns, 0, items)
 }

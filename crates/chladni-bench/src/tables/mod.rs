@@ -50,18 +50,18 @@ struct Tables {
 impl BenchTables {
     /// Measures all rows and prints them.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        let mut stage = super::synth::stage::Stage::new()?;
+        let mut easel = frame::Easel::new()?;
         let (mut caricature, mut music) = (Vec::new(), Vec::new());
         for (shape, template) in &self.caricature {
-            caricature.push(self.caricature_row(shape, template, &mut stage, terminal)?);
+            caricature.push(self.caricature_row(shape, template, &mut easel, terminal)?);
         }
         for (mesh, harmonics) in &self.music {
             let harmonics = harmonics
                 .parse()
                 .map_err(|_| Error::input(format_args!("{mesh}={harmonics}: K is a number")))?;
-            music.extend(self.music_rows(mesh, harmonics, &mut stage, terminal)?);
+            music.extend(self.music_rows(mesh, harmonics, &mut easel, terminal)?);
         }
-        let device = stage.gpu.description();
+        let device = easel.device.description();
         terminal.json(&Tables { threads: rayon::current_num_threads(), device, caricature, music })
     }
 

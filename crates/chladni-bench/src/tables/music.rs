@@ -7,9 +7,8 @@ use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
 use chladni_synth::SynthModel;
 use serde::Serialize;
 
-use super::frame::Projector;
+use super::frame::{Easel, Projector};
 use super::{BenchTables, median_ms};
-use crate::synth::stage::Stage;
 use chladni_program::cli::Terminal;
 use chladni_program::work::dancer::{Dancing, classes};
 use chladni_program::work::source;
@@ -39,7 +38,7 @@ impl BenchTables {
         &self,
         name: &str,
         harmonics: usize,
-        stage: &mut Stage,
+        easel: &mut Easel,
         terminal: &Terminal,
     ) -> Result<Vec<Row>, Error> {
         let mesh = source::mesh(name, terminal)?;
@@ -50,7 +49,7 @@ impl BenchTables {
             Dancing::new(&body, symmetry, &chladni_mesh::Orientation::default())?;
         let preprocess_secs = solved_secs + start.elapsed().as_secs_f64();
         let model = SynthModel::new(&body)?;
-        let mut projector = Projector::new(stage, model, &body.triangles)?;
+        let mut projector = Projector::new(easel, &model, &body.triangles)?;
         let song = sample_tune();
         let mut rows = Vec::new();
         for items in SIZES {
@@ -72,7 +71,7 @@ impl BenchTables {
                 let s = analyser.analyse(left, right, 0.05);
                 let played = ensemble.play(&instrument, &bands_of(s), Beat::default())?;
                 let mapped = start.elapsed().as_secs_f64();
-                let secs = projector.show(stage, &played[..items.min(played.len())])?;
+                let secs = projector.show(easel, &played[..items.min(played.len())])?;
                 let total = start.elapsed().as_secs_f64();
                 // The first one warms up.
                 if frame > 0 {

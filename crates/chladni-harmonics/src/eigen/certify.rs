@@ -1,6 +1,6 @@
 //! A second look at a basis, from its numbers alone.
 
-use super::components::Components;
+use super::components::{Components, Kind};
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, Certificate, HarmonicsError, Operator};
 
@@ -30,7 +30,7 @@ impl Operator {
     }
 
     fn counts_match(&self, values: &[f64]) -> Result<bool, HarmonicsError> {
-        let components = Components::of(self);
+        let components = Components::of(self.pencil(), &self.component, Kind::Surface)?;
         let is_room = |k: usize| values[k] - values[k - 1] > ROOM * values[k];
         let mut places: Vec<(usize, f64)> = (1..values.len())
             .step_by(STRIDE)

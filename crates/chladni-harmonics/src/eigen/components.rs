@@ -1,13 +1,14 @@
-//! Shapes of several connected components: S is block-diagonal, and each block is a separate problem.
+//! Pencils of several connected components: S and M are block-diagonal, and each block is a separate problem.
 
 use rayon::prelude::*;
 
 use chladni_task::Task;
 
 use super::plan::inertia;
-use super::problem::{Problem, Profile, ZEROS};
+use super::problem::{Problem, Profile};
 use super::{Solved, cluster_end, or_dense, solve_connected};
-use crate::{Basis, Certificate, HarmonicsError, Operator, Pencil, SymmetricSparse, pages};
+use crate::platform::Instant;
+use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, SymmetricSparse, pages};
 
 /// Relative width of the gap below the common shift in which no component has an eigenvalue.
 const GAP: f64 = 1e-6;
@@ -18,17 +19,27 @@ const ROUNDS: usize = 100;
 /// Counts resolve eigenvalues down to this share of ‖A‖.
 const RESOLVED: f64 = 1e-13;
 
-/// One connected component of a shape.
+/// One connected component.
 struct Component {
     /// Its vertices in the whole, ascending.
     vertices: Vec<u32>,
     stiffness: SymmetricSparse,
     mass: Vec<f64>,
+    consistent: Option<SymmetricSparse>,
     problem: Problem,
 }
 
 /// All of them.
 pub(super) struct Components(Vec<Component>);
+
+/// What is known of the spectrum before anything is solved.
+#[derive(Clone, Copy)]
+pub(super) enum Kind {
+    /// A surface: each component has one eigenvalue 0, and Weyl's law says where the others are.
+    Surface,
+    /// A pencil that was given, with its eigenvalues about this far apart, and none 0.
+    Given { spacing: f64 },
+}
 
 /// A shift below which every component knows how many eigenvalues it has.
 struct Shift {
@@ -36,35 +47,38 @@ struct Shift {
     counts: Vec<usize>,
 }
 
-/// Solves for the first `harmonics` pairs of a shape of several components: the pairs below one
-/// shift in each, and those of all merged.
+/// Solves for the first `harmonics` pairs of a pencil of several components, `component` being that of each
+/// vertex: the pairs below one shift in each, and those of all merged.
 pub(super) fn solve(
-    operator: &Operator,
+    pencil: Pencil,
+    component: &[u32],
+    kind: Kind,
     harmonics: usize,
     whole_clusters: bool,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     task.stage("harmonics", 0);
     let mut profile = Profile::default();
-    let start = std::time::Instant::now();
-    let components = Components::of(operator);
+    let start = Instant::now();
+    let components = Components::of(pencil, component, kind)?;
     profile.analyze = start.elapsed().as_secs_f64();
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let shift = components.common_shift(harmonics, &mut profile, task)?;
     profile.plan = start.elapsed().as_secs_f64();
     let stage = task.stage("harmonics", shift.counts.iter().sum::<usize>() as u64);
     // The largest first, so that the last to finish is a small one.
     let mut queue: Vec<(usize, Component)> = components.0.into_iter().enumerate().collect();
+    queue.retain(|(c, _)| shift.counts[*c] > 0);
     queue.sort_by_key(|(c, component)| std::cmp::Reverse(component.mass.len() * shift.counts[*c]));
     let mut parts = queue
         .into_iter()
         .par_bridge()
         .map(|(c, component)| {
-            let Component { vertices, stiffness, mass, problem } = component;
-            let pencil = Pencil::lumped(&stiffness, &mass);
-            let count = shift.counts[c];
-            let solved = solve_connected(pencil, ZEROS, Some(problem), count, false, &stage, task);
-            let solved = or_dense(solved, pencil, ZEROS, count, false)?;
+            let Component { vertices, stiffness, mass, consistent, problem } = component;
+            let pencil = Pencil { stiffness: &stiffness, mass: &mass, consistent: consistent.as_ref() };
+            let (count, zeros) = (shift.counts[c], problem.zeros);
+            let solved = solve_connected(pencil, zeros, Some(problem), count, false, &stage, task);
+            let solved = or_dense(solved, pencil, zeros, count, false)?;
             if solved.basis.eigenvalues.last().is_some_and(|last| *last > shift.sigma) {
                 return Err(HarmonicsError::not_certified(
                     "a component has fewer eigenvalues below a shift than were counted",
@@ -74,30 +88,41 @@ pub(super) fn solve(
         })
         .collect::<Result<Vec<_>, _>>()?;
     parts.sort_by_key(|(c, ..)| *c);
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let parts = parts.into_iter().map(|(_, vertices, solved)| (vertices, solved)).collect();
-    let mut merged = merge(operator, parts, harmonics, whole_clusters);
+    let mut merged = merge(pencil, parts, harmonics, whole_clusters);
     merged.profile.add(&profile);
     merged.profile.assemble += start.elapsed().as_secs_f64();
     Ok(merged)
 }
 
 impl Components {
-    pub(super) fn of(operator: &Operator) -> Self {
-        let mut vertices: Vec<Vec<u32>> = vec![Vec::new(); operator.components()];
+    pub(super) fn of(pencil: Pencil, component: &[u32], kind: Kind) -> Result<Self, HarmonicsError> {
+        let n = pencil.mass.len();
+        let count = component.iter().max().map_or(0, |c| *c as usize + 1);
+        let mut vertices: Vec<Vec<u32>> = vec![Vec::new(); count];
         // The number of each vertex in its component.
-        let mut local = vec![0; operator.vertices()];
-        for (v, &c) in operator.component.iter().enumerate() {
+        let mut local = vec![0; n];
+        for (v, &c) in component.iter().enumerate() {
             local[v] = vertices[c as usize].len() as u32;
             vertices[c as usize].push(v as u32);
         }
         let component = |vertices: Vec<u32>| {
-            let stiffness = operator.stiffness.block(&vertices, &local);
-            let mass: Vec<f64> = vertices.iter().map(|&v| operator.mass[v as usize]).collect();
-            let problem = Problem::of(Pencil::lumped(&stiffness, &mass));
-            Component { vertices, stiffness, mass, problem }
+            let stiffness = pencil.stiffness.block(&vertices, &local);
+            let mass: Vec<f64> = vertices.iter().map(|&v| pencil.mass[v as usize]).collect();
+            let consistent = pencil.consistent.map(|m| m.block(&vertices, &local));
+            let part = Pencil { stiffness: &stiffness, mass: &mass, consistent: consistent.as_ref() };
+            let problem = match kind {
+                Kind::Surface => Problem::of(part),
+                Kind::Given { spacing } => {
+                    let mut problem = Problem::given(part)?;
+                    problem.expect_spacing(spacing * n as f64 / vertices.len() as f64);
+                    problem
+                }
+            };
+            Ok(Component { vertices, stiffness, mass, consistent, problem })
         };
-        Self(vertices.into_par_iter().map(component).collect())
+        Ok(Self(vertices.into_par_iter().map(component).collect::<Result<_, HarmonicsError>>()?))
     }
 
     /// The number of eigenvalues below `lambda` in each component.
@@ -132,13 +157,13 @@ impl Components {
         profile: &mut Profile,
         task: &Task,
     ) -> Result<Shift, HarmonicsError> {
-        let zeros = self.0.len();
+        let zeros: usize = self.0.iter().map(|c| c.problem.zeros).sum();
         if wanted <= zeros {
-            return Ok(Shift { sigma: 0.0, counts: vec![1; zeros] });
+            return Ok(Shift { sigma: 0.0, counts: self.0.iter().map(|c| c.problem.zeros).collect() });
         }
         let slack = 2 + wanted / 32;
         let target = (wanted + slack / 2) as f64;
-        let mut bracket = Bracket::of(&self.0);
+        let mut bracket = Bracket::of(&self.0, zeros);
         // Weyl's law.
         let area: f64 = self.0.iter().map(|c| c.problem.area).sum();
         let mut sigma = (4.0 * std::f64::consts::PI * (target - zeros as f64) / area).min(bracket.bound);
@@ -181,9 +206,9 @@ struct Bracket {
 }
 
 impl Bracket {
-    fn of(components: &[Component]) -> Self {
+    fn of(components: &[Component], zeros: usize) -> Self {
         let bound = 1.01 * components.iter().map(Component::bound).fold(0.0, f64::max);
-        Self { low: (0.0, components.len() as f64), high: None, bound, halved: true, reach: 1.0 }
+        Self { low: (0.0, zeros as f64), high: None, bound, halved: true, reach: 1.0 }
     }
 
     fn is_narrow(&self) -> bool {
@@ -222,28 +247,23 @@ impl Bracket {
 
 impl Component {
     fn bound(&self) -> f64 {
-        Pencil::lumped(&self.stiffness, &self.mass).bound()
+        Pencil::lumped(&self.stiffness, &self.mass).bound() * self.problem.stretch()
     }
 
     fn count(&self, lambda: f64, profile: &mut Profile) -> Result<usize, HarmonicsError> {
         // For a tiny component the count is taken higher up: if only λ = 0 lies below that, the same holds
         // here.
-        let resolved = RESOLVED * self.problem.largest;
-        if lambda < resolved && inertia(&self.problem, resolved, profile)?.1 == 1 {
-            return Ok(1);
+        let (resolved, zeros) = (RESOLVED * self.problem.largest, self.problem.zeros);
+        if lambda < resolved && inertia(&self.problem, resolved, profile)?.1 == zeros {
+            return Ok(zeros);
         }
         Ok(inertia(&self.problem, lambda, profile)?.1)
     }
 }
 
 /// The lowest pairs of all components as pairs of the whole, zero outside their component.
-fn merge(
-    operator: &Operator,
-    parts: Vec<(Vec<u32>, Solved)>,
-    harmonics: usize,
-    whole_clusters: bool,
-) -> Solved {
-    let n = operator.vertices();
+fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, harmonics: usize, whole_clusters: bool) -> Solved {
+    let n = pencil.mass.len();
     // (λ, component, number in it); the sort is stable, so that equal values keep their order.
     let mut entries: Vec<(f64, usize, usize)> = Vec::new();
     for (c, (_, solved)) in parts.iter().enumerate() {
@@ -261,7 +281,7 @@ fn merge(
         columns[c].push(column);
     }
     let mut certificate = Certificate {
-        laplacian: operator.laplacian,
+        laplacian: Laplacian::default(),
         inertia_counts_match: true,
         max_relative_residual: 0.0,
         max_orthogonality_error: 0.0,
@@ -279,6 +299,6 @@ fn merge(
             vertices.iter().zip(h).for_each(|(&v, h)| column[v as usize] = *h);
         }
     });
-    let basis = Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate };
+    let basis = Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate };
     Solved { basis, cuts_cluster: keep < cluster_end, fell_back_to_dense, profile }
 }

@@ -4,6 +4,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{Mat, Par, Side};
 
 use super::{Solved, certify, cluster_end};
+use crate::platform::split;
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, HarmonicsError, Pencil, SolveProfile, SymmetricSparse};
 
@@ -16,7 +17,7 @@ pub(super) fn solve(
     whole_clusters: bool,
 ) -> Result<Solved, HarmonicsError> {
     let n = pencil.mass.len();
-    let par = Par::rayon(rayon::current_num_threads());
+    let par = split();
     let root = Root::of(pencil)?;
     let symmetric = root.symmetrized(pencil, par);
     let (mut eigenvalues, coordinates) = symmetric_eigen(&symmetric, par)

@@ -2,12 +2,13 @@
 
 use chladni_task::Task;
 
+use super::components::{self, Kind};
 use super::plan::inertia;
 use super::problem::{Problem, Profile};
 use super::{Solved, or_dense, plan, solve_connected};
 use crate::{HarmonicsError, Pencil, canonical};
 
-/// Shares of the largest possible eigenvalue: where the search for the first ones begins, how far rounding
+/// Shares of the largest possible eigenvalue: below which one is zero and the search for others begins, how far rounding
 /// may push one below zero, and the least shift of all.
 const FIRST: f64 = 1e-13;
 const BELOW_ZERO: f64 = 1e-10;
@@ -27,13 +28,18 @@ pub(crate) fn solve(
     whole_clusters: bool,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
-    let stage = task.stage("harmonics", harmonics as u64);
     let slices = rayon::current_num_threads().min(plan::slices(harmonics));
     crate::memory::check_solve(pencil.mass.len(), harmonics, slices)?;
     let mut profile = Profile::default();
     let mut problem = Problem::given(pencil)?;
     let bound = pencil.bound() * problem.stretch();
-    let spacing = if bound > 0.0 { spacing(&problem, bound, harmonics, &mut profile, task)? } else { 1.0 };
+    // What is zero is counted: by value, none is told from one that is small compared with the lift.
+    let (spacing, zeros) = if bound > 0.0 {
+        let spacing = spacing(&problem, bound, harmonics, &mut profile, task)?;
+        (spacing, inertia(&problem, FIRST * bound, &mut profile)?.1)
+    } else {
+        (1.0, pencil.mass.len())
+    };
     let lift = spacing.max(LEAST_LIFT * bound);
     problem.lift(lift);
     let stiffness = match pencil.consistent {
@@ -41,15 +47,18 @@ pub(crate) fn solve(
         Some(consistent) => pencil.stiffness.plus(consistent, lift),
     };
     let lifted = Pencil { stiffness: &stiffness, ..pencil };
-    let solved = solve_connected(lifted, 0, Some(problem), harmonics, true, &stage, task);
+    let component = stiffness.components();
+    let solved = if component.iter().any(|c| *c > 0) {
+        // One space of all would need a direction for each copy of an eigenvalue that equal parts share.
+        components::solve(lifted, &component, Kind::Given { spacing: lift }, harmonics, true, task)
+    } else {
+        let stage = task.stage("harmonics", harmonics as u64);
+        solve_connected(lifted, 0, Some(problem), harmonics, true, &stage, task)
+    };
     let mut solved = or_dense(solved, lifted, 0, harmonics, true)?;
     solved.profile.add(&profile);
-    let nothing = 1e-8 * lift + 1e-14 * bound;
-    for value in &mut solved.basis.eigenvalues {
-        *value -= lift;
-        if *value < nothing {
-            *value = 0.0;
-        }
+    for (k, value) in solved.basis.eigenvalues.iter_mut().enumerate() {
+        *value = if k < zeros { 0.0 } else { (*value - lift).max(0.0) };
     }
     canonical::orient(&mut solved.basis);
     if !whole_clusters && solved.basis.harmonics() > harmonics {
@@ -176,6 +185,41 @@ mod tests {
             assert_eq!(zeros, if held > 0.0 { 0 } else { strings });
             assert!(worst_residual(&pencil, &basis) < 1e-8);
         }
+    }
+
+    #[test]
+    fn a_small_eigenvalue_is_not_zero() {
+        // The search for the lift ends far above the first eigenvalue.
+        let stiffness =
+            SymmetricSparse::from_entries(2, [(0, 0, 1e8 + 0.5), (1, 1, 1e8 + 0.5), (0, 1, 0.5 - 1e8)])
+                .unwrap();
+        let pencil = Pencil::new(&stiffness, &[1.0; 2]).unwrap();
+        for harmonics in [1, 2] {
+            let first = solved(&pencil, harmonics).eigenvalues[0];
+            assert!((first - 1.0).abs() < 1e-6, "{first}");
+        }
+    }
+
+    #[test]
+    fn twelve_equal_spheres_are_solved_part_by_part() {
+        let sphere = Operator::of(&samples::icosphere(4)).unwrap();
+        let (n, copies) = (sphere.vertices(), 12);
+        let entries = (0..n * copies).flat_map(|v| {
+            let (first, j) = (v / n * n, v % n);
+            sphere.stiffness.column(j).filter(move |(i, _)| *i >= j).map(move |(i, s)| (first + i, v, s))
+        });
+        let stiffness = SymmetricSparse::from_entries(n * copies, entries).unwrap();
+        let mass = sphere.mass.repeat(copies);
+        let pencil = Pencil::new(&stiffness, &mass).unwrap();
+        // The last group of equal eigenvalues is cut by K, and is taken whole before.
+        let basis = solved(&pencil, 150);
+        let alone = solved(&sphere.pencil(), 16);
+        assert!(basis.eigenvalues[..copies].iter().all(|value| *value == 0.0));
+        for (k, value) in basis.eigenvalues.iter().enumerate() {
+            let exact = alone.eigenvalues[k / copies];
+            assert!((value - exact).abs() <= 1e-9 * exact, "{k}: {value} for {exact}");
+        }
+        assert!(worst_residual(&pencil, &basis) < 1e-8);
     }
 
     #[test]

@@ -258,6 +258,9 @@ fn combine(
     count: usize,
     coefficient: impl Fn(usize, usize) -> f64,
 ) -> Blocks {
+    if count == 0 {
+        return Blocks::default();
+    }
     let groups = count.div_ceil(BLOCK);
     let mut coefficients = vec![[[0.0; 8]; BLOCK]; basis.len() * groups];
     for (block, c) in coefficients.chunks_exact_mut(groups).enumerate() {

@@ -1,7 +1,5 @@
 //! Block Lanczos on (A − σI)⁻¹: the eigenpairs of A nearest to one shift.
 
-use std::time::Instant;
-
 use chladni_task::Task;
 
 use super::krylov::{Krylov, subtract_projections};
@@ -9,6 +7,7 @@ use super::problem::{Problem, Profile};
 use super::tall::{BLOCK, Dependence, Small, orthonormalize};
 use super::window::{Pairs, Stopped, Window};
 use crate::ldlt::{Factor, Row, Workspace};
+use crate::platform::Instant;
 
 /// The factor by which one more block reduces the residuals at the ends of a window (measured between 3.6 and
 /// 4.2).

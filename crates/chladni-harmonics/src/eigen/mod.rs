@@ -17,13 +17,13 @@ mod slicing;
 mod tall;
 mod window;
 
-use std::time::Instant;
-
 use chladni_task::{Stage, Task};
 
+use components::Kind;
 pub(crate) use given::solve as solve_given;
 use problem::{Problem, ZEROS};
 
+use crate::platform::Instant;
 use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, Pencil, SolveProfile, canonical};
 
 /// Up to this many vertices a dense solve is quicker than slices.
@@ -63,7 +63,7 @@ pub(crate) fn solve(
     crate::memory::check_solve(n, harmonics, threads.min(plan::slices(harmonics.saturating_sub(ZEROS))))?;
     let pencil = operator.pencil();
     let solved = if operator.components() > 1 {
-        components::solve(operator, harmonics, true, task)
+        components::solve(pencil, &operator.component, Kind::Surface, harmonics, true, task)
     } else {
         let stage = task.stage("harmonics", harmonics as u64);
         solve_connected(pencil, ZEROS, None, harmonics, true, &stage, task)

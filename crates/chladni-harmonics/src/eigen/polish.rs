@@ -6,6 +6,7 @@ use super::problem::{Problem, Profile};
 use super::tall::{BLOCK, Blocks, Small, overlaps, subtract_products};
 use super::window::Pairs;
 use crate::ldlt::{Factor, Row, Workspace};
+use crate::platform::Instant;
 
 /// Rows of the new pairs that one thread makes at a time.
 const ROWS: usize = 4096;
@@ -19,14 +20,14 @@ const ROWS: usize = 4096;
 pub(super) fn polish(problem: &Problem, pairs: Pairs, mut factor: Factor, profile: &mut Profile) -> Pairs {
     let Some(&lowest) = pairs.values.first() else { return pairs };
     let sigma = -0.5 * lowest;
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let factored = problem.factor(&mut factor, sigma, &mut Workspace::default());
     profile.factor += start.elapsed().as_secs_f64();
     profile.factored += 1;
     if factored.is_err() {
         return pairs;
     }
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let mut images = pairs.blocks.clone();
     images.par_iter_mut().with_max_len(1).for_each(|image| {
         problem.solve(&factor, image);
@@ -34,7 +35,7 @@ pub(super) fn polish(problem: &Problem, pairs: Pairs, mut factor: Factor, profil
     });
     profile.solve += start.elapsed().as_secs_f64();
     profile.solved_columns += (BLOCK * images.iter().count()) as u64;
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let polished = project(problem, &pairs, &images, sigma);
     profile.vectors += start.elapsed().as_secs_f64();
     polished.unwrap_or(pairs)

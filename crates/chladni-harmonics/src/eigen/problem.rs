@@ -131,8 +131,12 @@ impl Problem {
             Some(metric) => self.matrix.plus(&metric.matrix, lift),
         };
         self.largest += lift;
-        // Weyl's law, the other way round.
-        self.area = 4.0 * std::f64::consts::PI / lift;
+        self.expect_spacing(lift);
+    }
+
+    /// Tells about how far apart the eigenvalues lie: Weyl's law, the other way round.
+    pub(super) fn expect_spacing(&mut self, spacing: f64) {
+        self.area = 4.0 * std::f64::consts::PI / spacing;
     }
 
     /// A few blocks of n rows with arbitrary contents.

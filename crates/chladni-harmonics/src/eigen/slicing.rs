@@ -11,6 +11,7 @@ use super::plan::{inertia, plan};
 use super::problem::{Problem, Profile};
 use super::window::Stopped;
 use super::{Solved, assemble};
+use crate::platform::Instant;
 use crate::{HarmonicsError, Pencil};
 
 /// Extra runs of a slice before the solve is given up.
@@ -26,7 +27,7 @@ pub(super) fn solve(
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     let mut profile = Profile::default();
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let slices = plan(problem, harmonics, &mut profile, task)?;
     profile.plan = start.elapsed().as_secs_f64();
     // Progress: an equal share for each slice, the rest for assembling.
@@ -66,7 +67,7 @@ pub(super) fn solve(
     problem.free_spare_blocks();
     let keep = if whole_clusters { known.cluster_end } else { harmonics };
     let cuts_cluster = keep < known.cluster_end;
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let basis = assemble::assemble(problem, pencil, slices, &known, keep, task)?;
     profile.assemble = start.elapsed().as_secs_f64();
     stage.advance((harmonics - share * count) as u64);

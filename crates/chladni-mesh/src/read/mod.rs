@@ -93,7 +93,7 @@ impl fmt::Display for Mended {
 /// [`MeshError::Malformed`] with line, byte or part; [`MeshError::NoFace`] for a well-formed
 /// file without a face.
 pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Loaded, MeshError> {
-    read_beside(bytes, format, &|_| Err("only the mesh itself was given".into()))
+    read_mesh_beside(bytes, format, &|_| Err("only the mesh itself was given".into()))
 }
 
 /// The largest file that is read: text of a mesh of fifty million vertices.
@@ -115,7 +115,7 @@ fn load(path: &Path) -> Result<Loaded, MeshError> {
     let format = Format::of(extension, &bytes).map_err(MeshError::UnknownFormat)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let within = |name: &str| read_within(folder, name, MOST_BYTES);
-    let mut loaded = read_beside(&bytes, format, &within)?;
+    let mut loaded = read_mesh_beside(&bytes, format, &within)?;
     let promised = extension.and_then(Format::from_extension);
     if promised.is_some_and(|promised| promised != format) {
         loaded.mended.insert(0, Mended::Misnamed(format));
@@ -123,7 +123,11 @@ fn load(path: &Path) -> Result<Loaded, MeshError> {
     Ok(loaded)
 }
 
-fn read_beside(bytes: &[u8], format: Format, beside: &Beside<'_>) -> Result<Loaded, MeshError> {
+/// Like [`read_mesh`]; `beside` gives the bytes of a file that the mesh names, or says why there are none.
+///
+/// # Errors
+/// As [`read_mesh`].
+pub fn read_mesh_beside(bytes: &[u8], format: Format, beside: &Beside<'_>) -> Result<Loaded, MeshError> {
     let read = match format {
         Format::Obj => obj::read(bytes, beside),
         Format::Ply => ply::read(bytes, beside),

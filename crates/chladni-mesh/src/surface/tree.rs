@@ -40,6 +40,12 @@ impl Bounds {
         dot(offset, offset)
     }
 
+    /// From corner to corner; 0 where the box is empty.
+    pub fn diagonal(&self) -> f64 {
+        let extent = sub(self.high, self.low);
+        if extent[0] >= 0.0 { dot(extent, extent).sqrt() } else { 0.0 }
+    }
+
     fn widest_axis(&self) -> usize {
         let extent = sub(self.high, self.low);
         (0..3).max_by(|i, j| extent[*i].total_cmp(&extent[*j])).unwrap_or(0)
@@ -86,6 +92,11 @@ impl BoxTree {
     /// The items in the order of the leaves: [`search`](Self::search) gives positions in it.
     pub fn order(&self) -> &[u32] {
         &self.order
+    }
+
+    /// The box around all items; empty where there are none.
+    pub fn bounds(&self) -> Bounds {
+        self.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds)
     }
 
     /// Refits every box to the items' present bounds.

@@ -8,7 +8,7 @@ use chladni_task::Task;
 use rayon::prelude::*;
 
 use super::{SymmetrySettings, first_waving};
-use crate::Error;
+use crate::MusicError;
 
 /// How the harmonics of one repeated eigenvalue are mixed: `H'_j = Σ_i H_i mix[i][j]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +43,7 @@ pub(super) fn mirrored(
     image: &[OnSurface],
     settings: &SymmetrySettings,
     task: &Task,
-) -> Result<(Vec<f64>, Vec<Rotation>), Error> {
+) -> Result<(Vec<f64>, Vec<Rotation>), MusicError> {
     let basis = &*body.basis;
     let groups = repeated(basis, settings.cluster_gap);
     let found: Vec<(Vec<f64>, Option<Rotation>)> = groups
@@ -52,7 +52,7 @@ pub(super) fn mirrored(
             task.check()?;
             Ok(classify(body, image, group, settings))
         })
-        .collect::<Result<_, Error>>()?;
+        .collect::<Result<_, MusicError>>()?;
     let mut scores = Vec::with_capacity(basis.harmonics());
     let mut rotations = Vec::new();
     for (group_scores, rotation) in found {
@@ -68,7 +68,7 @@ pub(super) fn unmirrored(
     body: &Body,
     settings: &SymmetrySettings,
     task: &Task,
-) -> Result<Vec<Rotation>, Error> {
+) -> Result<Vec<Rotation>, MusicError> {
     let first = first_waving(&body.basis);
     repeated(&body.basis, settings.cluster_gap)
         .into_par_iter()

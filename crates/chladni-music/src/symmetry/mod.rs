@@ -10,7 +10,7 @@ use chladni_mesh::{MirrorPlane, MirrorSearch, OnSurface};
 use chladni_task::Task;
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
+use crate::MusicError;
 pub use cluster::Rotation;
 pub(crate) use cluster::repeated;
 
@@ -109,17 +109,17 @@ pub struct Symmetry {
 
 impl Symmetry {
     /// Classifies the harmonics of `body` with the usual settings.
-    pub fn of(body: &Body, task: &Task) -> Result<Self, Error> {
+    pub fn of(body: &Body, task: &Task) -> Result<Self, MusicError> {
         Self::with(body, &SymmetrySettings::default(), task)
     }
 
     /// Classifies the harmonics of `body`: the paper's test for extrema and pairs, from them
     /// a mirror plane, and from that the class of each harmonic and cluster.
-    pub fn with(body: &Body, settings: &SymmetrySettings, task: &Task) -> Result<Self, Error> {
+    pub fn with(body: &Body, settings: &SymmetrySettings, task: &Task) -> Result<Self, MusicError> {
         let basis = &*body.basis;
         if basis.harmonics() == 0 || basis.vertices() == 0 || body.positions.len() != basis.vertices() {
             let found = basis.vertices().min(body.positions.len());
-            return Err(Error::Size {
+            return Err(MusicError::Size {
                 what: "vertices with harmonics",
                 found,
                 expected: basis.vertices().max(1),
@@ -177,7 +177,7 @@ fn mirror(
     pairs: &[[u32; 2]],
     settings: &SymmetrySettings,
     task: &Task,
-) -> Result<Option<(MirrorPlane, Vec<OnSurface>)>, Error> {
+) -> Result<Option<(MirrorPlane, Vec<OnSurface>)>, MusicError> {
     let Some(search) = MirrorSearch::of(&body.positions, &body.triangles) else { return Ok(None) };
     let across = |pair: &[u32; 2]| -> [f64; 3] {
         let [a, b] = pair.map(|v| body.positions[v as usize]);

@@ -435,10 +435,10 @@ fn names<T>(presets: &[(&str, T)]) -> String {
     presets.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
 }
 
-fn in_file(path: &Path, error: chladni_music::Error) -> Error {
+fn in_file(path: &Path, error: chladni_music::MusicError) -> Error {
     match error {
         // It names the file itself.
-        chladni_music::Error::File { .. } => error.into(),
+        chladni_music::MusicError::File { .. } => error.into(),
         error => Error::from(error).of(path.display()),
     }
 }

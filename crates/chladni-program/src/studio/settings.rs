@@ -75,6 +75,8 @@ impl Settings {
         self.harmonics = self.harmonics.clamp(2, 4096);
         self.recent.truncate(RECENT);
         self.music.projection = self.music.projection.sane();
+        let volume = self.music.volume;
+        self.music.volume = if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 1.0 };
         self
     }
 }
@@ -108,5 +110,33 @@ mod tests {
         assert_eq!(Settings::load(&path).unwrap().zoom, 1.0);
         std::fs::write(&path, "zoom = [").unwrap();
         assert!(Settings::load(&path).is_err());
+    }
+
+    #[test]
+    fn whatever_is_in_the_file_the_settings_are_sound_or_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("settings.toml");
+        let good = toml::to_string_pretty(&Settings::default()).unwrap();
+        let numbers = ["nan", "-inf", "1e308", "-1", "9223372036854775807", "0", "\"x\"", "[]", "true"];
+        let (mut read, mut refused) = (0, 0);
+        // Each value of the file in turn is something else.
+        for (at, line) in good.lines().enumerate().filter(|(_, line)| line.contains(" = ")) {
+            let key = line.split(" = ").next().unwrap();
+            for number in numbers {
+                let changed = format!("{key} = {number}");
+                let lines = good.lines().enumerate().map(|(i, own)| if i == at { &changed } else { own });
+                std::fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
+                let Ok(settings) = Settings::load(&path) else {
+                    refused += 1;
+                    continue;
+                };
+                read += 1;
+                assert!((0.5..=3.0).contains(&settings.zoom) && (2..=4096).contains(&settings.harmonics));
+                assert!((0.0..=1.0).contains(&settings.music.volume), "{changed}");
+                settings.save(&path).unwrap();
+                assert_eq!(Settings::load(&path).unwrap(), settings, "{changed}");
+            }
+        }
+        assert!(read > 10 && refused > 10, "{read} {refused}");
     }
 }

@@ -7,7 +7,7 @@ use chladni_caricature::CaricatureError;
 use chladni_harmonics::HarmonicsError;
 use chladni_match::MatchError;
 use chladni_mesh::MeshError;
-use chladni_music::Error as MusicError;
+use chladni_music::MusicError;
 use chladni_sound::SoundError;
 use chladni_synth::SynthError;
 use chladni_task::Cancelled;

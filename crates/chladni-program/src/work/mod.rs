@@ -8,8 +8,10 @@ mod clock;
 pub mod dancer;
 mod error;
 mod files;
+#[cfg(feature = "desktop")]
 pub mod film;
 pub mod formats;
+mod frame_guard;
 mod hearing;
 mod mood;
 mod opening_look;
@@ -31,6 +33,7 @@ pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
 pub use error::{Error, Warning};
 pub use files::{refer, resolve};
+pub use frame_guard::FrameGuard;
 pub use hearing::{Heard, Hearing, KnownSong, bands_of, bar_lines, read_beats, spectrum_settings};
 pub use opening_look::{opening_looks, opening_view};
 pub use own_look::OwnLook;

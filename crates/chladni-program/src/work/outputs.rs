@@ -14,6 +14,9 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
     if path.is_dir() {
         return refused("is a folder; the name of a file is needed");
     }
+    if path.exists() && !path.is_file() {
+        return refused("is a device or a pipe; the name of a file is needed");
+    }
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

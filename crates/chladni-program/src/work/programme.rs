@@ -19,15 +19,15 @@ pub struct Programme {
 }
 
 impl Programme {
-    /// The built-in dances and `favourites`, which come more often; from `at_secs` of a show on.
+    /// The built-in dances and `favorites`, which come more often; from `at_secs` of a show on.
     ///
     /// # Errors
     /// Where the built-in dances cannot be read.
-    pub fn new(instrument: &Instrument, favourites: Vec<Preset>, at_secs: f64) -> Result<Self, Error> {
+    pub fn new(instrument: &Instrument, favorites: Vec<Preset>, at_secs: f64) -> Result<Self, Error> {
         let mut dances = repertoire()?;
-        let weights = vec![1; dances.len()].into_iter().chain(vec![Candidate::FAVOURITE; favourites.len()]);
+        let weights = vec![1; dances.len()].into_iter().chain(vec![Candidate::FAVOURITE; favorites.len()]);
         let weights: Vec<u32> = weights.collect();
-        dances.extend(favourites);
+        dances.extend(favorites);
         let candidates =
             dances.iter().zip(weights).map(|(preset, weight)| Candidate::tagged(&preset.tags, weight));
         let looks: Vec<Look> = Look::PRESETS.iter().map(|(_, look)| *look).collect();

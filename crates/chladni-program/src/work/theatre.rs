@@ -133,6 +133,8 @@ pub struct Staging {
 /// From how far the shape fills pictures of about one aspect.
 struct Filled {
     aspect: f32,
+    /// The limit of displacement for which there is room.
+    limit: f32,
     /// The middle of the shape, and where the whole of it is seen from.
     middle: [f32; 3],
     whole: Filling,
@@ -143,6 +145,8 @@ struct Filled {
 
 /// The shares of the picture that the figure covers, seen as a whole and near.
 const COVERS: [f32; 2] = [0.27, 0.4];
+/// The share of the largest displacement by which a figure rises in loud music.
+const RISES: f32 = 0.75;
 /// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
 const PART: f32 = 0.4;
 /// Points that stand for the surface.
@@ -151,16 +155,17 @@ const SURFACE_POINTS: usize = 5000;
 const SAME_ASPECT: f32 = 0.02;
 
 impl Filled {
-    fn new(surface: &[[f32; 3]], dancer: &Dancer, stands: Orientation, aspect: f32) -> Self {
+    fn new(surface: &[[f32; 3]], dancer: &Dancer, stands: Orientation, aspect: f32, limit: f32) -> Self {
         let (low, high) = surface.iter().fold(([f32::MAX; 3], [f32::MIN; 3]), |(low, high), p| {
             (std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i])))
         });
         let middle: [f32; 3] =
             std::array::from_fn(|i| if low[i] <= high[i] { 0.5 * (low[i] + high[i]) } else { 0.0 });
         let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
-        let whole = Filling::new(surface, stands, middle, aspect, COVERS[0], true);
-        let near = Filling::new(surface, stands, part, aspect, COVERS[1], false);
-        Self { aspect, middle, whole, part, near }
+        let rises = RISES * limit * dancer.box_diagonal;
+        let whole = Filling::new(surface, stands, middle, aspect, COVERS[0], Some(rises));
+        let near = Filling::new(surface, stands, part, aspect, COVERS[1], None);
+        Self { aspect, limit, middle, whole, part, near }
     }
 
     /// A camera that sees it so, before the viewer's own distance and shift.
@@ -281,8 +286,12 @@ impl Staging {
         framing: &Framing,
         reaction: Reaction,
     ) -> Camera {
-        let known = self.filled.take().filter(|filled| (filled.aspect / aspect - 1.0).abs() < SAME_ASPECT);
-        let filled = known.unwrap_or_else(|| Filled::new(&self.surface, &self.dancer, self.stands, aspect));
+        let limit = self.room.0;
+        let fits =
+            |filled: &Filled| filled.limit == limit && (filled.aspect / aspect - 1.0).abs() < SAME_ASPECT;
+        let known = self.filled.take().filter(fits);
+        let filled =
+            known.unwrap_or_else(|| Filled::new(&self.surface, &self.dancer, self.stands, aspect, limit));
         let pitch_rad = (viewpoint.pitch_rad + framing.pitch_rad).clamp(-1.2, 1.4);
         let yaw_rad = viewpoint.yaw_rad + framing.yaw_rad - reaction.turn_rad;
         let mut camera = filled.camera(yaw_rad, pitch_rad, framing, self.stands);

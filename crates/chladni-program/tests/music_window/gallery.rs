@@ -107,7 +107,7 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     let at = |x: f32, y: f32| plot.lerp_inside([x, y]);
     drag(&mut window, &[at(0.01, 0.05), at(0.3, 0.05), at(0.5, 0.05), at(0.5, 0.547), at(0.99, 0.547)]);
     screenshot(&mut window, "window-music-curves.png");
-    click_containing(&mut window, "Favourite");
+    click_containing(&mut window, "Favorite");
     click_containing(&mut window, "Lineage");
     assert!(shows(&window, "Squid: bred from") && shows(&window, "of generation 2: bred from"));
     assert!(shows(&window, "of generation 1: from seed 2012"));
@@ -186,7 +186,7 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
 }
 
 #[test]
-fn what_was_bred_goes_on_on_another_shape_and_favourites_are_asked_about_on_closing() {
+fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closing() {
     let folder = tempfile::tempdir().unwrap();
     let ball = folder.path().join("ball.obj");
     chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &ball).unwrap();
@@ -231,7 +231,7 @@ fn what_was_bred_goes_on_on_another_shape_and_favourites_are_asked_about_on_clos
     window.run_steps(2);
     assert!(shows(&window, "2 / 2"));
 
-    assert!(close(&mut window) && shows(&window, "with one favourite"));
+    assert!(close(&mut window) && shows(&window, "with one favorite"));
     let session = folder.path().join("evening.toml");
     answers.add(session.clone());
     click(&mut window, "Save and close");

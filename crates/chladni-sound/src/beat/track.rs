@@ -9,7 +9,7 @@ use crate::structure::{HeardBar, structure};
 use crate::{Bar, ENERGY_RATE_HZ, Section, Song, SoundError};
 
 /// The beats of a song, what they group into, and how much goes on.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Beats {
     /// Beats per minute; 0 where no beat was found. An octave (half, double) is a matter of taste:
     /// see [`other_octaves_bpm`](Self::other_octaves_bpm).

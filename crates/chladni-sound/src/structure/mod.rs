@@ -18,7 +18,7 @@ pub(crate) use follow::BarFollower;
 pub use follow::HeardBar;
 
 /// A bar of a song.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Bar {
     /// When its first beat falls.
     pub at_secs: f64,
@@ -27,7 +27,7 @@ pub struct Bar {
 }
 
 /// A part of a song that sounds unlike the one before it.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Section {
     /// When its first bar begins.
     pub at_secs: f64,

@@ -17,10 +17,9 @@ use super::pyramid::Pyramid;
 use super::shadow::ShadowMap;
 use super::tile::TILE_BITS;
 use crate::buffers::{HostItems, Shared, read};
-use crate::gpu::arrangement;
 use crate::uniforms::{
-    CellUniform, FigureUniform, casts_shadows, cell_uniform, check_cell, check_figure, figure_uniform,
-    key_light_view,
+    CellUniform, FigureUniform, arrangement, casts_shadows, cell_uniform, check_cell, check_figure,
+    figure_uniform, key_light_view,
 };
 use crate::{Cell, Figure, Paint, Projection, Samples, VertexPaint, ViewError};
 

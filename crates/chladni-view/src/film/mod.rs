@@ -268,8 +268,5 @@ fn beside(path: &Path) -> Result<tempfile::NamedTempFile, ViewError> {
 
 /// Flushes a complete temporary file and gives it its name.
 fn persist(file: tempfile::NamedTempFile, path: &Path) -> Result<(), ViewError> {
-    let failed = |source| ViewError::File { path: path.to_owned(), source };
-    file.as_file().sync_all().map_err(failed)?;
-    file.persist(path).map_err(|error| failed(error.error))?;
-    Ok(())
+    chladni_task::persist(file, path).map_err(|source| ViewError::File { path: path.to_owned(), source })
 }

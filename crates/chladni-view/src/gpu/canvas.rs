@@ -21,6 +21,20 @@ pub(crate) struct Canvas {
 }
 
 impl Canvas {
+    pub(crate) fn for_pictures(
+        gpu: &Gpu,
+        width: u32,
+        height: u32,
+        samples: Samples,
+    ) -> Result<Self, ViewError> {
+        Self::new(gpu, width, height, crate::Canvas::FORMAT, samples)
+    }
+
+    /// Another canvas like this one.
+    pub(crate) fn twin(&self, gpu: &Gpu) -> Result<Self, ViewError> {
+        Self::new(gpu, self.width, self.height, self.format, self.samples)
+    }
+
     pub(crate) fn new(
         gpu: &Gpu,
         width: u32,

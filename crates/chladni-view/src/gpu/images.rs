@@ -3,6 +3,7 @@
 use wgpu::util::DeviceExt;
 
 use super::pipelines::{DEPTH, Layouts};
+use crate::uniforms::arrangement;
 use crate::{ColorMap, Gpu, Palette, Samples};
 
 /// Textures and samplers of bind group 2.
@@ -75,15 +76,6 @@ impl Images {
         self.shadows = ShadowMaps::new(device, size, columns, rows);
         self.group = self.group_with(device, layouts, &self.maps);
     }
-}
-
-/// Texels of a side, columns and rows of `count` maps in a texture of at most `limit` texels a side.
-pub(crate) fn arrangement(count: u32, samples: Samples, limit: u32) -> (u32, u32, u32) {
-    let columns = count.isqrt() + u32::from(count.isqrt().pow(2) < count);
-    let size = if count == 1 { 1024 } else { 512 } >> u32::from(samples == Samples::One);
-    // So many that they would not fit are smaller.
-    let size = size.min(limit / columns).max(1);
-    (size, columns, count.div_ceil(columns))
 }
 
 /// Depth as the key light sees it, one square of a texture for each cell.
@@ -184,19 +176,4 @@ fn map_texture(gpu: &Gpu) -> wgpu::TextureView {
         &pixels,
     );
     texture.create_view(&wgpu::TextureViewDescriptor::default())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shadow_maps_fit_into_their_texture() {
-        assert_eq!(arrangement(1, Samples::Four, 8192), (1024, 1, 1));
-        assert_eq!(arrangement(12, Samples::One, 8192), (256, 4, 3));
-        for count in [1, 2, 16, 17, 256, 257, 1000, 4096] {
-            let (size, columns, rows) = arrangement(count, Samples::Four, 2048);
-            assert!(size * columns.max(rows) <= 2048 && columns * rows >= count, "{count}: {size}");
-        }
-    }
 }

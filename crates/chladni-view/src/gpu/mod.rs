@@ -4,15 +4,17 @@ mod canvas;
 mod finishing;
 mod grains;
 mod images;
+mod memory;
 mod pipelines;
 mod renderer;
+mod sharing;
 
 use std::sync::{Arc, OnceLock};
 
 use chladni_synth::DeviceLoss;
 
 pub(crate) use canvas::{Canvas, Readback};
-pub(crate) use images::arrangement;
+pub(crate) use memory::{Buffer, Image, Use, filled, image, room, size, write};
 pub(crate) use renderer::Renderer;
 
 use crate::{Samples, ViewError};
@@ -127,6 +129,11 @@ impl Gpu {
     /// draws, which takes a third of the time. Still pictures can wait and have four everywhere.
     pub fn live_samples(&self) -> Samples {
         if self.is_software() { Samples::One } else { Samples::Four }
+    }
+
+    /// Longest side of a picture, pixels.
+    pub(crate) fn longest_side(&self) -> u32 {
+        self.device.limits().max_texture_dimension_2d
     }
 
     /// The first error the device reported since it was opened, as an error.

@@ -47,6 +47,10 @@ struct MarkerInstance {
 }
 
 impl Renderer {
+    pub(crate) fn for_pictures(gpu: &Gpu) -> Self {
+        Self::new(gpu, crate::Canvas::FORMAT)
+    }
+
     /// A renderer for canvases of one eight-bit format.
     pub(crate) fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
         let device = &gpu.device;

@@ -15,11 +15,13 @@ const INTERVAL_SECS: f64 = 2.0;
 /// writes what it was given before it ends.
 pub struct Autosave {
     orders: Option<Sender<Order>>,
-    errors: Receiver<String>,
+    reports: Receiver<Result<(), String>>,
     thread: Option<JoinHandle<()>>,
     /// What the copy holds; `None` where there is none.
     kept: Option<Project>,
     last_secs: f64,
+    /// Why the last copy could not be written: it is tried again, and told once.
+    failure: Option<String>,
 }
 
 enum Order {
@@ -34,36 +36,54 @@ impl Autosave {
     /// Copies go to `folder`; fails where it cannot be written.
     pub fn start(folder: &Path) -> Result<Self, Error> {
         let recovery = Recovery::start(folder, std::process::id())?;
-        let ((orders, inbox), (report, errors)) = (channel(), channel());
+        let ((orders, inbox), (report, reports)) = (channel(), channel());
         let thread = std::thread::Builder::new()
             .name("autosave".into())
             .spawn(move || work(recovery, &inbox, &report))
             .map_err(|error| Error::other(format!("no thread to keep copies on: {error}")))?;
         let last_secs = f64::NEG_INFINITY;
-        Ok(Self { orders: Some(orders), errors, thread: Some(thread), kept: None, last_secs })
+        Ok(Self { orders: Some(orders), reports, thread: Some(thread), kept: None, last_secs, failure: None })
     }
 
     /// Keeps the project where it has unsaved changes that no copy holds yet, or drops the copy
     /// where all is saved. `path` is where it was saved; `now_secs` may start anywhere. Returns
     /// what went wrong since the last call.
     pub fn tick(&mut self, history: &History, path: Option<&Path>, now_secs: f64) -> Option<String> {
+        let news = self.news();
         if !history.is_modified() {
             if self.kept.take().is_some() {
                 self.order(Order::Clear);
             }
-        } else if self.kept.as_ref() != Some(history.project()) && now_secs - self.last_secs >= INTERVAL_SECS
-        {
+        } else if self.is_behind(history) && now_secs - self.last_secs >= INTERVAL_SECS {
             let project = history.project().clone();
             self.order(Order::Keep(Box::new(project.clone()), path.map(Path::to_owned)));
             (self.kept, self.last_secs) = (Some(project), now_secs);
         }
-        self.errors.try_recv().ok()
+        news
+    }
+
+    /// What went wrong, if that is news.
+    fn news(&mut self) -> Option<String> {
+        let mut news = None;
+        for report in self.reports.try_iter() {
+            let failure = report.err();
+            if failure.is_some() && failure != self.failure {
+                news.clone_from(&failure);
+            }
+            self.failure = failure;
+        }
+        news
+    }
+
+    /// Whether there are changes that no copy holds.
+    fn is_behind(&self, history: &History) -> bool {
+        let is_kept = self.failure.is_none() && self.kept.as_ref() == Some(history.project());
+        history.is_modified() && !is_kept
     }
 
     /// Seconds until [`tick`](Self::tick) has something to keep; `None` where it has nothing.
     pub fn due_secs(&self, history: &History, now_secs: f64) -> Option<f64> {
-        let behind = history.is_modified() && self.kept.as_ref() != Some(history.project());
-        behind.then(|| (self.last_secs + INTERVAL_SECS - now_secs).max(0.0))
+        self.is_behind(history).then(|| (self.last_secs + INTERVAL_SECS - now_secs).max(0.0))
     }
 
     /// Another project was opened in its place.
@@ -104,17 +124,15 @@ impl Drop for Autosave {
     }
 }
 
-fn work(recovery: Recovery, inbox: &Receiver<Order>, report: &Sender<String>) {
+fn work(recovery: Recovery, inbox: &Receiver<Order>, report: &Sender<Result<(), String>>) {
     let mut whole = true;
     while let Ok(order) = inbox.recv() {
         match order {
             Order::Keep(project, path) => {
                 let kept = recovery.keep(&project, path.as_deref());
                 whole = kept.is_ok();
-                if let Err(error) = kept {
-                    // The window may have gone meanwhile.
-                    let _ = report.send(format!("No recovery copy could be kept: {error}"));
-                }
+                // The window may have gone meanwhile.
+                let _ = report.send(kept.map_err(|why| format!("No recovery copy could be kept: {why}")));
             }
             Order::Clear => recovery.clear(),
             Order::Discard(recovered) if whole => recovered.discard(),
@@ -162,6 +180,66 @@ mod tests {
         last.adopt(found[0].clone(), &recovered, 0.0);
         last.finish();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn what_could_not_be_kept_is_told_once_and_kept_later() {
+        let home = tempfile::tempdir().unwrap();
+        let folder = home.path().join("recovery");
+        let history = changed();
+        let mut autosave = Autosave::start(&folder).unwrap();
+        std::fs::rename(&folder, home.path().join("elsewhere")).unwrap();
+        // The disk answers on a thread of its own; the window's clock goes on meanwhile.
+        let mut secs = 0.0;
+        let mut tick_until = |autosave: &mut Autosave, done: &dyn Fn(Option<&str>) -> bool| {
+            for _ in 0..10_000 {
+                secs += INTERVAL_SECS;
+                let told = autosave.tick(&history, None, secs);
+                if done(told.as_deref()) {
+                    return told;
+                }
+                std::thread::sleep(std::time::Duration::from_millis(1));
+            }
+            panic!("the disk never answered");
+        };
+        let told = tick_until(&mut autosave, &|told| told.is_some());
+        assert!(told.unwrap().contains("recovery copy"));
+        for _ in 0..5 {
+            assert_eq!(tick_until(&mut autosave, &|_| true), None, "told already");
+        }
+        assert!(autosave.due_secs(&history, 0.0).is_some());
+        std::fs::rename(home.path().join("elsewhere"), &folder).unwrap();
+        tick_until(&mut autosave, &|_| !Recovery::find(&folder).1.is_empty() || copies(&folder) > 0);
+        drop(autosave);
+        assert_eq!(Recovery::find(&folder).0.len(), 1);
+    }
+
+    fn copies(folder: &Path) -> usize {
+        let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        names.filter(|path| path.extension().is_some_and(|ending| ending == "chladni")).count()
+    }
+
+    #[test]
+    fn no_copy_is_older_than_five_seconds() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut autosave = Autosave::start(folder.path()).unwrap();
+        let mut history = changed();
+        let layer = history.project().layers()[0].0;
+        // Since when there is a change that no copy holds.
+        let (mut since_secs, mut state) = (None, 7_u64);
+        for frame in 0..6000_u32 {
+            let now = f64::from(frame) / 30.0;
+            // Knuth's linear congruential generator: bursts of edits, and pauses.
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            if state >> 60 < if frame % 400 < 200 { 9 } else { 1 } {
+                let to = chladni_caricature::Property::Mu(now / 10.0);
+                history.apply_live(&Action::Set { layer, to }, None).unwrap();
+                since_secs = since_secs.or(Some(now));
+            }
+            autosave.tick(&history, None, now);
+            since_secs = since_secs.filter(|_| autosave.is_behind(&history));
+            assert!(since_secs.is_none_or(|since| now - since < 5.0), "at {now} s");
+        }
     }
 
     #[test]

@@ -135,10 +135,10 @@ fn header(
     if edit.changed() {
         wishes.push(Wish::Do(Action::Rename { item: index, name }));
     }
-    let favourite = instrument.favourites().iter().any(|known| known.id == item.id);
-    let star = egui::Button::selectable(favourite, text(ui, Icon::Star, "Favourite"));
-    if button(ui, star, "Favourite", FAVORITE.tooltip(ui.ctx())) {
-        wishes.push(Wish::Do(Action::Favourite { item: index, on: !favourite }));
+    let favorite = instrument.favorites().iter().any(|known| known.id == item.id);
+    let star = egui::Button::selectable(favorite, text(ui, Icon::Star, "Favorite"));
+    if button(ui, star, "Favorite", FAVORITE.tooltip(ui.ctx())) {
+        wishes.push(Wish::Do(Action::Favorite { item: index, on: !favorite }));
     }
     let keep = egui::Button::new(text(ui, Icon::BookmarkPlus, "Keep …"));
     if button(ui, keep, "Keep …", "Put it on the shelf".into()) {

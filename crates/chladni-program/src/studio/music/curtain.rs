@@ -63,11 +63,11 @@ impl Curtain {
             true => Some("H holds this dance · ← → another · Escape leaves the stage"),
             false => None,
         };
-        let favourites = || match concert.instrument().favourites().len() {
+        let favorites = || match concert.instrument().favorites().len() {
             0 | 1 => "Escape leaves the stage · F11 full screen".to_owned(),
-            count => format!("Escape leaves the stage · ← → another of {count} favourites · F11 full screen"),
+            count => format!("Escape leaves the stage · ← → another of {count} favorites · F11 full screen"),
         };
-        let hint = hint.map_or_else(favourites, str::to_owned);
+        let hint = hint.map_or_else(favorites, str::to_owned);
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
         let color = Color32::from_white_alpha(150);
         ui.painter().text(at, Align2::CENTER_BOTTOM, hint, FontId::proportional(14.0), color);

@@ -23,7 +23,7 @@ pub enum Drawer {
     Knobs,
     /// Playlist and live input.
     Songs,
-    /// Favourites and presets.
+    /// Favorites and presets.
     Shelf,
     /// Materials, lights and the stage's screen.
     Look,

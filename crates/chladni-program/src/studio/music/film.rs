@@ -78,8 +78,8 @@ pub struct Scene {
     pub song: Option<usize>,
     /// What the middle of the room shows.
     pub view: View,
-    /// How many favourites there are.
-    pub favourites: usize,
+    /// How many favorites there are.
+    pub favorites: usize,
 }
 
 impl Filming {
@@ -176,7 +176,7 @@ impl Form {
             (
                 What::AsItIs,
                 "What dances now",
-                "This song from its beginning, with the dance of a close-up, else the favourites in turn, else the gallery",
+                "This song from its beginning, with the dance of a close-up, else the favorites in turn, else the gallery",
             ),
             (What::TheShow, all.as_str(), "With every song, pause and leap, as it was seen"),
         ] {
@@ -236,7 +236,7 @@ impl Form {
             What::AsItIs => {
                 let song = scene.song.and_then(|number| scene.songs.get(number).cloned());
                 let song = song.ok_or_else(|| Error::input("Live input cannot be filmed: choose a song."))?;
-                let show = as_it_is(scene.show, scene.view, scene.favourites);
+                let show = as_it_is(scene.show, scene.view, scene.favorites);
                 Film::of_show(show, scene.body, vec![song], output)
             }
         };
@@ -246,17 +246,17 @@ impl Form {
 }
 
 /// The show that begins where this one stands now, and lasts for one song.
-fn as_it_is(mut show: Show, view: View, favourites: usize) -> Show {
+fn as_it_is(mut show: Show, view: View, favorites: usize) -> Show {
     for line in &mut show.actions {
         line.moment = Moment::default();
     }
     let mut now = |action| show.actions.push(LoggedAction { moment: Moment::default(), action });
     match view {
         View::CloseUp(item) => now(Action::Perform { item }),
-        _ if favourites > 0 => {
+        _ if favorites > 0 => {
             // In turn, even if the beat was not set to step.
             now(Action::Switch { switch: Switch::BeatSteps, on: true });
-            now(Action::PerformFavourites { first: 0 });
+            now(Action::PerformFavorites { first: 0 });
         }
         _ => {}
     }
@@ -270,18 +270,18 @@ mod tests {
     use chladni_music::{GalleryShape, Instrument, Parameter};
 
     #[test]
-    fn favourites_in_turn_are_all_seen() {
+    fn favorites_in_turn_are_all_seen() {
         let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
         let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
         for (item, secs) in [(1, 2.0), (4, 5.0), (5, 9.0)] {
             let moment = Moment { at_secs: secs, at_beat: 2.0 * secs };
-            instrument.apply(moment, Action::Favourite { item, on: true }).unwrap();
+            instrument.apply(moment, Action::Favorite { item, on: true }).unwrap();
         }
         let show = as_it_is(Show::of(&instrument), View::Gallery, 3);
         let filmed = show.replay(shape).unwrap();
         let step = f64::from(Parameter::BeatsPerStep.initial());
         let seen: Vec<_> = (0..4).map(|i| filmed.scene((f64::from(i) + 0.9) * step).unwrap().to).collect();
-        let favourites: Vec<_> = instrument.favourites().iter().map(|item| item.id).collect();
-        assert_eq!(seen, [favourites[0], favourites[1], favourites[2], favourites[0]]);
+        let favorites: Vec<_> = instrument.favorites().iter().map(|item| item.id).collect();
+        assert_eq!(seen, [favorites[0], favorites[1], favorites[2], favorites[0]]);
     }
 }

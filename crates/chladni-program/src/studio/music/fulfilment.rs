@@ -47,9 +47,9 @@ impl MusicRoom {
                 concert.hold();
                 Ok(())
             }
-            Wish::StepFavourite(forward) if concert.is_piloted() => concert.overrule(forward),
-            Wish::StepFavourite(forward) => match concert.next_favourite(forward) {
-                Some(first) => concert.act(Action::PerformFavourites { first }),
+            Wish::StepFavorite(forward) if concert.is_piloted() => concert.overrule(forward),
+            Wish::StepFavorite(forward) => match concert.next_favorite(forward) {
+                Some(first) => concert.act(Action::PerformFavorites { first }),
                 None => Ok(()),
             },
             Wish::Keep(item) => {

@@ -77,7 +77,7 @@ fn legible(ui: &Ui, at: egui::Pos2, anchor: Align2, text: &str, font: FontId, co
     ui.painter().text(at, anchor, text, font, color);
 }
 
-/// Chosen, favourite and locked; on the marked item buttons for all that can be done with it.
+/// Chosen, favorite and locked; on the marked item buttons for all that can be done with it.
 fn marks(
     ui: &mut Ui,
     cell: Rect,
@@ -87,12 +87,12 @@ fn marks(
     wishes: &mut Vec<Wish>,
 ) {
     let Some(item) = instrument.gallery().items().get(index) else { return };
-    let favourite = instrument.favourites().iter().any(|known| known.id == item.id);
+    let favorite = instrument.favorites().iter().any(|known| known.id == item.id);
     let row = Rect::from_min_size(cell.left_top() + vec2(EDGE - 3.0, 5.0), vec2(cell.width() - 60.0, 22.0));
     if !marked {
         let mut at = row.left_top() + vec2(3.0, 3.0);
         for (shown, mark) in
-            [(item.chosen, Icon::CircleCheck), (favourite, Icon::Star), (item.locked, Icon::Lock)]
+            [(item.chosen, Icon::CircleCheck), (favorite, Icon::Star), (item.locked, Icon::Lock)]
         {
             if shown {
                 let font = FontId::proportional(15.0);
@@ -118,7 +118,7 @@ fn marks(
             wishes.push(wish);
         }
     };
-    button(Icon::Star, favourite, FAVORITE, Wish::Do(Action::Favourite { item: index, on: !favourite }));
+    button(Icon::Star, favorite, FAVORITE, Wish::Do(Action::Favorite { item: index, on: !favorite }));
     button(Icon::Lock, item.locked, LOCK, Wish::Do(Action::Lock { item: index, on: !item.locked }));
     button(Icon::Dices, false, MUTATE, Wish::Do(Action::Mutate { item: index, amount: 0.2 }));
     button(Icon::Spline, false, DRAW, Wish::Show(View::CloseUp(index)));
@@ -127,7 +127,7 @@ fn marks(
 
 fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut Vec<Wish>) {
     let Some(shown) = instrument.gallery().items().get(item) else { return };
-    let favourite = instrument.favourites().iter().any(|known| known.id == shown.id);
+    let favorite = instrument.favorites().iter().any(|known| known.id == shown.id);
     response.context_menu(|ui| {
         let mut entry = |ui: &mut Ui, mark: Icon, name: &str, wish: Wish| {
             if ui.button(icon::label(mark, name)).clicked() {
@@ -137,8 +137,8 @@ fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut 
         };
         entry(ui, Icon::Presentation, "Put on stage", Wish::Do(Action::Perform { item }));
         entry(ui, Icon::Spline, "Name and draw …", Wish::Show(View::CloseUp(item)));
-        let name = if favourite { "No favourite any more" } else { "Favourite" };
-        entry(ui, Icon::Star, name, Wish::Do(Action::Favourite { item, on: !favourite }));
+        let name = if favorite { "No favorite any more" } else { "Favorite" };
+        entry(ui, Icon::Star, name, Wish::Do(Action::Favorite { item, on: !favorite }));
         let name = if shown.locked { "Unlock" } else { "Lock in its place" };
         entry(ui, Icon::Lock, name, Wish::Do(Action::Lock { item, on: !shown.locked }));
         entry(ui, Icon::Dices, "Change a little", Wish::Do(Action::Mutate { item, amount: 0.2 }));

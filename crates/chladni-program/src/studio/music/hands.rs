@@ -37,7 +37,7 @@ impl Stand<'_> {
             Target::Shot => is(self.listening.called_shot()),
             Target::Song => is(Some(self.listening.player().status().song)),
             Target::Choose => share(marks()?.chosen),
-            Target::Favourite => share(marks()?.favourite),
+            Target::Favorite => share(marks()?.favorite),
             Target::Lock => share(marks()?.locked),
             Target::Stage | Target::Cue => {
                 let id = instrument.gallery().items().get(item()?)?.id;
@@ -202,7 +202,7 @@ fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
     let marks = concert.marks(item);
     Some(Wish::Do(match target {
         Target::Choose => Action::Choose { item, on: !marks.chosen },
-        Target::Favourite => Action::Favourite { item, on: !marks.favourite },
+        Target::Favorite => Action::Favorite { item, on: !marks.favorite },
         Target::Lock => Action::Lock { item, on: !marks.locked },
         Target::Mutate => Action::Mutate { item, amount: 0.2 },
         Target::Stage => Action::Perform { item },
@@ -223,8 +223,8 @@ fn press(target: Target, concert: &mut Concert, listening: &mut Listening, wishe
             let after = Some(gallery.current() + 1).filter(|after| *after < gallery.generations().len());
             wishes.extend(after.map(|generation| Wish::Do(Action::GoTo { generation })));
         }
-        Target::NextFavourite => wishes.push(Wish::StepFavourite(true)),
-        Target::PreviousFavourite => wishes.push(Wish::StepFavourite(false)),
+        Target::NextFavorite => wishes.push(Wish::StepFavorite(true)),
+        Target::PreviousFavorite => wishes.push(Wish::StepFavorite(false)),
         Target::Go => wishes.push(Wish::Do(Action::Go)),
         Target::Blackout => concert.house.toggle_black(),
         Target::Freeze => concert.house.frozen = !concert.house.frozen,

@@ -59,8 +59,8 @@ impl MusicRoom {
             }
         }
         if concert.on_stage() && !self.apart {
-            when(&mut wishes, MARK_LEFT, Wish::StepFavourite(false));
-            when(&mut wishes, MARK_RIGHT, Wish::StepFavourite(true));
+            when(&mut wishes, MARK_LEFT, Wish::StepFavorite(false));
+            when(&mut wishes, MARK_RIGHT, Wish::StepFavorite(true));
             return wishes;
         }
         when(&mut wishes, OPEN, Wish::Open);
@@ -80,13 +80,13 @@ impl MusicRoom {
                 wishes.push(Wish::Do(Action::GoTo { generation }));
             }
         }
-        if !concert.instrument().favourites().is_empty() {
-            when(&mut wishes, SHOW, Wish::Do(Action::PerformFavourites { first: 0 }));
+        if !concert.instrument().favorites().is_empty() {
+            when(&mut wishes, SHOW, Wish::Do(Action::PerformFavorites { first: 0 }));
         }
         if let Some(item) = concert.marked() {
             let marks = concert.marks(item);
             when(&mut wishes, CHOOSE, Wish::Do(Action::Choose { item, on: !marks.chosen }));
-            when(&mut wishes, FAVORITE, Wish::Do(Action::Favourite { item, on: !marks.favourite }));
+            when(&mut wishes, FAVORITE, Wish::Do(Action::Favorite { item, on: !marks.favorite }));
             when(&mut wishes, LOCK, Wish::Do(Action::Lock { item, on: !marks.locked }));
             when(&mut wishes, MUTATE, Wish::Do(Action::Mutate { item, amount: 0.2 }));
             when(&mut wishes, DRAW, Wish::Show(View::CloseUp(item)));

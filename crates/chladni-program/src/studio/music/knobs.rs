@@ -169,7 +169,7 @@ const GROUPS: &[(&str, &[Row])] = &[
         "Stage",
         &[
             (Parameter::TransitionBeats, "Transition", "Beats that a change on stage takes"),
-            (Parameter::BeatsPerStep, "Step", "Beats between two favourites"),
+            (Parameter::BeatsPerStep, "Step", "Beats between two favorites"),
             (Parameter::TurnRad, "Turn", "How far the beat turns the shape"),
             (Parameter::LightSwingRad, "Light swing", "How far the beat moves the lights"),
             (Parameter::LightPulse, "Light pulse", "How much brighter the beat is"),
@@ -185,7 +185,7 @@ const SWITCHES: &[(&str, &[Choice])] = &[
         &[
             (Switch::BeatTurns, "Turn the shape", "The beat turns the shape"),
             (Switch::BeatLights, "Move the lights", "The beat moves the lights"),
-            (Switch::BeatSteps, "Next favourite", "The beat steps through the favourites on stage"),
+            (Switch::BeatSteps, "Next favorite", "The beat steps through the favorites on stage"),
             (Switch::Camera, "Choose shots", "On stage the camera chooses its shots, bar by bar"),
         ],
     ),

@@ -185,7 +185,7 @@ impl Room for MusicRoom {
                 songs: songs_of(listening),
                 song: listening.song_number(),
                 view: concert.view(),
-                favourites: concert.instrument().favourites().len(),
+                favorites: concert.instrument().favorites().len(),
             };
             if let Err(why) = self.filming.begin(scene, shared) {
                 shared.notices.warn(why);
@@ -229,12 +229,12 @@ impl Room for MusicRoom {
 
     fn unsaved(&self) -> Option<String> {
         let concert = self.concert.as_ref().filter(|concert| concert.has_unsaved_work())?;
-        let favourites = match concert.instrument().favourites().len() {
+        let favorites = match concert.instrument().favorites().len() {
             0 => "dances that were changed by hand".to_owned(),
-            1 => "one favourite".to_owned(),
-            count => format!("{count} favourites"),
+            1 => "one favorite".to_owned(),
+            count => format!("{count} favorites"),
         };
-        Some(format!("The show of the music room, with {favourites}, is not saved."))
+        Some(format!("The show of the music room, with {favorites}, is not saved."))
     }
 
     fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {

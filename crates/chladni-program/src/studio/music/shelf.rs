@@ -1,4 +1,4 @@
-//! The shelf: favourites of this show, and the dances that are kept in files for the next.
+//! The shelf: favorites of this show, and the dances that are kept in files for the next.
 
 use std::path::{Path, PathBuf};
 
@@ -97,7 +97,7 @@ impl Shelf {
         wishes: &mut Vec<Wish>,
     ) {
         self.show_form(ui, instrument, notices);
-        favourites(ui, instrument, wishes);
+        favorites(ui, instrument, wishes);
         ui.add_space(theme::GAP);
         let search = TextEdit::singleline(&mut self.search).hint_text("Search names and tags");
         ui.add(search.desired_width(f32::INFINITY));
@@ -186,12 +186,12 @@ fn free_path(folder: &Path, name: &str) -> PathBuf {
     paths.find(|path| !path.exists()).unwrap_or_else(|| folder.join("dance.toml"))
 }
 
-fn favourites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
-    ui.label(RichText::new("Favourites of this show").strong());
-    if instrument.favourites().is_empty() {
+fn favorites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
+    ui.label(RichText::new("Favorites of this show").strong());
+    if instrument.favorites().is_empty() {
         weak(ui, "None yet: point at a dance and press F.");
     }
-    for (index, item) in instrument.favourites().iter().enumerate() {
+    for (index, item) in instrument.favorites().iter().enumerate() {
         let name = if item.name.is_empty() { format!("Dance {}", item.id + 1) } else { item.name.clone() };
         ui.horizontal(|ui| {
             thumbnail(ui, &item.mapping);
@@ -205,7 +205,7 @@ fn favourites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
                     wishes.push(Wish::Keep(item.id));
                 }
                 if button(Icon::Presentation, "Put on stage") {
-                    wishes.push(Wish::Do(Action::PerformFavourites { first: index }));
+                    wishes.push(Wish::Do(Action::PerformFavorites { first: index }));
                 }
             });
         });

@@ -24,7 +24,7 @@ impl MusicRoom {
             Err(not_preset) => match Show::load(&path) {
                 Ok(show) => return self.open_show(path, show, shared),
                 Err(not_show) => {
-                    let unread = matches!(not_preset, chladni_music::Error::File { .. });
+                    let unread = matches!(not_preset, chladni_music::MusicError::File { .. });
                     let why = if !unread && is_like_a_show(&path) { not_show } else { not_preset };
                     Err(Error::from(why).of(path.display()))
                 }
@@ -100,12 +100,12 @@ fn is_like_a_show(path: &Path) -> bool {
     text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("actions") || table.contains_key("size"))
 }
 
-/// Puts a preset in the last place whose item is neither chosen nor a favourite. The previous generation is
+/// Puts a preset in the last place whose item is neither chosen nor a favorite. The previous generation is
 /// kept; the knobs are set to those of the preset.
 pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<(), Error> {
     let instrument = concert.instrument();
     let items = instrument.gallery().items();
-    let loved = |id| instrument.favourites().iter().any(|favourite| favourite.id == id);
+    let loved = |id| instrument.favorites().iter().any(|favorite| favorite.id == id);
     let free = items.iter().rposition(|item| !item.chosen && !item.locked && !loved(item.id));
     let item = free.unwrap_or(items.len().saturating_sub(1));
     let (caution, before) = (preset.caution(), instrument.parameters().clone());

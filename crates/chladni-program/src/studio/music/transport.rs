@@ -108,14 +108,14 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
 
 /// From right to left.
 fn stage(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
-    let favourites = concert.instrument().favourites().len();
+    let favorites = concert.instrument().favorites().len();
     let button = egui::Button::new(icon::label(Icon::Presentation, "Stage"));
     let button = ui
-        .add_enabled(favourites > 0, button)
+        .add_enabled(favorites > 0, button)
         .on_hover_text(SHOW.tooltip(ui.ctx()))
-        .on_disabled_hover_text("Favourite a dance first: mark it and press F");
+        .on_disabled_hover_text("Favorite a dance first: mark it and press F");
     if button.clicked() {
-        wishes.push(Wish::Do(Action::PerformFavourites { first: 0 }));
+        wishes.push(Wish::Do(Action::PerformFavorites { first: 0 }));
     }
 }
 

@@ -17,8 +17,8 @@ pub enum View {
 pub struct Marks {
     /// As a parent.
     pub chosen: bool,
-    /// As a favourite.
-    pub favourite: bool,
+    /// As a favorite.
+    pub favorite: bool,
     /// As one that stays in its place.
     pub locked: bool,
 }

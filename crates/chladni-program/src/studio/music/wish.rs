@@ -44,6 +44,6 @@ pub enum Wish {
     Hold,
     /// What a button of a controller does.
     Press(Target),
-    /// On stage: the favourite after (true) or before the one that plays.
-    StepFavourite(bool),
+    /// On stage: the favorite after (true) or before the one that plays.
+    StepFavorite(bool),
 }

@@ -14,6 +14,7 @@ use crate::work::Error;
 /// The shapes of a frame, and who deforms them.
 pub struct Deformed {
     by: Deformer,
+    /// The triangles that all of them share.
     pub topology: Topology,
 }
 
@@ -25,6 +26,11 @@ enum Deformer {
 }
 
 impl Deformed {
+    /// The shapes of `model` for `device`, deformed by `synthesis` where a graphics device draws, else by the
+    /// processor.
+    ///
+    /// # Errors
+    /// Triangles that do not fit the vertices or the device.
     pub fn new(
         device: &Device,
         model: &SynthModel,
@@ -45,6 +51,10 @@ impl Deformed {
         Ok(Self { by, topology })
     }
 
+    /// Makes the frame of `items` and adds to `seconds` what that took.
+    ///
+    /// # Errors
+    /// Items that do not fit the model, and a device that fails while no processor can take over.
     pub fn synthesize(
         &mut self,
         items: &[Item],

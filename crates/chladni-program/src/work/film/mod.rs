@@ -3,7 +3,6 @@
 mod animation;
 mod beginning;
 mod deformed;
-mod guard;
 mod performance;
 mod record;
 mod report;
@@ -29,6 +28,7 @@ use super::{
 use animation::Animation;
 pub use animation::Approximation;
 pub use beginning::Beginning;
+pub use deformed::Deformed;
 use performance::{Done, Means, Performance};
 pub use report::{Report, Seconds};
 use songs::Songs;

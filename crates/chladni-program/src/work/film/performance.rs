@@ -19,9 +19,8 @@ use chladni_view::{
 
 use super::Seconds;
 use super::deformed::Deformed;
-use super::guard::FrameGuard;
 use super::record::Recording;
-use crate::work::{Error, Hearing, Programme, SandTable, Staging, along, chooses_shots, dots};
+use crate::work::{Error, FrameGuard, Hearing, Programme, SandTable, Staging, along, chooses_shots, dots};
 
 /// Where a film begins in the midst of another, so much before it is drawn for the flash guard, which has to know what was
 /// seen in the last second.

@@ -54,7 +54,12 @@ impl Stage {
         };
         let eye = std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]));
         let positions = &self.poses[pointed.figure].0;
-        let seen = Seen { surface: hand.surface, positions, eye: Some(eye) };
+        let tree = self.pick.as_ref().filter(|(picked, _)| *picked == pointed.figure).map(|(_, tree)| tree);
+        let triangles = &self.triangles;
+        let blocked = |eye: [f64; 3], point: [f64; 3]| {
+            tree.is_some_and(|tree| tree.blocks(eye, point, positions, triangles))
+        };
+        let seen = Seen { surface: hand.surface, positions, eye: Some(eye), blocked: Some(&blocked) };
         Press { touch, reach: hand.brush.reach(&seen, &touch.on_surface()) }
     }
 

@@ -109,8 +109,8 @@ fn keys(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
         (GO, Wish::Do(Action::Go)),
         (BLACKOUT, Wish::Press(Target::Blackout)),
         (FREEZE, Wish::Press(Target::Freeze)),
-        (MARK_LEFT, Wish::StepFavourite(false)),
-        (MARK_RIGHT, Wish::StepFavourite(true)),
+        (MARK_LEFT, Wish::StepFavorite(false)),
+        (MARK_RIGHT, Wish::StepFavorite(true)),
     ] {
         if key.pressed(ctx) {
             wishes.push(wish);

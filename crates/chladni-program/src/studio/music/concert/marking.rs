@@ -38,8 +38,8 @@ impl Concert {
     /// What an item is marked as.
     pub fn marks(&self, item: usize) -> Marks {
         let Some(item) = self.instrument.gallery().items().get(item) else { return Marks::default() };
-        let favourite = self.instrument.favourites().iter().any(|favourite| favourite.id == item.id);
-        Marks { chosen: item.chosen, favourite, locked: item.locked }
+        let favorite = self.instrument.favorites().iter().any(|favorite| favorite.id == item.id);
+        Marks { chosen: item.chosen, favorite, locked: item.locked }
     }
 
     /// What sets this body up for Chladni's experiment.
@@ -48,11 +48,11 @@ impl Concert {
         experiment(&self.ensemble.dancer().classes, bands)
     }
 
-    /// Index of the favourite after or before the one on stage.
-    pub fn next_favourite(&self, forward: bool) -> Option<usize> {
-        let count = self.instrument.favourites().len();
+    /// Index of the favorite after or before the one on stage.
+    pub fn next_favorite(&self, forward: bool) -> Option<usize> {
+        let count = self.instrument.favorites().len();
         let on_stage = self.instrument.scene(self.moment.at_beat).map(|scene| scene.to);
-        let now = self.instrument.favourites().iter().position(|item| Some(item.id) == on_stage);
+        let now = self.instrument.favorites().iter().position(|item| Some(item.id) == on_stage);
         let step = if forward { 1 } else { count.checked_sub(1)? };
         (count > 0).then(|| now.map_or(0, |now| (now + step) % count))
     }

@@ -210,7 +210,7 @@ impl Concert {
     /// Applies an action at the moment being heard. Refuses to open or close the stage so often that the
     /// window would flash.
     pub fn act(&mut self, action: Action) -> Result<(), Error> {
-        let opens = matches!(action, Action::Perform { .. } | Action::PerformFavourites { .. } | Action::Go);
+        let opens = matches!(action, Action::Perform { .. } | Action::PerformFavorites { .. } | Action::Go);
         let curtain = if self.on_stage() { action == Action::LeaveStage } else { opens };
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         if curtain && limited && !self.pane.guard.may_step(self.seconds) {
@@ -273,12 +273,12 @@ impl Concert {
         self.saved = self.instrument.log().len();
     }
 
-    /// Whether there are favourites, names or hand-drawn curves that are not saved.
+    /// Whether there are favorites, names or hand-drawn curves that are not saved.
     pub fn has_unsaved_work(&self) -> bool {
         let by_hand = |action: &Action| {
             matches!(
                 action,
-                Action::Favourite { .. }
+                Action::Favorite { .. }
                     | Action::Rename { .. }
                     | Action::SetTransfer { .. }
                     | Action::SetAmplification { .. }

@@ -22,15 +22,15 @@ impl Concert {
         self.piloted.as_ref().is_some_and(|piloted| piloted.programme.holds())
     }
 
-    /// Puts the autopilot on stage, with the dances that are kept as favourites; or ends it.
+    /// Puts the autopilot on stage, with the dances that are kept as favorites; or ends it.
     pub fn pilot(&mut self, kept: Vec<Preset>) -> Result<(), Error> {
         if self.piloted.is_some() {
             return self.act(Action::LeaveStage);
         }
-        let favourites = self.instrument.favourites().iter();
-        let favourites = favourites.map(|item| Preset::of(&self.instrument, item, Vec::new()));
-        let favourites = favourites.chain(kept).collect();
-        let programme = Programme::new(&self.instrument, favourites, self.moment.at_secs)?;
+        let favorites = self.instrument.favorites().iter();
+        let favorites = favorites.map(|item| Preset::of(&self.instrument, item, Vec::new()));
+        let favorites = favorites.chain(kept).collect();
+        let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs)?;
         let generation = self.instrument.gallery().current();
         let mut piloted = Piloted { programme, generation };
         let actions = piloted.programme.step(self.moment.at_secs, true, &self.instrument);

@@ -1,0 +1,76 @@
+//! A process that saves is killed at any moment: what it has saved is there.
+//!
+//! A campaign: `CHLADNI_CASES=10000 cargo test --release -p chladni-caricature --test crashes` (docs/trust.md).
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use chladni_caricature::*;
+
+/// The folder in which the child works.
+const FOLDER: &str = "CHLADNI_TEST_SAVE_FOREVER";
+/// What the child says once a project is saved, before its number.
+const SAVED: &str = "saved ";
+
+/// The project of a number: every second one is large.
+fn project(number: usize) -> Project {
+    let mut project = Project::new(ShapeSource::File("/somewhere/shape.obj".into()), number);
+    if number % 2 == 1 {
+        let painted = (0..20_000).map(|i| (i % 97) as f32 / 96.0).collect();
+        let region = Region { painted: Painted::Vertices(painted), smoothing: Smoothing::default() };
+        project.push(Layer { region, ..Layer::new("painted", Template::Ellipsoid) }).unwrap();
+    }
+    project
+}
+
+/// The child of the test below: saves, and keeps a copy for recovery, until it is killed.
+#[test]
+fn saves_until_killed() {
+    let Some(folder) = std::env::var_os(FOLDER) else { return };
+    let folder = Path::new(&folder);
+    let session = Recovery::start(&folder.join("state"), 7).unwrap();
+    for number in 1.. {
+        let project = project(number);
+        project.save(&folder.join("p.chladni")).unwrap();
+        session.keep(&project, None).unwrap();
+        // Past the test's own capture.
+        writeln!(std::io::stdout(), "\n{SAVED}{number}").unwrap();
+    }
+}
+
+#[test]
+fn what_was_saved_before_a_kill_is_there() {
+    let rounds = std::env::var("CHLADNI_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(60);
+    let program = std::env::current_exe().unwrap();
+    for round in 0..rounds {
+        let folder = tempfile::tempdir().unwrap();
+        let mut child = Command::new(&program)
+            .args(["--exact", "saves_until_killed", "--test-threads=1"])
+            .env(FOLDER, folder.path())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let said = BufReader::new(child.stdout.take().unwrap()).lines();
+        let mut numbers =
+            said.map_while(Result::ok).filter_map(|line| line.strip_prefix(SAVED)?.parse().ok());
+        let first: usize = numbers.next().unwrap();
+        // Different moments of a save that takes about a millisecond.
+        std::thread::sleep(Duration::from_micros(137 * (round % 60)));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let last = numbers.last().unwrap_or(first);
+        let is_there = |found: &Project| {
+            let number = found.harmonics;
+            assert!((last..=last + 1).contains(&number), "{number} after {last}");
+            assert_eq!(found, &project(number));
+        };
+        is_there(&Project::load(&folder.path().join("p.chladni")).unwrap());
+        let (found, unreadable) = Recovery::find(&folder.path().join("state"));
+        assert!(unreadable.is_empty() && found.len() == 1, "{unreadable:?}");
+        is_there(&found[0].project);
+    }
+}

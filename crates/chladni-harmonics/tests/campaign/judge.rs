@@ -1,0 +1,120 @@
+//! Whether what the solver said of a case is true.
+
+use chladni_harmonics::{Basis, Certificate, HarmonicsError, SymmetricSparse};
+
+use crate::cases::{Case, Found, Known};
+
+/// What became of a case.
+pub enum Verdict {
+    /// Certified as of a sound mesh, and so it is.
+    Certified {
+        residual: f64,
+    },
+    /// Returned with a warning that is true; every eigenvalue is right within it.
+    Warned,
+    Refused(String),
+    Wrong(String),
+}
+
+/// Where a residual is rounding, measuring it in another order gives another one.
+const AGAIN: f64 = 1.5;
+/// Rounding of eigenvalues, as a share of the largest.
+const ROUNDING: f64 = 2e-13;
+
+/// Solves a case and compares.
+pub fn judge(case: &Case) -> Verdict {
+    let Known { stiffness, mass, zeros, spectrum: exact } = match case.problem.pencil() {
+        Ok(known) => known,
+        Err(refusal) => return refused(&refusal),
+    };
+    let Found { basis, cuts_cluster } = match case.solve(1) {
+        Ok(found) => found,
+        Err(refusal) => return refused(&refusal),
+    };
+    let k = basis.harmonics();
+    let asked = case.harmonics.min(mass.len());
+    if k < asked || (k > asked && !case.whole_clusters) || (case.whole_clusters && cuts_cluster) {
+        return Verdict::Wrong(format!("{k} harmonics for {asked}"));
+    }
+    if !basis.certificate.inertia_counts_match {
+        return Verdict::Warned;
+    }
+    let stated = basis.certificate;
+    let lift = if zeros > 0 { 0.0 } else { lift(&exact, k) };
+    if let Some(what) = missed(&basis, &exact, stated.max_relative_residual, lift) {
+        return Verdict::Wrong(what);
+    }
+    let residual = largest_residual(&stiffness, &basis, zeros, lift);
+    let overlap = largest_overlap(&basis);
+    let is_within = |measured: f64, stated: f64, limit: f64| measured <= AGAIN * stated.max(0.1 * limit);
+    if !is_within(residual, stated.max_relative_residual, Certificate::RESIDUAL) {
+        return Verdict::Wrong(format!(
+            "the residual is {residual:.2e}, not {:.2e}",
+            stated.max_relative_residual
+        ));
+    }
+    if !is_within(overlap, stated.max_orthogonality_error, Certificate::ORTHOGONALITY) {
+        return Verdict::Wrong(format!(
+            "the overlap is {overlap:.2e}, not {:.2e}",
+            stated.max_orthogonality_error
+        ));
+    }
+    if stated.is_precise() { Verdict::Certified { residual } } else { Verdict::Warned }
+}
+
+/// A refusal with a reason is honest where the mesh has no harmonics at all.
+fn refused(refusal: &HarmonicsError) -> Verdict {
+    match refusal {
+        HarmonicsError::ZeroArea { .. } | HarmonicsError::NoTriangle => Verdict::Warned,
+        other => Verdict::Refused(other.to_string()),
+    }
+}
+
+/// The first eigenvalue that is not the one in its place.
+fn missed(basis: &Basis, exact: &[f64], residual: f64, lift: f64) -> Option<String> {
+    let scale = exact.last().copied().unwrap_or(0.0);
+    let share = 1e-9_f64.max(2.0 * residual);
+    let off = |(_, (value, exact)): &(usize, (&f64, &f64))| {
+        let error = (**value - **exact).abs();
+        error.is_nan() || error > share * exact.abs() + 2.0 * residual * lift + ROUNDING * scale
+    };
+    let (k, (value, exact)) = basis.eigenvalues.iter().zip(exact).enumerate().find(off)?;
+    Some(format!("eigenvalue {k} is {value:e}, not {exact:e} (the largest is {scale:e})"))
+}
+
+/// At most this is added to the eigenvalues of a pencil that is given, before residuals are measured.
+fn lift(exact: &[f64], k: usize) -> f64 {
+    let largest = exact.last().copied().unwrap_or(0.0);
+    exact.get(2 * k).map_or(4.0 * largest, |above| 1.2 * above) / k as f64 + 1e-9 * largest
+}
+
+/// Largest ‖S h − λ M h‖ / ‖(S + tM) h‖ beyond what rounding of S h may leave, where t = 0 unless a pencil was given.
+fn largest_residual(stiffness: &SymmetricSparse, basis: &Basis, zeros: usize, lift: f64) -> f64 {
+    (zeros..basis.harmonics())
+        .map(|k| {
+            let (h, lambda) = (basis.harmonic(k), basis.eigenvalues[k]);
+            let image = stiffness.times(h);
+            let rounding =
+                |v: usize| f64::EPSILON * stiffness.column(v).map(|(i, s)| (s * h[i]).abs()).sum::<f64>();
+            let sums = (0..h.len()).map(|v| {
+                let m = basis.mass[v] * h[v];
+                [image[v] - lambda * m, image[v] + lift * m, 4.0 * rounding(v)].map(|x| x * x)
+            });
+            let [error, size, rounding] = sums.fold([0.0; 3], |sum, x| [0, 1, 2].map(|i| sum[i] + x[i]));
+            (error.sqrt() - rounding.sqrt()).max(0.0) / size.sqrt()
+        })
+        .fold(0.0, f64::max)
+}
+
+/// max |HᵀMH − I|.
+fn largest_overlap(basis: &Basis) -> f64 {
+    let mut largest = 0.0_f64;
+    for j in 0..basis.harmonics() {
+        let weighted: Vec<f64> = basis.harmonic(j).iter().zip(&basis.mass).map(|(h, a)| h * a).collect();
+        for i in 0..=j {
+            let overlap: f64 = basis.harmonic(i).iter().zip(&weighted).map(|(a, b)| a * b).sum();
+            largest = largest.max((overlap - f64::from(u8::from(i == j))).abs());
+        }
+    }
+    largest
+}

@@ -1,0 +1,99 @@
+//! The certificate attacked: random pencils and meshes that are hard for an eigensolver, each compared with a
+//! spectrum that is known otherwise.
+//!
+//! A test takes a few hundred cases. A campaign: `CHLADNI_CASES=100000 CHLADNI_SEED=1 cargo test --release
+//! -p chladni-harmonics --test campaign -- --nocapture` prints what became of each family (docs/trust.md).
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod cases;
+mod judge;
+mod meshes;
+mod pencils;
+#[path = "../shapes/mod.rs"]
+mod shapes;
+mod spectrum;
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
+
+use cases::Case;
+use judge::Verdict;
+
+/// What became of the cases of one family.
+#[derive(Default)]
+struct Tally {
+    certified: usize,
+    warned: usize,
+    refused: usize,
+    /// Largest relative residual of a basis that was certified, as measured here.
+    residual: f64,
+}
+
+fn setting(name: &str, usual: u64) -> u64 {
+    std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(usual)
+}
+
+/// Cases in which something was wrong once: runs of a slice that found no pair at all, and a small eigenvalue taken for 0.
+const FOUND: [u64; 4] = [10_000_141, 10_000_900, 10_002_341, 10_025_662];
+
+#[test]
+fn no_certificate_is_wrong_and_no_pair_is_missed() {
+    let (cases, first) = (setting("CHLADNI_CASES", 400), setting("CHLADNI_SEED", 1));
+    let queue = Mutex::new((first..first + cases).chain(FOUND));
+    let judged = Mutex::new(Vec::new());
+    // Threads of our own: one of rayon's would begin another case while it waits for the pool of the solver.
+    std::thread::scope(|scope| {
+        for _ in 0..rayon::current_num_threads() {
+            scope.spawn(|| {
+                loop {
+                    let Some(seed) = queue.lock().unwrap().next() else { break };
+                    let case = Case::of(seed);
+                    let verdict = catch_unwind(AssertUnwindSafe(|| judge::judge(&case)))
+                        .unwrap_or_else(|_| Verdict::Wrong("it panics".into()));
+                    if let Verdict::Refused(why) | Verdict::Wrong(why) = &verdict {
+                        println!("case {seed}, {}: {why}", case.title());
+                    }
+                    judged.lock().unwrap().push((seed, case.family, verdict));
+                }
+            });
+        }
+    });
+    let judged: Vec<(u64, &str, Verdict)> = judged.into_inner().unwrap();
+    assert_eq!(judged.len() as u64, cases + FOUND.len() as u64);
+    let mut families: BTreeMap<&str, Tally> = BTreeMap::new();
+    let mut wrong = Vec::new();
+    for (seed, family, verdict) in judged {
+        let tally = families.entry(family).or_default();
+        match verdict {
+            Verdict::Certified { residual } => {
+                tally.certified += 1;
+                tally.residual = tally.residual.max(residual);
+            }
+            Verdict::Warned => tally.warned += 1,
+            Verdict::Refused(_) => tally.refused += 1,
+            Verdict::Wrong(what) => wrong.push(format!("case {seed}, {family}: {what}")),
+        }
+    }
+    for (family, Tally { certified, warned, refused, residual }) in &families {
+        println!(
+            "{family}: {certified} certified (residual {residual:.1e}), {warned} warned, {refused} refused"
+        );
+    }
+    assert!(wrong.is_empty(), "{} of {cases} are wrong:\n{}", wrong.len(), wrong.join("\n"));
+    let refused: usize = families.values().map(|tally| tally.refused).sum();
+    assert!(refused * 100 <= cases as usize, "{refused} of {cases} were refused");
+}
+
+#[test]
+fn threads_change_no_bit() {
+    for seed in 0..setting("CHLADNI_CASES", 400) / 8 {
+        let case = Case::of(1_000_000 + seed);
+        let one = case.solve(1).map(|found| found.basis);
+        for threads in [2, 4] {
+            let same = case.solve(threads).map(|found| found.basis) == one;
+            assert!(same, "{threads} threads change case {seed}, {}", case.title());
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Meshes that are hard to solve for.
+
+use chladni_mesh::{TriMesh, samples};
+use rand::RngExt;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+use crate::pencils::size;
+use crate::shapes;
+
+/// A curved sheet whose columns and rows have widths over up to eight orders of magnitude.
+pub fn graded(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
+    let columns = (size(rng, 9, most) as f64).sqrt().ceil() as usize;
+    let decades = rng.random_range(0.0..8.0);
+    let across = if rng.random_bool(0.5) { decades } else { 0.0 };
+    let place = |decades: f64| {
+        let widths: Vec<f64> =
+            (0..columns - 1).map(|i| 10_f64.powf(-decades * i as f64 / columns as f64)).collect();
+        let mut at = 0.0;
+        let mut places = vec![0.0];
+        places.extend(widths.iter().map(|width| {
+            at += width;
+            at
+        }));
+        places
+    };
+    let (xs, ys, bend) = (place(decades), place(across), rng.random_range(0.0..0.5));
+    let sheet = shapes::square(columns as u32 - 1);
+    let positions = (0..columns * columns)
+        .map(|v| {
+            let (x, y) = (xs[v % columns], ys[v / columns]);
+            [x, y, bend * x * x]
+        })
+        .collect();
+    TriMesh { positions, ..sheet }
+}
+
+/// A sound mesh with some vertices moved almost onto a neighbor, or almost onto a line.
+pub fn slivers(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
+    let mut mesh = sound(rng, most);
+    let thin = 10_f64.powf(rng.random_range(-9.0..-1.0));
+    let share = rng.random_range(0.05..1.0);
+    for t in mesh.triangles.clone() {
+        if rng.random_bool(share) {
+            let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+            let along = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(0.2..0.8) };
+            mesh.positions[t[2] as usize] = std::array::from_fn(|i| {
+                let foot = a[i] + along * (b[i] - a[i]);
+                foot + thin * (c[i] - foot)
+            });
+        }
+    }
+    mesh
+}
+
+/// Parts of many sizes, some of them equal.
+pub fn disconnected(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
+    let kinds: Vec<TriMesh> = (0..rng.random_range(1..4)).map(|_| sound(rng, most.min(100))).collect();
+    let mut parts: Vec<TriMesh> = Vec::new();
+    let mut left = most;
+    while parts.len() < 2 || rng.random_bool(0.8) {
+        let part = &kinds[rng.random_range(0..kinds.len())];
+        if part.positions.len() > left && parts.len() > 1 {
+            break;
+        }
+        left = left.saturating_sub(part.positions.len());
+        let smaller = if rng.random_bool(0.6) { 1.0 } else { 10_f64.powf(rng.random_range(-4.0..0.0)) };
+        parts.push(shapes::scaled(part, smaller));
+    }
+    shapes::beside(&parts, [3.0, 0.0, 0.0])
+}
+
+/// Triangles on few points, however they fall: edges of many triangles, bodies that share a vertex.
+pub fn crowded(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
+    let n = size(rng, 4, most.min(400)) as u32;
+    let mut point = || std::array::from_fn(|_| rng.random_range(-1.0..1.0));
+    let positions: Vec<[f64; 3]> = (0..n).map(|_| point()).collect();
+    let mut order: Vec<u32> = (0..n).collect();
+    order.shuffle(rng);
+    // A strip through all points, and triangles at random.
+    let mut triangles: Vec<[u32; 3]> = order.windows(3).map(|w| [w[0], w[1], w[2]]).collect();
+    for _ in 0..rng.random_range(0..n) {
+        let t = std::array::from_fn(|_| rng.random_range(0..n));
+        triangles.push(t);
+    }
+    triangles.retain(|t| rng.random_bool(0.9) || t[0] == order[0]);
+    shapes::mesh(positions, triangles)
+}
+
+/// Any of the others, a millionth of a millionth or a million million times the size.
+pub fn far_scaled(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
+    let mesh = match rng.random_range(0..4) {
+        0 => graded(rng, most),
+        1 => disconnected(rng, most),
+        2 => crowded(rng, most),
+        _ => sound(rng, most),
+    };
+    shapes::scaled(&mesh, if rng.random_bool(0.5) { 1e12 } else { 1e-12 })
+}
+
+fn sound(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
+    let n = size(rng, 9, most);
+    let side = (n as f64).sqrt().ceil() as u32;
+    match rng.random_range(0..5) {
+        0 => shapes::icosphere(u32::from(n > 42) + u32::from(n > 162)),
+        1 => samples::torus(0.4, side + 2, side),
+        2 => shapes::square(side.max(2)),
+        3 => samples::uv_sphere(side, side),
+        _ => {
+            let mut mesh = shapes::square(side.max(2));
+            for p in &mut mesh.positions {
+                p.iter_mut().for_each(|x| *x += 0.3 / f64::from(side) * rng.random_range(-1.0..1.0));
+            }
+            mesh
+        }
+    }
+}

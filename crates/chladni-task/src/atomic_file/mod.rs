@@ -1,0 +1,225 @@
+//! Files that appear whole or not at all.
+
+#[cfg(test)]
+mod faults;
+mod system;
+
+use std::fs::File;
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use system::{Disk, System};
+use tempfile::NamedTempFile;
+
+/// Writes `bytes` to `path` so that readers see the old file or the whole new one.
+///
+/// # Errors
+/// As [`write_atomic_with`].
+pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_atomic_with(path, |file| file.write_all(bytes))
+}
+
+/// Lets `write` fill a temporary file beside `path`, flushes it to the disk, renames it, and flushes its folder: what
+/// has returned survives a power cut.
+///
+/// If `write` fails or the process dies, `path` is unchanged. If it is a link, its target is replaced; on
+/// Unix the file keeps its permissions. The folder of `path` must exist.
+///
+/// # Errors
+/// Errors of creating, writing or renaming the file, or of `write`. A full disk and one that may not be written are told
+/// with what to do; what is no file, such as a device, is not replaced. Where only the folder cannot be flushed, the new file is in its place.
+pub fn write_atomic_with(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,
+) -> io::Result<()> {
+    replace(&Disk, path, write).map_err(told)
+}
+
+/// Flushes a complete file from [`temporary_beside`] and gives it the name `path`, as [`write_atomic_with`] does.
+///
+/// # Errors
+/// Errors of flushing or renaming it.
+pub fn persist(file: NamedTempFile, path: &Path) -> io::Result<()> {
+    finish(&Disk, file, &where_it_leads(path)).map_err(told)
+}
+
+fn replace(
+    system: &dyn System,
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,
+) -> io::Result<()> {
+    let path = &where_it_leads(path);
+    let mut file = create(system, path, "")?;
+    {
+        let mut buffered = BufWriter::with_capacity(1 << 16, Draft { file: file.as_file_mut(), system });
+        write(&mut buffered)?;
+        buffered.flush()?;
+    }
+    finish(system, file, path)
+}
+
+fn finish(system: &dyn System, file: NamedTempFile, path: &Path) -> io::Result<()> {
+    if let Ok(known) = std::fs::metadata(path) {
+        // Whoever may write to a device may also put a file in its place.
+        if !known.is_file() {
+            let why = "it is a folder, a device or a pipe, which no file takes the place of";
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
+        }
+        if cfg!(unix) {
+            file.as_file().set_permissions(known.permissions())?;
+        }
+    }
+    // In this order: a name that leads to a file whose bytes are not on the disk is lost in a power cut.
+    system.sync(file.as_file())?;
+    system.rename(file, path)?;
+    system.sync_folder(folder_of(path))
+}
+
+/// A file that is being written.
+#[derive(Debug)]
+pub struct Draft<'a> {
+    file: &'a mut File,
+    system: &'a dyn System,
+}
+
+impl Write for Draft<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.system.write(self.file, bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for Draft<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+/// The final target of the links at `path`; `path` itself if it is not a link or the links form a loop.
+fn where_it_leads(path: &Path) -> PathBuf {
+    let mut end = path.to_owned();
+    for _ in 0..40 {
+        match std::fs::read_link(&end) {
+            Ok(target) => end = end.parent().unwrap_or(Path::new("")).join(target),
+            Err(_) => return end,
+        }
+    }
+    path.to_owned()
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// A temporary file in the folder of `path`, whose name ends in `ending`, to be renamed to `path` by [`persist`] when
+/// it is complete.
+///
+/// # Errors
+/// What creating the file says.
+pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<NamedTempFile> {
+    create(&Disk, path, ending).map_err(told)
+}
+
+fn create(system: &dyn System, path: &Path, ending: &str) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".chladni-").suffix(ending);
+    #[cfg(unix)]
+    {
+        // A temporary file is private (0600) by default; a saved file should have the usual permissions.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    system.create(&builder, folder_of(path)).map_err(without_path)
+}
+
+/// The usual errors without the temporary file's name: the caller knows `path`.
+fn without_path(error: io::Error) -> io::Error {
+    use io::ErrorKind::{NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem, StorageFull};
+    match error.kind() {
+        NotFound => io::Error::new(NotFound, "its folder does not exist"),
+        kind @ (NotADirectory | PermissionDenied | ReadOnlyFilesystem | StorageFull) => kind.into(),
+        _ => error,
+    }
+}
+
+/// The errors that a user can do something about, with what that is.
+fn told(error: io::Error) -> io::Error {
+    use io::ErrorKind::{PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+    let advice = match error.kind() {
+        StorageFull | QuotaExceeded => "the disk is full: make room, or write to another one",
+        ReadOnlyFilesystem => "the disk is read-only: write to another one",
+        PermissionDenied => "permission denied: write to a folder of your own",
+        _ => return error,
+    };
+    io::Error::new(error.kind(), advice)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_is_not_there_is_told_without_the_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = write_atomic(&folder.path().join("no/shape.obj"), b"").unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+        assert!(!error.to_string().contains(".chladni-"), "{error}");
+    }
+
+    #[test]
+    fn a_failed_write_keeps_the_old_file_and_leaves_nothing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("shape.obj");
+        write_atomic(&path, b"old").unwrap();
+        let failed = write_atomic_with(&path, |file| {
+            file.write_all(b"half")?;
+            Err(io::Error::other("disk on fire"))
+        });
+        assert!(failed.is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_never_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let (socket, link) = (folder.path().join("socket"), folder.path().join("link"));
+        let _bound = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        std::os::unix::fs::symlink("socket", &link).unwrap();
+        std::fs::create_dir(folder.path().join("folder")).unwrap();
+        for name in ["socket", "link", "folder"] {
+            let error = write_atomic(&folder.path().join(name), b"new").unwrap_err();
+            assert_eq!(error.kind(), io::ErrorKind::InvalidInput, "{name}");
+        }
+        assert!(!socket.metadata().unwrap().is_file());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link_and_what_was_private_stays_private() {
+        use std::fs::Permissions;
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("elsewhere")).unwrap();
+        let (file, link) = (folder.path().join("elsewhere/p.chladni"), folder.path().join("p.chladni"));
+        std::fs::write(&file, "old").unwrap();
+        std::fs::set_permissions(&file, Permissions::from_mode(0o600)).unwrap();
+        symlink("elsewhere/p.chladni", &link).unwrap();
+        write_atomic(&link, b"new").unwrap();
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+        assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+        // The file is created at the missing target of a link.
+        symlink("elsewhere/q.chladni", folder.path().join("q")).unwrap();
+        write_atomic(&folder.path().join("q"), b"first").unwrap();
+        assert_eq!(std::fs::read(folder.path().join("q")).unwrap(), b"first");
+    }
+}

@@ -1,0 +1,45 @@
+//! What the system is asked to do, call by call, so that a test can let any of the calls fail.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
+
+use tempfile::NamedTempFile;
+
+pub(super) trait System: std::fmt::Debug {
+    fn create(&self, builder: &tempfile::Builder<'_, '_>, folder: &Path) -> io::Result<NamedTempFile> {
+        builder.tempfile_in(folder)
+    }
+
+    fn write(&self, file: &mut File, bytes: &[u8]) -> io::Result<usize> {
+        file.write(bytes)
+    }
+
+    fn sync(&self, file: &File) -> io::Result<()> {
+        file.sync_all()
+    }
+
+    fn rename(&self, file: NamedTempFile, path: &Path) -> io::Result<()> {
+        file.persist(path).map_err(|failure| failure.error)?;
+        Ok(())
+    }
+
+    /// Makes a new name last.
+    fn sync_folder(&self, folder: &Path) -> io::Result<()> {
+        if !cfg!(unix) {
+            return Ok(());
+        }
+        use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
+        match File::open(folder).and_then(|folder| folder.sync_all()) {
+            // There are file systems that cannot, and folders that may be written but not read.
+            Err(why) if matches!(why.kind(), InvalidInput | PermissionDenied | Unsupported) => Ok(()),
+            done => done,
+        }
+    }
+}
+
+/// The real one.
+#[derive(Debug)]
+pub(super) struct Disk;
+
+impl System for Disk {}

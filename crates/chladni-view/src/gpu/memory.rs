@@ -1,0 +1,75 @@
+//! The device's memory: buffers and images.
+
+use wgpu::BufferUsages;
+use wgpu::util::DeviceExt;
+
+use crate::Gpu;
+
+pub(crate) type Buffer = wgpu::Buffer;
+pub(crate) type Image = wgpu::TextureView;
+
+/// What a buffer is read as; all are readable as storage.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Use {
+    Vertices,
+    Indices,
+}
+
+impl Use {
+    fn usages(self) -> BufferUsages {
+        let read = match self {
+            Self::Vertices => BufferUsages::VERTEX,
+            Self::Indices => BufferUsages::INDEX,
+        };
+        read | BufferUsages::STORAGE | BufferUsages::COPY_DST
+    }
+}
+
+/// A buffer of these bytes, at least one.
+pub(crate) fn filled(gpu: &Gpu, label: &str, contents: &[u8], used: Use) -> Buffer {
+    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(label),
+        contents,
+        usage: used.usages(),
+    })
+}
+
+/// A buffer for so many bytes, at least one.
+pub(crate) fn room(gpu: &Gpu, label: &str, bytes: usize, used: Use) -> Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes as u64,
+        usage: used.usages(),
+        mapped_at_creation: false,
+    })
+}
+
+/// Queues bytes for a buffer, from a byte of it on.
+pub(crate) fn write(gpu: &Gpu, buffer: &Buffer, offset: u64, bytes: &[u8]) {
+    gpu.queue.write_buffer(buffer, offset, bytes);
+}
+
+/// Its bytes.
+pub(crate) fn size(buffer: &Buffer) -> u64 {
+    buffer.size()
+}
+
+/// An sRGB image and its mipmaps, one after the other.
+pub(crate) fn image(gpu: &Gpu, [width, height, levels]: [u32; 3], pyramid: &[u8]) -> Image {
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("skin"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: levels,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        pyramid,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}

@@ -1,0 +1,64 @@
+// What a page costs: sizes, the first picture, pictures a second, a solve. node web/bench.mjs PAGE OUT
+import { readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { brotliCompressSync, gzipSync } from "node:zlib";
+import { launch, serve, torus } from "./browser.mjs";
+
+const [folder, out] = process.argv.slice(2).map((path) => resolve(path));
+const mb = (bytes) => `${(bytes / 1e6).toFixed(2)} MB`;
+const files = (at) => readdirSync(join(folder, at)).filter((name) => /\.(html|js|css|wasm|body)$/.test(name)).map((name) => join(at, name));
+const sizes = (names) => {
+  const all = names.map((name) => readFileSync(join(folder, name)));
+  const sum = (of) => mb(all.reduce((total, bytes) => total + of(bytes).length, 0));
+  return `${sum((bytes) => bytes)}, gzip ${sum((bytes) => gzipSync(bytes))}, brotli ${sum((bytes) => brotliCompressSync(bytes))}`;
+};
+console.log(`module and page: ${sizes(files("."))}`);
+console.log(`for the first picture, with the plate: ${sizes([...files("."), "bodies/plate.body"])}`);
+console.log(`octopus: ${sizes(["bodies/octopus.body"])}`);
+
+const { address, stop } = await serve(folder);
+const browser = await launch(out);
+
+async function measured(name, viewport, enter) {
+  const page = await (await browser.newContext({ viewport })).newPage();
+  await page.goto(address);
+  await page.waitForFunction(() => window.chladni?.frames > 3 && window.chladni.sound.duration > 0, null, { timeout: 180_000 });
+  const first = await page.evaluate(() => window.chladni.firstPictureMs);
+  if (enter) await enter(page);
+  await page.waitForTimeout(8000);
+  const found = await page.evaluate(async () => {
+    const from = [window.chladni.frames, performance.now()];
+    await new Promise((done) => setTimeout(done, 10_000));
+    const { frames, drawMs } = window.chladni;
+    const canvas = document.getElementById("picture");
+    return { fps: (1000 * (frames - from[0])) / (performance.now() - from[1]), drawMs, size: `${canvas.width}×${canvas.height}` };
+  });
+  console.log(`${name}: first picture ${first.toFixed(0)} ms, ${found.fps.toFixed(1)} pictures a second of ${found.size}, ${found.drawMs.toFixed(0)} ms each`);
+  return page;
+}
+
+const laptop = { width: 1440, height: 900 };
+const gallery = async (page) => {
+  await page.click("#enter");
+  await page.waitForFunction(() => window.chladni.state.body === "sample:octopus", null, { timeout: 180_000 });
+};
+await (await measured("front page, 1440×900", laptop)).close();
+await (await measured("gallery of twelve, 1440×900", laptop, gallery)).close();
+await (await measured("gallery of six, 390×844", { width: 390, height: 844 }, gallery)).close();
+const page = await measured("one dance on stage, 1440×900", laptop, async (page) => {
+  await gallery(page);
+  await page.hover(".cell:nth-child(5)");
+  await page.click(".cell:nth-child(5) .stage");
+});
+
+const mesh = torus(173, 87);
+writeFileSync(join(out, "torus-15k.obj"), mesh);
+const secs = await page.evaluate(async (text) => {
+  const { ask } = await import("./work.js");
+  const bytes = new TextEncoder().encode(text);
+  const { secs } = await ask({ work: "prepare", name: "torus.obj", bytes, harmonics: 256 });
+  return secs;
+}, mesh.toString());
+console.log(`a body of 15,051 vertices and 256 harmonics made ready in ${secs.toFixed(1)} s (${join(out, "torus-15k.obj")})`);
+await browser.close();
+stop();

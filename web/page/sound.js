@@ -1,0 +1,89 @@
+// What plays, and where in it we are: the clock of what is heard. Before a person has asked for sound, which browsers
+// demand, the song runs on silently, so that the picture moves at once.
+
+export class Sound {
+  constructor() {
+    this.number = -1;
+    this.duration = 0;
+    this.silentSince = performance.now() / 1000;
+    this.from = 0;
+    this.playing = true;
+  }
+
+  /** Song `number` from its beginning. */
+  load(number, rate, left, right) {
+    this.stopSource();
+    this.samples = { rate, left, right };
+    this.buffer = undefined;
+    this.number = number;
+    this.duration = left.length / rate;
+    this.seek(0);
+  }
+
+  get isHeard() { return this.context?.state === "running" && !!this.source; }
+
+  /** Seconds into the song; it begins anew when it ends. */
+  position() {
+    if (!this.duration) return 0;
+    let gone = 0;
+    if (this.source) gone = this.heardNow() - this.began;
+    else if (this.playing) gone = performance.now() / 1000 - this.silentSince;
+    return (this.from + Math.max(0, gone)) % this.duration;
+  }
+
+  /** The context's time of what leaves the loudspeaker now. */
+  heardNow() {
+    const { contextTime, performanceTime } = this.context.getOutputTimestamp?.() ?? {};
+    const late = this.context.outputLatency || this.context.baseLatency || 0;
+    if (!performanceTime) return this.context.currentTime - late;
+    const since = (performance.now() - performanceTime) / 1000;
+    return Math.min(contextTime + since, this.context.currentTime);
+  }
+
+  /** Aloud from here on; call it from a click. */
+  async play() {
+    const at = this.position();
+    this.context ??= new AudioContext();
+    await this.context.resume();
+    if (!this.buffer && this.samples) {
+      const { rate, left, right } = this.samples;
+      this.buffer = this.context.createBuffer(2, left.length, rate);
+      this.buffer.copyToChannel(left, 0);
+      this.buffer.copyToChannel(right, 1);
+    }
+    this.playing = true;
+    this.startSource(at);
+  }
+
+  pause() {
+    this.from = this.position();
+    this.stopSource();
+    this.playing = false;
+  }
+
+  seek(secs) {
+    const aloud = !!this.source;
+    this.from = secs;
+    this.silentSince = performance.now() / 1000;
+    if (aloud) this.startSource(secs);
+  }
+
+  startSource(at) {
+    this.stopSource();
+    if (!this.buffer) return;
+    this.source = this.context.createBufferSource();
+    this.source.buffer = this.buffer;
+    this.source.loop = true;
+    this.source.connect(this.context.destination);
+    this.began = this.context.currentTime;
+    this.from = at;
+    this.source.start(this.began, at);
+  }
+
+  stopSource() {
+    this.source?.stop();
+    this.source?.disconnect();
+    this.source = undefined;
+    this.silentSince = performance.now() / 1000;
+  }
+}

@@ -1,0 +1,257 @@
+//! One body that dances: the music room without a window. The page says what plays and how large its picture
+//! is, and gets the pixels.
+
+mod doings;
+mod files;
+mod state;
+
+use std::sync::Arc;
+
+use chladni_music::{
+    Dancer, Ensemble, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction, Switch,
+    Viewpoint,
+};
+use chladni_program::work::{
+    Error, FrameGuard, Hearing, KnownSong, Playing, Programme, SandTable, ShowClock, Staging, along,
+    chooses_shots, look_named, opening_looks, opening_view,
+};
+use chladni_sound::Song;
+use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
+use chladni_view::{
+    Canvas, Device, Figure, ItemBuffers, Look, Mood, Picture, Rect, Renderer, RestShape, Topology,
+};
+use wasm_bindgen::prelude::*;
+
+use crate::coarse::coarse;
+use crate::parcel::Parcel;
+
+/// A shape, its dances, what is heard, and the picture of it.
+#[wasm_bindgen]
+pub struct Concert {
+    name: String,
+    hearing: Hearing,
+    clock: ShowClock,
+    instrument: Instrument,
+    ensemble: Ensemble,
+    staging: Staging,
+    sand: SandTable,
+    programme: Option<Programme>,
+    /// The knobs as they stood before there was sand.
+    before_sand: Option<Parameters>,
+    looks: Looks,
+    viewpoint: Viewpoint,
+    /// What its songs are called, by number.
+    songs: Vec<String>,
+    stage: Stage,
+}
+
+/// What draws, and the picture that was drawn last.
+struct Stage {
+    synthesizer: CpuSynthesizer,
+    topology: Topology,
+    /// For a gallery, whose pictures are small; none where the body has few vertices anyway.
+    small: Option<Topology>,
+    rest: RestShape,
+    buffers: ItemBuffers,
+    renderer: Renderer,
+    canvas: Canvas,
+    guard: FrameGuard,
+    picture: Picture,
+    /// x, y, width and height of each item's cell.
+    cells: Vec<u32>,
+}
+
+/// Vertices of a body in a gallery.
+const SMALL: usize = 2500;
+
+/// Who draws: the page has no other device yet.
+const DEVICE: Device = Device::Processor;
+
+/// What beat and sound do to one picture.
+struct Shot {
+    at_secs: f64,
+    reaction: Reaction,
+    framing: Option<Framing>,
+    mood: Mood,
+}
+
+#[wasm_bindgen]
+impl Concert {
+    /// A gallery of `size` dances (6, 9, 12 or 16) for the body that [`prepare`](crate::prepare) made ready.
+    ///
+    /// # Errors
+    /// Damaged bytes, or a size that there is not.
+    #[wasm_bindgen(constructor)]
+    pub fn new(body: &[u8], size: usize, seed: u32) -> Result<Self, JsError> {
+        let Parcel { name, body, classes, stands } = Parcel::from_bytes(body)?;
+        let dancer = Arc::new(Dancer::new(&body, &classes, &stands)?);
+        let bands = Parameter::Bands.initial() as usize;
+        let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
+        let instrument = Instrument::new(seed.into(), size, shape)?;
+        let model = SynthModel::new(&body)?;
+        let rest = model.rest_positions().to_vec();
+        let along = along(&body, &dancer);
+        let staging = Staging::new(Arc::clone(&dancer), rest, &body.triangles, along, stands);
+        let mut hearing = Hearing::default();
+        hearing.tune(0.0, instrument.parameters());
+        Ok(Self {
+            stage: Stage::new(model, &body.triangles, &staging)?,
+            hearing,
+            clock: ShowClock::default(),
+            instrument,
+            ensemble: Ensemble::new(dancer),
+            staging,
+            sand: SandTable::new(body, 0.0),
+            programme: None,
+            before_sand: None,
+            looks: opening_looks(&name),
+            viewpoint: opening_view(&name),
+            songs: Vec::new(),
+            name,
+        })
+    }
+
+    /// A song is known from now on, by its number: what [`decode`](crate::decode) gave, and what it is called.
+    ///
+    /// # Errors
+    /// Beats that are none, or a rate out of range.
+    pub fn know_song(
+        &mut self,
+        number: usize,
+        name: String,
+        rate_hz: u32,
+        left: Vec<f32>,
+        right: Vec<f32>,
+        beats: &str,
+    ) -> Result<(), JsError> {
+        let mut song = KnownSong::new(Arc::new(Song { rate_hz, left, right }))?;
+        song.beats = Some(serde_json::from_str(beats)?);
+        self.hearing.know(number, song);
+        // The page plays one song at a time, and decodes it again where it is wanted again.
+        self.hearing.forget_samples_but(number);
+        self.songs.resize(self.songs.len().max(number + 1), String::new());
+        self.songs[number] = name;
+        Ok(())
+    }
+
+    /// Draws what is heard at `now_secs` of any steady clock, while the song of a number (below 0: none) is
+    /// heard at a position of it, in a picture of `width` × `height` pixels. False where nothing is known of
+    /// that song yet: the picture stays.
+    ///
+    /// # Errors
+    /// A picture without pixels or too large, and bugs.
+    pub fn frame(
+        &mut self,
+        now_secs: f64,
+        song: i32,
+        position_secs: f64,
+        duration_secs: f64,
+        width: u32,
+        height: u32,
+    ) -> Result<bool, JsError> {
+        let song = usize::try_from(song).ok();
+        let duration_secs = (duration_secs > 0.0).then_some(duration_secs);
+        if let Some(stretch) = self.clock.follow(now_secs, Playing { song, position_secs, duration_secs }) {
+            self.hearing.begin(stretch)?;
+        }
+        let at_secs = self.clock.at_secs();
+        self.follow_programme(at_secs)?;
+        let (hearing, ensemble) = (&mut self.hearing, &mut self.ensemble);
+        self.sand.follow(hearing, ensemble, &self.instrument, at_secs)?;
+        let framing = hearing.framing_at(at_secs, self.instrument.seed());
+        let Some(heard) = hearing.hear(at_secs)? else { return Ok(false) };
+        let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
+        let shot = Shot { at_secs, reaction: heard.reaction(&self.instrument), framing, mood: heard.mood() };
+        let items = ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
+        // Full blending is the paper's: the mean of the exact and the rest normal.
+        let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
+        self.stage.deform(items, normal_blending)?;
+        self.draw(shot, width, height)?;
+        Ok(true)
+    }
+
+    /// Where the pixels of the last picture begin in the module's memory: RGBA, rows from the top.
+    pub fn pixels(&self) -> *const u8 {
+        self.stage.picture.rgba.as_ptr()
+    }
+
+    /// x, y, width and height, in pixels, of the cell of each dance in the last picture.
+    pub fn cells(&self) -> Vec<u32> {
+        self.stage.cells.clone()
+    }
+
+    /// How many vertices the body has.
+    pub fn vertices(&self) -> usize {
+        self.staging.rest().len()
+    }
+
+    /// How many harmonics it has.
+    pub fn harmonics(&self) -> usize {
+        self.ensemble.dancer().harmonics()
+    }
+}
+
+impl Concert {
+    /// The look by its names, or what the autopilot shows.
+    fn look(&self) -> Look {
+        let piloted = self.programme.as_ref().and_then(Programme::look);
+        piloted.unwrap_or_else(|| look_named(&self.looks).0)
+    }
+
+    fn draw(&mut self, shot: Shot, width: u32, height: u32) -> Result<(), Error> {
+        let Shot { at_secs, reaction, framing, mood } = shot;
+        let look = self.look().answering(&mood);
+        let stage = &mut self.stage;
+        if (stage.canvas.width(), stage.canvas.height()) != (width, height) {
+            stage.canvas = Canvas::new(&DEVICE, width, height)?;
+        }
+        let items = stage.buffers.items();
+        let from = (&self.viewpoint, framing.as_ref());
+        let area = Rect::of_size(width, height);
+        let staged = self.staging.set(area, items, from, &look, reaction, &self.instrument);
+        let grains = self.sand.drawn();
+        let small = stage.small.as_ref().filter(|_| items > 1);
+        let topology = small.unwrap_or(&stage.topology);
+        let figure = |item| Figure { grains, ..staged.figure(topology, &stage.buffers, item, &stage.rest) };
+        let figures: Vec<Figure<'_>> = (0..items).map(figure).collect();
+        let cells = staged.cells(&figures);
+        stage.renderer.draw_finished(&stage.canvas, &cells, &staged.look.finish, at_secs)?;
+        stage.picture = stage.canvas.read(&DEVICE)?;
+        if self.instrument.parameters().is_on(Switch::FlashLimit) {
+            stage.guard.pass(at_secs, &mut stage.picture);
+        }
+        let of = |cell: &Rect| [cell.x, cell.y, cell.width, cell.height];
+        stage.cells = staged.viewports.iter().flat_map(of).collect();
+        Ok(())
+    }
+}
+
+impl Stage {
+    fn new(model: SynthModel, triangles: &[[u32; 3]], staging: &Staging) -> Result<Self, Error> {
+        let vertices = model.vertices();
+        let small = coarse(model.rest_positions(), model.rest_normals(), triangles, SMALL);
+        let small = small.map(|triangles| Topology::new(&DEVICE, vertices, &triangles)).transpose()?;
+        Ok(Self {
+            small,
+            topology: Topology::new(&DEVICE, vertices, triangles)?,
+            rest: staging.rest_on(&DEVICE)?,
+            buffers: ItemBuffers::new(&DEVICE, vertices, 0),
+            synthesizer: CpuSynthesizer::new(model),
+            renderer: Renderer::new(&DEVICE),
+            canvas: Canvas::new(&DEVICE, 1, 1)?,
+            guard: FrameGuard::new(true),
+            picture: Picture::filled(1, 1, [0; 4]),
+            cells: Vec::new(),
+        })
+    }
+
+    fn deform(&mut self, items: &[Item], normal_blending: f32) -> Result<(), Error> {
+        let synthesizer = &mut self.synthesizer;
+        synthesizer.synthesize(items, &FrameSettings { normal_blending })?;
+        if self.buffers.items() != synthesizer.items() {
+            self.buffers = ItemBuffers::new(&DEVICE, self.buffers.vertices(), synthesizer.items());
+        }
+        let (positions, normals) = (synthesizer.all_positions(), synthesizer.all_normals());
+        Ok(self.buffers.write(&DEVICE, 0, positions, normals)?)
+    }
+}

@@ -1,0 +1,132 @@
+//! What a person does to a concert.
+
+use chladni_music::{Action, Moment, Parameters, SAND_MODE, experiment};
+use chladni_program::work::{Error, Programme, opening_view};
+use chladni_view::Camera;
+use wasm_bindgen::prelude::*;
+
+use super::Concert;
+
+/// A wheel's step brings the viewer so much nearer.
+const STEP: f32 = 0.9;
+/// How near and how far the viewer may be, in multiples of where the whole shape is seen.
+const DISTANCES: (f32, f32) = (0.25, 4.0);
+
+#[wasm_bindgen]
+impl Concert {
+    /// Does an action of the instrument, as a line of a show file says it: `{"do": "choose", "item": 3, "on": true}`.
+    ///
+    /// # Errors
+    /// Text that is no action, and an action that cannot be done.
+    #[wasm_bindgen(js_name = "act")]
+    pub fn act_text(&mut self, action: &str) -> Result<(), JsError> {
+        Ok(self.act(serde_json::from_str(action)?)?)
+    }
+
+    /// Sand lies on the shape, which vibrates as a plate does; or all is as it was before.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn sand(&mut self, on: bool) -> Result<(), JsError> {
+        let actions = match (on, self.before_sand.take()) {
+            (true, before) => {
+                self.before_sand = before.or_else(|| Some(self.instrument.parameters().clone()));
+                experiment(&self.ensemble.dancer().classes, self.instrument.shape().bands)
+            }
+            (false, Some(before)) => without_sand(&before),
+            (false, None) => Vec::new(),
+        };
+        for action in actions {
+            self.act(action)?;
+        }
+        Ok(())
+    }
+
+    /// The autopilot chooses dances and looks, or lets go.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn autopilot(&mut self, on: bool) -> Result<(), JsError> {
+        if !on {
+            self.programme = None;
+            return Ok(self.act(Action::LeaveStage)?);
+        }
+        let at_secs = self.clock.at_secs();
+        let mut programme = Programme::new(&self.instrument, Vec::new(), at_secs)?;
+        let actions = programme.step(at_secs, true, &self.instrument);
+        self.programme = Some(programme);
+        for action in actions {
+            self.act(action)?;
+        }
+        Ok(())
+    }
+
+    /// Shows a look by its names, as a show file has them: `{"look": "ember"}`. The autopilot shows its own.
+    ///
+    /// # Errors
+    /// Text that says no look.
+    pub fn set_look(&mut self, looks: &str) -> Result<(), JsError> {
+        self.looks = serde_json::from_str(looks)?;
+        Ok(())
+    }
+
+    /// Turns the viewer by a drag of so many pixels.
+    pub fn turn(&mut self, dx: f32, dy: f32) {
+        let view = &mut self.viewpoint;
+        let mut camera = Camera { yaw_rad: view.yaw_rad, pitch_rad: view.pitch_rad, ..Camera::default() };
+        camera.orbit(dx, dy);
+        (view.yaw_rad, view.pitch_rad) = (camera.yaw_rad, camera.pitch_rad);
+    }
+
+    /// Brings the viewer nearer by steps of a wheel.
+    pub fn zoom(&mut self, steps: f32) {
+        let distance = self.viewpoint.distance * STEP.powf(steps);
+        self.viewpoint.distance = distance.clamp(DISTANCES.0, DISTANCES.1);
+    }
+
+    /// Shifts the picture, in heights of a cell.
+    pub fn shift(&mut self, right: f32, down: f32) {
+        let [x, y] = self.viewpoint.shift;
+        self.viewpoint.shift = [(x + right).clamp(-2.0, 2.0), (y + down).clamp(-2.0, 2.0)];
+    }
+
+    /// Shows the whole shape from where it was seen first.
+    pub fn fit(&mut self) {
+        self.viewpoint = opening_view(&self.name);
+    }
+}
+
+impl Concert {
+    /// Does an action now.
+    pub(super) fn act(&mut self, action: Action) -> Result<(), Error> {
+        self.act_at(self.clock.at_secs(), action)
+    }
+
+    fn act_at(&mut self, at_secs: f64, action: Action) -> Result<(), Error> {
+        let at_beat = self.hearing.beat_at(at_secs).count;
+        self.instrument.apply(Moment { at_secs, at_beat }, action)?;
+        self.hearing.tune(at_secs, self.instrument.parameters());
+        Ok(())
+    }
+
+    /// Does what the autopilot wants by a time of the show.
+    pub(super) fn follow_programme(&mut self, now_secs: f64) -> Result<(), Error> {
+        let Some(programme) = &mut self.programme else { return Ok(()) };
+        let bars = self.hearing.bars_between(programme.heard_secs(), now_secs);
+        for (at_secs, action) in programme.hear(&bars, now_secs, &self.instrument) {
+            self.act_at(at_secs, action)?;
+        }
+        Ok(())
+    }
+}
+
+/// What takes back [`SAND_MODE`], to how the knobs stood before.
+fn without_sand(before: &Parameters) -> Vec<Action> {
+    let back = SAND_MODE.into_iter().map(|action| match action {
+        Action::SetForm { .. } => Action::SetForm { form: before.form },
+        Action::Set { parameter, .. } => Action::Set { parameter, value: before.get(parameter) },
+        Action::Switch { switch, .. } => Action::Switch { switch, on: before.is_on(switch) },
+        other => other,
+    });
+    back.chain([Action::LeaveStage]).collect()
+}

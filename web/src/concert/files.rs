@@ -1,0 +1,84 @@
+//! Shows and presets, as the texts that the desktop reads and writes, too.
+
+use chladni_music::{Action, FileRef, Preset, Show, SongRef};
+use serde::Serialize;
+use wasm_bindgen::prelude::*;
+
+use super::Concert;
+
+/// What a show is made of that the page has to find by itself.
+#[derive(Serialize)]
+struct Needs {
+    body: Option<String>,
+    songs: Vec<String>,
+    caution: Option<&'static str>,
+}
+
+/// The body and songs that a show names, as JSON.
+///
+/// # Errors
+/// Text that is no show.
+#[wasm_bindgen]
+pub fn needs_of_show(text: &str) -> Result<String, JsError> {
+    let show = Show::from_text(text)?;
+    let needs = Needs {
+        caution: show.caution(),
+        body: show.body.map(|body| body.path),
+        songs: show.songs.into_iter().map(|song| song.path).collect(),
+    };
+    Ok(serde_json::to_string(&needs)?)
+}
+
+#[wasm_bindgen]
+impl Concert {
+    /// The show so far, as the text of a show file.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn save_show(&self) -> Result<String, JsError> {
+        let file = |path: &str| FileRef { path: path.to_owned(), blake3: None };
+        let show = Show {
+            body: Some(file(&self.name)),
+            looks: Some(self.looks.clone()),
+            viewpoint: self.viewpoint,
+            songs: self.songs.iter().map(|name| SongRef::of(file(name))).collect(),
+            heard: self.hearing.stretches().collect(),
+            ..Show::of(&self.instrument)
+        };
+        Ok(show.to_text()?)
+    }
+
+    /// Goes on where a show ended: its gallery, its knobs, its look. What it was danced on, and what it was danced
+    /// to, is up to the page ([`needs_of_show`]).
+    ///
+    /// # Errors
+    /// Text that is no show, and a show that cannot be danced here.
+    pub fn open_show(&mut self, text: &str) -> Result<(), JsError> {
+        let show = Show::from_text(text)?;
+        self.instrument = show.replay(self.instrument.shape().clone())?;
+        self.viewpoint = show.viewpoint;
+        self.looks = show.looks.unwrap_or_default();
+        self.programme = None;
+        self.hearing.tune(self.clock.at_secs(), self.instrument.parameters());
+        Ok(())
+    }
+
+    /// A dance as the text of a preset file.
+    ///
+    /// # Errors
+    /// A dance that is not there.
+    pub fn save_preset(&self, item: usize) -> Result<String, JsError> {
+        let items = self.instrument.gallery().items();
+        let found = items.get(item).ok_or_else(|| JsError::new("there is no such dance"))?;
+        Ok(Preset::of(&self.instrument, found, Vec::new()).to_text()?)
+    }
+
+    /// Puts a preset in the place of a dance.
+    ///
+    /// # Errors
+    /// Text that is no preset.
+    pub fn open_preset(&mut self, item: usize, text: &str) -> Result<(), JsError> {
+        let preset = Box::new(Preset::from_text(text)?);
+        Ok(self.act(Action::Take { item, preset })?)
+    }
+}

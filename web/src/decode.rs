@@ -1,0 +1,67 @@
+//! From a song's file to its samples and beats: slow, too, and for a worker.
+
+use chladni_sound::{Song, SongOptions, SongReader, sample_tune, track_beats};
+use chladni_task::Task;
+use wasm_bindgen::prelude::*;
+
+/// Bytes of samples that a page takes: 12 minutes at 44.1 kHz.
+const MOST_BYTES: usize = 256 << 20;
+
+/// A song in memory, and where its beats are.
+#[wasm_bindgen]
+pub struct DecodedSong {
+    song: Song,
+    beats: String,
+    damage: Option<String>,
+}
+
+#[wasm_bindgen]
+impl DecodedSong {
+    /// Frames per second.
+    #[wasm_bindgen(getter)]
+    pub fn rate_hz(&self) -> u32 {
+        self.song.rate_hz
+    }
+
+    /// The left channel, once: it is given away.
+    pub fn take_left(&mut self) -> Vec<f32> {
+        std::mem::take(&mut self.song.left)
+    }
+
+    /// The right channel, once.
+    pub fn take_right(&mut self) -> Vec<f32> {
+        std::mem::take(&mut self.song.right)
+    }
+
+    /// Its beats, bars and sections, as [`Concert::know_song`](crate::Concert::know_song) reads them.
+    #[wasm_bindgen(getter)]
+    pub fn beats(&self) -> String {
+        self.beats.clone()
+    }
+
+    /// What was wrong with the file, where it could be played all the same.
+    #[wasm_bindgen(getter)]
+    pub fn damage(&self) -> Option<String> {
+        self.damage.clone()
+    }
+}
+
+/// Decodes a song by the same decoders as the desktop, and tracks its beats; without bytes, our own tune.
+///
+/// # Errors
+/// A file that is no song, or too long.
+#[wasm_bindgen]
+pub fn decode(name: &str, bytes: Option<Vec<u8>>) -> Result<DecodedSong, JsError> {
+    let task = Task::new();
+    let (song, damage) = match bytes {
+        Some(bytes) => {
+            let mut reader = SongReader::from_bytes(name, bytes)?;
+            let options = SongOptions { max_bytes: MOST_BYTES, ..SongOptions::default() };
+            let song = Song::read(&mut reader, &options, &task)?;
+            (song, reader.damage().map(|damage| damage.to_string()))
+        }
+        None => (sample_tune(), None),
+    };
+    let beats = serde_json::to_string(&track_beats(&song, &task)?)?;
+    Ok(DecodedSong { song, beats, damage })
+}

@@ -1,0 +1,53 @@
+//! Chladni in a browser: the engines and the program's own `work`, as a page calls them.
+//!
+//! Two halves meet here. A worker makes shapes and songs ready ([`prepare`], [`decode`]), which takes seconds;
+//! the page holds a [`Concert`] and asks it for one picture after the other. What the first hands to the second
+//! is a [`Parcel`](parcel::Parcel). Neither has a formula of its own.
+
+use std::path::Path;
+
+mod coarse;
+mod concert;
+mod decode;
+mod parcel;
+mod prepare;
+
+use chladni_program::work::formats;
+pub use concert::Concert;
+pub use decode::{DecodedSong, decode};
+pub use prepare::prepare;
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen]
+extern "C" {
+    #[wasm_bindgen(js_namespace = console, js_name = error)]
+    fn log_error(text: &str);
+}
+
+/// Runs when the module is loaded: what goes wrong inside is told to the browser's console.
+#[wasm_bindgen(start)]
+pub fn start() {
+    std::panic::set_hook(Box::new(|info| log_error(&info.to_string())));
+}
+
+/// The names of all sample shapes, each with the look that it has first, as JSON: `[["octopus", "aurora"], …]`.
+#[wasm_bindgen]
+pub fn samples() -> Result<String, JsError> {
+    let names = chladni_mesh::samples::SAMPLES;
+    let look = |name: &str| chladni_program::work::opening_looks(&format!("sample:{name}")).look;
+    let all: Vec<(&str, String)> = names.iter().map(|name| (*name, look(name))).collect();
+    Ok(serde_json::to_string(&all)?)
+}
+
+/// What a file is, by its name: `mesh`, `song`, `text` (a show or a preset), `list` or `project`.
+#[wasm_bindgen]
+pub fn kind(name: &str) -> String {
+    format!("{:?}", formats::kind(Path::new(name))).to_lowercase()
+}
+
+/// The names of all looks, as JSON.
+#[wasm_bindgen]
+pub fn looks() -> Result<String, JsError> {
+    let names: Vec<&str> = chladni_view::Look::PRESETS.iter().map(|(name, _)| *name).collect();
+    Ok(serde_json::to_string(&names)?)
+}

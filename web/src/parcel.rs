@@ -1,0 +1,134 @@
+//! A body that can dance, as bytes: what a worker hands to the page, and what `scripts/web` puts beside it.
+//!
+//! Positions are f32, and each harmonic is 16-bit integers of a scale of its own, just as pictures are
+//! synthesized: a tenth of the bytes that a solve has. The way back to the file's vertices stays behind, so
+//! that nothing can be exported from it.
+
+use std::sync::Arc;
+
+use chladni_harmonics::{Basis, Body, Certificate, Laplacian};
+use chladni_mesh::{Frame, Orientation};
+use chladni_music::Class;
+use serde::{Deserialize, Serialize};
+
+/// A body with all that a concert needs to know of it.
+pub struct Parcel {
+    /// As the command line calls it.
+    pub name: String,
+    /// Its harmonics have classes already.
+    pub body: Body,
+    pub classes: Vec<Class>,
+    pub stands: Orientation,
+}
+
+/// The text before the numbers.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    name: String,
+    stands: Orientation,
+    center: [f64; 3],
+    scale: f64,
+    vertices: usize,
+    triangles: usize,
+    classes: Vec<Class>,
+    eigenvalues: Vec<f64>,
+    /// What one unit of each harmonic's integers is.
+    units: Vec<f64>,
+    certificate: Certificate,
+}
+
+/// Why bytes are no parcel.
+#[derive(Debug)]
+pub struct Damaged(String);
+
+impl std::fmt::Display for Damaged {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "a body that was made ready before cannot be read: {}", self.0)
+    }
+}
+
+impl std::error::Error for Damaged {}
+
+impl Parcel {
+    /// The length of the head in four bytes, the head as JSON, then positions, areas, triangles and harmonics,
+    /// all little-endian.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, Damaged> {
+        let Body { frame, positions, triangles, basis, .. } = &self.body;
+        let n = positions.len();
+        let columns = || basis.vectors.chunks_exact(n.max(1));
+        let unit = |h: &[f64]| h.iter().fold(0.0_f64, |most, h| most.max(h.abs())) / f64::from(i16::MAX);
+        let units: Vec<f64> = columns().map(unit).collect();
+        let head = Head {
+            name: self.name.clone(),
+            stands: self.stands,
+            center: frame.center,
+            scale: frame.scale,
+            vertices: n,
+            triangles: triangles.len(),
+            classes: self.classes.clone(),
+            eigenvalues: basis.eigenvalues.clone(),
+            units: units.clone(),
+            certificate: basis.certificate,
+        };
+        let head = serde_json::to_vec(&head).map_err(|error| Damaged(error.to_string()))?;
+        let mut bytes = (head.len() as u32).to_le_bytes().to_vec();
+        bytes.extend(head);
+        bytes.extend(positions.iter().flatten().flat_map(|c| (*c as f32).to_le_bytes()));
+        bytes.extend(basis.mass.iter().flat_map(|area| (*area as f32).to_le_bytes()));
+        bytes.extend(triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
+        for (h, unit) in columns().zip(&units) {
+            let unit = if *unit > 0.0 { *unit } else { 1.0 };
+            bytes.extend(h.iter().flat_map(|h| ((h / unit).round() as i16).to_le_bytes()));
+        }
+        Ok(bytes)
+    }
+
+    /// What [`to_bytes`](Self::to_bytes) wrote.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Damaged> {
+        let mut rest = bytes;
+        let head = u32::from_le_bytes(take(&mut rest, 4)?.try_into().unwrap_or_default()) as usize;
+        let head: Head =
+            serde_json::from_slice(take(&mut rest, head)?).map_err(|error| Damaged(error.to_string()))?;
+        let (n, k) = (head.vertices, head.eigenvalues.len());
+        if head.units.len() != k || head.classes.len() != k {
+            return Err(Damaged("its harmonics are not as many as their eigenvalues".into()));
+        }
+        let positions: Vec<f64> = numbers(&mut rest, n, 3, |bytes| f32::from_le_bytes(bytes).into())?;
+        let mass = numbers(&mut rest, n, 1, |bytes| f32::from_le_bytes(bytes).into())?;
+        let corners = numbers(&mut rest, head.triangles, 3, u32::from_le_bytes)?;
+        if corners.iter().any(|v| *v as usize >= n) {
+            return Err(Damaged("a triangle names a vertex that is not there".into()));
+        }
+        let mut vectors = Vec::new();
+        for unit in &head.units {
+            vectors.extend(numbers(&mut rest, n, 1, |b| unit * f64::from(i16::from_le_bytes(b)))?);
+        }
+        let certificate = Certificate { laplacian: Laplacian::Delaunay, ..head.certificate };
+        let body = Body {
+            frame: Frame { center: head.center, scale: head.scale },
+            positions: positions.as_chunks().0.to_vec(),
+            triangles: corners.as_chunks().0.to_vec(),
+            operator_vertex: (0..n as u32).map(Some).collect(),
+            basis: Arc::new(Basis { eigenvalues: head.eigenvalues, vectors, mass, certificate }),
+        };
+        Ok(Self { name: head.name, body, classes: head.classes, stands: head.stands })
+    }
+}
+
+fn take<'a>(rest: &mut &'a [u8], count: usize) -> Result<&'a [u8], Damaged> {
+    let (taken, after) =
+        rest.split_at_checked(count).ok_or_else(|| Damaged(format!("it ends {count} bytes too early")))?;
+    *rest = after;
+    Ok(taken)
+}
+
+/// `rows` times `columns` numbers of B bytes.
+fn numbers<const B: usize, T>(
+    rest: &mut &[u8],
+    rows: usize,
+    columns: usize,
+    number: impl Fn([u8; B]) -> T,
+) -> Result<Vec<T>, Damaged> {
+    let count = rows.checked_mul(columns * B).ok_or_else(|| Damaged("it is too large".into()))?;
+    Ok(take(rest, count)?.as_chunks::<B>().0.iter().map(|bytes| number(*bytes)).collect())
+}

@@ -1,0 +1,79 @@
+//! From a shape to a body that can dance: the slow part, for a worker.
+
+use std::path::Path;
+
+use chladni_harmonics::Laplacian;
+use chladni_mesh::{Format, ShapeSource, TriMesh, read_mesh};
+use chladni_program::work::{self, Error, Stance, Warning, Watcher, body, dancer};
+use chladni_task::Task;
+use js_sys::Function;
+use wasm_bindgen::prelude::*;
+
+use crate::parcel::Parcel;
+
+/// Tells the page what is done, as `told("step", "solving …")`, and warnings as `told("warning", …)`.
+struct Told<'a> {
+    task: Task,
+    told: &'a Function,
+}
+
+impl Told<'_> {
+    fn tell(&self, kind: &str, text: &str) {
+        // Nobody need listen.
+        let _ = self.told.call2(&JsValue::NULL, &kind.into(), &text.into());
+    }
+}
+
+impl Watcher for Told<'_> {
+    fn task(&self) -> &Task {
+        &self.task
+    }
+
+    fn warn(&self, warning: Warning) {
+        self.tell("warning", &warning.to_string());
+    }
+
+    fn watch<T>(&self, label: &str, part: impl FnOnce(&Task) -> T) -> T {
+        self.tell("step", label);
+        part(&self.task)
+    }
+}
+
+/// The bytes of a body of so many harmonics: of the shape called `name`, which is `sample:NAME` or a file whose
+/// content is `bytes`. `told` gets two strings, `"step"` or `"warning"` and what it is.
+///
+/// # Errors
+/// What cannot be read, or solved for.
+#[wasm_bindgen]
+pub fn prepare(
+    name: &str,
+    bytes: Option<Vec<u8>>,
+    harmonics: usize,
+    told: &Function,
+) -> Result<Vec<u8>, JsError> {
+    let watcher = Told { task: Task::new(), told };
+    let mesh = match bytes {
+        Some(bytes) => watcher.watch("reading the mesh", |_| read(name, &bytes, &watcher))?,
+        None => work::source::shape(&ShapeSource::named(name), &watcher)?,
+    };
+    let stands = Stance::default().of(name, &mesh, None, None, &watcher)?;
+    let (body, _) = body::build(name, &mesh, harmonics, Laplacian::Delaunay, &watcher)?;
+    let symmetry = watcher.watch("looking for symmetry", |task| dancer::classes(&body, false, task))?;
+    let body = symmetry.rotated(&body);
+    let parcel = Parcel { name: name.to_owned(), body, classes: symmetry.classes, stands };
+    Ok(parcel.to_bytes()?)
+}
+
+/// A mesh file by its content or, where that says nothing, its extension.
+fn read(name: &str, bytes: &[u8], watcher: &impl Watcher) -> Result<TriMesh, Error> {
+    let extension = Path::new(name).extension().and_then(|extension| extension.to_str());
+    let format = Format::from_content(bytes).or_else(|| extension.and_then(Format::from_extension));
+    let unknown =
+        || Error::Input(format!("{name}: no mesh of a known kind (OBJ, PLY, OFF, STL, glTF, GLB, MESH)"));
+    let loaded =
+        read_mesh(bytes, format.ok_or_else(unknown)?).map_err(|error| Error::from(error).of(name))?;
+    for mended in &loaded.mended {
+        watcher.warn(Warning::of(name, mended));
+    }
+    Ok(loaded.mesh)
+}
