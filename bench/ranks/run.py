@@ -20,7 +20,7 @@ K = 64
 RANKS = [(1, 1), (2, 1), (2, 2), (4, 1), (4, 4)]
 # Vertices in the two directions of a torus, and on which ranks they are solved; the last one is for the model alone.
 QUICK = [((80, 50), RANKS)]
-MESHES = [((160, 64), RANKS), ((320, 128), [(1, 1), (2, 2)]), ((640, 256), [(1, 1)])]
+MESHES = [((100, 50), RANKS), ((200, 100), [(1, 1), (2, 2)])]
 MODELLED = [10e6, 50e6, 200e6]
 
 
@@ -29,7 +29,7 @@ def basis(mesh, *more):
     with tempfile.NamedTemporaryFile(suffix=".npz") as out:
         command = [CHLADNI, "--quiet", "basis", str(mesh), "-k", str(K), "--no-cache", "--json", "-o", out.name, *more]
         start = time.perf_counter()
-        done = subprocess.run(command, check=True, capture_output=True, text=True)
+        done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
         seconds = time.perf_counter() - start
         return json.loads(done.stdout), np.load(out.name)["eigenvalues"], seconds
 
@@ -69,7 +69,8 @@ def model(factors):
     lines = [
         f"A factor of n vertices has {fill:.1f} n log₂ n values and takes {work:.0f} n^1.5 additions and multiplications",
         "(" + ", ".join(f"{e / (v * math.log2(v)):.1f} and {f / v**1.5:.0f} at {v:,}" for v, e, f, _ in factors) + ");",
-        f"a rank's memory is {share:.0f} bytes for each, besides vectors. So, for K = 256 on 64 ranks with one factor:",
+        f"all memory of a rank besides its vectors comes to {share:.0f} bytes for each, an upper estimate, as part of it grows with n",
+        "only. So, for K = 256 on 64 ranks with one factor:",
         "",
         "| vertices | values of a factor | memory of all ranks | a rank | factoring | moved in it | harmonics |",
         "|---|---|---|---|---|---|---|",

@@ -124,7 +124,8 @@ fn frames_on_a_pipe_are_those_of_the_film_and_ffmpeg_reads_them() {
 #[test]
 fn pieces_of_a_film_are_the_film_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
-    let wav = folder.path().join("tone.wav");
+    let [mesh, wav] = ["ball.obj", "tone.wav"].map(|name| folder.path().join(name));
+    ball(&mesh);
     let tone = |n: i32| {
         let t = f64::from(n) / 44_100.0;
         ((0.4 + 0.3 * (5.0 * t).sin()) * (1400.0 * t).sin()) as f32
@@ -132,7 +133,7 @@ fn pieces_of_a_film_are_the_film_bit_for_bit() {
     let left: Vec<f32> = (0..4 * 44_100).map(tone).collect();
     write_wav(&wav, &Song { rate_hz: 44_100, right: left.clone(), left }, WavSample::Int16).unwrap();
     // The last piece begins after the two seconds that are drawn before it.
-    let film = ["sample:octopus", wav.to_str().unwrap(), "-k", "24", "--fps", "12"];
+    let film = [mesh.to_str().unwrap(), wav.to_str().unwrap(), "-k", "24", "--fps", "12"];
     let drawn = ["--size", "64x48", "--draw", "cpu"];
     let frames = |name: &str, more: &[&str]| {
         let out = folder.path().join(name);
