@@ -16,7 +16,9 @@ pub use pipeline::{Shape, pipeline};
 
 /// Reads a mesh, and where that works checks what the types promise.
 pub fn mesh(bytes: &[u8], format: Format) {
-    read_mesh(bytes, format).map_or((), |loaded| promised(&loaded));
+    if let Ok(loaded) = read_mesh(bytes, format) {
+        promised(&loaded);
+    }
 }
 
 /// Reads an OBJ or glTF file, and the file that it names, from one input: what follows the first line of `----` is the
@@ -25,7 +27,9 @@ pub fn mesh_beside(bytes: &[u8], format: Format) {
     let cut = bytes.windows(6).position(|window| window == b"\n----\n");
     let (own, beside) = cut.map_or((bytes, &[][..]), |at| (&bytes[..at], &bytes[at + 6..]));
     let beside = |_: &str| Ok(beside.to_vec());
-    read_mesh_beside(own, format, &beside).map_or((), |loaded| promised(&loaded));
+    if let Ok(loaded) = read_mesh_beside(own, format, &beside) {
+        promised(&loaded);
+    }
 }
 
 fn promised(loaded: &Loaded) {

