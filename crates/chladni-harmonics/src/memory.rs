@@ -3,7 +3,7 @@
 use crate::HarmonicsError;
 
 /// Bytes a vertex: mesh, operator and its analysis; a factor; the vectors of a Krylov space. Measured on surfaces of 100,000
-/// to 800,000 vertices, where the sum is right to a tenth (docs/scale.md).
+/// to 800,000 vertices, where the sum is right to a quarter (docs/scale.md).
 const SURFACE: u64 = 800;
 const FACTOR: u64 = 1100;
 const SPACE: u64 = 2048;
