@@ -47,14 +47,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// A target and what it starts from.
+type Seed = (&'static str, Vec<u8>);
+
 /// One of each kind of document, by its target.
-fn documents() -> Result<Vec<(&'static str, Vec<u8>)>, Box<dyn Error>> {
+fn documents() -> Result<Vec<Seed>, Box<dyn Error>> {
     let mut layer = Layer::new("nose", Template::Ellipsoid);
     layer.region.painted = Painted::Vertices([0.0, 1.0, 1.0, 0.5].into());
     let mut project = Project::new(ShapeSource::File("/somewhere/head.obj".into()), 64);
     project.push(layer)?;
     let shape = GalleryShape { eigenvalues: (0..16).map(f64::from).collect(), bands: 8 };
-    let mut instrument = Instrument::new(7, 4, shape)?;
+    let mut instrument = Instrument::new(7, 6, shape)?;
     instrument.apply(Moment::default(), Action::Set { parameter: Parameter::StereoMu, value: 0.5 })?;
     let presets = repertoire()?;
     let preset = presets.first().ok_or("there is a repertoire")?;
