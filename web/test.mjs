@@ -111,11 +111,11 @@ async function laptop() {
   step("a show was saved and opened again");
 
   await drop(page, "broken.obj", Buffer.from("v 1 2\nf 1 2 3\n"));
-  await until(page, () => document.getElementById("told").className === "bad");
+  await until(page, () => document.getElementById("status").className === "bad");
   await drop(page, "broken.ogg", Buffer.from("OggS, but no more"));
-  await until(page, () => document.getElementById("told").textContent.includes("broken.ogg"));
+  await until(page, () => document.getElementById("status").textContent.includes("broken.ogg"));
   await moves(page, "after broken files");
-  step("broken files are told of, and the dance goes on");
+  step("broken files are reported, and the dance goes on");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

@@ -26,12 +26,12 @@ MESHES = [(100, 50), (200, 100), (320, 160)]
 HARMONICS = [64, 150, 300]
 RUNS = 3
 PARTS = {
-    "operator": lambda told: told["seconds"]["operator"],
-    "ordering": lambda told: told["profile"]["analyze"],
-    "factors": lambda told: told["profile"]["factor"],
-    "solves": lambda told: told["profile"]["solve"],
-    "Lanczos": lambda told: sum(told["profile"][part] for part in ("orthogonalize", "project", "vectors")),
-    "certificate": lambda told: told["profile"]["assemble"],
+    "operator": lambda report: report["seconds"]["operator"],
+    "ordering": lambda report: report["profile"]["analyze"],
+    "factors": lambda report: report["profile"]["factor"],
+    "solves": lambda report: report["profile"]["solve"],
+    "Lanczos": lambda report: sum(report["profile"][part] for part in ("orthogonalize", "project", "vectors")),
+    "certificate": lambda report: report["profile"]["assemble"],
 }
 
 
@@ -46,11 +46,11 @@ def main():
         for (m, n), k in itertools.product(MESHES, HARMONICS):
             mesh = pathlib.Path(folder) / f"{m}x{n}.ply"
             torus(m, n, mesh)
-            runs = sorted((run(mesh, k) for _ in range(RUNS)), key=lambda told: told["seconds"]["total"])
-            told, total = runs[RUNS // 2], statistics.median(told["seconds"]["total"] for told in runs)
-            shares = [100 * part(told) / total for part in PARTS.values()]
+            runs = sorted((run(mesh, k) for _ in range(RUNS)), key=lambda report: report["seconds"]["total"])
+            report, total = runs[RUNS // 2], statistics.median(report["seconds"]["total"] for report in runs)
+            shares = [100 * part(report) / total for part in PARTS.values()]
             cells = " | ".join(f"{share:.0f}" for share in [*shares, 100 - sum(shares)])
-            rows.append(f"| {told['vertices']:,} | {k} | {total:.2f} | {cells} |")
+            rows.append(f"| {report['vertices']:,} | {k} | {total:.2f} | {cells} |")
             print(rows[-1], flush=True)
     text = [
         "## Where the time of a basis goes",

@@ -43,15 +43,15 @@ def measure(meshes):
             _, own, usual = basis(mesh)
             rows.append(f"| {m * n:,} | ours, 2 threads | 1 | | | | | |")
             for ranks, groups in configurations:
-                told, values, seconds = basis(mesh, "--engine", "slepc", "--ranks", str(ranks), "--groups", str(groups))
-                on, spent = told["ranks"], told["ranks"]["seconds"]
+                report, values, seconds = basis(mesh, "--engine", "slepc", "--ranks", str(ranks), "--groups", str(groups))
+                on, spent = report["ranks"], report["ranks"]["seconds"]
                 off = np.abs(values[1:] / own[1:] - 1).max()
-                counts = "match" if told["inertia_counts_match"] else "**do not match**"
+                counts = "match" if report["inertia_counts_match"] else "**do not match**"
                 peak = max(on["peak_bytes"]) / 1e6
                 rows.append(
                     f"| {m * n:,} | {ranks} ranks, {groups} factors | {seconds / usual:.1f} | "
                     f"{spent['count']:.1f} + {spent['solve']:.1f} + {spent['polish']:.1f} | {peak:.0f} | {off:.1e} | "
-                    f"{told['max_relative_residual']:.1e}, {told['max_orthogonality_error']:.1e} | {counts} |"
+                    f"{report['max_relative_residual']:.1e}, {report['max_orthogonality_error']:.1e} | {counts} |"
                 )
                 print(rows[-1], flush=True)
                 if (ranks, groups) == (1, 1):

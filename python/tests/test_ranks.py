@@ -19,7 +19,7 @@ def test_ranks_find_what_the_own_solver_finds(ball):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         ({"engine": "arpack"}, "'chladni' or 'slepc'"),
         ({"ranks": 2}, "belong to engine"),
@@ -29,6 +29,6 @@ def test_ranks_find_what_the_own_solver_finds(ball):
         ({"engine": "slepc", "hosts": "/no/such/file"}, "/no/such/file"),
     ],
 )
-def test_what_cannot_be_is_refused(ball, arguments, told):
-    with pytest.raises(chladni.InputError, match=told):
+def test_what_cannot_be_is_refused(ball, arguments, message):
+    with pytest.raises(chladni.InputError, match=message):
         chladni.Basis(*ball, 5, **arguments)

@@ -27,14 +27,14 @@ let concert;
 let state;
 let detail = Math.min(devicePixelRatio, 1.5);
 /** What tests and benchmarks read. */
-const told = (window.chladni = { frames: 0, drawMs: 0, detail, position: () => sound.position(), sound, view: () => JSON.parse(concert.state()).viewpoint });
+const report = (window.chladni = { frames: 0, drawMs: 0, detail, position: () => sound.position(), sound, view: () => JSON.parse(concert.state()).viewpoint });
 
 // ---- what is said
 
 let saying;
 function say(text, bad = false, secs = 8) {
-  of("told").textContent = text;
-  of("told").classList.toggle("bad", bad);
+  of("status").textContent = text;
+  of("status").classList.toggle("bad", bad);
   clearTimeout(saying);
   if (text) saying = setTimeout(() => say(""), 1000 * (bad ? 20 : secs));
 }
@@ -81,7 +81,7 @@ async function openMesh(name, bytes) {
   try {
     const { body, secs } = await ask({ work: "prepare", name, bytes, harmonics }, told_by(name));
     show(body);
-    told.solveSecs = secs;
+    report.solveSecs = secs;
     say(`${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s`);
   } finally { busy(false); }
 }
@@ -154,8 +154,8 @@ function draw(now) {
   const pixels = new Uint8ClampedArray(memory.buffer, concert.pixels(), 4 * width * height);
   brush.putImageData(new ImageData(pixels, width, height), 0, 0);
   const took = performance.now() - began;
-  told.drawMs = told.drawMs ? 0.9 * told.drawMs + 0.1 * took : took;
-  if (told.frames++ === 0) told.firstPictureMs = performance.now();
+  report.drawMs = report.drawMs ? 0.9 * report.drawMs + 0.1 * took : took;
+  if (report.frames++ === 0) report.firstPictureMs = performance.now();
   suit();
   drawCells(of("cells"), concert.cells(), state, width, height, choices);
   if (!of("seek").matches(":active")) of("seek").value = sound.duration ? sound.position() / sound.duration : 0;
@@ -166,10 +166,10 @@ let sinceChange = 0;
 function suit() {
   if (++sinceChange < 12) return;
   const finest = Math.min(devicePixelRatio, 1.5);
-  if (told.drawMs > SLOWEST && detail > COARSEST) detail = Math.max(COARSEST, detail * 0.85);
-  else if (told.drawMs < FASTEST && detail < finest) detail = Math.min(finest, detail * 1.1);
+  if (report.drawMs > SLOWEST && detail > COARSEST) detail = Math.max(COARSEST, detail * 0.85);
+  else if (report.drawMs < FASTEST && detail < finest) detail = Math.min(finest, detail * 1.1);
   else return;
-  told.detail = detail;
+  report.detail = detail;
   sinceChange = 0;
 }
 
@@ -183,7 +183,7 @@ const choices = {
 
 function refresh() {
   if (!concert) return;
-  state = told.state = JSON.parse(concert.state());
+  state = report.state = JSON.parse(concert.state());
   const chosen = state.dances.filter((dance) => dance.chosen).length;
   of("breed").textContent = chosen > 1 ? `Breed ${chosen}` : "Breed";
   of("breed").disabled = chosen < 2 || state.on_stage;

@@ -11,7 +11,7 @@ function start() {
     if (!asked) return;
     if (data.kind === "done") { waiting.delete(data.id); asked.resolve(data); }
     else if (data.kind === "failed") { waiting.delete(data.id); asked.reject(new Error(data.text)); }
-    else asked.told(data.kind, data.text);
+    else asked.report(data.kind, data.text);
   };
   worker.onerror = (event) => giveUp(new Error(`The work stopped: ${event.message ?? "not enough memory?"}`));
 }
@@ -25,12 +25,12 @@ export function giveUp(why = new Error("Cancelled")) {
   for (const asked of all.values()) asked.reject(why);
 }
 
-/** `told` gets ("step" or "warning", text). `bytes` are given away. */
-export function ask(request, told = () => {}) {
+/** `report` gets ("step" or "warning", text). `bytes` are given away. */
+export function ask(request, report = () => {}) {
   if (!worker) start();
   const id = next++;
   return new Promise((resolve, reject) => {
-    waiting.set(id, { resolve, reject, told });
+    waiting.set(id, { resolve, reject, report });
     worker.postMessage({ id, ...request }, request.bytes ? [request.bytes.buffer] : []);
   });
 }

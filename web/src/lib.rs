@@ -24,7 +24,7 @@ extern "C" {
     fn log_error(text: &str);
 }
 
-/// Runs when the module is loaded: what goes wrong inside is told to the browser's console.
+/// Runs when the module is loaded: what goes wrong inside is written to the browser's console.
 #[wasm_bindgen(start)]
 pub fn start() {
     std::panic::set_hook(Box::new(|info| log_error(&info.to_string())));

@@ -11,20 +11,20 @@ use wasm_bindgen::prelude::*;
 
 use crate::parcel::Parcel;
 
-/// Tells the page what is done, as `told("step", "solving …")`, and warnings as `told("warning", …)`.
-struct Told<'a> {
+/// Reports to the page what is done, as `report("step", "solving …")`, and warnings as `report("warning", …)`.
+struct Reporter<'a> {
     task: Task,
-    told: &'a Function,
+    report: &'a Function,
 }
 
-impl Told<'_> {
+impl Reporter<'_> {
     fn tell(&self, kind: &str, text: &str) {
         // Nobody need listen.
-        let _ = self.told.call2(&JsValue::NULL, &kind.into(), &text.into());
+        let _ = self.report.call2(&JsValue::NULL, &kind.into(), &text.into());
     }
 }
 
-impl Watcher for Told<'_> {
+impl Watcher for Reporter<'_> {
     fn task(&self) -> &Task {
         &self.task
     }
@@ -40,7 +40,7 @@ impl Watcher for Told<'_> {
 }
 
 /// The bytes of a body of so many harmonics: of the shape called `name`, which is `sample:NAME` or a file whose
-/// content is `bytes`. `told` gets two strings, `"step"` or `"warning"` and what it is.
+/// content is `bytes`. `report` gets two strings, `"step"` or `"warning"` and what it is.
 ///
 /// # Errors
 /// What cannot be read, or solved for.
@@ -49,9 +49,9 @@ pub fn prepare(
     name: &str,
     bytes: Option<Vec<u8>>,
     harmonics: usize,
-    told: &Function,
+    report: &Function,
 ) -> Result<Vec<u8>, JsError> {
-    let watcher = Told { task: Task::new(), told };
+    let watcher = Reporter { task: Task::new(), report };
     let mesh = match bytes {
         Some(bytes) => watcher.watch("reading the mesh", |_| read(name, &bytes, &watcher))?,
         None => work::source::shape(&ShapeSource::named(name), &watcher)?,

@@ -343,7 +343,7 @@ impl Difference {
         }
     }
 
-    /// The amplitude above K of a signal of energy `whole` (Parseval); 0 where it cannot be told from
+    /// The amplitude above K of a signal of energy `whole` (Parseval); 0 where it cannot be distinguished from
     /// rounding.
     fn above(&self, whole: f64, harmonics: &[f64]) -> f64 {
         let above = whole - harmonics.iter().map(|c| c * c).sum::<f64>();

@@ -157,8 +157,8 @@ fn older_formats_load_and_newer_ones_say_so() {
     assert_eq!(soft.region.smoothing.roll_off, RollOff::Heat);
     // Filling in came later: what was made without it stays without.
     assert_eq!((bent.infill, soft.infill), (0.0, 0.0));
-    let told = project.taken_over().unwrap();
-    assert!(told.contains("format 2") && told.contains("heat"), "{told}");
+    let message = project.taken_over().unwrap();
+    assert!(message.contains("format 2") && message.contains("heat"), "{message}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("now.chladni");
     project.save(&path).unwrap();
@@ -212,8 +212,8 @@ fn what_is_wrong_with_a_file_is_told_in_one_line() {
     ];
     for (text, expected) in cases {
         std::fs::write(&path, &text).unwrap();
-        let told = Project::load(&path).unwrap_err().to_string();
-        assert!(told.contains(expected) && !told.contains('\n'), "{text:?}: {told}");
+        let message = Project::load(&path).unwrap_err().to_string();
+        assert!(message.contains(expected) && !message.contains('\n'), "{text:?}: {message}");
     }
 }
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, SymmetricSparse};
 
-/// Eigenvalues that agree to this relative tolerance cannot be told apart; rotating their vectors adds at
+/// Eigenvalues that agree to this relative tolerance cannot be distinguished; rotating their vectors adds at
 /// most as much to the relative residual.
 const EQUAL: f64 = 3e-10;
 /// What counts as a peak: a share of the largest magnitude.

@@ -241,7 +241,7 @@ impl Bindings {
     }
 
     /// The messages that let devices which `listens` show where things stand: each with its device. Only what is new is
-    /// told; bindings that are not of one device tell none.
+    /// sent; bindings that are not of one device tell none.
     pub fn feedback(
         &mut self,
         standing: Standing<'_>,
@@ -250,7 +250,7 @@ impl Bindings {
         let mut messages = Vec::new();
         for (binding, hand) in self.list.iter().zip(&mut self.hands) {
             if binding.device.is_empty() || !listens(&binding.device) {
-                // Plugged in again, it has to be told anew.
+                // Plugged in again, all is sent anew.
                 hand.shown = None;
                 continue;
             }
@@ -398,18 +398,18 @@ mod tests {
         ]);
         let mut parameters = Parameters::default();
         parameters.form = crate::Form::Modal;
-        let told = |bindings: &mut Bindings, parameters: &Parameters| {
+        let message = |bindings: &mut Bindings, parameters: &Parameters| {
             bindings.feedback(&|target, number| target.standing(number, parameters), &|_| true)
         };
-        let first = told(&mut bindings, &parameters);
+        let first = message(&mut bindings, &parameters);
         let pads = "pads".to_owned();
         let expected =
             [(pads.clone(), [0x90, 40, 0]), (pads.clone(), [0x90, 41, 127]), ("desk".into(), [0xe3, 0, 0])];
         assert_eq!(first, expected);
-        assert!(told(&mut bindings, &parameters).is_empty());
+        assert!(message(&mut bindings, &parameters).is_empty());
         parameters.switch(Switch::Sand, true);
         parameters.set(Parameter::StereoMu, 1.0).unwrap();
-        let again = told(&mut bindings, &parameters);
+        let again = message(&mut bindings, &parameters);
         assert_eq!(again, [(pads, [0x90, 40, 127]), ("desk".into(), [0xe3, 127, 127])]);
         // What a hand does, the fader shows already.
         let moved = Touch::from_midi("desk", &[0xe3, 127, 127]).unwrap();
@@ -420,9 +420,9 @@ mod tests {
             panic!("it does not turn");
         };
         parameters.set(parameter, value).unwrap();
-        assert!(told(&mut bindings, &parameters).is_empty());
+        assert!(message(&mut bindings, &parameters).is_empty());
         assert!(bindings.feedback(&|_, _| Some(0.0), &|_| false).is_empty());
-        assert_eq!(told(&mut bindings, &parameters).len(), 2);
+        assert_eq!(message(&mut bindings, &parameters).len(), 2);
     }
 
     #[test]

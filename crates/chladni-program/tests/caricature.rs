@@ -351,8 +351,8 @@ fn a_region_beside_the_shape_is_told() {
     let desk = Desk::new();
     let line = "caricature shape.obj ellipsoid --harmonics 16 -o out.obj --region";
     let beside = desk.run(&format!("{line} 0,0,0,0.1"));
-    let told = String::from_utf8(beside.stderr).unwrap();
-    assert!(beside.status.success() && told.contains("its region holds no vertex"), "{told}");
+    let message = String::from_utf8(beside.stderr).unwrap();
+    assert!(beside.status.success() && message.contains("its region holds no vertex"), "{message}");
     let on_it = desk.run(&format!("{line} 10,0,0,20"));
     assert!(!String::from_utf8(on_it.stderr).unwrap().contains("its region"));
 }
@@ -371,8 +371,8 @@ fn a_shape_with_few_vertices_dances_with_the_harmonics_it_has() {
     let desk = Desk::new();
     save_mesh(&samples::icosphere(0), &desk.path("few.obj")).unwrap();
     let dance = desk.run("dance few.obj sample:tune --coefficients c.npz --duration 0.1");
-    let told = String::from_utf8(dance.stderr).unwrap();
-    assert!(dance.status.success() && told.contains("12 harmonics instead of 512"), "{told}");
+    let message = String::from_utf8(dance.stderr).unwrap();
+    assert!(dance.status.success() && message.contains("12 harmonics instead of 512"), "{message}");
 }
 
 /// The picture that `line` writes.
@@ -464,7 +464,7 @@ fn paper_mode_takes_the_plain_laplacian_and_the_papers_settings() {
     desk.ok(&format!("{line} --paper -o paper.ply"));
     desk.ok(&format!("{line} -o usual.ply"));
     assert!(largest(&desk.mesh("paper.ply").positions, &desk.mesh("usual.ply").positions) > 1e-3);
-    // What cannot have it is told so at once, with the place.
+    // What cannot have it is refused at once, with the place.
     let fan = TriMesh {
         positions: vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.5, 0.8, 0.5], [-0.5, -0.8, 0.5]],
         triangles: vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]],
@@ -624,8 +624,8 @@ fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
         ("--render x.jpg", "a picture ends in .png or .svg"),
         ("--ink", "--render"),
     ] {
-        let told = desk.refused(&format!("{line} {options}"));
-        assert!(told.contains(said), "{options}: {told}");
+        let message = desk.refused(&format!("{line} {options}"));
+        assert!(message.contains(said), "{options}: {message}");
         assert!(!desk.path("x.svg").exists());
     }
 }

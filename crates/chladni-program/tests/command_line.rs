@@ -363,13 +363,13 @@ fn pictures_and_films_need_no_driver() {
         assert!(drawn > 10, "{name} is empty");
     }
     let refused = run("match mesh.obj --method ellipsoid --render no.png --draw gpu");
-    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(!refused.status.success() && told.contains("no graphics adapter"), "{told}");
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && message.contains("no graphics adapter"), "{message}");
     assert!(!at("no.png").exists());
     let refused =
         run("dance sample:octopus sample:tune --frames no --draw cpu --synthesis gpu --duration 0.1 -k 16");
-    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(refused.status.code() == Some(2) && told.contains("--synthesis gpu"), "{told}");
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && message.contains("--synthesis gpu"), "{message}");
 }
 
 #[cfg(target_os = "linux")]
@@ -384,8 +384,8 @@ fn a_picture_made_without_a_session_comes_with_no_complaint() {
     let output = command.output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     // Our own warning, that an octahedron has no up, may be there.
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(told.lines().all(|line| line.starts_with("warning: ")), "{told}");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.lines().all(|line| line.starts_with("warning: ")), "{message}");
     assert!(picture.exists());
 }
 
@@ -397,9 +397,9 @@ fn without_a_display_one_line_says_so() {
         command.env_remove(name);
     }
     let output = command.output().unwrap();
-    let told = String::from_utf8_lossy(&output.stderr);
+    let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1));
-    assert!(told.lines().count() == 1 && told.contains("there is no display"), "{told}");
+    assert!(message.lines().count() == 1 && message.contains("there is no display"), "{message}");
 }
 
 fn vertex_lines(path: &Path) -> Vec<String> {

@@ -93,7 +93,7 @@ impl BenchCaricature {
 /// Why something could not be done.
 type Trouble = Box<dyn std::error::Error + Send + Sync>;
 
-/// Times `act`, which is told how often it ran before.
+/// Times `act`, which gets how often it ran before.
 type Timer<'a> =
     dyn FnMut(&'static str, &mut dyn FnMut(usize) -> Result<(), Trouble>) -> Result<(), Error> + 'a;
 

@@ -38,7 +38,7 @@ fn act(room: &mut Rehearsal, action: Action) -> Result<(), Error> {
     room.act(vec![action]).and_then(|()| room.release())
 }
 
-/// Times `action`, which is told how often it ran before.
+/// Times `action`, which gets how often it ran before.
 fn timed(
     what: &'static str,
     room: &mut Rehearsal,

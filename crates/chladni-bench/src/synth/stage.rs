@@ -74,7 +74,7 @@ impl Scene {
     }
 }
 
-/// Waits until the device has done what it was told.
+/// Waits until the device has finished its work.
 pub fn wait(gpu: &Gpu) -> Result<(), Error> {
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(Error::other)?;
     gpu.check().map_err(Error::other)

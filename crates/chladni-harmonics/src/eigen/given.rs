@@ -33,7 +33,7 @@ pub(crate) fn solve(
     let mut profile = Profile::default();
     let mut problem = Problem::given(pencil)?;
     let bound = pencil.bound() * problem.stretch();
-    // What is zero is counted: by value, none is told from one that is small compared with the lift.
+    // What is zero is counted: by value, a zero looks like anything small compared with the lift.
     let (spacing, zeros) = if bound > 0.0 {
         let spacing = spacing(&problem, bound, harmonics, &mut profile, task)?;
         (spacing, inertia(&problem, FIRST * bound, &mut profile)?.1)

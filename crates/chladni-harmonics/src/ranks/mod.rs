@@ -289,9 +289,9 @@ impl Pairs {
         let mut next_row = 0;
         for rank in 0..ranks {
             let bad = |what: &str| HarmonicsError::RanksFailed { reason: format!("rank {rank} left {what}") };
-            let told = fs::read(folder.join(format!("rank-{rank}.json"))).map_err(|_| bad("no result"))?;
+            let message = fs::read(folder.join(format!("rank-{rank}.json"))).map_err(|_| bad("no result"))?;
             let part: Part =
-                serde_json::from_slice(&told).map_err(|_| bad("a result that cannot be read"))?;
+                serde_json::from_slice(&message).map_err(|_| bad("a result that cannot be read"))?;
             if rank == 0 {
                 pairs.vectors = pages::zeroed(n * (zeros + part.eigenvalues.len()));
                 (pairs.eigenvalues, pairs.counts, pairs.seconds) =
@@ -387,12 +387,12 @@ mod tests {
     #[test]
     fn damaged_results_of_ranks_are_errors() {
         let folder = tempfile::tempdir().unwrap();
-        let read = |told: &str, vectors: &[u8]| {
-            fs::write(folder.path().join("rank-0.json"), told).unwrap();
+        let read = |message: &str, vectors: &[u8]| {
+            fs::write(folder.path().join("rank-0.json"), message).unwrap();
             fs::write(folder.path().join("rank-0.f64"), vectors).unwrap();
             Pairs::read(folder.path(), 1, 2, 0).map(|pairs| pairs.vectors)
         };
-        let told = |rows: &str| {
+        let message = |rows: &str| {
             format!(
                 r#"{{"rows": {rows}, "eigenvalues": [1.0], "counts": [], "below": [2.0, 2],
                 "peak_bytes": 1, "factor_entries": 3, "factor_flops": 4,
@@ -400,7 +400,7 @@ mod tests {
             )
         };
         let two: Vec<u8> = [1.5f64, -2.5].iter().flat_map(|x| x.to_le_bytes()).collect();
-        assert_eq!(read(&told("[0, 2]"), &two).unwrap(), [1.5, -2.5]);
+        assert_eq!(read(&message("[0, 2]"), &two).unwrap(), [1.5, -2.5]);
         for (rows, bytes) in [
             ("[0, 2]", &two[..15]),
             ("[1, 0]", &two),
@@ -408,7 +408,7 @@ mod tests {
             ("[0, 1]", &two),
             ("[0, 1]", &two[..8]),
         ] {
-            assert!(read(&told(rows), bytes).is_err(), "{rows}");
+            assert!(read(&message(rows), bytes).is_err(), "{rows}");
         }
         assert!(read("{", &two).is_err());
     }

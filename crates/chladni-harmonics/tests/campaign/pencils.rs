@@ -28,7 +28,7 @@ pub fn multiple(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     rotated(rng, spectrum)
 }
 
-/// Eigenvalues in clusters, from just told apart to not at all.
+/// Eigenvalues in clusters, from just distinguishable to not at all.
 pub fn clustered(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     let n = size(rng, 3, most);
     let centers: Vec<f64> = (0..rng.random_range(1..7)).map(|_| rng.random_range(0.1..10.0)).collect();

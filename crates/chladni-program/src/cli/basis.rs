@@ -155,15 +155,15 @@ impl Args {
             })
             .map_err(named)?;
         for warning in report.warnings(&body.basis.certificate) {
-            terminal.warn(Warning::Told(warning.to_string()));
+            terminal.warn(Warning::Plain(warning.to_string()));
         }
         if report.fell_back_to_dense {
-            terminal.warn(Warning::Told(
+            terminal.warn(Warning::Plain(
                 "the eigenvalues could not be counted in slices; solved as a dense matrix instead".into(),
             ));
         }
         if report.cuts_cluster {
-            terminal.warn(Warning::Told(format!(
+            terminal.warn(Warning::Plain(format!(
                 "harmonic {} belongs to a group of equal eigenvalues that goes on; --whole-clusters takes all of it",
                 self.harmonics - 1
             )));

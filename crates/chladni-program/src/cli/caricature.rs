@@ -193,8 +193,8 @@ impl Caricature {
                 Err(failure) => {
                     failed += 1;
                     match failure.to_string() {
-                        told if told.starts_with(&name) => terminal.warn(Warning::Told(told)),
-                        told => terminal.warn(Warning::of(&name, told)),
+                        message if message.starts_with(&name) => terminal.warn(Warning::Plain(message)),
+                        message => terminal.warn(Warning::of(&name, message)),
                     }
                 }
             }

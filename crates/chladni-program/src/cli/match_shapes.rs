@@ -117,7 +117,7 @@ impl MatchShapes {
             draw(path, &self.shape.display().to_string(), &shape, &found.correspondence, terminal)?;
         }
         for warning in &found.report.warnings {
-            terminal.warn(Warning::Told(warning.clone()));
+            terminal.warn(Warning::Plain(warning.clone()));
         }
         if self.json {
             return terminal.json(&Printed { report: &found.report, seconds });

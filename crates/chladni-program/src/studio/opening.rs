@@ -91,11 +91,11 @@ pub struct Opening {
     pub files: Vec<PathBuf>,
     /// Counts frames, and closes the window when it has seen enough.
     pub measure: Option<Rc<RefCell<Measure>>>,
-    /// Is told of the first picture, and closes the window.
+    /// Hears of the first picture, and closes the window.
     pub first_picture: Option<Rc<FirstPicture>>,
     /// What the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
-    /// Is told what the music room plays in each frame.
+    /// Hears what the music room plays in each frame.
     pub trace: Option<Trace>,
     /// What a window before it has left, and where it leaves what is open should its device be lost.
     pub handover: Handover,

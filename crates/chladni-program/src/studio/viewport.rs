@@ -132,7 +132,7 @@ impl Viewport {
         let now_secs = ui.input(|input| input.time);
         let quality = if self.stale || resized || self.canvas.is_none() {
             self.effort.frame(now_secs);
-            // The next frame is requested at once, so that a late frame can be told from one that was not
+            // The next frame is requested at once, so that a late frame can be distinguished from one that was not
             // needed.
             ui.ctx().request_repaint();
             self.moved_secs = (self.effort.quality() != Quality::STILL).then_some(now_secs);

@@ -187,16 +187,16 @@ pub enum Warning {
         /// A file, a sample, a template.
         name: String,
         /// A sentence.
-        told: String,
+        message: String,
     },
     /// What concerns all of the work.
-    Told(String),
+    Plain(String),
 }
 
 impl Warning {
     /// Of what is called `name`.
-    pub fn of(name: impl Display, told: impl Display) -> Self {
-        Self::Of { name: name.to_string(), told: told.to_string() }
+    pub fn of(name: impl Display, message: impl Display) -> Self {
+        Self::Of { name: name.to_string(), message: message.to_string() }
     }
 }
 
@@ -215,8 +215,8 @@ impl Display for Warning {
                      to {to}"
                 )
             }
-            Self::Of { name, told } => write!(f, "{name}: {told}"),
-            Self::Told(told) => f.write_str(told),
+            Self::Of { name, message } => write!(f, "{name}: {message}"),
+            Self::Plain(message) => f.write_str(message),
         }
     }
 }

@@ -140,7 +140,7 @@ pub fn read_beats(beats: &Beats, reading: BeatReading) -> Beats {
     }
 }
 
-/// The bars of a song, as a director is told of them.
+/// The bars of a song, as a director gets them.
 pub fn bar_lines(beats: &Beats) -> impl Iterator<Item = BarLine> {
     let bars = &beats.bars;
     bars.iter().enumerate().map(move |(i, bar)| {

@@ -29,14 +29,14 @@ impl OwnLook {
             && !texture.bytes.is_empty()
         {
             if textures > 1 {
-                let told = format!("has {textures} textures; the view shows the first, exports keep all");
-                watcher.warn(Warning::of(name, told));
+                let message = format!("has {textures} textures; the view shows the first, exports keep all");
+                watcher.warn(Warning::of(name, message));
             }
             match Picture::decode(&texture.bytes) {
                 Ok(picture) => return Some(Self::Image { corner_uvs: uvs.concat(), picture }),
                 Err(error) => {
-                    let told = format!("the texture {} cannot be shown: {error}", texture.name);
-                    watcher.warn(Warning::of(name, told));
+                    let message = format!("the texture {} cannot be shown: {error}", texture.name);
+                    watcher.warn(Warning::of(name, message));
                 }
             }
         }

@@ -53,7 +53,7 @@ pub fn make(
         watcher.task().check()?;
         match &found {
             Ok(found) => stands = stands.or(found.stands),
-            Err(why) => watcher.warn(Warning::Told(why.to_string())),
+            Err(why) => watcher.warn(Warning::Plain(why.to_string())),
         }
         stack.install(request, found);
     }

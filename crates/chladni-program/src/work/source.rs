@@ -49,8 +49,8 @@ pub fn mesh(name: impl AsRef<Path>, watcher: &impl Watcher) -> Result<TriMesh, E
 /// [`Error::Caricature`] with the file's name.
 pub fn project(path: &Path, watcher: &impl Watcher) -> Result<Project, Error> {
     let project = Project::load(path)?;
-    if let Some(told) = project.taken_over() {
-        watcher.warn(Warning::of(path.display(), told));
+    if let Some(message) = project.taken_over() {
+        watcher.warn(Warning::of(path.display(), message));
     }
     Ok(project)
 }

@@ -59,11 +59,11 @@ impl Stance {
         if let Some(matched) = matched.filter(|_| !self.is_told()) {
             return Ok(matched);
         }
-        let told = format!(
+        let message = format!(
             "drawn with {}, which is in doubt: --up and --front, or a project, say otherwise",
             found.orientation
         );
-        watcher.warn(Warning::of(name, told));
+        watcher.warn(Warning::of(name, message));
         Ok(found.orientation)
     }
 }

@@ -33,8 +33,8 @@ pub fn matched(
     let template = template_mesh(&request.template, watcher)
         .map_err(|error| CaricatureError::Unmatched(error.to_string()))?;
     let found = watcher.watch("matching", |task| request.run(mesh, body, template.as_ref(), task))?;
-    for told in found.report.iter().flat_map(|report| &report.warnings) {
-        watcher.warn(Warning::of(&request.template, told));
+    for message in found.report.iter().flat_map(|report| &report.warnings) {
+        watcher.warn(Warning::of(&request.template, message));
     }
     Ok(found)
 }

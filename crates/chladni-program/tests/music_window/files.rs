@@ -23,7 +23,7 @@ fn what_cannot_be_opened_is_told_and_the_dance_goes_on() {
         [1000.0, 640.0],
     );
     wait(&mut window, "the ball", |w| shows(w, "6 items"));
-    for (name, told) in [
+    for (name, message) in [
         ("missing.wav", "missing.wav"),
         ("broken.mp3", "broken.mp3"),
         ("broken.toml", "broken.toml"),
@@ -34,7 +34,7 @@ fn what_cannot_be_opened_is_told_and_the_dance_goes_on() {
     ] {
         answers.add(path(name));
         window.key_press_modifiers(Modifiers::COMMAND, Key::O);
-        wait(&mut window, &format!("word of {name}"), |w| shows(w, told));
+        wait(&mut window, &format!("word of {name}"), |w| shows(w, message));
         assert!(window.query_by_label("Dance 6").is_some(), "{name} took the gallery away");
     }
     screenshot(&mut window, "window-music-trouble.png");

@@ -254,7 +254,7 @@ impl Engine {
         while self.written < taken() + target && starts < MOST_STARTS {
             let Some(decoding) = &mut self.song else { break };
             let song = self.list.current;
-            let told = match decoding.refill() {
+            let message = match decoding.refill() {
                 Ok(true) => None,
                 Ok(false) => {
                     let what = decoding.reader.damage();
@@ -263,13 +263,13 @@ impl Engine {
                 }
                 Err(error) => Some(Some(PlayerEvent::SongFailed { song, reason: error.to_string() })),
             };
-            let Some(told) = told else {
+            let Some(message) = message else {
                 if self.write_ready() {
                     continue;
                 }
                 return;
             };
-            told.into_iter().for_each(|event| self.tell(event));
+            message.into_iter().for_each(|event| self.tell(event));
             self.song = None;
             self.song_ended();
             starts += 1;

@@ -128,11 +128,11 @@ impl Player {
             }),
         });
         let (commands, received) = channel();
-        let (told, events) = channel();
+        let (message, events) = channel();
         let engine_shared = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name("sound".into())
-            .spawn(move || Engine::new(engine_shared, received, told, settings).run())
+            .spawn(move || Engine::new(engine_shared, received, message, settings).run())
             .map_err(|error| SoundError::Device { what: format!("no thread for it: {error}") })?;
         Ok(Self { shared, commands, events, thread: Some(thread) })
     }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::system::{Disk, System};
-use super::{replace, told};
+use super::{advised, replace};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Call {
@@ -99,7 +99,7 @@ fn new_text() -> Vec<u8> {
 /// Saves, in pieces.
 fn save(system: &Faulty) -> io::Result<()> {
     replace(system, &system.path, |file| new_text().chunks(50_000).try_for_each(|part| file.write_all(part)))
-        .map_err(told)
+        .map_err(advised)
 }
 
 #[test]

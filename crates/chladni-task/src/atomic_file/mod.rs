@@ -26,13 +26,13 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Unix the file keeps its permissions. The folder of `path` must exist.
 ///
 /// # Errors
-/// Errors of creating, writing or renaming the file, or of `write`. A full disk and one that may not be written are told
+/// Errors of creating, writing or renaming the file, or of `write`. A full disk and one that may not be written are reported
 /// with what to do; what is no file, such as a device, is not replaced. Where only the folder cannot be flushed, the new file is in its place.
 pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,
 ) -> io::Result<()> {
-    replace(&Disk, path, write).map_err(told)
+    replace(&Disk, path, write).map_err(advised)
 }
 
 /// Flushes a complete file from [`temporary_beside`] and gives it the name `path`, as [`write_atomic_with`] does.
@@ -40,7 +40,7 @@ pub fn write_atomic_with(
 /// # Errors
 /// Errors of flushing or renaming it.
 pub fn persist(file: NamedTempFile, path: &Path) -> io::Result<()> {
-    finish(&Disk, file, &where_it_leads(path)).map_err(told)
+    finish(&Disk, file, &where_it_leads(path)).map_err(advised)
 }
 
 fn replace(
@@ -123,7 +123,7 @@ fn folder_of(path: &Path) -> &Path {
 /// # Errors
 /// What creating the file says.
 pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<NamedTempFile> {
-    create(&Disk, path, ending).map_err(told)
+    create(&Disk, path, ending).map_err(advised)
 }
 
 fn create(system: &dyn System, path: &Path, ending: &str) -> io::Result<NamedTempFile> {
@@ -149,7 +149,7 @@ fn without_path(error: io::Error) -> io::Error {
 }
 
 /// The errors that a user can do something about, with what that is.
-fn told(error: io::Error) -> io::Error {
+fn advised(error: io::Error) -> io::Error {
     use io::ErrorKind::{PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
     let advice = match error.kind() {
         StorageFull | QuotaExceeded => "the disk is full: make room, or write to another one",

@@ -347,7 +347,7 @@ fn item_bytes(figure: &Figure<'_>) -> std::ops::Range<u64> {
     start..start + bytes
 }
 
-/// Many values of one uniform, told apart by their dynamic offset.
+/// Many values of one uniform, distinguished by their dynamic offset.
 struct Uniforms<T> {
     label: &'static str,
     bytes: Vec<u8>,

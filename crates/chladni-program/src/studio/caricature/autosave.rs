@@ -20,7 +20,7 @@ pub struct Autosave {
     /// What the copy holds; `None` where there is none.
     kept: Option<Project>,
     last_secs: f64,
-    /// Why the last copy could not be written: it is tried again, and told once.
+    /// Why the last copy could not be written: it is tried again, and reported once.
     failure: Option<String>,
 }
 
@@ -194,18 +194,18 @@ mod tests {
         let mut tick_until = |autosave: &mut Autosave, done: &dyn Fn(Option<&str>) -> bool| {
             for _ in 0..10_000 {
                 secs += INTERVAL_SECS;
-                let told = autosave.tick(&history, None, secs);
-                if done(told.as_deref()) {
-                    return told;
+                let message = autosave.tick(&history, None, secs);
+                if done(message.as_deref()) {
+                    return message;
                 }
                 std::thread::sleep(std::time::Duration::from_millis(1));
             }
             panic!("the disk never answered");
         };
-        let told = tick_until(&mut autosave, &|told| told.is_some());
-        assert!(told.unwrap().contains("recovery copy"));
+        let message = tick_until(&mut autosave, &|message| message.is_some());
+        assert!(message.unwrap().contains("recovery copy"));
         for _ in 0..5 {
-            assert_eq!(tick_until(&mut autosave, &|_| true), None, "told already");
+            assert_eq!(tick_until(&mut autosave, &|_| true), None, "reported already");
         }
         assert!(autosave.due_secs(&history, 0.0).is_some());
         std::fs::rename(home.path().join("elsewhere"), &folder).unwrap();

@@ -61,8 +61,8 @@ pub fn load(
     let aside = Aside::new(task);
     let name = project.shape.to_string();
     let mesh = Arc::new(source::shape(&project.shape, &aside)?);
-    if let Some(told) = project.taken_over() {
-        aside.warn(Warning::Told(format!("This is {told}.")));
+    if let Some(message) = project.taken_over() {
+        aside.warn(Warning::Plain(format!("This is {message}.")));
     }
     let known = project.shape.stands().map_or_else(Known::default, Known::from);
     let stands = Estimate::of(&mesh, known, task)?;
@@ -71,8 +71,8 @@ pub fn load(
     let new = recovered.is_some() || made_on.is_some();
     if let Some(from) = made_on {
         let carried = project.carried(&from, &mesh, task)?;
-        for told in carried.report.into_iter().flat_map(|report| report.warnings) {
-            aside.warn(Warning::of(&name, told));
+        for message in carried.report.into_iter().flat_map(|report| report.warnings) {
+            aside.warn(Warning::of(&name, message));
         }
         project = carried.project;
     }

@@ -47,9 +47,9 @@ impl MusicRoom {
         match ended {
             Ok(frames) if left_out == 0 => shared.notices.done(format!("Recorded {path}: {frames} frames")),
             Ok(frames) => {
-                let told =
+                let message =
                     format!("Recorded {path}: {frames} frames, of which {left_out} repeat the one before");
-                shared.notices.warn(told);
+                shared.notices.warn(message);
             }
             Err(why) => shared.notices.failed(why.of(path)),
         }

@@ -51,8 +51,9 @@ impl MusicRoom {
                     return self.go_on_with(&path, &show, shared);
                 }
                 if show.harmonics.is_some_and(|harmonics| harmonics > MOST_HARMONICS) {
-                    let told = format!("{}: more harmonics than dance live; films have all.", path.display());
-                    shared.notices.warn(told);
+                    let message =
+                        format!("{}: more harmonics than dance live; films have all.", path.display());
+                    shared.notices.warn(message);
                 }
                 self.coming = Some((path, show));
                 self.load(body, shared);

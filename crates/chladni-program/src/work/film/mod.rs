@@ -268,8 +268,8 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     if let Some(folder) = &output.presets {
         save_presets(folder, performance.instrument())?;
     }
-    for told in &done.warnings {
-        watcher.warn(Warning::Told(told.clone()));
+    for message in &done.warnings {
+        watcher.warn(Warning::Plain(message.clone()));
     }
     seconds.total = began.elapsed().as_secs_f64();
     Ok(Report {

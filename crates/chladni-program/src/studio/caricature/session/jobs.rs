@@ -33,7 +33,7 @@ impl Session {
             let result = outcome.unwrap_or_else(|why| Err(CaricatureError::Unmatched(why.to_string())));
             // No message if the user stopped it.
             let failed = result.as_ref().err().filter(|why| !matches!(why, CaricatureError::Cancelled(_)));
-            message = failed.map(|why| Warning::Told(why.to_string()));
+            message = failed.map(|why| Warning::Plain(why.to_string()));
             if let Ok(Matched { stands: Some(stands), .. }) = &result
                 && self.stands.in_doubt
             {

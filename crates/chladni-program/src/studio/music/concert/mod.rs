@@ -406,9 +406,9 @@ impl Concert {
                 self.seen.extend(items.iter().map(coarse::harmonics_seen));
             }
             let took = (shared.now)().saturating_duration_since(began);
-            if let Some(told) = self.pace.frame(took, self.ensemble.dancer().harmonics()) {
+            if let Some(message) = self.pace.frame(took, self.ensemble.dancer().harmonics()) {
                 self.ensemble.use_at_most(self.pace.harmonics());
-                shared.notices.warn(told);
+                shared.notices.warn(message);
             }
         }
         // Reported once; then the processor continues.

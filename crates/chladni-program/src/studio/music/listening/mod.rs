@@ -56,7 +56,7 @@ pub struct Listening {
     beats: BeatCount,
     /// Films what is not known as a whole.
     director: Director,
-    /// Bars that began by ear, and up to when those of known songs were told.
+    /// Bars that began by ear, and up to when those of known songs were reported.
     fresh_bars: Vec<BarLine>,
     bars_told_secs: f64,
     /// The beat of an outer clock, and what it was last.
@@ -275,8 +275,8 @@ impl Listening {
             PlayerEvent::DeviceLost(why) => Some(format!("No sound: {why}. The song goes on in silence.")),
             PlayerEvent::SongStarted(_) | PlayerEvent::Finished | PlayerEvent::DeviceOpened(_) => None,
         };
-        let told: Vec<String> = self.player.events().filter_map(tell).collect();
-        self.warnings.drain(..).chain(told).collect()
+        let message: Vec<String> = self.player.events().filter_map(tell).collect();
+        self.warnings.drain(..).chain(message).collect()
     }
 
     /// Listens to what is heard at this moment, which is `now_secs` by any steadily running clock. `before`
@@ -448,8 +448,8 @@ impl Listening {
                 Learned::Title(title) => song.title = Some(title),
                 Learned::Nothing(why) => {
                     song.given_up = true;
-                    let told = "Until another song plays it is heard as live input is";
-                    self.warnings.extend(why.map(|why| format!("{why}. {told}.")));
+                    let message = "Until another song plays it is heard as live input is";
+                    self.warnings.extend(why.map(|why| format!("{why}. {message}.")));
                 }
             }
         }

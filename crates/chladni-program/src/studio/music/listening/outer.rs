@@ -110,7 +110,7 @@ impl Listening {
         beat
     }
 
-    /// The bars to be told of: those of the clock where it is followed, with what `of_music` say of energy and sections.
+    /// The bars to report: those of the clock where it is followed, with what `of_music` say of energy and sections.
     pub(super) fn bars_or(&mut self, of_music: Vec<BarLine>) -> Vec<BarLine> {
         let bars = if self.follows_clock() {
             let outer = &mut self.outer;

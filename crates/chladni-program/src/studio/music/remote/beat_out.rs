@@ -17,7 +17,7 @@ const BANDS: usize = 8;
 /// Below this the beat is a guess: a clock that goes out stops.
 const SURE: f32 = 0.1;
 
-/// What is told at one moment.
+/// What is sent at one moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Now<'a> {
     /// By any steadily running clock.
@@ -30,10 +30,10 @@ pub struct Now<'a> {
     pub bands: &'a [f32],
 }
 
-/// What was told last.
+/// What was sent last.
 #[derive(Debug, Default)]
-pub struct Told {
-    /// Bars are known one frame after the beat that they begin with, so beats are told one frame late.
+pub struct Sent {
+    /// Bars are known one frame after the beat that they begin with, so beats are sent one frame late.
     beat: f64,
     beats: Option<i64>,
     bar_begins: i64,
@@ -43,7 +43,7 @@ pub struct Told {
     bands_secs: f64,
 }
 
-impl Told {
+impl Sent {
     /// What is new: `/bar` and `/beat`, each with its number, `/tempo`, `/energy`, `/section`, and `/bands`.
     pub fn messages(&mut self, now: &Now<'_>) -> Vec<OscMessage> {
         let mut messages = Vec::new();
@@ -64,7 +64,7 @@ impl Told {
             tell("/bar", vec![OscType::Int(progress.bars as i32)]);
             tell("/energy", vec![OscType::Float(progress.energy)]);
         }
-        if self.beats.replace(beats).is_some_and(|told| told != beats) {
+        if self.beats.replace(beats).is_some_and(|last| last != beats) {
             let in_bar = 1 + (beats - self.bar_begins).max(0);
             tell("/beat", vec![OscType::Int(in_bar as i32)]);
         }
@@ -95,7 +95,7 @@ fn octaves(bands: &[f32]) -> [f32; BANDS] {
 pub struct BeatOut {
     socket: UdpSocket,
     to: SocketAddr,
-    told: Told,
+    last: Sent,
     /// Why the last packet could not be sent.
     pub failure: Option<String>,
 }
@@ -108,12 +108,12 @@ impl BeatOut {
         socket.set_nonblocking(true)?;
         let to = address.to_socket_addrs()?.find(SocketAddr::is_ipv4);
         let to = to.ok_or_else(|| std::io::Error::other("no such address"))?;
-        Ok(Self { socket, to, told: Told::default(), failure: None })
+        Ok(Self { socket, to, last: Sent::default(), failure: None })
     }
 
     /// Sends what is new.
     pub fn tell(&mut self, now: &Now<'_>) {
-        for message in self.told.messages(now) {
+        for message in self.last.messages(now) {
             let packet = encoder::encode(&OscPacket::Message(message));
             let sent = packet
                 .map_err(|why| why.to_string())
@@ -146,13 +146,13 @@ impl ClockSender {
     pub fn start(outputs: Outputs) -> std::io::Result<Self> {
         let given = Arc::new(Mutex::new(None));
         let closed = Arc::new(AtomicBool::new(false));
-        let (told, ended) = (Arc::clone(&given), Arc::clone(&closed));
+        let (last, ended) = (Arc::clone(&given), Arc::clone(&closed));
         std::thread::Builder::new().name("clock out".into()).spawn(move || {
             let mut out = ClockOut::default();
             let mut device = String::new();
             loop {
                 let closes = ended.load(Ordering::Relaxed);
-                let now: Option<Given> = told.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                let now: Option<Given> = last.lock().unwrap_or_else(PoisonError::into_inner).clone();
                 let now = now.filter(|now| !closes && now.at.elapsed() < STALE);
                 // One device stops before another starts.
                 let goes_on = now.as_ref().filter(|now| device.is_empty() || now.device == device);
@@ -198,12 +198,12 @@ mod tests {
 
     /// Ten seconds at 120 beats a minute, 60 frames a second, with a bar every four beats.
     fn evening() -> Vec<(f64, OscMessage)> {
-        let (mut told, mut progress, mut sent) = (Told::default(), Progress::default(), Vec::new());
+        let (mut last, mut progress, mut sent) = (Sent::default(), Progress::default(), Vec::new());
         let bands: Vec<f32> = (0..128).map(|i| i as f32 / 128.0).collect();
         for frame in 0..600u32 {
             let at_secs = f64::from(frame) / 60.0;
             let count = 2.0 * at_secs + 1e-9;
-            // As in the window: bars of the frame before are told in this one.
+            // As in the window: bars of the frame before are sent in this one.
             let before = 2.0 * (at_secs - 1.0 / 60.0) + 1e-9;
             progress.bars = (before / 4.0).floor().max(-1.0) as i32 as u32;
             progress.energy = 0.5;
@@ -214,7 +214,7 @@ mod tests {
                 progress,
                 bands: &bands,
             };
-            sent.extend(told.messages(&now).into_iter().map(|message| (at_secs, message)));
+            sent.extend(last.messages(&now).into_iter().map(|message| (at_secs, message)));
         }
         sent
     }

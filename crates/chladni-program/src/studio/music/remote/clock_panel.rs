@@ -19,7 +19,7 @@ impl Remote {
         let tip =
             "MIDI clock of any device, and /tempo and /beat over OSC, in place of the beat that is heard";
         theme::checkbox(ui, &mut preferences.follows_clock, "Follow MIDI clock and OSC").on_hover_text(tip);
-        let told = match (listening.is_locked(), listening.follows_clock()) {
+        let message = match (listening.is_locked(), listening.follows_clock()) {
             (true, _) => "The tempo is held.",
             (false, true) => "The beat is that of the clock.",
             (false, false) if preferences.follows_clock => {
@@ -27,7 +27,7 @@ impl Remote {
             }
             (false, false) => "The beat is that of the music.",
         };
-        weak(ui, told);
+        weak(ui, message);
         ui.horizontal(|ui| {
             let mut locked = listening.is_locked();
             let lock = theme::checkbox(ui, &mut locked, "Hold the tempo");
