@@ -18,7 +18,7 @@ fn of_solve(vertices: usize, harmonics: usize, slices: usize) -> u64 {
 }
 
 /// About how many bytes it takes here where others solve: the mesh, and the vectors.
-#[cfg(feature = "npz")]
+#[cfg(not(target_family = "wasm"))]
 fn of_ranks(vertices: usize, harmonics: usize) -> u64 {
     VALUE.saturating_mul(harmonics as u64 + 64).saturating_add(SURFACE).saturating_mul(vertices as u64)
 }
@@ -29,7 +29,7 @@ pub(crate) fn check_solve(vertices: usize, harmonics: usize, slices: usize) -> R
 }
 
 /// Refuses a solve by others for whose harmonics there is not enough memory here.
-#[cfg(feature = "npz")]
+#[cfg(not(target_family = "wasm"))]
 pub(crate) fn check_ranks(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError> {
     check(vertices, harmonics, of_ranks(vertices, harmonics), available())
 }
@@ -92,7 +92,7 @@ mod tests {
         assert!(check(800_000, 256, of_solve(800_000, 256, 2), Some(22_000_000_000)).is_ok());
         assert!(check(3, usize::MAX / 8, 1, None).unwrap_err().to_string().contains("this machine's memory"));
         assert!(check_solve(usize::MAX, usize::MAX / 8, 1).is_err());
-        #[cfg(feature = "npz")]
+        #[cfg(not(target_family = "wasm"))]
         assert!(check_ranks(1 << 60, 1 << 10).is_err());
     }
 
