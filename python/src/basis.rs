@@ -50,7 +50,7 @@ impl Certificate {
 }
 
 /// Warns of what a solve was not quite as asked for.
-pub fn message(py: Python<'_>, report: &BuildReport, certificate: &harmonics::Certificate) -> PyResult<()> {
+pub fn warn_of(py: Python<'_>, report: &BuildReport, certificate: &harmonics::Certificate) -> PyResult<()> {
     let mut warnings: Vec<String> = report.warnings(certificate).iter().map(ToString::to_string).collect();
     if report.fell_back_to_dense {
         warnings.push("could not be certified in slices and was solved as a dense matrix".into());
@@ -119,7 +119,7 @@ impl Basis {
                 }
             })
         })?;
-        message(py, &report, &body.basis.certificate)?;
+        warn_of(py, &report, &body.basis.certificate)?;
         let rows = rows_of(&body);
         let Body { frame, positions, triangles, operator_vertex, .. } = body;
         let shape = [operator_vertex.len(), rows.eigenvalues.len()];

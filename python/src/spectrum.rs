@@ -5,7 +5,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{self, give, give_matrix};
-use crate::basis::{Certificate, message};
+use crate::basis::{Certificate, warn_of};
 use crate::failure::Failure;
 use crate::work;
 
@@ -80,7 +80,7 @@ pub fn eigsh<'py>(
             }
         })
     })?;
-    message(py, &report, &pairs.certificate)?;
+    warn_of(py, &report, &pairs.certificate)?;
     let shape = [n, pairs.eigenvalues.len()];
     let vectors = give_matrix(py, pairs.vectors, shape)?;
     Ok((give(py, pairs.eigenvalues), vectors, Certificate(pairs.certificate)))

@@ -163,9 +163,7 @@ impl Concert {
         let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
         let shot = Shot { at_secs, reaction: heard.reaction(&self.instrument), framing, mood: heard.mood() };
         let items = ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
-        // Full blending is the paper's: the mean of the exact and the rest normal.
-        let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
-        self.stage.deform(items, normal_blending)?;
+        self.stage.deform(items, &self.instrument.parameters().frame_settings())?;
         self.draw(shot, width, height)?;
         Ok(true)
     }
@@ -245,13 +243,8 @@ impl Stage {
         })
     }
 
-    fn deform(&mut self, items: &[Item], normal_blending: f32) -> Result<(), Error> {
-        let synthesizer = &mut self.synthesizer;
-        synthesizer.synthesize(items, &FrameSettings { normal_blending })?;
-        if self.buffers.items() != synthesizer.items() {
-            self.buffers = ItemBuffers::new(&DEVICE, self.buffers.vertices(), synthesizer.items());
-        }
-        let (positions, normals) = (synthesizer.all_positions(), synthesizer.all_normals());
-        Ok(self.buffers.write(&DEVICE, 0, positions, normals)?)
+    fn deform(&mut self, items: &[Item], settings: &FrameSettings) -> Result<(), Error> {
+        self.synthesizer.synthesize(items, settings)?;
+        Ok(self.buffers.take_frame(&DEVICE, &self.synthesizer)?)
     }
 }

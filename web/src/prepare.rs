@@ -1,10 +1,8 @@
 //! From a shape to a body that can dance: the slow part, for a worker.
 
-use std::path::Path;
-
 use chladni_harmonics::Laplacian;
-use chladni_mesh::{Format, ShapeSource, TriMesh, read_mesh};
-use chladni_program::work::{self, Error, Stance, Warning, Watcher, body, dancer};
+use chladni_mesh::ShapeSource;
+use chladni_program::work::{self, Stance, Warning, Watcher, body, dancer};
 use chladni_task::Task;
 use js_sys::Function;
 use wasm_bindgen::prelude::*;
@@ -53,7 +51,7 @@ pub fn prepare(
 ) -> Result<Vec<u8>, JsError> {
     let watcher = Reporter { task: Task::new(), report };
     let mesh = match bytes {
-        Some(bytes) => watcher.watch("reading the mesh", |_| read(name, &bytes, &watcher))?,
+        Some(bytes) => work::source::shape_in(name, &bytes, &watcher)?,
         None => work::source::shape(&ShapeSource::named(name), &watcher)?,
     };
     let stands = Stance::default().of(name, &mesh, None, None, &watcher)?;
@@ -62,18 +60,4 @@ pub fn prepare(
     let body = symmetry.rotated(&body);
     let parcel = Parcel { name: name.to_owned(), body, classes: symmetry.classes, stands };
     Ok(parcel.to_bytes()?)
-}
-
-/// A mesh file by its content or, where that says nothing, its extension.
-fn read(name: &str, bytes: &[u8], watcher: &impl Watcher) -> Result<TriMesh, Error> {
-    let extension = Path::new(name).extension().and_then(|extension| extension.to_str());
-    let format = Format::from_content(bytes).or_else(|| extension.and_then(Format::from_extension));
-    let unknown =
-        || Error::Input(format!("{name}: no mesh of a known kind (OBJ, PLY, OFF, STL, glTF, GLB, MESH)"));
-    let loaded =
-        read_mesh(bytes, format.ok_or_else(unknown)?).map_err(|error| Error::from(error).of(name))?;
-    for mended in &loaded.mended {
-        watcher.warn(Warning::of(name, mended));
-    }
-    Ok(loaded.mesh)
 }

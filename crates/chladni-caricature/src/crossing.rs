@@ -152,7 +152,7 @@ mod tests {
         }
         let first = triangles.len() as u32 / 2;
         let here = found.iter().filter(|t| **t < first).count();
-        assert!(here > 20 && found.len() - here > 20, "both spheres are message");
+        assert!(here > 20 && found.len() - here > 20, "both spheres are found");
     }
 
     #[test]

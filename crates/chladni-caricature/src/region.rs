@@ -270,8 +270,8 @@ mod tests {
             if let Some(k) = halved {
                 assert!((after[k] - 0.5 * before[k]).abs() < 1e-9, "{wavelength}");
             }
-            let message = heat.apply(&body, &painted).unwrap();
-            assert!(message.iter().zip(&chi).all(|(a, b)| (f64::from(*a) - b).abs() < 1e-6));
+            let by_heat = heat.apply(&body, &painted).unwrap();
+            assert!(by_heat.iter().zip(&chi).all(|(a, b)| (f64::from(*a) - b).abs() < 1e-6));
         }
     }
 

@@ -92,9 +92,9 @@ impl CacheEntry {
 
     /// Writes the entry whole; a warning where that fails.
     pub(crate) fn write(&self, basis: &Basis, cuts_cluster: bool) -> Result<(), String> {
-        let message = |e: io::Error| format!("the basis was not cached: {}: {e}", self.path.display());
+        let unwritten = |e: io::Error| format!("the basis was not cached: {}: {e}", self.path.display());
         if let Some(folder) = self.path.parent() {
-            fs::create_dir_all(folder).map_err(message)?;
+            fs::create_dir_all(folder).map_err(unwritten)?;
         }
         let header = Header {
             magic: *MAGIC,
@@ -118,7 +118,7 @@ impl CacheEntry {
             }
             file.write_all(hash.finalize().as_bytes())
         })
-        .map_err(message)
+        .map_err(unwritten)
     }
 }
 

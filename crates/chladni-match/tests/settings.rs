@@ -30,24 +30,24 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 #[test]
 fn the_same_vertices_are_told_by_their_triangles() {
     let shape = lump(2);
-    let message = |template: &TriMesh| same_connectivity(&shape, template, Scaling::Free);
+    let matched = |template: &TriMesh| same_connectivity(&shape, template, Scaling::Free);
     // Listed in another order, and every triangle from another corner on.
     let mut reordered = moved(&shape, |p| p.map(|c| 3.0 * c));
     reordered.triangles.reverse();
     reordered.triangles.iter_mut().for_each(|t| t.rotate_left(1));
-    assert_eq!(message(&reordered).unwrap().confidence, vec![1.0; shape.positions.len()]);
+    assert_eq!(matched(&reordered).unwrap().confidence, vec![1.0; shape.positions.len()]);
     // As many vertices, but another mesh: its vertices in another order.
     let n = shape.positions.len() as u32;
     let mut other = shape.clone();
     other.positions.reverse();
     other.triangles.iter_mut().for_each(|t| *t = t.map(|v| n - 1 - v));
-    let failed = message(&other).unwrap_err();
+    let failed = matched(&other).unwrap_err();
     assert!(matches!(failed, MatchError::TrianglesDiffer { missing, .. } if missing > 0), "{failed}");
     let mut inside_out = shape.clone();
     inside_out.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    assert!(matches!(message(&inside_out), Err(MatchError::TrianglesDiffer { .. })));
+    assert!(matches!(matched(&inside_out), Err(MatchError::TrianglesDiffer { .. })));
     let fewer = TriMesh { triangles: shape.triangles[1..].to_vec(), ..shape.clone() };
-    assert!(matches!(message(&fewer), Err(MatchError::TrianglesDiffer { missing: 1, .. })));
+    assert!(matches!(matched(&fewer), Err(MatchError::TrianglesDiffer { missing: 1, .. })));
 }
 
 #[test]

@@ -57,7 +57,7 @@ pub use health::{HealthReport, Topology, Welded};
 pub use mesh::TriMesh;
 pub use mirror::{MirrorPlane, MirrorSearch, OnSurface};
 pub use orientation::{Axis, Estimate, Evidence, Known, Orientation};
-pub use read::{Loaded, Mended, load_mesh, read_mesh, read_mesh_beside};
+pub use read::{Loaded, Mended, load_mesh, nothing_beside, read_mesh, read_mesh_beside, read_named_mesh};
 pub use shape_source::ShapeSource;
 pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_triangles, weld};
 pub use write::{MorphAnimation, MorphTarget, save_mesh, write_animated_glb, write_glb, write_mesh};

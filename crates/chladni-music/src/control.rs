@@ -398,18 +398,18 @@ mod tests {
         ]);
         let mut parameters = Parameters::default();
         parameters.form = crate::Form::Modal;
-        let message = |bindings: &mut Bindings, parameters: &Parameters| {
+        let sent = |bindings: &mut Bindings, parameters: &Parameters| {
             bindings.feedback(&|target, number| target.standing(number, parameters), &|_| true)
         };
-        let first = message(&mut bindings, &parameters);
+        let first = sent(&mut bindings, &parameters);
         let pads = "pads".to_owned();
         let expected =
             [(pads.clone(), [0x90, 40, 0]), (pads.clone(), [0x90, 41, 127]), ("desk".into(), [0xe3, 0, 0])];
         assert_eq!(first, expected);
-        assert!(message(&mut bindings, &parameters).is_empty());
+        assert!(sent(&mut bindings, &parameters).is_empty());
         parameters.switch(Switch::Sand, true);
         parameters.set(Parameter::StereoMu, 1.0).unwrap();
-        let again = message(&mut bindings, &parameters);
+        let again = sent(&mut bindings, &parameters);
         assert_eq!(again, [(pads, [0x90, 40, 127]), ("desk".into(), [0xe3, 127, 127])]);
         // What a hand does, the fader shows already.
         let moved = Touch::from_midi("desk", &[0xe3, 127, 127]).unwrap();
@@ -420,9 +420,9 @@ mod tests {
             panic!("it does not turn");
         };
         parameters.set(parameter, value).unwrap();
-        assert!(message(&mut bindings, &parameters).is_empty());
+        assert!(sent(&mut bindings, &parameters).is_empty());
         assert!(bindings.feedback(&|_, _| Some(0.0), &|_| false).is_empty());
-        assert_eq!(message(&mut bindings, &parameters).len(), 2);
+        assert_eq!(sent(&mut bindings, &parameters).len(), 2);
     }
 
     #[test]

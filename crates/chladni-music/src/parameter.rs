@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use chladni_synth::FrameSettings;
 use serde::{Deserialize, Serialize};
 
 use crate::{Choir, Form, MusicError, Playing, Timbre};
@@ -252,6 +253,12 @@ impl Default for Parameters {
 }
 
 impl Parameters {
+    /// How shapes are made from the items that these play.
+    pub fn frame_settings(&self) -> FrameSettings {
+        // Full blending is the paper's: the mean of the exact and the rest normal.
+        FrameSettings { normal_blending: 0.5 * self.get(Parameter::NormalBlending) }
+    }
+
     /// Where a knob stands.
     pub fn get(&self, parameter: Parameter) -> f32 {
         self.values[parameter as usize]

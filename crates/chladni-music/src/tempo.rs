@@ -237,7 +237,7 @@ impl Tempo {
         let grid = self.grid.filter(|_| self.runs)?;
         let per_bar = QUARTERS_PER_BAR / self.beats_per_quarter();
         let bar = (grid.at(secs + self.nudge_secs) / per_bar).floor();
-        if self.told_bar.is_some_and(|message| message >= bar) {
+        if self.told_bar.is_some_and(|last| last >= bar) {
             return None;
         }
         self.told_bar = Some(bar);

@@ -242,15 +242,15 @@ fn the_set_is_recorded_with_its_sound_while_it_is_played() {
         .arg(&path)
         .output()
         .unwrap();
-    let message = String::from_utf8(probe.stdout).unwrap();
+    let probed = String::from_utf8(probe.stdout).unwrap();
     let of = |kind: &str| -> Vec<f64> {
-        let line = message.lines().find(|line| line.starts_with(kind)).unwrap();
+        let line = probed.lines().find(|line| line.starts_with(kind)).unwrap();
         line.split(',').skip(1).filter_map(|number| number.parse().ok()).collect()
     };
     let (video, audio) = (of("video"), of("audio"));
     // Some 80 steps of a twentieth of a second.
-    assert!((3.5..5.0).contains(&video[0]) && (video[0] - audio[0]).abs() < 0.1, "{message}");
-    assert!((video[1] - 30.0 * video[0]).abs() < 1.5, "{message}");
+    assert!((3.5..5.0).contains(&video[0]) && (video[0] - audio[0]).abs() < 0.1, "{probed}");
+    assert!((video[1] - 30.0 * video[0]).abs() < 1.5, "{probed}");
     let song = chladni_sound::Song::open(&path).unwrap();
     let loudest = song.left.iter().fold(0.0f32, |most, sample| most.max(sample.abs()));
     assert!(loudest > 0.4, "{loudest}");

@@ -244,8 +244,8 @@ fn tags_name_the_song() {
             eprintln!("skipped {name}: ffmpeg is not here or cannot write it");
             continue;
         }
-        let message = SongReader::open(&path).unwrap().title();
-        assert_eq!(message.as_deref(), Some("No \u{f6}ne – Slow Tide"), "{name}");
+        let found = SongReader::open(&path).unwrap().title();
+        assert_eq!(found.as_deref(), Some("No \u{f6}ne – Slow Tide"), "{name}");
         assert!(ffmpeg(&source, &title, &path));
         assert_eq!(SongReader::open(&path).unwrap().title().as_deref(), Some("Slow Tide"), "{name}");
     }

@@ -154,7 +154,7 @@ fn the_lag_is_when_a_click_is_strongest() {
         // The window that begins at `at` is centred half its length later.
         let late = (best * step) as f64 - 1.5 * n as f64;
         let lag = analyser.lag_secs() * f64::from(RATE_HZ);
-        assert!((late - lag).abs() <= 3.0 * step as f64, "decay {decay}: {late} frames, message {lag}");
+        assert!((late - lag).abs() <= 3.0 * step as f64, "decay {decay}: {late} frames, stated {lag}");
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
+use chladni_synth::{CpuSynthesizer, Synthesizer};
+
 use crate::cpu::Pyramid;
 use crate::gpu::{self, Use};
 use crate::{Device, Gpu, ViewError};
@@ -210,6 +212,20 @@ impl ItemBuffers {
     }
 }
 
+impl ItemBuffers {
+    /// Takes the frame that the processor has made, and as many items as it has.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn take_frame(&mut self, on: impl Into<Device>, frame: &CpuSynthesizer) -> Result<(), ViewError> {
+        let device = on.into();
+        if self.items != frame.items() {
+            *self = Self::new(&device, self.vertices, frame.items());
+        }
+        self.write(&device, 0, frame.all_positions(), frame.all_normals())
+    }
+}
+
 /// N numbers or colours, one a vertex.
 #[derive(Clone, Debug)]
 pub struct VertexPaint {
@@ -296,7 +312,7 @@ impl Skin {
             Device::Graphics(gpu) => {
                 let mut pyramid = picture.clone().into_raw();
                 smaller.for_each(|level| pyramid.extend(level.into_raw()));
-                Held::Gpu(gpu::image(&gpu, [width, height, levels], &pyramid))
+                Held::Gpu(gpu::image(&gpu, "skin", [width, height, levels], &pyramid))
             }
         };
         Ok(Self { held })

@@ -68,7 +68,7 @@ pub(crate) fn size(buffer: &Buffer) -> u64 {
     match *buffer {}
 }
 
-pub(crate) fn image(gpu: &Gpu, _size: [u32; 3], _pyramid: &[u8]) -> Image {
+pub(crate) fn image(gpu: &Gpu, _label: &str, _size: [u32; 3], _pyramid: &[u8]) -> Image {
     match *gpu {}
 }
 

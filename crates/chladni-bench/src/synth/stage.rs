@@ -10,7 +10,7 @@ use eframe::wgpu;
 use chladni_program::work::Error;
 
 /// The papers' size of picture.
-const SIZE_PX: (u32, u32) = (1024, 768);
+pub const SIZE_PX: (u32, u32) = (1024, 768);
 
 /// Where frames are drawn.
 pub struct Stage {

@@ -2,15 +2,13 @@
 
 use std::time::Instant;
 
+use crate::synth::stage::{SIZE_PX, wait};
 use chladni_program::work::Error;
 use chladni_program::work::film::{Deformed, Seconds};
 use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
 use chladni_view::{
     Background, Camera, Canvas, Cell, Device, Draw, Figure, Lights, Rect, Renderer, View, layout,
 };
-
-/// The papers' size of picture.
-const SIZE_PX: (u32, u32) = (1024, 768);
 
 /// Where pictures are drawn as the program draws its films: on a graphics card where there is one.
 pub struct Easel {
@@ -70,7 +68,7 @@ impl Projector {
         let cells = Cell::gallery(area, Background::default(), self.camera, lights, placed);
         easel.renderer.draw(&easel.canvas, &cells)?;
         if let Some(gpu) = easel.device.gpu() {
-            crate::synth::stage::wait(gpu)?;
+            wait(gpu)?;
         }
         let drawing = start.elapsed().as_secs_f64();
         Ok(Secs { synthesis: seconds.synthesis, normals: seconds.normals, drawing })

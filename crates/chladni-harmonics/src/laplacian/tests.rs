@@ -229,7 +229,7 @@ fn what_has_no_plain_cotangents_is_refused_with_its_place() {
         triangles: vec![[1, 2, 3], [1, 2, 4], [1, 2, 5]],
         ..Default::default()
     };
-    let message = crate::Operator::with(&mesh, Laplacian::Cotangent).unwrap_err();
-    assert_eq!(message, crate::HarmonicsError::CrowdedEdge { ends: [1, 2], triangles: 3 });
+    let error = crate::Operator::with(&mesh, Laplacian::Cotangent).unwrap_err();
+    assert_eq!(error, crate::HarmonicsError::CrowdedEdge { ends: [1, 2], triangles: 3 });
     assert!(crate::Operator::of(&mesh).is_ok());
 }

@@ -79,10 +79,10 @@ impl Launcher {
         let failed = |reason: String| HarmonicsError::RanksFailed { reason };
         let mut command = self.command(ranks, worker, folder);
         let mut running = Running(command.spawn().map_err(|error| failed(format!("mpirun: {error}")))?);
-        let message = lines(running.0.stdout.take());
+        let progress = lines(running.0.stdout.take());
         let complaints = lines(running.0.stderr.take());
         loop {
-            match message.recv_timeout(LOOK) {
+            match progress.recv_timeout(LOOK) {
                 Ok(line) => {
                     if let Some(stage) = line.strip_prefix("stage ") {
                         task.stage(stage, 0);
@@ -159,16 +159,16 @@ mod tests {
 
     #[test]
     fn the_reason_is_the_rank_s_own_where_it_gave_one() {
-        let message = |text: &str| reason(&text.lines().map(str::to_owned).collect::<Vec<_>>());
+        let reason_of = |text: &str| reason(&text.lines().map(str::to_owned).collect::<Vec<_>>());
         assert_eq!(
-            message("------\nPrimary job ended\nchladni: rank 1 on a: out of memory\n"),
+            reason_of("------\nPrimary job ended\nchladni: rank 1 on a: out of memory\n"),
             "rank 1 on a: out of memory"
         );
-        assert_eq!(message("-----\n\n  Bad hosts\n---"), "Bad hosts");
+        assert_eq!(reason_of("-----\n\n  Bad hosts\n---"), "Bad hosts");
         assert!(
-            message("mpirun has detected an attempt to run as root.").contains("OMPI_ALLOW_RUN_AS_ROOT=1")
+            reason_of("mpirun has detected an attempt to run as root.").contains("OMPI_ALLOW_RUN_AS_ROOT=1")
         );
-        assert_eq!(message("Traceback:\n  File a\nImportError: no b"), "ImportError: no b");
-        assert!(message("").contains("without a word"));
+        assert_eq!(reason_of("Traceback:\n  File a\nImportError: no b"), "ImportError: no b");
+        assert!(reason_of("").contains("without a word"));
     }
 }

@@ -200,9 +200,9 @@ impl<'a> Witness<'a> {
         let level = |v: Vec3| unit(sub(v, scaled(side, dot(v, side))));
         let lies_in = |v: &Vec3| dot(*v, side).abs() < SNAP_RAD.sin();
         // Up must be perpendicular to a known front, and the other way round.
-        let message = known.up.or(known.front.map(|front| cross(side, unit(front)))).map(level);
-        if let Some(message) = message.filter(|message| length(*message) > 0.5) {
-            ups.extend([message, scaled(message, -1.0)]);
+        let given = known.up.or(known.front.map(|front| cross(side, unit(front)))).map(level);
+        if let Some(given) = given.filter(|given| length(*given) > 0.5) {
+            ups.extend([given, scaled(given, -1.0)]);
         } else if axes.iter().any(lies_in) {
             for axis in axes.into_iter().filter(lies_in) {
                 ups.extend([level(axis), cross(side, level(axis)), scaled(cross(side, level(axis)), -1.0)]);
@@ -212,7 +212,7 @@ impl<'a> Witness<'a> {
         }
         // A shape need not be aligned with its file's axes.
         let near = |v: Vec3, ups: &[Vec3]| ups.iter().any(|up| angle(*up, v) < SAME_RAD);
-        if message.is_none() {
+        if given.is_none() {
             for head in self.heads.iter().filter(|head| head.misfit < LIKE.0).take(3) {
                 if !near(head.up, &ups) {
                     ups.push(head.up);

@@ -93,7 +93,15 @@ impl fmt::Display for Mended {
 /// [`MeshError::Malformed`] with line, byte or part; [`MeshError::NoFace`] for a well-formed
 /// file without a face.
 pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Loaded, MeshError> {
-    read_mesh_beside(bytes, format, &|_| Err("only the mesh itself was given".into()))
+    read_mesh_beside(bytes, format, &nothing_beside)
+}
+
+/// For a mesh that comes without a folder: whatever it names is not there.
+///
+/// # Errors
+/// Always.
+pub fn nothing_beside(_name: &str) -> Result<Vec<u8>, String> {
+    Err("only the mesh itself was given".into())
 }
 
 /// The largest file that is read: text of a mesh of fifty million vertices.
@@ -111,11 +119,19 @@ pub fn load_mesh(path: &Path) -> Result<Loaded, MeshError> {
 
 fn load(path: &Path) -> Result<Loaded, MeshError> {
     let bytes = read_file(path, MOST_BYTES).map_err(MeshError::Io)?;
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    let format = Format::of(extension, &bytes).map_err(MeshError::UnknownFormat)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let within = |name: &str| read_within(folder, name, MOST_BYTES);
-    let mut loaded = read_mesh_beside(&bytes, format, &within)?;
+    read_named_mesh(path, &bytes, &|name| read_within(folder, name, MOST_BYTES))
+}
+
+/// Reads a mesh from the `bytes` of a file called `name`, whose format is determined by extension and content; `beside`
+/// is that of [`read_mesh_beside`].
+///
+/// # Errors
+/// Those of [`read_mesh`], and [`MeshError::UnknownFormat`].
+pub fn read_named_mesh(name: &Path, bytes: &[u8], beside: &Beside<'_>) -> Result<Loaded, MeshError> {
+    let extension = name.extension().and_then(|extension| extension.to_str());
+    let format = Format::of(extension, bytes).map_err(MeshError::UnknownFormat)?;
+    let mut loaded = read_mesh_beside(bytes, format, beside)?;
     let promised = extension.and_then(Format::from_extension);
     if promised.is_some_and(|promised| promised != format) {
         loaded.mended.insert(0, Mended::Misnamed(format));

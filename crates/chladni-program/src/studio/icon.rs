@@ -69,15 +69,15 @@ mod tests {
 
     #[test]
     fn icons_are_not_said_and_stand_for_their_tooltips() {
-        let message = |label: &str| {
+        let spoken = |label: &str| {
             let mut node = Node::new(Role::Button);
             node.set_label(label);
             node.set_description("Save (Ctrl+S)");
             silence(&mut node);
             node.label().map(str::to_owned)
         };
-        assert_eq!(message(&label(Icon::Save, "Keep")).as_deref(), Some("Keep"));
-        assert_eq!(message(&text(Icon::Save)).as_deref(), Some("Save (Ctrl+S)"));
-        assert_eq!(message("×2 …").as_deref(), Some("×2 …"));
+        assert_eq!(spoken(&label(Icon::Save, "Keep")).as_deref(), Some("Keep"));
+        assert_eq!(spoken(&text(Icon::Save)).as_deref(), Some("Save (Ctrl+S)"));
+        assert_eq!(spoken("×2 …").as_deref(), Some("×2 …"));
     }
 }

@@ -1,9 +1,10 @@
 //! Shapes and songs by the names that users give them: a path, or `sample:NAME`.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::Project;
-use chladni_mesh::{ShapeSource, TriMesh};
+use chladni_mesh::{Loaded, ShapeSource, TriMesh, nothing_beside, read_named_mesh};
 use chladni_sound::{Song, SongOptions, SongReader, sample_tune};
 
 use super::{Error, Warning, Watcher};
@@ -29,10 +30,24 @@ pub fn from_anywhere(path: &Path) -> PathBuf {
 /// [`Error::Mesh`], which names it.
 pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Error> {
     let loaded = watcher.watch("reading the mesh", |_| source.load(None))?;
+    Ok(mended(source, loaded, watcher))
+}
+
+/// The mesh in the `bytes` of a file called `name`; warns of what was mended. Files that it names are not there.
+///
+/// # Errors
+/// [`Error::Mesh`] with the name.
+pub fn shape_in(name: &str, bytes: &[u8], watcher: &impl Watcher) -> Result<TriMesh, Error> {
+    let read = |_: &_| read_named_mesh(Path::new(name), bytes, &nothing_beside);
+    let loaded = watcher.watch("reading the mesh", read).map_err(|error| Error::from(error).of(name))?;
+    Ok(mended(name, loaded, watcher))
+}
+
+fn mended(name: impl Display, loaded: Loaded, watcher: &impl Watcher) -> TriMesh {
     for mended in &loaded.mended {
-        watcher.warn(Warning::of(source, mended));
+        watcher.warn(Warning::of(&name, mended));
     }
-    Ok(loaded.mesh)
+    loaded.mesh
 }
 
 /// The mesh that users call `name`; warns of what was mended.

@@ -154,9 +154,9 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
         let [session, out] = [&session, &coefficients].map(|path| path.to_str().unwrap());
         let dance =
             ["chladni", "--quiet", "dance", "sample:octopus", "sample:tune", "-k", "96", "--duration", "1"];
-        let message =
+        let code =
             chladni_program::cli::run(dance.iter().chain(&["--session", session, "--coefficients", out]));
-        assert_eq!(message, 0);
+        assert_eq!(code, 0);
         archive::array(&coefficients, "coefficients").unwrap().values
     };
     let first = film("first.npz");

@@ -254,7 +254,7 @@ impl Engine {
         while self.written < taken() + target && starts < MOST_STARTS {
             let Some(decoding) = &mut self.song else { break };
             let song = self.list.current;
-            let message = match decoding.refill() {
+            let ended = match decoding.refill() {
                 Ok(true) => None,
                 Ok(false) => {
                     let what = decoding.reader.damage();
@@ -263,13 +263,13 @@ impl Engine {
                 }
                 Err(error) => Some(Some(PlayerEvent::SongFailed { song, reason: error.to_string() })),
             };
-            let Some(message) = message else {
+            let Some(ended) = ended else {
                 if self.write_ready() {
                     continue;
                 }
                 return;
             };
-            message.into_iter().for_each(|event| self.tell(event));
+            ended.into_iter().for_each(|event| self.tell(event));
             self.song = None;
             self.song_ended();
             starts += 1;

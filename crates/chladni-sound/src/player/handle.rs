@@ -128,11 +128,11 @@ impl Player {
             }),
         });
         let (commands, received) = channel();
-        let (message, events) = channel();
+        let (report, events) = channel();
         let engine_shared = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name("sound".into())
-            .spawn(move || Engine::new(engine_shared, received, message, settings).run())
+            .spawn(move || Engine::new(engine_shared, received, report, settings).run())
             .map_err(|error| SoundError::Device { what: format!("no thread for it: {error}") })?;
         Ok(Self { shared, commands, events, thread: Some(thread) })
     }

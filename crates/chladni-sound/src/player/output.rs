@@ -104,14 +104,14 @@ impl Output {
         name: String,
     ) -> Result<Self, cpal::Error> {
         let (producer, consumer) = ring(config.sample_rate);
-        let message = Arc::clone(clock);
+        let counter = Arc::clone(clock);
         let stream = match format {
-            SampleFormat::F32 => stream::<f32>(device, config, consumer, message),
-            SampleFormat::I16 => stream::<i16>(device, config, consumer, message),
-            SampleFormat::I32 => stream::<i32>(device, config, consumer, message),
-            SampleFormat::U8 => stream::<u8>(device, config, consumer, message),
-            SampleFormat::U16 => stream::<u16>(device, config, consumer, message),
-            SampleFormat::F64 => stream::<f64>(device, config, consumer, message),
+            SampleFormat::F32 => stream::<f32>(device, config, consumer, counter),
+            SampleFormat::I16 => stream::<i16>(device, config, consumer, counter),
+            SampleFormat::I32 => stream::<i32>(device, config, consumer, counter),
+            SampleFormat::U8 => stream::<u8>(device, config, consumer, counter),
+            SampleFormat::U16 => stream::<u16>(device, config, consumer, counter),
+            SampleFormat::F64 => stream::<f64>(device, config, consumer, counter),
             _ => Err(ErrorKind::UnsupportedConfig.into()),
         }?;
         stream.play()?;
@@ -197,7 +197,7 @@ fn stream<T: SizedSample + FromSample<f32>>(
     // Where the present sound began; none while there is silence.
     let mut run_begin = None;
     let mut gain = 0.0f32;
-    let message = Arc::clone(&clock);
+    let counter = Arc::clone(&clock);
     // No allocation, no lock and no log in here: a late callback is a click.
     let play = move |data: &mut [T], info: &cpal::OutputCallbackInfo| {
         let now = Instant::now();
@@ -235,9 +235,9 @@ fn stream<T: SizedSample + FromSample<f32>>(
         }
     };
     let on_error = move |error: cpal::Error| match error.kind() {
-        ErrorKind::Xrun => message.count_underrun(),
+        ErrorKind::Xrun => counter.count_underrun(),
         ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
-        _ => message.set_lost(),
+        _ => counter.set_lost(),
     };
     device.build_output_stream(config, play, on_error, Some(Duration::from_secs(2)))
 }

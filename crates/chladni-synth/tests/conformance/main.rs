@@ -264,7 +264,7 @@ fn what_the_device_cannot_hold_is_synthesized_on_the_cpu() {
         let items = cases::items(12, &shape, 2);
         let mut auto = AutoSynthesizer::new(&context, model(&shape), Backend::Gpu);
         assert_eq!(auto.take_fallback().is_none(), fits);
-        assert_eq!(auto.take_fallback(), None, "message once");
+        assert_eq!(auto.take_fallback(), None, "reported once");
         auto.synthesize(&items, &settings).unwrap();
         assert_eq!(auto.cpu().is_none(), fits);
         let found = device::read_buffer(&device, &queue, auto.frame().positions, &auto.frame());

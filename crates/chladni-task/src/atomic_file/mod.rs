@@ -165,7 +165,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_that_is_not_there_is_told_without_the_temporary_file() {
+    fn a_folder_that_is_not_there_is_named_without_the_temporary_file() {
         let folder = tempfile::tempdir().unwrap();
         let error = write_atomic(&folder.path().join("no/shape.obj"), b"").unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::NotFound);

@@ -311,9 +311,9 @@ mod tests {
             .arg(&path)
             .output()
             .unwrap();
-        let message = String::from_utf8(probe.stdout).unwrap();
-        assert!(message.contains("video,2.000000,60"), "{message}");
-        assert!(message.contains("audio,2.0") || message.contains("audio,1.9"), "{message}");
+        let probed = String::from_utf8(probe.stdout).unwrap();
+        assert!(probed.contains("video,2.000000,60"), "{probed}");
+        assert!(probed.contains("audio,2.0") || probed.contains("audio,1.9"), "{probed}");
         // The first second is silent, the other is not.
         let raw = Command::new("ffmpeg")
             .args(["-v", "error", "-i"])

@@ -1,7 +1,6 @@
 //! The images that every pipeline reads: colour maps, the skin, and the key light's shadow maps.
 
-use wgpu::util::DeviceExt;
-
+use super::memory::image;
 use super::pipelines::{DEPTH, Layouts};
 use crate::uniforms::arrangement;
 use crate::{ColorMap, Gpu, Palette, Samples};
@@ -160,20 +159,5 @@ fn map_texture(gpu: &Gpu) -> wgpu::TextureView {
     let palettes = Palette::ALL.iter().flat_map(|palette| (0..256).map(move |i| palette.color(at(i))));
     let pixels: Vec<u8> = maps.chain(palettes).flat_map(|[r, g, b]| [r, g, b, 255]).collect();
     let height = (ColorMap::ALL.len() + Palette::ALL.len()) as u32;
-    let texture = gpu.device.create_texture_with_data(
-        &gpu.queue,
-        &wgpu::TextureDescriptor {
-            label: Some("colour maps"),
-            size: wgpu::Extent3d { width: 256, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8UnormSrgb,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        },
-        wgpu::util::TextureDataOrder::LayerMajor,
-        &pixels,
-    );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    image(gpu, "color maps", [256, height, 1], &pixels)
 }

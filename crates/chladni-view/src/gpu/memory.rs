@@ -34,7 +34,7 @@ pub(crate) fn filled(gpu: &Gpu, label: &str, contents: &[u8], used: Use) -> Buff
     })
 }
 
-/// A buffer for so many bytes, at least one.
+/// A buffer with room for this many bytes, at least one.
 pub(crate) fn room(gpu: &Gpu, label: &str, bytes: usize, used: Use) -> Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
@@ -54,12 +54,12 @@ pub(crate) fn size(buffer: &Buffer) -> u64 {
     buffer.size()
 }
 
-/// An sRGB image and its mipmaps, one after the other.
-pub(crate) fn image(gpu: &Gpu, [width, height, levels]: [u32; 3], pyramid: &[u8]) -> Image {
+/// An sRGB image of this width, height and number of levels: itself and its mipmaps, one after the other.
+pub(crate) fn image(gpu: &Gpu, label: &str, [width, height, levels]: [u32; 3], pyramid: &[u8]) -> Image {
     let texture = gpu.device.create_texture_with_data(
         &gpu.queue,
         &wgpu::TextureDescriptor {
-            label: Some("skin"),
+            label: Some(label),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: levels,
             sample_count: 1,

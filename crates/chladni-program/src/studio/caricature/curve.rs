@@ -62,7 +62,7 @@ pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &Spectrum) 
     let size = vec2(ui.available_width(), 180.0);
     let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo {
-        current_text_value: Some(message(curve)),
+        current_text_value: Some(in_words(curve)),
         ..egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve")
     });
     let plot = Plot::within(rect);
@@ -101,7 +101,7 @@ fn percent(wavelength: f64) -> String {
 }
 
 /// Its points in words; only some if it was drawn freely.
-fn message(curve: &ScaleCurve) -> String {
+fn in_words(curve: &ScaleCurve) -> String {
     let step = curve.points.len().div_ceil(8).max(1);
     let points = curve.points.iter().step_by(step);
     let words = points.map(|[wavelength, gain]| format!("at {} ×{gain:.2}", percent(*wavelength)));

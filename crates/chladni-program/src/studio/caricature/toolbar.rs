@@ -127,8 +127,8 @@ impl CaricatureRoom {
     /// Sets which way is up, in case the estimate is wrong.
     fn stance_menu(&mut self, ui: &mut Ui) {
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
-        let (now, message) = (session.stands(), session.project().stands);
-        let mut wanted = message;
+        let (now, given) = (session.stands(), session.project().stands);
+        let mut wanted = given;
         let doubt = if session.stands_in_doubt() { " Up?" } else { "" };
         let menu = ui.menu_button(format!("{}{doubt}", icon::text(Icon::ArrowUp)), |ui| {
             ui.label(egui::RichText::new("Up is").color(theme::palette(ui).weak));
@@ -144,13 +144,13 @@ impl CaricatureRoom {
             if ui.button("Turn the front by a quarter").clicked() {
                 wanted = Some(now.quarters(1));
             }
-            if ui.add_enabled(message.is_some(), egui::Button::new("As estimated")).clicked() {
+            if ui.add_enabled(given.is_some(), egui::Button::new("As estimated")).clicked() {
                 wanted = None;
             }
         });
         let tip = format!("Which way is up: {now}. Exports keep the file's axes.");
         menu.response.accessible_name("Which way is up").on_hover_text(tip);
-        if wanted != message && session.apply(vec![Edit::Once(Action::Stand(wanted))]).is_ok() {
+        if wanted != given && session.apply(vec![Edit::Once(Action::Stand(wanted))]).is_ok() {
             self.stale = true;
         }
     }

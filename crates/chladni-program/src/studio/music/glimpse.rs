@@ -67,9 +67,9 @@ impl Glimpse {
         }
         gpu.queue.submit([encoder.finish()]);
         let arrived = Arc::new(OnceLock::new());
-        let message = Arc::clone(&arrived);
+        let answer = Arc::clone(&arrived);
         buffer.map_async(wgpu::MapMode::Read, .., move |mapped| {
-            let _ = message.set(mapped.is_ok());
+            let _ = answer.set(mapped.is_ok());
         });
         self.coming = Some(Coming { width, stride, behind, arrived });
         self.buffer = Some(buffer);

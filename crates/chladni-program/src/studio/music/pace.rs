@@ -67,16 +67,16 @@ mod tests {
     #[test]
     fn harmonics_drop_while_frames_are_late_and_come_back() {
         let mut pace = Pace::default();
-        let message = |pace: &mut Pace, secs| (0..FRAMES).filter_map(|_| pace.count(secs, 200)).count();
-        assert_eq!((message(&mut pace, 0.015), pace.harmonics()), (0, None));
-        assert_eq!((message(&mut pace, 0.030), pace.harmonics()), (1, Some(100)));
-        assert_eq!((message(&mut pace, 0.030), pace.harmonics()), (1, Some(50)));
-        assert_eq!((message(&mut pace, 0.030), pace.harmonics()), (1, Some(32)));
-        assert_eq!((message(&mut pace, 0.030), pace.harmonics()), (0, Some(32)));
-        assert_eq!((message(&mut pace, 0.015), pace.harmonics()), (0, Some(32)));
+        let messages = |pace: &mut Pace, secs| (0..FRAMES).filter_map(|_| pace.count(secs, 200)).count();
+        assert_eq!((messages(&mut pace, 0.015), pace.harmonics()), (0, None));
+        assert_eq!((messages(&mut pace, 0.030), pace.harmonics()), (1, Some(100)));
+        assert_eq!((messages(&mut pace, 0.030), pace.harmonics()), (1, Some(50)));
+        assert_eq!((messages(&mut pace, 0.030), pace.harmonics()), (1, Some(32)));
+        assert_eq!((messages(&mut pace, 0.030), pace.harmonics()), (0, Some(32)));
+        assert_eq!((messages(&mut pace, 0.015), pace.harmonics()), (0, Some(32)));
         for harmonics in [Some(64), Some(128), None] {
-            assert_eq!((message(&mut pace, 0.002), pace.harmonics()), (1, harmonics));
+            assert_eq!((messages(&mut pace, 0.002), pace.harmonics()), (1, harmonics));
         }
-        assert_eq!(message(&mut pace, 0.002), 0);
+        assert_eq!(messages(&mut pace, 0.002), 0);
     }
 }

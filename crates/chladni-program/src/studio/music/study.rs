@@ -26,13 +26,13 @@ pub struct Study {
     /// Its number in the show.
     pub number: usize,
     task: Task,
-    message: Receiver<Learned>,
+    findings: Receiver<Learned>,
 }
 
 impl Study {
     /// Begins to read `path`; its beats are tracked where they are not `known` already.
     pub fn begin(number: usize, path: &Path, known: bool) -> Self {
-        let (task, (teller, message)) = (Task::new(), channel());
+        let (task, (teller, findings)) = (Task::new(), channel());
         let (path, worker) = (path.to_owned(), task.clone());
         std::thread::spawn(move || {
             // Nobody listens any more where another song is studied.
@@ -61,12 +61,12 @@ impl Study {
                 Err(why) => tell(Learned::Nothing(Some(why.to_string()))),
             }
         });
-        Self { number, task, message }
+        Self { number, task, findings }
     }
 
     /// What was learned since the last call.
     pub fn learned(&self) -> Option<Learned> {
-        self.message.try_recv().ok()
+        self.findings.try_recv().ok()
     }
 }
 

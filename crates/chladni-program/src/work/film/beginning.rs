@@ -31,7 +31,7 @@ impl Beginning {
     pub(super) fn begin(self, dancer: &Dancer) -> Result<(Instrument, Vec<LoggedAction>), Error> {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
-        let message =
+        let is_chosen =
             self.show.is_some() || self.preset.is_some() || self.seed.is_some() || self.gallery.is_some();
         let (mut instrument, script) = match self.show {
             Some(show) => (show.begin(shape)?, show.actions),
@@ -44,7 +44,7 @@ impl Beginning {
             }
         };
         if self.sand {
-            let dance = if message { SAND_MODE.to_vec() } else { experiment(&dancer.classes, bands) };
+            let dance = if is_chosen { SAND_MODE.to_vec() } else { experiment(&dancer.classes, bands) };
             apply(&mut instrument, dance)?;
         }
         apply(&mut instrument, self.changes)?;

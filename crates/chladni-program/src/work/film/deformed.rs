@@ -72,12 +72,7 @@ impl Deformed {
         synthesizer.synthesize_normals(settings)?;
         seconds.normals += normals.elapsed().as_secs_f64();
         if let Deformer::Processor { synthesizer, buffers } = &mut self.by {
-            let device = Device::Processor;
-            if buffers.items() != synthesizer.items() {
-                *buffers = ItemBuffers::new(&device, buffers.vertices(), synthesizer.items());
-            }
-            let (positions, normals) = (synthesizer.all_positions(), synthesizer.all_normals());
-            buffers.write(&device, 0, positions, normals)?;
+            buffers.take_frame(Device::Processor, synthesizer)?;
         }
         Ok(())
     }

@@ -6,10 +6,9 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Ensemble, Form, Framing, Instrument, LoggedAction, Moment, Parameter, Reaction, Stretch, Switch,
-    Viewpoint,
+    Ensemble, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Switch, Viewpoint,
 };
-use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
+use chladni_synth::{Backend, Item, SynthModel};
 use chladni_task::Task;
 use chladni_view::film::shoot_retouched;
 use chladni_view::{
@@ -288,9 +287,7 @@ impl Performance {
             if let Some(item) = items.first().filter(|_| recording && frame >= lead) {
                 done.recording.push(shot.time_secs, self.instrument.parameters().form, item);
             }
-            // Full blending is the paper's: the mean of the exact and the rest normal.
-            let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
-            deformed.synthesize(&items, &FrameSettings { normal_blending }, seconds)?;
+            deformed.synthesize(&items, &self.instrument.parameters().frame_settings(), seconds)?;
             if let Some(fallback) = deformed.take_fallback() {
                 done.warnings.push(fallback.to_string());
             }

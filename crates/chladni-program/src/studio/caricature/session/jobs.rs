@@ -24,7 +24,7 @@ impl Session {
     /// Starts the next match that a layer waits for, and takes a finished one. Returns why a match failed,
     /// and whether to redraw.
     pub fn pump_matches(&mut self, ctx: &egui::Context) -> (Option<Warning>, bool) {
-        let mut message = None;
+        let mut warning = None;
         let mut changed = false;
         if let Some((request, job)) = &self.matching
             && let Some(outcome) = job.ended()
@@ -33,7 +33,7 @@ impl Session {
             let result = outcome.unwrap_or_else(|why| Err(CaricatureError::Unmatched(why.to_string())));
             // No message if the user stopped it.
             let failed = result.as_ref().err().filter(|why| !matches!(why, CaricatureError::Cancelled(_)));
-            message = failed.map(|why| Warning::Plain(why.to_string()));
+            warning = failed.map(|why| Warning::Plain(why.to_string()));
             if let Ok(Matched { stands: Some(stands), .. }) = &result
                 && self.stands.in_doubt
             {
@@ -54,7 +54,7 @@ impl Session {
         {
             self.matching = Some((request.clone(), self.start_match(request, ctx)));
         }
-        (message, changed)
+        (warning, changed)
     }
 
     /// Limits, while the hand rests, the layers that would fold the surface, the lowest first; true where one was

@@ -1,7 +1,7 @@
 //! The stage in a window of its own, while the gallery goes on in the first.
 
-use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Parameter, Reaction, Target};
-use chladni_synth::{FrameSettings, Item, Synthesizer};
+use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Reaction, Target};
+use chladni_synth::{Item, Synthesizer};
 use chladni_view::{Look, Rect};
 use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
 
@@ -71,8 +71,8 @@ impl Concert {
         if let (Screen::Monitor(index), false) = (screen, std::mem::replace(&mut apart.placed, true)) {
             ctx.send_viewport_cmd_to(window(), ViewportCommand::SetMonitor(index));
         }
-        let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
-        let pose = stillness::pose(&apart.items, normal_blending) ^ self.sand.version();
+        let settings = self.instrument.parameters().frame_settings();
+        let pose = stillness::pose(&apart.items, settings.normal_blending) ^ self.sand.version();
         std::mem::swap(&mut self.pane, &mut apart.pane);
         let shown = ctx.show_viewport_immediate(window(), builder, |ui, _| -> Result<(), Error> {
             let rect = ui.available_rect_before_wrap();
@@ -83,7 +83,7 @@ impl Concert {
                 self.repaint(ui, projection, rect);
                 return Ok(());
             }
-            self.synthesizer.synthesize(&apart.items, &FrameSettings { normal_blending })?;
+            self.synthesizer.synthesize(&apart.items, &settings)?;
             self.seen.clear();
             let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
             let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));

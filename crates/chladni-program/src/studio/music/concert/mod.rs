@@ -13,9 +13,7 @@ use chladni_music::{
     Action, Ensemble, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Preset, Settings, Show,
     Switch, Viewpoint,
 };
-use chladni_synth::{
-    AutoSynthesizer, Backend, Coefficients, FrameSettings, GpuContext, SynthModel, Synthesizer,
-};
+use chladni_synth::{AutoSynthesizer, Backend, Coefficients, GpuContext, SynthModel, Synthesizer};
 use chladni_view::{Gpu, Rect, RestShape, Topology};
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
@@ -389,18 +387,17 @@ impl Concert {
             };
             trace.borrow_mut().push(PlayedFrame { at_secs, is_known, on_stage, coefficients });
         }
-        // Full blending is the paper's: the mean of the exact and the rest normal.
-        let normal_blending = 0.5 * self.instrument.parameters().get(Parameter::NormalBlending);
+        let settings = self.instrument.parameters().frame_settings();
         let count = items.len();
         // Of what is not known beforehand only the present is heard.
         while self.sand.due(at_secs).is_some() {
             let stepping = self.apart.as_ref().filter(|_| is_apart).map_or(&items[..], Apart::items);
             self.sand.step(stepping, &self.instrument);
         }
-        let pose = stillness::pose(&items, normal_blending) ^ self.sand.version();
+        let pose = stillness::pose(&items, settings.normal_blending) ^ self.sand.version();
         // Where another window is drawn, too, its shapes have taken the place of these.
         if is_apart || self.pane.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
-            self.synthesizer.synthesize(&items, &FrameSettings { normal_blending })?;
+            self.synthesizer.synthesize(&items, &settings)?;
             self.seen.clear();
             if !self.details.is_empty() {
                 self.seen.extend(items.iter().map(coarse::harmonics_seen));

@@ -275,8 +275,8 @@ impl Listening {
             PlayerEvent::DeviceLost(why) => Some(format!("No sound: {why}. The song goes on in silence.")),
             PlayerEvent::SongStarted(_) | PlayerEvent::Finished | PlayerEvent::DeviceOpened(_) => None,
         };
-        let message: Vec<String> = self.player.events().filter_map(tell).collect();
-        self.warnings.drain(..).chain(message).collect()
+        let messages: Vec<String> = self.player.events().filter_map(tell).collect();
+        self.warnings.drain(..).chain(messages).collect()
     }
 
     /// Listens to what is heard at this moment, which is `now_secs` by any steadily running clock. `before`

@@ -112,7 +112,7 @@ impl Midi {
         let sent_to = outputs.clone();
         let devices = Arc::new(Mutex::new(Devices::default()));
         let closed = Arc::new(AtomicBool::new(false));
-        let (message, ended) = (Arc::clone(&devices), Arc::clone(&closed));
+        let (seen, ended) = (Arc::clone(&devices), Arc::clone(&closed));
         std::thread::Builder::new().name("midi".into()).spawn(move || {
             let mut open = HashMap::new();
             while !ended.load(Ordering::Relaxed) {
@@ -120,7 +120,7 @@ impl Midi {
                 let mut names: Vec<String> = open.values().map(|(name, _)| String::clone(name)).collect();
                 names.sort();
                 let failure = there.as_ref().err().cloned();
-                *lock(&message) = Devices { names, outputs: there.unwrap_or_default(), failure };
+                *lock(&seen) = Devices { names, outputs: there.unwrap_or_default(), failure };
                 std::thread::sleep(LOOK);
             }
         })?;
