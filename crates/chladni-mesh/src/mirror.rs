@@ -184,7 +184,11 @@ impl<'a> MirrorSearch<'a> {
     }
 
     fn misfit(&self, plane: &MirrorPlane, vertices: &[usize]) -> f64 {
-        let matches = self.matches(plane, vertices);
+        self.distance(&self.matches(plane, vertices))
+    }
+
+    /// Root mean square, as a share of the diagonal.
+    fn distance(&self, matches: &[Pair]) -> f64 {
         let mean = matches.iter().map(|m| m.0).sum::<f64>() / matches.len().max(1) as f64;
         mean.sqrt() / self.diagonal
     }
@@ -193,9 +197,9 @@ impl<'a> MirrorSearch<'a> {
     /// eigenvector of least eigenvalue of Σ (p qᵀ + q pᵀ), centered, and the plane passes through
     /// the middle of the two centroids.
     fn refine(&self, plane: MirrorPlane, vertices: &[usize]) -> MirrorPlane {
-        let mut best = MirrorPlane { misfit: self.misfit(&plane, vertices), ..plane };
+        let mut matches = self.matches(&plane, vertices);
+        let mut best = MirrorPlane { misfit: self.distance(&matches), ..plane };
         for _ in 0..20 {
-            let matches = self.matches(&best, vertices);
             let share = 1.0 / matches.len().max(1) as f64;
             let mean =
                 |f: fn(&Pair) -> Vec3| matches.iter().fold([0.0; 3], |sum, m| add(sum, scaled(f(m), share)));
@@ -211,11 +215,12 @@ impl<'a> MirrorSearch<'a> {
             let normal = scaled(normal, largest_component(normal).signum());
             let middle = scaled(add(center_p, center_q), 0.5);
             let mut next = MirrorPlane { normal, offset: dot(normal, middle), misfit: 0.0 };
-            next.misfit = self.misfit(&next, vertices);
+            let closer = self.matches(&next, vertices);
+            next.misfit = self.distance(&closer);
             if next.misfit >= best.misfit * (1.0 - 1e-6) {
                 break;
             }
-            best = next;
+            (best, matches) = (next, closer);
         }
         best
     }

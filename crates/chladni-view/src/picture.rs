@@ -77,7 +77,10 @@ impl Picture {
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_color(if opaque { png::ColorType::Rgb } else { png::ColorType::Rgba });
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        encoder.set_compression(png::Compression::High);
+        // A few percent larger than the tightest, in a tenth of the time: neighbors in a row predict both smooth
+        // shading and the background's dither.
+        encoder.set_filter(png::Filter::Sub);
+        encoder.set_deflate_compression(png::DeflateCompression::Level(3));
         let failed = |error: png::EncodingError| ViewError::Image(error.to_string());
         let mut writer = encoder.write_header().map_err(failed)?;
         if opaque {
