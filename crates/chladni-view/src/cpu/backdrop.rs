@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::curves::{clamp, max, min, mix, smoothstep};
+use super::curves::{clamp, max, min, mix, packed, smoothstep};
 use super::instructions::{Instructions, Kernel};
 use super::shade::wing;
 use crate::Rect;
@@ -53,6 +53,7 @@ impl Kernel for Row<'_> {
     #[inline(always)]
     fn run(self) {
         let [left, top, width, height] = self.cell.viewport;
+        let opacity = clamp(self.cell.background_center[3], 0.0, 1.0);
         let (center, corner) = (self.cell.background_center, self.cell.background_corner);
         let [.., strength_left, strength_right] = self.cell.wings;
         let at_y = 1.0 - 2.0 * (self.y as f32 + 0.5) / height;
@@ -76,11 +77,8 @@ impl Kernel for Row<'_> {
             // An ordered dither hides the steps of eight bits, and unlike noise it compresses well.
             let (px, py) = ((left as u32 + i as u32) & 1, row & 1);
             let dither = ((2 * (px ^ py) + py) as f32 - 1.5) / (4.0 * 255.0);
-            for k in 0..3 {
-                let c = behind[k] + dither;
-                pixel[k] = (clamp(c, 0.0, 1.0) * center[3] * 255.0 + 0.5) as u8;
-            }
-            pixel[3] = (center[3] * 255.0 + 0.5) as u8;
+            let [r, g, b] = behind.map(|c| clamp(c + dither, 0.0, 1.0) * opacity);
+            *pixel = packed([r, g, b, opacity]);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, vec3};
 
-use super::curves::{clamp, max, min};
+use super::curves::{clamp, max, min, mix, whole};
 use super::instructions::Kernel;
 use super::shade::{self, rgb};
 use crate::uniforms::{CellUniform, FigureUniform};
@@ -21,7 +21,7 @@ pub(super) struct Batch {
     pub(super) triangle: [u32; PLACES],
     /// Share of the pixel.
     pub(super) share: Places,
-    /// Middle of the pixel, in clip space over w.
+    /// The pixel on the canvas.
     pub(super) screen: [Places; 2],
     /// Positions and normals of the corners, in the item's coordinates.
     pub(super) positions: [[Places; 3]; 3],
@@ -115,6 +115,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
         let Self(setting, b) = self;
         let Setting { cell, figure, .. } = setting;
         let texel = [2.0 / cell.viewport[2], -2.0 / cell.viewport[3]];
+        let [left, top, ..] = cell.viewport;
         let orthographic = cell.output[2] > 0.5;
         let key = rgb(cell.lights[0][0]);
         let wrap = shade::wrap(figure);
@@ -123,8 +124,11 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
         for i in 0..b.padded() {
             let corners = [at(&b.positions[0], i), at(&b.positions[1], i), at(&b.positions[2], i)];
             let clip = corners.map(|p| setting.clip.map(|r| row(&r, p, 1.0)));
+            // Its middle in clip space, over w.
+            let x = texel[0] * (b.screen[0][i] + 0.5 - left) - 1.0;
+            let y = texel[1] * (b.screen[1][i] + 0.5 - top) + 1.0;
             let weights = |dx: f32, dy: f32| {
-                let (sx, sy) = (b.screen[0][i] + dx, b.screen[1][i] + dy);
+                let (sx, sy) = (x + dx, y + dy);
                 // From the pixel, so that small triangles lose no digits.
                 let [p, q, r] = clip.map(|[x, y, w]| [x - sx * w, y - sy * w]);
                 let cross = |a: [f32; 2], b: [f32; 2]| a[0] * b[1] - a[1] * b[0];
@@ -148,7 +152,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
             }
             if EDGES {
                 for (places, [dx, dy]) in [(&mut b.right, [texel[0], 0.0]), (&mut b.below, [0.0, texel[1]])] {
-                    let (sx, sy) = (b.screen[0][i] + dx, b.screen[1][i] + dy);
+                    let (sx, sy) = (x + dx, y + dy);
                     let [p, q, r] = clip.map(|[x, y, w]| [x - sx * w, y - sy * w]);
                     let cross = |a: [f32; 2], b: [f32; 2]| a[0] * b[1] - a[1] * b[0];
                     let all = [cross(q, r), cross(r, p), cross(p, q)];
@@ -199,6 +203,50 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
             }
         }
     }
+}
+
+/// From what a palette answers with to colours, linear light.
+pub(super) struct Answered<'a, 'b> {
+    pub(super) figure: &'a FigureUniform,
+    pub(super) map: &'a [[f32; 3]; 256],
+    /// The place of the palette, and the way from the rest.
+    pub(super) answers: &'b [Places; 2],
+    pub(super) batch: &'b mut Batch,
+}
+
+impl Kernel for Answered<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { figure, map, answers: [places, ways], batch: b } = self;
+        let [glow, glow_by_way, saturation, circle] = figure.glow;
+        let (mut row, mut share) = ([0; PLACES], [0.0; PLACES]);
+        for i in 0..b.padded() {
+            let at = clamp(palette_place(places[i], circle > 0.5), 0.0, 1.0) * 255.0;
+            row[i] = whole(at);
+            share[i] = at - row[i] as f32;
+        }
+        for i in 0..b.count.min(PLACES) {
+            let row = (row[i] as usize).min(254);
+            let (left, right) = (map[row], map[row + 1]);
+            for k in 0..3 {
+                b.color[k][i] = mix(left[k], right[k], share[i]);
+            }
+        }
+        for i in 0..b.padded() {
+            let c = at(&b.color, i);
+            let grey = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+            let c = c.to_array().map(|c| max(mix(grey, c, saturation), 0.0));
+            set(&mut b.color, i, c.into());
+            b.glow[i] = glow + glow_by_way * ways[i];
+        }
+    }
+}
+
+/// A place in [0, 1] of a palette that runs around, or there and back.
+#[inline(always)]
+fn palette_place(at: f32, circle: bool) -> f32 {
+    let (around, back) = (at - at.floor(), 1.0 - (at - 2.0 * (0.5 * at).floor() - 1.0).abs());
+    if circle { around } else { back }
 }
 
 /// From places to colours. `FILM`: with the hues of thin films.

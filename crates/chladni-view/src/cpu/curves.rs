@@ -1,4 +1,4 @@
-//! Powers and cosines without branches or calls, so that loops of them become vectors. The bits are the
+//! Powers, cosines and pixels without branches or calls, so that loops of them become vectors. The bits are the
 //! same with every instruction set.
 
 /// The smaller one; `b` where `a` is not a number.
@@ -32,6 +32,13 @@ pub(super) fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 
 /// 1.5 · 2²³: added, it leaves a number of less than 2²² rounded to a whole one in the low bits.
 const WHOLE: f32 = 12_582_912.0;
+
+/// The whole part of a number in [0, 2²²); of a whole one it, or the one below.
+#[inline(always)]
+pub(super) fn whole(x: f32) -> i32 {
+    // Conversions that hold every number to the bounds of i32 do not become vectors.
+    ((x - 0.5) + WHOLE).to_bits().wrapping_sub(WHOLE.to_bits()) as i32
+}
 
 /// 2ˣ, to 2 · 10⁻⁷ of it; x is held to what a normal number can be the result of.
 #[inline(always)]
@@ -96,9 +103,43 @@ pub(super) fn cos(angle: f32) -> f32 {
     s + s * s2 * series
 }
 
+/// The channels of a pixel, in [0, 1].
+#[inline(always)]
+pub(super) fn unpacked(pixel: [u8; 4]) -> [f32; 4] {
+    // One word a pixel: bytes by themselves do not become vectors.
+    let word = u32::from_le_bytes(pixel);
+    [word, word >> 8, word >> 16, word >> 24].map(|byte| (byte & 255) as i32 as f32 * (1.0 / 255.0))
+}
+
+/// The pixel of channels in [0, 1].
+#[inline(always)]
+pub(super) fn packed(channels: [f32; 4]) -> [u8; 4] {
+    let [r, g, b, a] = channels.map(|c| (c * 255.0 + WHOLE).to_bits() & 255);
+    (r | g << 8 | b << 16 | a << 24).to_le_bytes()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn whole_parts_are_below() {
+        for i in 0..10_000 {
+            let x = 0.37 * i as f32;
+            let below = x - whole(x) as f32;
+            assert!((0.0..=1.0).contains(&below), "{x}");
+        }
+        assert_eq!((whole(0.0), whole(6.75)), (0, 6));
+    }
+
+    #[test]
+    fn pixels_are_what_was_packed() {
+        for value in 0..=255 {
+            let pixel = [value, 255 - value, 7, 200];
+            assert_eq!(packed(unpacked(pixel)), pixel);
+        }
+        assert_eq!(packed([0.0019, 0.002, 1.0, 0.5]), [0, 1, 255, 128]);
+    }
 
     #[test]
     fn they_are_the_functions_that_they_say() {

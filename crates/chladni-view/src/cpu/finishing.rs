@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::curves::{clamp, max, mix, smoothstep};
+use super::curves::{clamp, max, min, mix, packed, smoothstep, unpacked};
 use super::instructions::{Instructions, Kernel};
 use crate::Finish;
 use crate::finish::{FinishUniform, SPREAD, step};
@@ -13,6 +13,8 @@ pub(super) struct Finishing {
     near: Small,
     far: Small,
     half: Vec<[f32; 3]>,
+    /// Which columns of the picture before are seen in each of this one, and how near to the second.
+    columns: Vec<(usize, usize, f32)>,
     /// The picture before, where it shows on, with its size.
     last: Vec<u8>,
     before: Option<([u32; 2], f64)>,
@@ -47,12 +49,20 @@ impl Finishing {
         }
         let trail = (uniform.trail[0] > 0.0).then_some(&self.last[..]);
         let light = (finish.bloom > 0.0).then_some(&self.near);
-        pixels.par_chunks_mut(4 * width).enumerate().for_each_init(Vec::new, |lit, (y, pixels)| {
-            lit.clear();
+        let shrink = uniform.trail[1];
+        self.columns.clear();
+        self.columns
+            .extend((0..width).map(|x| neighbours(grown(x as f32 + 0.5, width as f32, shrink), width)));
+        let columns = &self.columns;
+        pixels.par_chunks_mut(4 * width).enumerate().for_each_init(Beside::default, |beside, (y, pixels)| {
+            beside.clear();
             if let Some(light) = light {
-                light.row((y as f32 + 0.5) / uniform.step as f32, lit);
+                beside.light(light, y, [uniform.step as usize, width]);
             }
-            with.run(Row { uniform: &uniform, y, pixels, lit, trail });
+            if let Some(last) = trail {
+                beside.trail(last, y, columns, &uniform);
+            }
+            with.run(Row { uniform: &uniform, y, pixels, beside });
         });
         self.before = (finish.trail_secs > 0.0).then_some((size, at_secs));
         if self.before.is_some() {
@@ -189,57 +199,145 @@ fn between(row: &[[f32; 3]], at: f32) -> [f32; 3] {
     blend(row[left], row[right], share)
 }
 
+/// Pixels that are computed together: so many that loops over them become vectors, and all fits the first cache.
+const BLOCK: usize = 128;
+
+type Block = [f32; BLOCK];
+
+/// What a row of the picture is given besides its own pixels: nothing, or whole blocks of it.
+#[derive(Default)]
+struct Beside {
+    lit: Vec<[f32; 3]>,
+    /// Light that spreads here, an array for each channel.
+    light: [Vec<f32>; 3],
+    between: Vec<f32>,
+    /// What is left of the picture before.
+    trail: Vec<[u8; 4]>,
+}
+
+impl Beside {
+    fn clear(&mut self) {
+        self.light.iter_mut().for_each(Vec::clear);
+        self.trail.clear();
+    }
+
+    /// Takes the light of row `y`, a pixel of which is `step` pixels of the picture wide.
+    fn light(&mut self, light: &Small, y: usize, [step, width]: [usize; 2]) {
+        self.lit.clear();
+        light.row((y as f32 + 0.5) / step as f32, &mut self.lit);
+        self.light.iter_mut().for_each(|plane| plane.resize(width.next_multiple_of(BLOCK), 0.0));
+        let last = self.lit.len() - 1;
+        for gap in 0..=last + 1 {
+            let (left, right) = (self.lit[gap.saturating_sub(1)], self.lit[gap.min(last)]);
+            let first = (step * gap + step / 2).saturating_sub(step).min(width);
+            let end = (step * gap + step / 2).min(width);
+            // From the middle of the left one.
+            let from = (first as f32 + 0.5) / step as f32 + 0.5 - gap as f32;
+            for (k, plane) in self.light.iter_mut().enumerate() {
+                let slope = (right[k] - left[k]) / step as f32;
+                let at_first = left[k] + (right[k] - left[k]) * from;
+                for (i, light) in plane[first..end].iter_mut().enumerate() {
+                    *light = at_first + slope * i as f32;
+                }
+            }
+        }
+    }
+
+    /// Takes what of the picture before shows on in row `y`; `columns` as [`Finishing::lay`] has them.
+    fn trail(&mut self, last: &[u8], y: usize, columns: &[(usize, usize, f32)], uniform: &FinishUniform) {
+        let [_, height] = uniform.size;
+        let [left, shrink] = uniform.trail;
+        let (above, below, share) = neighbours(grown(y as f32 + 0.5, height, shrink), height as usize);
+        let row = |y: usize| &last[4 * columns.len() * y..4 * columns.len() * (y + 1)];
+        let both = row(above).iter().zip(row(below));
+        let kept = |(a, b): (&u8, &u8)| (mix(f32::from(*a), f32::from(*b), share) * left - 0.7) / 255.0;
+        self.between.clear();
+        self.between.extend(both.map(kept));
+        let between = self.between.as_chunks::<4>().0;
+        self.trail.extend(columns.iter().map(|(a, b, aside)| {
+            let (a, b) = (between[*a], between[*b]);
+            packed(std::array::from_fn(|k| max(mix(a[k], b[k], *aside), 0.0)))
+        }));
+        self.trail.resize(columns.len().next_multiple_of(BLOCK), [0; 4]);
+    }
+}
+
+/// Where in the picture before lies what is seen here, of one that grows from its middle.
+#[inline(always)]
+fn grown(at: f32, size: f32, shrink: f32) -> f32 {
+    (at / size - 0.5) * shrink * size + 0.5 * size
+}
+
 /// A row of the picture.
 struct Row<'a> {
     uniform: &'a FinishUniform,
     y: usize,
     pixels: &'a mut [u8],
-    /// Light that spreads here; none where none does.
-    lit: &'a [[f32; 3]],
-    /// The picture before.
-    trail: Option<&'a [u8]>,
+    beside: &'a Beside,
 }
 
 impl Kernel for Row<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { uniform, y, pixels, lit, trail } = self;
-        let [width, height] = uniform.size;
-        let [left, shrink] = uniform.trail;
-        let scale = 1.0 / uniform.step as f32;
-        let count = width as usize;
-        let seen = |at: f32, size: f32| (at / size - 0.5) * shrink * size + 0.5 * size;
-        let down = 0.72 * (2.0 * (y as f32 + 0.5) / height - 1.0);
-        let (above, below, share) = neighbours(seen(y as f32 + 0.5, height), height as usize);
-        let rows = trail.map(|last| [above, below].map(|y| &last[4 * count * y..4 * count * (y + 1)]));
-        for (x, pixel) in pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-            let middle = x as f32 + 0.5;
-            let mut c = pixel.map(|c| f32::from(c) / 255.0);
-            if !lit.is_empty() {
-                let light = between(lit, middle * scale);
-                for k in 0..3 {
-                    let sum = (c[k] * c[k] + uniform.bloom[0] * light[k]).sqrt();
-                    c[k] = if sum < 1.0 { sum } else { 1.0 };
-                }
-            }
-            if let Some([above, below]) = rows {
-                let (a, b, aside) = neighbours(seen(middle, width), count);
-                for k in 0..4 {
-                    let at = |row: &[u8]| mix(f32::from(row[4 * a + k]), f32::from(row[4 * b + k]), aside);
-                    c[k] = max(c[k], (mix(at(above), at(below), share) * left - 0.7) / 255.0);
-                }
-            }
-            let across = 0.72 * (2.0 * middle / width - 1.0);
-            let dark = 1.0 - uniform.vignette * smoothstep(0.25, 1.05, across * across + down * down);
-            let noise = uniform.grain * chance(x as u32, y as u32, uniform.moment) * c[3];
-            let mut most = c[3];
-            for k in 0..3 {
-                c[k] = clamp(c[k] * dark + noise, 0.0, 1.0);
-                most = max(most, c[k]);
-            }
-            c[3] = most;
-            *pixel = c.map(|c| (c * 255.0 + 0.5) as u8);
+        let Self { uniform, y, pixels, beside } = self;
+        for (block, pixels) in pixels.as_chunks_mut::<4>().0.chunks_mut(BLOCK).enumerate() {
+            finish(uniform, [BLOCK * block, y], pixels, beside);
         }
+    }
+}
+
+/// Finishes at most a block of pixels, from `x` on of row `y`.
+#[inline(always)]
+fn finish(uniform: &FinishUniform, [x, y]: [usize; 2], pixels: &mut [[u8; 4]], beside: &Beside) {
+    let [width, height] = uniform.size;
+    let mut c = [[0.0; BLOCK]; 4];
+    unpack(pixels, &mut c);
+    for k in 0..3 {
+        if let Some(light) = beside.light[k].get(x..).and_then(<[f32]>::first_chunk) {
+            glow(&mut c[k], light, uniform.bloom[0]);
+        }
+    }
+    if let Some(trail) = beside.trail.get(x..).and_then(<[[u8; 4]]>::first_chunk::<BLOCK>) {
+        let mut left = [[0.0; BLOCK]; 4];
+        unpack(trail, &mut left);
+        for k in 0..4 {
+            for i in 0..BLOCK {
+                c[k][i] = max(c[k][i], left[k][i]);
+            }
+        }
+    }
+    let (scale, down) = (1.44 / width, 0.72 * (2.0 * (y as f32 + 0.5) / height - 1.0));
+    let mut dark = [0.0; BLOCK];
+    for (i, dark) in dark.iter_mut().enumerate() {
+        let across = scale * ((x + i) as i32 as f32 + 0.5) - 0.72;
+        *dark = 1.0 - uniform.vignette * smoothstep(0.25, 1.05, across * across + down * down);
+    }
+    let mut noise = [0.0; BLOCK];
+    if uniform.grain > 0.0 {
+        for (i, noise) in noise.iter_mut().enumerate() {
+            *noise = uniform.grain * chance((x + i) as u32, y as u32, uniform.moment) * c[3][i];
+        }
+    }
+    let [r, g, b, a] = &c;
+    for (i, pixel) in pixels.iter_mut().enumerate().take(BLOCK) {
+        let seen = |c: &Block| clamp(c[i] * dark[i] + noise[i], 0.0, 1.0);
+        let (r, g, b) = (seen(r), seen(g), seen(b));
+        *pixel = packed([r, g, b, max(max(r, g), max(b, a[i]))]);
+    }
+}
+
+#[inline(always)]
+fn unpack(pixels: &[[u8; 4]], [r, g, b, a]: &mut [Block; 4]) {
+    for (i, pixel) in pixels.iter().enumerate().take(BLOCK) {
+        [r[i], g[i], b[i], a[i]] = unpacked(*pixel);
+    }
+}
+
+/// Adds light.
+#[inline(always)]
+fn glow(c: &mut Block, light: &Block, strength: f32) {
+    for i in 0..BLOCK {
+        c[i] = min((c[i] * c[i] + strength * light[i]).sqrt(), 1.0);
     }
 }
 

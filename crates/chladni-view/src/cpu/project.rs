@@ -147,7 +147,9 @@ impl Chunk {
         self.found.clear();
         self.pieces.clear();
         for (i, triangle) in (first as u32..).zip(triangles) {
-            let all = triangle.map(|v| corners[v as usize]);
+            // Written out: copies through memory would wait for themselves.
+            let [a, b, c] = *triangle;
+            let all = [corners[a as usize], corners[b as usize], corners[c as usize]];
             if all.iter().any(|corner| corner.x == OFF) {
                 for corners in pieces(lens, triangle.map(|v| positions[v as usize]), all) {
                     let reference = PIECE | self.pieces.len() as u32;
@@ -230,7 +232,8 @@ impl Chunk {
         corners: &[Corner],
     ) -> ([Corner; 3], u32) {
         if reference & PIECE == 0 {
-            (triangles[reference as usize].map(|v| corners[v as usize]), reference)
+            let [a, b, c] = triangles[reference as usize];
+            ([corners[a as usize], corners[b as usize], corners[c as usize]], reference)
         } else {
             let piece = self.pieces[(reference ^ PIECE) as usize];
             (piece.corners, piece.triangle)

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::batch::{Batch, PLACES};
-use super::curves::mix;
+use super::curves::{clamp, mix, whole};
 use super::fill::{Bias, Farthest, Fill, MARGIN, Target, Triangles};
 use super::instructions::{Instructions, Kernel};
 use super::project::Grid;
@@ -35,8 +35,9 @@ const DISC: [[f32; 2]; 16] = scaled([
     [-0.1265, -0.9761],
 ]);
 
-/// The last of the disc, which lie around it.
-const RIM: usize = 8;
+/// The middle of the disc, and its last ones, which lie around it.
+const NINE: [[f32; 2]; 9] =
+    [[0.0, 0.0], DISC[8], DISC[9], DISC[10], DISC[11], DISC[12], DISC[13], DISC[14], DISC[15]];
 
 const fn scaled(mut points: [[f32; 2]; 16]) -> [[f32; 2]; 16] {
     let mut i = 0;
@@ -94,30 +95,52 @@ impl ShadowMap {
         });
     }
 
-    /// Places of the texels around a place in the map.
+    /// Where a texel is, or the nearest one in the map.
     #[inline(always)]
-    fn texel(&self, x: i32, y: i32) -> usize {
+    fn texel(&self, x: i32, y: i32) -> i32 {
         let last = self.size as i32 - 1;
-        (y.max(0).min(last) * (last + 1 + MARGIN as i32) + x.max(0).min(last)) as usize
+        y.max(0).min(last) * (last + 1 + MARGIN as i32) + x.max(0).min(last)
     }
 
     #[inline(always)]
-    fn lit_texel(&self, at: usize, depth: f32) -> bool {
-        self.depth.get(at).is_some_and(|nearest| depth <= *nearest)
+    fn lit_texel(&self, at: i32, depth: f32) -> bool {
+        self.depth.get(at as usize).is_some_and(|nearest| depth <= *nearest)
+    }
+
+    /// How many of [`NINE`] texels around each of `N` places, texels and depth, the key light reaches.
+    #[inline(always)]
+    fn lit_of_nine<const N: usize>(&self, [x, y, depth]: &[[f32; N]; 3]) -> [i32; N] {
+        let mut lit = [0; N];
+        for [dx, dy] in NINE {
+            // Places and comparisons are vectors; what lies between them is fetched one by one.
+            let (last, stride) = (self.size as f32 - 1.0, (self.size + MARGIN) as i32);
+            let mut at = [0; N];
+            for i in 0..N {
+                let (x, y) = (clamp(x[i] + dx, 0.0, last), clamp(y[i] + dy, 0.0, last));
+                at[i] = whole(y) * stride + whole(x);
+            }
+            let mut nearest = [f32::NEG_INFINITY; N];
+            for (nearest, at) in nearest.iter_mut().zip(at) {
+                *nearest = self.depth.get(at as usize).copied().unwrap_or(f32::NEG_INFINITY);
+            }
+            for i in 0..N {
+                lit[i] += i32::from(depth[i] <= nearest[i]);
+            }
+        }
+        lit
     }
 
     /// Share of a disc around `at`, texels and depth, that the key light reaches.
     #[inline(always)]
-    pub(super) fn lit_disc(&self, [x, y, depth]: [f32; 3]) -> f32 {
-        // Nine texels first: where they agree, so does nearly always what lies between them.
-        let mut rim = [0; RIM];
-        for (at, [dx, dy]) in rim.iter_mut().zip(&DISC[DISC.len() - RIM..]) {
-            *at = self.texel((x + dx) as i32, (y + dy) as i32);
-        }
-        let mut lit = usize::from(self.lit_texel(self.texel(x as i32, y as i32), depth));
-        for at in rim {
-            lit += usize::from(self.lit_texel(at, depth));
-        }
+    pub(super) fn lit_disc(&self, at: [f32; 3]) -> f32 {
+        let [lit] = self.lit_of_nine(&at.map(|c| [c]));
+        self.share(lit, at)
+    }
+
+    /// The share of a disc, so many of whose nine texels are lit: where they agree, so does nearly always what lies
+    /// between them.
+    #[inline(always)]
+    fn share(&self, lit: i32, [x, y, depth]: [f32; 3]) -> f32 {
         match lit {
             0 => 0.0,
             9 => 1.0,
@@ -159,10 +182,14 @@ impl Kernel for AskKey<'_, '_> {
     #[inline(always)]
     fn run(self) {
         let Self { map, strength, batch } = self;
+        if !batch.keyed[..batch.count].iter().any(|keyed| *keyed > 0.0) {
+            return;
+        }
+        let lit = map.lit_of_nine(&batch.map);
         for i in 0..batch.count.min(PLACES) {
             if batch.keyed[i] > 0.0 {
                 let at = [batch.map[0][i], batch.map[1][i], batch.map[2][i]];
-                batch.key[i] = mix(1.0, map.lit_disc(at), strength);
+                batch.key[i] = mix(1.0, map.share(lit[i], at), strength);
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Instructions;
-use super::batch::{Batch, Light, LightMap, PLACES, Place, Setting};
+use super::batch::{Answered, Batch, Light, LightMap, PLACES, Place, Setting};
 use super::curves::{clamp, max, min, mix, smoothstep};
 use super::fill::{Bias, Farthest, Fill, FillOne, MARGIN, NONE, Target, Triangles};
 use super::shadow::AskKey;
@@ -277,6 +277,13 @@ impl Tile<'_, '_> {
                 if seen == [NONE; SAMPLES] {
                     continue;
                 }
+                if seen == [seen[0]; SAMPLES] {
+                    // Most pixels show nothing but one triangle.
+                    if ids.contains(&seen[0]) {
+                        self.place(figure, seen[0] - ids.start, [x, y], SAMPLES);
+                    }
+                    continue;
+                }
                 let at = self.sample(x, y);
                 let depths = &self.scratch.depth[at..at + SAMPLES];
                 let (mut low, mut high, mut count, mut first) = (f32::INFINITY, f32::NEG_INFINITY, 0, NONE);
@@ -316,14 +323,12 @@ impl Tile<'_, '_> {
 
     fn put(&mut self, triangle: u32, [x, y]: [i32; 2], samples: usize) {
         let pixel = self.pixel(x, y) as u32;
-        let [left, top, width, height] = self.cell.uniform.viewport;
         let batch = &mut *self.scratch.batch;
         let i = batch.count;
         batch.pixel[i] = pixel;
         batch.triangle[i] = triangle;
         batch.share[i] = samples as f32 / SAMPLES as f32;
-        batch.screen[0][i] = 2.0 * (x as f32 + 0.5 - left) / width - 1.0;
-        batch.screen[1][i] = 1.0 - 2.0 * (y as f32 + 0.5 - top) / height;
+        (batch.screen[0][i], batch.screen[1][i]) = (x as f32, y as f32);
         batch.count += 1;
     }
 
@@ -413,8 +418,7 @@ impl Tile<'_, '_> {
         let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
         let batch = &mut *self.scratch.batch;
         let [low, scale, map, _] = staged.uniform.scale;
-        let [glow, glow_by_way, saturation, circle] = staged.uniform.glow;
-        batch.glow.fill(glow);
+        batch.glow.fill(staged.uniform.glow[0]);
         for i in 0..batch.count {
             let triangle = batch.triangle[i] as usize;
             let weights: [f32; 3] = std::array::from_fn(|k| batch.weights[k][i]);
@@ -437,15 +441,7 @@ impl Tile<'_, '_> {
                         (0..3).map(|k| weights[k] * f32::from(corners[k][channel])).sum::<f32>() / 255.0
                     })
                 }
-                Coat::Answer(_) => {
-                    let corners = subject.triangles[triangle].map(|v| staged.answers[v as usize]);
-                    let sum = |which: usize| (0..3).map(|k| weights[k] * corners[k][which]).sum::<f32>();
-                    batch.glow[i] = glow + glow_by_way * sum(1);
-                    let map = self.picture.maps.get(map as usize);
-                    let c = map.map_or([0.0; 3], |map| map_color(map, palette_place(sum(0), circle > 0.5)));
-                    let grey = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-                    c.map(|c| max(mix(grey, c, saturation), 0.0))
-                }
+                Coat::Answer(_) => return self.answered(figure),
                 Coat::Skin(image) => {
                     let uvs: [[f32; 2]; 3] = std::array::from_fn(|k| subject.uvs[3 * triangle + k]);
                     let at = |weights: [f32; 3]| {
@@ -467,6 +463,23 @@ impl Tile<'_, '_> {
             for k in 0..3 {
                 batch.color[k][i] = color[k];
             }
+        }
+    }
+
+    /// The same by palette, which has much to compute.
+    fn answered(&mut self, figure: usize) {
+        let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
+        let batch = &mut *self.scratch.batch;
+        let mut answers = [[0.0; PLACES]; 2];
+        for i in 0..batch.count {
+            let corners = subject.triangles[batch.triangle[i] as usize].map(|v| staged.answers[v as usize]);
+            for (k, answers) in answers.iter_mut().enumerate() {
+                answers[i] = (0..3).map(|corner| batch.weights[corner][i] * corners[corner][k]).sum();
+            }
+        }
+        let (figure, answers) = (&staged.uniform, &answers);
+        if let Some(map) = self.picture.maps.get(figure.scale[2] as usize) {
+            self.picture.instructions.run(Answered { figure, map, answers, batch });
         }
     }
 
@@ -564,11 +577,6 @@ fn over(pixel: &mut [u8], color: [f32; 4]) {
     for (channel, c) in pixel.iter_mut().zip(color) {
         *channel = (f32::from(*channel) * (1.0 - color[3]) + 255.0 * c + 0.5) as u8;
     }
-}
-
-/// A place in [0, 1] of a palette that runs around, or there and back.
-fn palette_place(at: f32, circle: bool) -> f32 {
-    if circle { at - at.floor() } else { 1.0 - (at - 2.0 * (0.5 * at).floor() - 1.0).abs() }
 }
 
 /// The colour of `t` in [0, 1], between the map's 256.

@@ -51,8 +51,9 @@ impl Mp4 {
             "-vf",
             "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
         ]);
-        // The best H.264 encoder it has. The settings are those of libx264; others leave them aside.
-        command.args(["-c:v", "h264", "-preset", "fast", "-crf", "18"]);
+        // The best H.264 encoder it has. The settings are those of libx264; others leave them aside. Encoding shares the
+        // processor with drawing: these look like `fast` at 18 in a quarter of its time, a third larger.
+        command.args(["-c:v", "h264", "-preset", "superfast", "-crf", "21"]);
         command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
         command.args(["-movflags", "+faststart", "-f", "mp4"]).arg(file.path());
         let spawned = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
