@@ -63,6 +63,16 @@ impl Seen<'_> {
     }
 }
 
+impl Seen<'_> {
+    /// Those of `vertices` < N that nothing hides from the eye; all where there is none.
+    pub fn shown(&self, mut vertices: Vec<u32>) -> Vec<u32> {
+        if let Some((eye, blocked)) = self.eye.zip(self.blocked) {
+            vertices = vertices.into_par_iter().filter(|v| !blocked(eye, self.at(*v))).collect();
+        }
+        vertices
+    }
+}
+
 impl Brush {
     /// What the brush covers when it is pressed on `seen` at `at`: all that lies within its radius along the
     /// surface, over triangles that show the eye the same side as the one at `at`. So it passes neither

@@ -45,6 +45,7 @@
 mod brush;
 mod carry;
 mod crossing;
+mod curved;
 mod difference;
 mod error;
 mod exaggeration;
@@ -75,6 +76,7 @@ mod wavelength;
 pub use brush::{Blocked, Brush, Reach, Seen};
 pub use carry::Carried;
 pub use crossing::Crossings;
+pub use curved::{Bend, Curved};
 pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};
 pub use error::CaricatureError;
 pub use exaggeration::{Field, Signals};

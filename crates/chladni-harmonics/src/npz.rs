@@ -83,6 +83,19 @@ pub fn write_npz(path: &Path, fill: impl FnOnce(&mut Npz<'_, '_>) -> Result<()>)
     })
 }
 
+/// Writes `values` as one array, a `.npy` file.
+///
+/// # Errors
+/// What the system says; no file is left behind.
+pub fn write_npy<T: AutoSerialize>(path: &Path, values: &[T]) -> Result<()> {
+    chladni_task::write_atomic_with(path, |file| {
+        let array = WriteOptions::new().default_dtype().shape(&[values.len() as u64]);
+        let mut array = array.writer(file).begin_nd()?;
+        array.extend(values)?;
+        array.finish()
+    })
+}
+
 /// Writes `eigenvalues` (K), `mass` (N), `operator_vertex` (n: file vertex → row, −1 where no triangle uses it)
 /// and `eigenvectors` (N×K), in the units of the file that `body` was made from.
 ///

@@ -20,6 +20,17 @@ pub struct Appearance {
     pub materials: Vec<Material>,
     /// For each face its index in `materials`; empty where no face has one.
     pub face_materials: Vec<Option<u32>>,
+    /// Numbers of the vertices by name: the scalar properties of a PLY file that mean nothing else here.
+    pub attributes: Vec<Attribute>,
+}
+
+/// A number for each vertex, such as a weight or the quality of a scan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// Its name: one word.
+    pub name: String,
+    /// One for each vertex; not always finite.
+    pub values: Vec<f64>,
 }
 
 /// Texture coordinates, which may differ between the faces that meet at a vertex (a seam).

@@ -34,6 +34,7 @@
 #![warn(clippy::missing_errors_doc)]
 
 mod appearance;
+mod channel;
 mod eigen;
 mod error;
 mod format;
@@ -48,7 +49,8 @@ mod shape_source;
 pub mod surface;
 mod write;
 
-pub use appearance::{Appearance, CornerUvs, Material, Texture};
+pub use appearance::{Appearance, Attribute, CornerUvs, Material, Texture};
+pub use channel::COLOR_CHANNELS;
 pub use eigen::{symmetric_eigen, symmetric_eigen_of};
 pub use error::{MeshError, Place};
 pub use format::Format;

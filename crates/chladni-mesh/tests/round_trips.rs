@@ -140,7 +140,7 @@ fn dressed() -> TriMesh {
             }),
             materials: vec![wood, glass],
             face_materials: vec![Some(0), Some(0), Some(1), Some(1)],
-            polygons: None,
+            ..Appearance::default()
         },
     }
 }

@@ -629,3 +629,47 @@ fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
         assert!(!desk.path("x.svg").exists());
     }
 }
+
+#[test]
+fn a_mask_goes_out_and_comes_in_again_by_every_kind_of_file() {
+    let desk = Desk::new();
+    let moved = |region: &str| {
+        desk.ok(&format!("caricature shape.obj ellipsoid -k 32 --mu -1 -o moved.ply {region}"));
+        desk.mesh("moved.ply").positions
+    };
+    let expected = moved("--curved bumps:30%");
+    assert!(largest(&expected, &moved("--curved hollows:30%")) > 1e-3);
+    for out in ["m.npy", "m.npz", "m.ply", "m.obj", "m.glb", "gray.ply --as-colors"] {
+        let said = desk.ok(&format!("mask shape.obj --curved bumps:30% -o {out}"));
+        assert!(said.contains("of 642 vertices"), "{said}");
+        let file = out.split(' ').next().unwrap();
+        assert_eq!(moved(&format!("--mask {file}")), expected, "{out}");
+    }
+    assert_eq!(moved("--mask gray.ply --mask-channel green"), expected);
+    assert!(
+        largest(&moved("--mask gray.ply --mask-channel alpha"), &expected) > 1e-3,
+        "alpha is 1 everywhere"
+    );
+    let line = "caricature shape.obj ellipsoid -o x.ply --mask m.ply --mask-channel weight";
+    assert!(desk.refused(line).contains("no weight; they have mask"));
+    // A project's layer takes a mask, and gives it back.
+    desk.ok("project new shape.obj -k 32 -o me.chladni");
+    assert!(desk.refused("mask me.chladni -o back.npy").contains("has no layer"));
+    desk.ok("project add-layer me.chladni --template ellipsoid --mu -1 --mask m.npy");
+    desk.ok("project add-layer me.chladni --template sphere --name all");
+    desk.ok("mask me.chladni --layer ellipsoid -o back.npy");
+    let read = |name: &str| std::fs::read(desk.path(name)).unwrap();
+    assert_eq!(read("back.npy"), read("m.npy"));
+    desk.ok("mask me.chladni -o all.npy");
+    assert_ne!(read("all.npy"), read("m.npy"));
+    for (line, said) in [
+        ("mask shape.obj -o x.npy", "say which region"),
+        ("mask shape.obj --curved bumps -o x.stl", "ends in one of"),
+        ("mask me.chladni --layer none -o x.npy", "no layer called none"),
+        ("mask me.chladni --curved bumps -o x.npy", "brings its regions along"),
+        ("mask shape.obj --curved bumps:0% -o x.npy", "share of the surface"),
+        ("mask shape.obj --mask-channel red -o x.npy", "--mask"),
+    ] {
+        assert!(desk.refused(line).contains(said), "{line}");
+    }
+}

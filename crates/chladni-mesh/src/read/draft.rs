@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::appearance::linear_from_srgb;
 use crate::error::Fault;
 use crate::read::{Loaded, Mended};
-use crate::{Appearance, CornerUvs, Format, Material, MeshError, Rows, TriMesh};
+use crate::{Appearance, Attribute, CornerUvs, Format, Material, MeshError, Rows, TriMesh};
 
 /// Coordinates beyond this have areas whose squares overflow.
 const GREATEST_COORDINATE: f64 = 1e75;
@@ -49,6 +49,7 @@ pub(crate) struct Draft {
     named: HashMap<String, u32>,
     /// As many as faces, or none.
     pub face_materials: Vec<Option<u32>>,
+    pub attributes: Vec<Attribute>,
     pub mended: Vec<Mended>,
     dropped_faces: usize,
     has_polygons: bool,
@@ -178,6 +179,7 @@ impl Draft {
             uvs,
             materials: self.materials,
             face_materials: self.face_materials,
+            attributes: self.attributes,
         };
         let mesh = TriMesh { positions: self.positions, triangles, appearance };
         Ok(Loaded { mesh, mended: self.mended, stored_positions: None })

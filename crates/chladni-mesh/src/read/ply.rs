@@ -9,10 +9,10 @@ use super::ply_header::{Element, Encoding, Header, Property, Scalar};
 use super::text::Words;
 use crate::error::Fault;
 use crate::read::Mended;
-use crate::{CornerUvs, Material, Texture};
+use crate::{Attribute, CornerUvs, Material, Texture};
 
-/// Reads vertices (with colors and texture coordinates), faces (with a list of texture
-/// coordinates) and triangle strips with −1 between them. Other elements and properties, face
+/// Reads vertices (with colors, texture coordinates and other numbers by their names), faces (with a list of texture
+/// coordinates) and triangle strips with −1 between them. Other elements and properties, normals and face
 /// colors among them, are left out.
 pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
     let header = Header::read(bytes)?;
@@ -142,11 +142,17 @@ enum Role {
     Position(usize),
     Color(usize),
     Uv(usize),
+    /// A number that is kept under its name.
+    Attribute(usize),
     Other,
 }
 
-fn vertex_role(name: &str) -> Role {
-    match name {
+/// Numbers of a vertex that are kept, at most: a damaged header may name any number of them.
+const MOST_ATTRIBUTES: usize = 64;
+
+/// The meaning of a vertex property; `attributes` are those that were found before it.
+fn vertex_role(property: &Property, attributes: &mut Vec<Attribute>) -> Role {
+    match &*property.name {
         "x" => Role::Position(0),
         "y" => Role::Position(1),
         "z" => Role::Position(2),
@@ -156,13 +162,23 @@ fn vertex_role(name: &str) -> Role {
         "alpha" | "a" => Role::Color(3),
         "s" | "u" | "texture_u" => Role::Uv(0),
         "t" | "v" | "texture_v" => Role::Uv(1),
+        // Normals are wrong as soon as the shape moves.
+        "nx" | "ny" | "nz" => Role::Other,
+        name if property.list.is_none()
+            && attributes.len() < MOST_ATTRIBUTES
+            && attributes.iter().all(|known| known.name != name) =>
+        {
+            attributes.push(Attribute { name: name.to_owned(), values: Vec::new() });
+            Role::Attribute(attributes.len() - 1)
+        }
         _ => Role::Other,
     }
 }
 
 impl Ply<'_> {
     fn vertices(&mut self, element: &Element) -> Result<(), Fault> {
-        let roles: Vec<Role> = element.properties.iter().map(|p| vertex_role(&p.name)).collect();
+        let mut attributes = Vec::new();
+        let roles: Vec<Role> = element.properties.iter().map(|p| vertex_role(p, &mut attributes)).collect();
         for (i, axis) in ["x", "y", "z"].iter().enumerate() {
             if !roles.iter().any(|r| matches!(r, Role::Position(j) if *j == i)) && element.count > 0 {
                 return Err(Fault::part("header", format!("the vertices have no property {axis}")));
@@ -191,6 +207,7 @@ impl Ply<'_> {
                     Role::Position(i) => position[i] = coordinate(value, |reason| self.source.fault(reason))?,
                     Role::Color(i) => color[i] = value,
                     Role::Uv(i) => uv[i] = value,
+                    Role::Attribute(i) => attributes[i].values.push(value),
                     Role::Other => {}
                 }
             }
@@ -204,6 +221,7 @@ impl Ply<'_> {
             self.end_row();
         }
         self.draft.set_srgb_colors(colors, full);
+        self.draft.attributes = attributes;
         Ok(())
     }
 

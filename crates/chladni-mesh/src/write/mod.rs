@@ -11,7 +11,7 @@ use chladni_task::write_atomic;
 
 pub use glb::{MorphAnimation, MorphTarget, write_animated_glb, write_glb};
 
-use crate::{Format, MeshError, TriMesh};
+use crate::{Attribute, Format, MeshError, TriMesh};
 
 /// Writes `mesh` as OBJ, binary PLY, binary STL or GLB.
 ///
@@ -81,6 +81,14 @@ fn check(mesh: &TriMesh) -> Result<(), String> {
     }
     if look.colors.as_ref().is_some_and(|colors| colors.len() != n) {
         return Err("it has not one colour per vertex".into());
+    }
+    for Attribute { name, values } in &look.attributes {
+        if values.len() != n {
+            return Err(format!("it has not one '{name}' per vertex"));
+        }
+        if name.is_empty() || name.contains(char::is_whitespace) {
+            return Err(format!("the name of its attribute '{name}' is not one word"));
+        }
     }
     if look.uvs.as_ref().is_some_and(|uvs| uvs.corners.len() != corners) {
         return Err("it has not one texture coordinate per corner".into());

@@ -27,6 +27,9 @@ pub(crate) fn write(mesh: &TriMesh) -> Vec<u8> {
     if vertex_uvs.is_some() {
         header.push_str("property double s\nproperty double t\n");
     }
+    for attribute in &look.attributes {
+        header.push_str(&format!("property double {}\n", attribute.name));
+    }
     let length = if wide { "uint" } else { "uchar" };
     header.push_str(&format!(
         "element face {}\nproperty list {length} int vertex_indices\n",
@@ -51,6 +54,7 @@ pub(crate) fn write(mesh: &TriMesh) -> Vec<u8> {
         if let Some(uvs) = &vertex_uvs {
             doubles(&mut bytes, &uvs[v]);
         }
+        look.attributes.iter().for_each(|attribute| doubles(&mut bytes, &attribute.values[v..=v]));
     }
     let push_length = |bytes: &mut Vec<u8>, length: usize| {
         let length = (length as u32).to_le_bytes();

@@ -6,17 +6,15 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use chladni_caricature::{
-    Base, Crossings, DEFAULT_HARMONICS, HEAD_PARTS, Limbs, Project, ShapeSource, Template,
-};
-use chladni_mesh::{Format, TriMesh, weld};
+use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, Project, ShapeSource, Template};
+use chladni_mesh::{Format, TriMesh};
 
 use super::Terminal;
 use super::ink::{InkOptions, check_drawing};
 use super::layer_options::LayerOptions;
 use super::portrait::{self, Portrait};
+use super::region::RegionOptions;
 use super::sheet::SheetOptions;
-use super::{limbs, mask, parts};
 use crate::work::body::{self, laplacian};
 use crate::work::outputs::check_file;
 use crate::work::{Error, Made, Share, Warning, Watcher, make, source};
@@ -48,21 +46,8 @@ pub struct Caricature {
     keep_triangles: bool,
     #[command(flatten)]
     layer: LayerOptions,
-    /// Act only on this part of a head: nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown or neck, found by a match
-    /// with a head whose parts are known; may be repeated.
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["recipe", "region"], value_parser = part)]
-    part: Vec<String>,
-    /// Act only on this part of any shape, by the number that `parts --level` prints; may be repeated, or several with
-    /// commas between.
-    #[arg(long, value_name = "N", conflicts_with_all = ["recipe", "region", "part"], value_delimiter = ',')]
-    limb: Vec<usize>,
-    /// Act where this mask says: a number from 0 to 1 for each vertex of the shape's file (.npy, or the array `mask` of
-    /// an .npz).
-    #[arg(long, value_name = "M.npy", conflicts_with_all = ["recipe", "region", "part", "limb"])]
-    mask: Option<PathBuf>,
-    /// Which parts --limb counts, from 0 (whole limbs) to 1 (small features).
-    #[arg(long, value_name = "X", requires = "limb", default_value_t = Limbs::USUAL_LEVEL, value_parser = parts::level)]
-    level: f64,
+    #[command(flatten)]
+    region: RegionOptions,
     /// Draw the shape before and after, side by side: a PNG, or, in ink, an SVG. With --batch a folder.
     #[arg(long, value_name = "P.png|P.svg")]
     render: Option<PathBuf>,
@@ -73,7 +58,7 @@ pub struct Caricature {
     #[command(flatten)]
     ink: InkOptions,
     /// A project whose layers are applied instead.
-    #[arg(long, value_name = "P.chladni", conflicts_with = "LayerOptions")]
+    #[arg(long, value_name = "P.chladni", conflicts_with_all = ["LayerOptions", "RegionOptions"])]
     recipe: Option<PathBuf>,
     /// Apply the recipe to every mesh in this folder, or to those that a text file lists, one in each line.
     #[arg(long, value_name = "DIR|LIST", requires = "recipe", conflicts_with = "shape")]
@@ -147,19 +132,8 @@ impl Caricature {
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.laplacian = laplacian(self.paper);
         project.keep_triangles = self.keep_triangles;
-        let mut layer = self.layer.layer("caricature", template.clone(), &project)?;
-        if !self.part.is_empty() {
-            let mesh = source::mesh(shape, terminal)?;
-            let found = parts::found(shape, &mesh, terminal)?;
-            layer.region.painted = found.painted(&weld(&mesh).operator_vertex, &self.part)?;
-        }
-        if !self.limb.is_empty() {
-            let mesh = source::mesh(shape, terminal)?;
-            layer.region.painted = limbs::region((shape, &mesh), self.level, &self.limb, terminal)?;
-        }
-        if let Some(path) = &self.mask {
-            layer.region.painted = mask::region(path, &source::mesh(shape, terminal)?)?;
-        }
+        let painted = self.region.painted(shape, || source::mesh(shape, terminal), terminal)?;
+        let layer = self.layer.layer("caricature", template.clone(), painted, &project)?;
         project.push(layer)?;
         one(shape, &project, None, self.output.as_deref(), self.picture(self.render.as_deref()), terminal)
     }
@@ -250,11 +224,6 @@ fn named(folder: &Path, stem: &OsStr, extension: &OsStr) -> PathBuf {
     name.push(".");
     name.push(extension);
     folder.join(name)
-}
-
-fn part(text: &str) -> Result<String, String> {
-    let known = HEAD_PARTS.contains(&text).then(|| text.to_owned());
-    known.ok_or_else(|| format!("must be one of {}", HEAD_PARTS.join(", ")))
 }
 
 /// A picture that is asked for.

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use chladni_caricature::{
-    Layer, Model, Painted, Project, Region, RollOff, ScaleCurve, Smoothing, Sphere, Template,
-    parse_wavelength, usual_wavelength,
+    Layer, Model, Painted, Project, Region, RollOff, ScaleCurve, Smoothing, Template, parse_wavelength,
+    usual_wavelength,
 };
 use chladni_harmonics::Laplacian;
 use chladni_match::{MatchSettings, Method, Scaling, load_landmarks};
@@ -24,9 +24,6 @@ pub struct LayerOptions {
     /// A factor on μ from 0 to 1.
     #[arg(long, default_value_t = 1.0)]
     strength: f64,
-    /// Act only within this ball, x,y,z,radius in the shape's own units; may be repeated.
-    #[arg(long, value_name = "X,Y,Z,RADIUS", allow_hyphen_values = true)]
-    region: Vec<Sphere>,
     /// How soft the region's edge is: a wavelength as percent of the shape's size (32%), or the paper's
     /// nχ, the number of harmonics that have longer waves (96) [default: 32%; 96 in paper mode].
     #[arg(long, value_name = "P%|N", value_parser = cutoff)]
@@ -90,12 +87,16 @@ pub fn method(text: &str) -> Result<Method, String> {
 }
 
 impl LayerOptions {
-    /// The layer called `name` with these options, for `project`.
-    pub fn layer(&self, name: &str, template: Template, project: &Project) -> Result<Layer, Error> {
+    /// The layer called `name` with these options where χ01 is `painted`, for `project`.
+    pub fn layer(
+        &self,
+        name: &str,
+        template: Template,
+        painted: Painted,
+        project: &Project,
+    ) -> Result<Layer, Error> {
         let paper = project.laplacian == Laplacian::Cotangent;
         let usual = if paper { Layer::paper(name, template) } else { Layer::new(name, template) };
-        let painted =
-            if self.region.is_empty() { Painted::Everywhere } else { Painted::Spheres(self.region.clone()) };
         let smoothing = usual.region.smoothing;
         let smoothing = Smoothing {
             wavelength: self.cutoff.unwrap_or(smoothing.wavelength),

@@ -1,30 +1,84 @@
-//! Regions that other programs painted.
+//! `chladni mask SHAPE -o M.npy`: a region as numbers, for other programs.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use chladni_caricature::Painted;
-use chladni_harmonics::npz::read_numbers;
 use chladni_mesh::{TriMesh, weld};
 
-use crate::work::Error;
+use super::Terminal;
+use super::region::RegionOptions;
+use crate::work::formats::is_project;
+use crate::work::outputs::check_file;
+use crate::work::{Error, mask, source};
 
-/// χ01 from the file at `path`: a number in [0, 1] for each vertex of `mesh`, in the order of its file. In an archive
-/// it is the array `mask`.
-pub fn region(path: &Path, mesh: &TriMesh) -> Result<Painted, Error> {
-    let refused = |why: String| Err(Error::input(format_args!("{}: {why}", path.display())));
-    let values = match read_numbers(path, "mask") {
-        Ok(values) => values,
-        Err(why) => return refused(format!("no mask can be read from it: {why}")),
-    };
-    let vertices = mesh.positions.len();
-    if values.len() != vertices {
-        return refused(format!(
-            "a mask has a number for each of the {vertices} vertices, this has {}",
-            values.len()
-        ));
+/// Write a region as a number from 0 to 1 for each vertex of the shape's file.
+#[derive(clap::Args)]
+pub struct MaskCommand {
+    /// The shape, a mesh file or sample:NAME; or a project, whose layer's region is written as it was painted.
+    shape: PathBuf,
+    /// Where it goes: .npy, .npz (array `mask`), .ply (attribute `mask`), or .glb or .obj (gray vertices).
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Of a project, the layer of this name [default: the top one].
+    #[arg(long, value_name = "NAME")]
+    layer: Option<String>,
+    /// Paint the vertices of a .ply gray, too, in place of the attribute.
+    #[arg(long)]
+    as_colors: bool,
+    #[command(flatten)]
+    region: RegionOptions,
+}
+
+impl MaskCommand {
+    /// Writes it.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        mask::check(&self.output)?;
+        check_file(&self.output)?;
+        let (mesh, painted) =
+            if is_project(&self.shape) { self.of_project(terminal)? } else { self.of_mesh(terminal)? };
+        let welded = weld(&mesh);
+        let values = painted.values(&welded.positions);
+        if values.len() != welded.positions.len() {
+            let (found, expected) = (values.len(), welded.positions.len());
+            let name = self.shape.display();
+            let why = format_args!("{name}: was painted on {found} vertices, the shape has {expected}");
+            return Err(Error::input(why));
+        }
+        mask::write(&self.output, &painted, &mesh, self.as_colors)?;
+        let inside = values.iter().filter(|x| **x > 0.0).count();
+        terminal.result(format_args!("{inside} of {} vertices", values.len()))?;
+        terminal.wrote(&self.output)
     }
-    if let Some((vertex, value)) = values.iter().enumerate().find(|(_, x)| !(0.0..=1.0).contains(*x)) {
-        return refused(format!("a mask lies in [0, 1], at vertex {vertex} it is {value}"));
+
+    fn of_mesh(&self, terminal: &Terminal) -> Result<(TriMesh, Painted), Error> {
+        if self.layer.is_some() {
+            return Err(Error::input("--layer names a layer of a project, and this is a mesh"));
+        }
+        if !self.region.is_given() {
+            let ways = "--region, --part, --limb, --curved or --mask";
+            return Err(Error::input(format_args!("say which region of the shape: by {ways}")));
+        }
+        let mesh = source::mesh(&self.shape, terminal)?;
+        let painted =
+            self.region.painted(&self.shape.display().to_string(), || Ok(mesh.clone()), terminal)?;
+        Ok((mesh, painted))
     }
-    Ok(Painted::of_file(values.into_iter().map(|x| x as f32), &weld(mesh).operator_vertex))
+
+    fn of_project(&self, terminal: &Terminal) -> Result<(TriMesh, Painted), Error> {
+        if self.region.is_given() {
+            return Err(Error::input("a project brings its regions along: name a --layer"));
+        }
+        let project = source::project(&self.shape, terminal)?;
+        let wanted = |name: &String| self.layer.as_ref().is_none_or(|wanted| wanted == name);
+        let found = project.layers().iter().rev().find(|(_, layer)| wanted(&layer.name));
+        let Some((_, layer)) = found else {
+            return Err(Error::input(no_layer(&self.shape, self.layer.as_deref())));
+        };
+        Ok((source::shape(&project.shape, terminal)?, layer.region.painted.clone()))
+    }
+}
+
+fn no_layer(path: &Path, name: Option<&str>) -> String {
+    let path = path.display();
+    name.map_or_else(|| format!("{path}: has no layer"), |name| format!("{path}: has no layer called {name}"))
 }

@@ -17,6 +17,7 @@ mod open;
 mod parts;
 mod portrait;
 mod project;
+mod region;
 mod sheet;
 mod spectrum;
 mod stance;
@@ -60,6 +61,7 @@ enum Command {
     Match(match_shapes::MatchShapes),
     Transfer(transfer::TransferCommand),
     Parts(parts::Parts),
+    Mask(mask::MaskCommand),
     Basis(basis::Args),
     Beats(beats::Beats),
     Spectrum(spectrum::Spectrum),
@@ -145,6 +147,7 @@ impl Command {
             Self::Match(command) => command.run(terminal),
             Self::Transfer(command) => command.run(terminal),
             Self::Parts(command) => command.run(terminal),
+            Self::Mask(command) => command.run(terminal),
             Self::Info(info) => info.run(terminal),
             Self::Demo(demo) => demo.run(terminal),
             Self::Beats(command) => command.run(terminal),

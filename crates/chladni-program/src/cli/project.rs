@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::Terminal;
 use super::layer_options::LayerOptions;
+use super::region::RegionOptions;
 use super::stance::StanceOptions;
 use crate::work::body::laplacian;
 use crate::work::outputs::check_file;
@@ -61,6 +62,8 @@ pub struct AddLayer {
     name: Option<String>,
     #[command(flatten)]
     layer: LayerOptions,
+    #[command(flatten)]
+    region: RegionOptions,
 }
 
 /// Arguments of `project show`.
@@ -122,7 +125,9 @@ impl AddLayer {
         let mut project = source::project(&self.project, terminal)?;
         template_mesh(&self.template, terminal)?;
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
-        let layer = self.layer.layer(&name, self.template, &project)?;
+        let shape = project.shape.to_string();
+        let painted = self.region.painted(&shape, || source::shape(&project.shape, terminal), terminal)?;
+        let layer = self.layer.layer(&name, self.template, painted, &project)?;
         project.push(layer)?;
         project.save(&self.project).map_err(Error::unsaved)?;
         let layers = project.layers().len();

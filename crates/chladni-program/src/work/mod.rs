@@ -13,6 +13,7 @@ pub mod film;
 pub mod formats;
 mod frame_guard;
 mod hearing;
+pub mod mask;
 mod mood;
 mod opening_look;
 pub mod outputs;

@@ -272,3 +272,72 @@ fn the_keyboard_reaches_what_is_common_and_crossings_are_counted() {
     let nowhere = Painted::Vertices(vec![0.0; 642].into());
     assert_eq!((&layers[0].1.region.painted, &layers[1].1.region.painted), (&nowhere, &Painted::Everywhere));
 }
+
+/// χ01 of the only layer, as the project is saved now.
+fn painted(desk: &Desk, person: &mut Person) -> Painted {
+    desk.answers.add(desk.path("saved.chladni"));
+    person.press_with(CTRL | Modifiers::SHIFT, Key::S);
+    let project = Project::load(&desk.path("saved.chladni")).unwrap();
+    project.layers()[0].1.region.painted.clone()
+}
+
+fn inside(painted: &Painted) -> usize {
+    match painted {
+        Painted::Vertices(values) => values.iter().filter(|x| **x > 0.0).count(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn what_is_encircled_is_painted_on_the_side_that_is_seen_and_undone_at_once() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.click_button("Add");
+    person.click("Magnify all");
+    person.press(Key::B);
+    person.click("Lasso");
+    let middle = pos2(620.0, 420.0);
+    let around = |radius: f32| -> Vec<egui::Pos2> {
+        (0..24)
+            .map(|i| middle + radius * egui::Vec2::angled(i as f32 * std::f32::consts::TAU / 24.0))
+            .collect()
+    };
+    person.drag(&around(90.0));
+    person.screenshot("studio-lasso.png");
+    let wide = inside(&painted(&desk, &mut person));
+    assert!(wide > 10 && wide < 321, "{wide} of 642, not what is behind");
+    person.press(Key::X);
+    person.drag(&around(45.0));
+    let ring = inside(&painted(&desk, &mut person));
+    assert!(ring < wide && ring > wide / 3, "{ring} of {wide}");
+    person.press_with(CTRL, Key::Z);
+    assert_eq!(inside(&painted(&desk, &mut person)), wide);
+    person.press_with(CTRL, Key::Z);
+    assert_eq!(painted(&desk, &mut person), Painted::Everywhere);
+}
+
+#[test]
+fn a_region_comes_from_curvature_goes_to_a_file_and_comes_back() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.click_button("Add");
+    person.click("Magnify all");
+    person.click("By curvature");
+    person.screenshot("studio-curvature.png");
+    person.click("Bumps");
+    let bumps = painted(&desk, &mut person);
+    assert!((60..200).contains(&inside(&bumps)), "{}", inside(&bumps));
+    desk.answers.add(desk.path("bumps.ply"));
+    person.click("Mask");
+    person.screenshot("studio-mask.png");
+    person.click("Save mask…");
+    person.wait_to_see("Wrote");
+    person.press_with(CTRL, Key::Z);
+    assert_eq!(painted(&desk, &mut person), Painted::Everywhere);
+    desk.answers.add(desk.path("bumps.ply"));
+    person.click("Mask");
+    person.click("Open mask…");
+    assert_eq!(painted(&desk, &mut person), bumps);
+}

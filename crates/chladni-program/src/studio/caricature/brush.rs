@@ -5,6 +5,7 @@ use chladni_mesh::MirrorPlane;
 use egui::{RichText, Slider, Ui};
 
 use super::edits::Edits;
+use super::lasso::LassoTool;
 use super::limb_tool::LimbTool;
 use super::stage::Press;
 use crate::studio::icon::{self, Icon};
@@ -30,6 +31,8 @@ pub struct BrushTool {
     pub smoothed: bool,
     /// Takes whole parts in place of dabs.
     pub limbs: LimbTool,
+    /// Takes what a line is drawn around in place of dabs.
+    pub lasso: LassoTool,
 }
 
 impl Default for BrushTool {
@@ -43,6 +46,7 @@ impl Default for BrushTool {
             fill: false,
             smoothed: false,
             limbs: LimbTool::default(),
+            lasso: LassoTool::default(),
         }
     }
 }
@@ -89,6 +93,7 @@ impl BrushTool {
             theme::checkbox(ui, &mut self.fill, "Fill")
                 .on_hover_text("A click fills everything that is connected");
             self.limbs.show_switch(ui);
+            self.lasso.show_switch(ui);
         });
         self.limbs.show_level(ui);
         if self.mirror {

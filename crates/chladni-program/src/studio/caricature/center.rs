@@ -7,6 +7,7 @@ use egui::{RichText, Ui};
 use super::brush::BrushTool;
 use super::edits::Edits;
 use super::heat::{Heat, Painting, Quantity};
+use super::lasso::LassoTool;
 use super::look::{Portrayal, Show};
 use super::session::Session;
 use super::stage::{self, BrushInHand, Stage, StageResponse};
@@ -128,13 +129,20 @@ fn show_stage(
         session.prepare_brush(ui.ctx());
     }
     let mirror = if brush.active && brush.mirror { session.mirror() } else { None };
-    // Parts need no ring but the smallest, which points at them.
-    let radius = if limbs.is_some() { 0.005 } else { f64::from(brush.radius) };
+    // Parts and the lasso need no ring but the smallest, which points at them.
+    let takes_wholes = limbs.is_some() || brush.lasso.active;
+    let radius = if takes_wholes { 0.005 } else { f64::from(brush.radius) };
     let in_hand = brush
         .active
         .then(|| BrushInHand { brush: Brush { radius, mirror }, surface: session.stack.surface() });
     let StageResponse { response, presses, figure } = stage.show(ui, gpu, rect, look, in_hand, &[])?;
-    if let Some(layer) = session.selected.filter(|_| brush.active) {
+    if let Some((layer, hand)) = session.selected.zip(in_hand).filter(|_| brush.lasso.active) {
+        if let Some(line) = brush.lasso.follow(ui, &response) {
+            let erase = brush.erase ^ ui.input(|input| input.modifiers.ctrl);
+            let taken = stage.encircled(ui, rect, look.show, &line, hand);
+            LassoTool::take(taken, brush.intensity, erase, layer, edits);
+        }
+    } else if let Some(layer) = session.selected.filter(|_| brush.active) {
         if let Some(limbs) = limbs
             && brush.limbs.point(presses.last(), &session.stack.body().triangles, limbs, mirror)
         {

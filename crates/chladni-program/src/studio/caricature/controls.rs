@@ -12,6 +12,7 @@ use super::curve::{self, Pen, Spectrum};
 use super::edits::Edits;
 use super::footer::grouped;
 use super::heat::Quantity;
+use super::mask_menu::{MaskMenu, MaskWish};
 use super::session::Held;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{FURTHEST, INVERT, NEXT_MODEL, STRONGER, WEAKER};
@@ -29,15 +30,19 @@ pub struct Measured<'a> {
     pub crossings: Option<crossings::Count>,
     /// How far the layer is held back, where the project keeps triangles.
     pub kept: Option<Held>,
+    /// The names of the mesh's own numbers, which a region can be.
+    pub channels: &'a [String],
 }
 
 /// Requests of the panel besides edits of the layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
     /// Move μ to the last value with no more folds than it may have.
     AsFarAsItGoes,
     /// Show on the shape, or stop showing.
     SeeWhere(Quantity),
+    /// A region from elsewhere, or to elsewhere.
+    Mask(MaskWish),
 }
 
 /// What the panel itself remembers.
@@ -46,12 +51,13 @@ pub struct Controls {
     pen: Pen,
     /// How many triangles may fold where μ goes as far as it goes, in percent.
     may_fold_percent: f64,
+    masks: MaskMenu,
 }
 
 impl Default for Controls {
     /// One triangle of 2000: a sliver of a scan folds at once.
     fn default() -> Self {
-        Self { pen: Pen::default(), may_fold_percent: 0.05 }
+        Self { pen: Pen::default(), may_fold_percent: 0.05, masks: MaskMenu::default() }
     }
 }
 
@@ -77,12 +83,14 @@ impl Controls {
         let wish = theme::section(ui, "Amount", |ui| {
             amount(ui, id, layer, measured, &mut self.may_fold_percent, edits)
         });
-        theme::section(ui, "Region", |ui| {
+        let mask = theme::section(ui, "Region", |ui| {
             region(ui, id, layer, edits);
+            let mask = self.masks.show(ui, measured.channels);
             brush.show(ui, measured.mirror);
+            mask
         });
         theme::section(ui, "Scale", |ui| self.scale(ui, id, layer, measured.spectrum, edits));
-        wish
+        mask.map(Wish::Mask).or(wish)
     }
 
     fn scale(&mut self, ui: &mut Ui, id: LayerId, layer: &Layer, spectrum: &Spectrum, edits: &mut Edits) {
@@ -200,16 +208,16 @@ fn amount(
     if ui.checkbox(&mut keep, "Keep triangles").on_hover_text(tip).clicked() {
         edits.once(Action::KeepTriangles(keep));
     }
-    ui.scope(|ui| {
+    let seen = ui.scope(|ui| {
         ui.spacing_mut().interact_size.y = 18.0;
         ui.spacing_mut().button_padding.y = 0.0;
         ui.spacing_mut().item_spacing.y = 2.0;
         let where_it_folds = folds(ui, measured.folds);
         let where_it_crosses = crossings(ui, measured.crossings);
         let where_it_is_held = measured.kept.and_then(|held| held_back(ui, held));
-        wish = where_it_folds.or(where_it_crosses).or(where_it_is_held).or(wish);
+        where_it_folds.or(where_it_crosses).or(where_it_is_held)
     });
-    wish
+    seen.inner.or(wish)
 }
 
 /// How much of the movement is kept; a click on it shows where it is held back.

@@ -14,10 +14,12 @@ mod footer;
 mod heat;
 mod keyboard;
 mod landmarks;
+mod lasso;
 mod layers;
 mod limb_tool;
 mod loading;
 mod look;
+mod mask_menu;
 mod matches;
 mod overlay;
 mod preview;
@@ -286,12 +288,19 @@ impl CaricatureRoom {
                 let folds = session.folds_of(id);
                 let mirror = session.known_mirror();
                 let kept = session.kept();
-                let measured = Measured { spectrum: &spectrum, mirror, folds, crossings, kept };
+                let channels: Vec<String> = session.mesh.channels().map(str::to_owned).collect();
+                let measured =
+                    Measured { spectrum: &spectrum, mirror, folds, crossings, kept, channels: &channels };
                 match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {
                     Some(Wish::AsFarAsItGoes) => {
                         as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);
                     }
                     Some(Wish::SeeWhere(quantity)) => self.heat.toggle(quantity),
+                    Some(Wish::Mask(wish)) => {
+                        if let Err(why) = mask_menu::fulfil(wish, id, session, edits, shared) {
+                            shared.notices.failed(why);
+                        }
+                    }
                     None => {}
                 }
             });

@@ -298,13 +298,8 @@ impl Stage {
         markers: &[Marker],
     ) -> Result<StageResponse, Error> {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
-        let figures = figures(look.show);
-        let canvas = Rect::of_size(
-            ((rect.width() * ui.pixels_per_point()).round() as u32).max(1),
-            ((rect.height() * ui.pixels_per_point()).round() as u32).max(1),
-        );
-        let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
-        let cells = layout::grid(canvas, rows, columns, 2, figures.len());
+        let canvas = canvas(ui, rect);
+        let (figures, cells) = arranged(ui, rect, look.show);
         if let Some(cell) = cells.first() {
             self.frame(figures, cell.aspect());
         }
@@ -401,6 +396,19 @@ fn tints(values: &[f32], tint: [u8; 3], material: chladni_view::Material) -> Vec
         [channel(0), channel(1), channel(2), 255]
     };
     values.iter().map(mixed).collect()
+}
+
+/// The pixels of `rect`.
+fn canvas(ui: &Ui, rect: egui::Rect) -> Rect {
+    let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
+    Rect::of_size(pixels(rect.width()), pixels(rect.height()))
+}
+
+/// The figures that are shown and their cells on the canvas that fills `rect`.
+fn arranged(ui: &Ui, rect: egui::Rect, show: Show) -> (&'static [usize], Vec<Rect>) {
+    let (figures, canvas) = (figures(show), canvas(ui, rect));
+    let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
+    (figures, layout::grid(canvas, rows, columns, 2, figures.len()))
 }
 
 /// The figures that are shown, from left to right.

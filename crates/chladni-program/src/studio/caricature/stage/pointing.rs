@@ -4,7 +4,9 @@ use chladni_caricature::{Brush, Reach, Seen, Surface, SurfacePoint};
 use chladni_view::{PickTree, Projection, Rect, ViewError};
 use egui::Ui;
 
-use super::Stage;
+use super::super::lasso::encloses;
+use super::super::look::Show;
+use super::{Stage, arranged};
 use crate::studio::viewport;
 
 /// A point under the pointer.
@@ -45,14 +47,7 @@ pub struct Press {
 impl Stage {
     /// What the brush covers where it touches the figure that is `pointed` at.
     pub(super) fn press(&self, hand: BrushInHand<'_>, pointed: &Pointed, touch: Touch) -> Press {
-        let [x, y] = pointed.at;
-        let ray = self.camera.ray(x, y, pointed.cell);
-        let far = match self.camera.projection {
-            Projection::Perspective => 0.0,
-            // Everything is seen along the same direction.
-            Projection::Orthographic => 1e6,
-        };
-        let eye = std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]));
+        let eye = self.eye_of(pointed.at, pointed.cell);
         let positions = &self.poses[pointed.figure].0;
         let tree = self.pick.as_ref().filter(|(picked, _)| *picked == pointed.figure).map(|(_, tree)| tree);
         let triangles = &self.triangles;
@@ -61,6 +56,58 @@ impl Stage {
         };
         let seen = Seen { surface: hand.surface, positions, eye: Some(eye), blocked: Some(&blocked) };
         Press { touch, reach: hand.brush.reach(&seen, &touch.on_surface()) }
+    }
+
+    /// The vertices of the figure in which `line` begins that lie within it, as they are seen, and those whose images in
+    /// `mirror` do.
+    pub fn encircled(
+        &mut self,
+        ui: &Ui,
+        rect: egui::Rect,
+        show: Show,
+        line: &[egui::Pos2],
+        hand: BrushInHand<'_>,
+    ) -> Vec<u32> {
+        let line: Vec<egui::Pos2> = line.iter().map(|at| viewport::to_pixels(ui, rect, *at).into()).collect();
+        let (figures, cells) = arranged(ui, rect, show);
+        let begins = line.first().and_then(|at| cells.iter().position(|cell| cell.contains(at.x, at.y)));
+        let Some((cell, figure)) = begins.and_then(|i| Some((*cells.get(i)?, *figures.get(i)?))) else {
+            return Vec::new();
+        };
+        self.refit_pick(figure);
+        let middle = [cell.x as f32 + 0.5 * cell.width as f32, cell.y as f32 + 0.5 * cell.height as f32];
+        let eye = self.eye_of(middle, cell);
+        let positions = &self.poses[figure].0;
+        let tree = self.pick.as_ref().map(|(_, tree)| tree);
+        let blocked = |eye: [f64; 3], point: [f64; 3]| {
+            tree.is_some_and(|tree| tree.blocks(eye, point, positions, &self.triangles))
+        };
+        let within = |point: [f64; 3]| {
+            let pixel = self.camera.project(point.map(|x| x as f32), cell);
+            pixel.is_some_and(|(at, _)| encloses(&line, at.into()))
+        };
+        let place = |v: &u32| positions[*v as usize].map(f64::from);
+        let all = || 0..positions.len() as u32;
+        let seen = |eye| Seen { surface: hand.surface, positions, eye: Some(eye), blocked: Some(&blocked) };
+        let mut taken = seen(eye).shown(all().filter(|v| within(place(v))).collect());
+        if let Some(plane) = hand.brush.mirror {
+            let twins = all().filter(|v| within(plane.image(place(v)))).collect();
+            taken.extend(seen(plane.image(eye)).shown(twins));
+            taken.sort_unstable();
+            taken.dedup();
+        }
+        taken
+    }
+
+    /// Where the eye is that sees what lies under a pixel: far away in a parallel view.
+    fn eye_of(&self, [x, y]: [f32; 2], cell: Rect) -> [f64; 3] {
+        let ray = self.camera.ray(x, y, cell);
+        let far = match self.camera.projection {
+            Projection::Perspective => 0.0,
+            // Everything is seen along the same direction.
+            Projection::Orthographic => 1e6,
+        };
+        std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]))
     }
 
     /// Lays the ring where `press` would paint.
@@ -99,6 +146,16 @@ impl Stage {
     /// Where `pointed` meets its figure.
     pub(super) fn touch(&mut self, pointed: &Pointed) -> Option<Touch> {
         let Pointed { at: [x, y], cell, figure } = *pointed;
+        self.refit_pick(figure);
+        let positions = &self.poses[figure].0;
+        let (_, tree) = self.pick.as_ref()?;
+        let ray = self.camera.ray(x, y, cell);
+        let hit = tree.pick(&ray, positions, &self.triangles)?;
+        Some(Touch { triangle: hit.triangle, barycentric: hit.barycentric, point: hit.point(&ray) })
+    }
+
+    /// Brings the tree that picks up to date with `figure`.
+    fn refit_pick(&mut self, figure: usize) {
         let positions = &self.poses[figure].0;
         match &mut self.pick {
             Some((picked, _)) if *picked == figure => {}
@@ -108,10 +165,6 @@ impl Stage {
             }
             None => self.pick = Some((figure, PickTree::new(positions, &self.triangles))),
         }
-        let (_, tree) = self.pick.as_ref()?;
-        let ray = self.camera.ray(x, y, cell);
-        let hit = tree.pick(&ray, positions, &self.triangles)?;
-        Some(Touch { triangle: hit.triangle, barycentric: hit.barycentric, point: hit.point(&ray) })
     }
 }
 

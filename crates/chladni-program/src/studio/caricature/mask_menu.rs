@@ -1,0 +1,127 @@
+//! Regions that come from files and from the shape's own numbers, and go out again.
+
+use chladni_caricature::{Action, Bend, Curved, LayerId, PaintEdit, Painted, ShapeSource};
+use chladni_mesh::Format;
+use egui::{RichText, Ui};
+
+use super::edits::Edits;
+use super::session::Session;
+use crate::studio::room::Shared;
+use crate::studio::theme;
+use crate::work::{Error, mask};
+
+/// What is asked of a region.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaskWish {
+    /// From a file.
+    Open,
+    /// To a file.
+    Save,
+    /// The mesh's own numbers of this name.
+    Own(String),
+    /// Where the surface bends.
+    Curved(Curved),
+}
+
+/// What the menus remember.
+#[derive(Debug)]
+pub struct MaskMenu {
+    share_percent: f64,
+}
+
+impl Default for MaskMenu {
+    fn default() -> Self {
+        Self { share_percent: 100.0 * Curved::USUAL_SHARE }
+    }
+}
+
+impl MaskMenu {
+    /// Draws the menus; `channels` are the names of the mesh's own numbers.
+    pub fn show(&mut self, ui: &mut Ui, channels: &[String]) -> Option<MaskWish> {
+        let mut wish = None;
+        ui.horizontal(|ui| {
+            let mask = ui.menu_button("Mask", |ui| {
+                let mut offer = |ui: &mut Ui, name: &str, tip: &str, wanted: MaskWish| {
+                    if ui.button(name).on_hover_text(tip).clicked() {
+                        wish = Some(wanted);
+                        ui.close();
+                    }
+                };
+                let tip = "A number from 0 to 1 for each vertex: a NumPy array, or a mesh with as many vertices whose \
+                           attribute “mask” or vertex colours hold it";
+                offer(ui, "Open mask…", tip, MaskWish::Open);
+                let tip = "As a NumPy array, a PLY with the attribute “mask”, or gray vertex colours (GLB, OBJ)";
+                offer(ui, "Save mask…", tip, MaskWish::Save);
+                if !channels.is_empty() {
+                    ui.separator();
+                    ui.label(RichText::new("The shape's own").color(theme::palette(ui).weak));
+                    for name in channels {
+                        offer(ui, name, "What the shape's file says of each vertex", MaskWish::Own(name.clone()));
+                    }
+                }
+            });
+            mask.response.on_hover_text("The region from a file, or into one");
+            let curved = ui.menu_button("By curvature", |ui| {
+                let share = egui::Slider::new(&mut self.share_percent, 1.0..=60.0).suffix(" %");
+                let tip = "How much of the surface is taken";
+                ui.add(share.fixed_decimals(0)).accessible_name("Share of the surface").on_hover_text(tip);
+                for (name, tip, bend) in [
+                    ("Bumps", "Where the surface bends outward most, as at a nose", Bend::Bumps),
+                    ("Hollows", "Where it bends inward most, as in the corner of an eye", Bend::Hollows),
+                    ("Both", "Where it bends most, either way", Bend::Both),
+                ] {
+                    if ui.button(name).on_hover_text(tip).clicked() {
+                        let share = self.share_percent / 100.0;
+                        wish = Some(MaskWish::Curved(Curved { bend, share }));
+                        ui.close();
+                    }
+                }
+            });
+            curved.response.on_hover_text("The places that bend most");
+        });
+        wish
+    }
+}
+
+/// Does what is asked of the region of `layer`.
+pub fn fulfil(
+    wish: MaskWish,
+    layer: LayerId,
+    session: &Session,
+    edits: &mut Edits,
+    shared: &mut Shared<'_>,
+) -> Result<(), Error> {
+    let painted = match wish {
+        MaskWish::Open => {
+            let Some(path) = shared.chooser.open(&[("Masks", &mask::READ)]) else { return Ok(()) };
+            mask::read(&path, None, &session.mesh)?
+        }
+        MaskWish::Save => return save(layer, session, shared),
+        MaskWish::Own(name) => mask::own(&name, &session.mesh, format(session))?,
+        MaskWish::Curved(curved) => {
+            let surface = session.stack.surface();
+            curved.painted(&surface.positions, &surface.triangles)
+        }
+    };
+    edits.once(Action::Paint { layer, edit: PaintEdit::Set(painted) });
+    Ok(())
+}
+
+fn save(layer: LayerId, session: &Session, shared: &mut Shared<'_>) -> Result<(), Error> {
+    let kinds = mask::WRITTEN.map(|ending| (ending.to_uppercase(), [ending]));
+    let kinds: Vec<(&str, &[&str])> = kinds.iter().map(|(name, endings)| (&**name, &endings[..])).collect();
+    let Some(path) = shared.chooser.save(&kinds, &session.beside_named("mask", "npy")) else {
+        return Ok(());
+    };
+    let painted = session.project().layer(layer).map_or(Painted::Everywhere, |l| l.region.painted.clone());
+    mask::write(&path, &painted, &session.mesh, false)?;
+    shared.notices.done(format!("Wrote {}", path.display()));
+    Ok(())
+}
+
+/// Of the shape's file; samples have neither colors nor attributes.
+fn format(session: &Session) -> Format {
+    let ShapeSource::File(path) = &session.project().shape else { return Format::Ply };
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    Format::from_extension(ending).unwrap_or(Format::Ply)
+}

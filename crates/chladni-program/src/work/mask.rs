@@ -1,0 +1,175 @@
+//! Regions in files: a number from 0 to 1 for each vertex of a mesh's file, as other programs paint and read them.
+
+use std::path::Path;
+
+use chladni_caricature::Painted;
+use chladni_harmonics::npz::{read_numbers, write_npy, write_npz};
+use chladni_mesh::{Attribute, Format, Mended, ShapeSource, TriMesh, save_mesh, weld};
+
+use super::Error;
+
+/// What masks are called in archives and meshes where nothing else is said.
+pub const MASK: &str = "mask";
+
+/// What masks are read from, by ending.
+pub const READ: [&str; 6] = ["npy", "npz", "ply", "obj", "off", "glb"];
+/// What they are written as.
+pub const WRITTEN: [&str; 5] = ["npy", "npz", "ply", "obj", "glb"];
+
+fn refused(path: &Path, why: impl std::fmt::Display) -> Error {
+    Error::input(format_args!("{}: {why}", path.display()))
+}
+
+fn format_of(path: &Path) -> Option<Format> {
+    path.extension().and_then(|ending| ending.to_str()).and_then(Format::from_extension)
+}
+
+/// χ01 from the file at `path`, for `mesh`: of an array, of the array `channel` of an archive, or of the attribute or
+/// color channel `channel` of a mesh with as many vertices. Without a name it is `mask`, or, of a mesh that has none, red.
+///
+/// # Errors
+/// [`Error::Input`] where that is not there, has another number of values, or one outside [0, 1].
+pub fn read(path: &Path, channel: Option<&str>, mesh: &TriMesh) -> Result<Painted, Error> {
+    let values = match format_of(path) {
+        Some(format) => {
+            let loaded = ShapeSource::named(path).load(None)?;
+            let misnamed = |mended: &Mended| match mended {
+                Mended::Misnamed(format) => Some(*format),
+                _ => None,
+            };
+            let format = loaded.mended.iter().find_map(misnamed).unwrap_or(format);
+            let usual = || loaded.mesh.channel(MASK, format).or_else(|| loaded.mesh.channel("red", format));
+            let found = channel.map_or_else(usual, |channel| loaded.mesh.channel(channel, format));
+            found.ok_or_else(|| refused(path, no_channel(&loaded.mesh, channel)))?
+        }
+        None => read_numbers(path, channel.unwrap_or(MASK))
+            .map_err(|why| refused(path, format_args!("no mask can be read from it: {why}")))?,
+    };
+    painted(values, mesh).map_err(|why| refused(path, why))
+}
+
+fn no_channel(mesh: &TriMesh, channel: Option<&str>) -> String {
+    let known: Vec<&str> = mesh.channels().collect();
+    let known = if known.is_empty() { "nothing".into() } else { known.join(", ") };
+    format!("its vertices have no {}; they have {known}", channel.unwrap_or("mask or color"))
+}
+
+/// χ01 from a channel of the mesh's own, whose file is of this `format`.
+///
+/// # Errors
+/// As [`read`].
+pub fn own(channel: &str, mesh: &TriMesh, format: Format) -> Result<Painted, Error> {
+    let values = mesh.channel(channel, format);
+    let values = values.ok_or_else(|| Error::input(no_channel(mesh, Some(channel))))?;
+    painted(values, mesh).map_err(|why| Error::input(format_args!("{channel}: {why}")))
+}
+
+fn painted(values: Vec<f64>, mesh: &TriMesh) -> Result<Painted, String> {
+    let vertices = mesh.positions.len();
+    if values.len() != vertices {
+        let found = values.len();
+        return Err(format!("a mask has a number for each of the {vertices} vertices, this has {found}"));
+    }
+    if let Some((vertex, value)) = values.iter().enumerate().find(|(_, x)| !(0.0..=1.0).contains(*x)) {
+        return Err(format!("a mask lies in [0, 1], at vertex {vertex} it is {value}"));
+    }
+    Ok(Painted::of_file(values.into_iter().map(|x| x as f32), &weld(mesh).operator_vertex))
+}
+
+/// Writes χ01 of `mesh` to `path`: an array, an archive with the array `mask`, a PLY with the attribute `mask`, or, as OBJ
+/// and GLB, and as PLY where `as_colors`, a mesh whose vertices are gray, from black (0) to white (1). 0 where no triangle
+/// uses a vertex.
+///
+/// # Errors
+/// [`Error::Input`] for another ending, [`Error::Unwritten`] and [`Error::Unsaved`] with the file's name.
+pub fn write(path: &Path, painted: &Painted, mesh: &TriMesh, as_colors: bool) -> Result<(), Error> {
+    check(path)?;
+    let welded = weld(mesh);
+    let values = painted.values(&welded.positions);
+    let of = |vertex: &Option<u32>| vertex.and_then(|v| values.get(v as usize)).copied().unwrap_or(0.0);
+    let values: Vec<f32> = welded.operator_vertex.iter().map(of).collect();
+    let Some(format) = format_of(path) else {
+        let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
+        let written = if is_archive {
+            write_npz(path, |npz| npz.array(MASK, &[values.len() as u64], values.iter().copied()))
+        } else {
+            write_npy(path, &values)
+        };
+        return written.map_err(|error| Error::unwritten(path, error));
+    };
+    let values: Vec<f64> = values.into_iter().map(f64::from).collect();
+    let mut mesh = mesh.clone();
+    if as_colors || format != Format::Ply {
+        mesh.set_gray(&values, format);
+    } else {
+        mesh.appearance.attributes.retain(|attribute| attribute.name != MASK);
+        mesh.appearance.attributes.push(Attribute { name: MASK.into(), values });
+    }
+    save_mesh(&mesh, path).map_err(Error::unsaved)
+}
+
+/// Whether a mask can be written at a path of that name.
+///
+/// # Errors
+/// [`Error::Input`] where not.
+pub fn check(path: &Path) -> Result<(), Error> {
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase();
+    match WRITTEN.contains(&&*ending) {
+        true => Ok(()),
+        false => Err(refused(path, format_args!("a mask ends in one of {}", WRITTEN.join(", ")))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_mesh::samples::sample;
+
+    #[test]
+    fn masks_come_back_from_every_kind_of_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let mesh = sample("template").unwrap();
+        let welded = weld(&mesh);
+        let values: Vec<f32> = (0..welded.positions.len()).map(|v| (v % 256) as f32 / 255.0).collect();
+        let painted = Painted::Vertices(values.as_slice().into());
+        for (name, as_colors, off) in [
+            ("a.npy", false, 0.0),
+            ("a.npz", false, 0.0),
+            ("a.ply", false, 0.0),
+            ("b.ply", true, 1e-6),
+            ("a.obj", false, 1e-6),
+            ("a.glb", false, 0.0),
+        ] {
+            let path = folder.path().join(name);
+            write(&path, &painted, &mesh, as_colors).unwrap();
+            let back = read(&path, None, &mesh).unwrap().values(&welded.positions);
+            let farthest = values.iter().zip(&*back).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(farthest <= off, "{name}: {farthest}");
+            let other = sample("octopus").unwrap();
+            assert!(
+                read(&path, None, &other).unwrap_err().to_string().contains("a number for each"),
+                "{name}"
+            );
+        }
+        let why = |name: &str, channel| read(&folder.path().join(name), Some(channel), &mesh).unwrap_err();
+        assert!(why("a.ply", "weight").to_string().contains("no weight; they have mask"));
+        assert!(why("a.npz", "weight").to_string().contains("no array \"weight\""));
+        let odd = write(&folder.path().join("a.stl"), &painted, &mesh, false);
+        assert!(odd.unwrap_err().to_string().contains("ends in one of"));
+    }
+
+    #[test]
+    fn a_mesh_is_masked_by_its_own_numbers_where_they_are_shares() {
+        let mut mesh = sample("template").unwrap();
+        let ramp: Vec<f64> = (0..mesh.positions.len()).map(|v| f64::from(u8::from(v % 2 == 0))).collect();
+        let attribute = |name: &str, values: Vec<f64>| Attribute { name: name.into(), values };
+        mesh.appearance.attributes = vec![
+            attribute("weight", ramp.clone()),
+            attribute("quality", ramp.iter().map(|x| 7.0 * x).collect()),
+        ];
+        let expected = Painted::of_file(ramp.iter().map(|x| *x as f32), &weld(&mesh).operator_vertex);
+        assert_eq!(own("weight", &mesh, Format::Ply).unwrap(), expected);
+        assert!(own("quality", &mesh, Format::Ply).unwrap_err().to_string().contains("it is 7"));
+        assert!(own("red", &mesh, Format::Ply).is_err());
+    }
+}
