@@ -61,24 +61,24 @@ def data():
                       brow="28,30,-5,50", ears="120,-5,120,35 -60,-5,120,35")
     igea = Part(mesh("heads/igea.ply"), "25,5", nose="0.002,-0.006,0.046,0.012", chin="0.001,-0.03,0.042,0.012",
                 mouth="0.001,-0.02,0.045,0.01", brow="0.002,0.012,0.044,0.016")
-    demosthenes = Part(mesh("heads/demosthenes-low-res.obj"), "25,5", nose="0.18,1.42,0.9,0.2", beard="0.2,1.05,0.85,0.3",
-                       brow="0.2,1.65,0.9,0.3")
+    demosthenes = Part(mesh("heads/demosthenes-low-res.obj"), "25,5", nose="0.18,1.07,0.9,0.24", beard="0.16,0.7,0.65,0.3",
+                       brow="0.19,1.41,0.85,0.3")
     lion = Part(mesh("animals/lion.off"), "25,5", nose="40.48,0.42,-14.3,0.13", brow="40.5,0.72,-14.22,0.2",
                 chin="40.54,0.25,-14,0.16")
     return {
         "caricature-5": face,
         "caricature-6": (face, "nose"),
         "caricature-7": (face, "nose", "chin"),
-        "caricature-8": (demosthenes, face, [demosthenes.layer("nose", "distance", -6),
+        "caricature-8": (demosthenes, face, [demosthenes.layer("nose", "distance", -1.8),
                                              demosthenes.layer("beard", "normal", -1.2), MAGNIFY]),
-        "caricature-10": (lion, demosthenes, [lion.layer("nose", "distance", -4), lion.layer("brow", "normal", -0.8, *MID),
-                                              lion.layer("chin", "coordinate", -0.8)]),
-        "caricature-11": (face, lion, [face.layer("nose", "normal", -0.8), face.layer("chin", "coordinate", -0.6),
-                                       face.layer("brow", "distance", -4)]),
-        "caricature-12": (max_planck, igea, [max_planck.layer("ears", "distance", -8), max_planck.layer("nose", "normal", -1.5),
+        "caricature-10": (lion, demosthenes, [lion.layer("nose", "distance", -1.2), lion.layer("brow", "normal", -0.8, *MID),
+                                              lion.layer("chin", "coordinate", -0.5)]),
+        "caricature-11": (face, lion, [face.layer("nose", "normal", -0.5), face.layer("chin", "coordinate", -0.6),
+                                       face.layer("brow", "distance", -1.5)]),
+        "caricature-12": (max_planck, igea, [max_planck.layer("ears", "distance", -4), max_planck.layer("nose", "normal", -1.5),
                                              max_planck.layer("chin", "coordinate", -1.2), MAGNIFY]),
-        "caricature-13": (igea, max_planck, [igea.layer("mouth", "coordinate", -0.8), igea.layer("brow", "distance", -6),
-                                             igea.layer("chin", "normal", -1.2)]),
+        "caricature-13": (igea, max_planck, [igea.layer("mouth", "coordinate", -0.4), igea.layer("brow", "distance", -2),
+                                             igea.layer("chin", "normal", -0.5)]),
         "caricature-14": (igea, max_planck),
         "music": (mesh("shapes/octopus-low.mesh"), 256),
     }

@@ -6,7 +6,8 @@ use chladni_harmonics::Body;
 use chladni_mesh::{Estimate, Known, Orientation};
 use chladni_music::{Class, Symmetry, SymmetryMethod};
 use chladni_view::{
-    Camera, ColorMap, Device, Marker, PictureRequest, PictureShape, Scale, Style, View, render_picture,
+    Camera, ColorMap, Device, Marker, PictureRequest, PictureShape, Rect, Renderer, Scale, Style, View,
+    layout, render_placed,
 };
 use serde::Serialize;
 
@@ -141,6 +142,7 @@ fn draw(
     let up = stands.up().map(|c| c as f32);
     let height = |p: &[f32; 3]| -> f32 { (0..3).map(|i| up[i] * p[i]).sum() };
     let top = positions.iter().copied().max_by(|p, q| height(p).total_cmp(&height(q))).unwrap_or_default();
+    let flag_at: [f32; 3] = std::array::from_fn(|i| top[i] + 0.12 * up[i]);
     let first =
         basis.eigenvalues.partition_point(|&l| l <= 1e-9 * basis.eigenvalues.last().copied().unwrap_or(0.0));
     let harmonics: Vec<(Vec<f32>, Scale, [Marker; 1])> = (first..basis.harmonics().min(first + SHOWN))
@@ -151,9 +153,8 @@ fn draw(
                 Class::Antisymmetric => [40, 110, 230],
                 Class::Undecided => [130, 130, 130],
             };
-            let above = std::array::from_fn(|i| top[i] + 0.12 * up[i]);
             let [r, g, b] = color;
-            let flag = [Marker { position: above, radius_px: 9.0, color: [r, g, b, 255] }];
+            let flag = [Marker { position: flag_at, radius_px: 9.0, color: [r, g, b, 255] }];
             let largest = values.iter().fold(1e-12f32, |m, v| m.max(v.abs()));
             (values, Scale { map: ColorMap::BlueRed, low: -largest, high: largest }, flag)
         })
@@ -167,7 +168,12 @@ fn draw(
         ..shape
     }));
     let request = PictureRequest { shapes: &shapes, width: 1280, height: 960, from, style: Style::default() };
-    let picture = render_picture(device, &request)?;
+    // The flags stand above the shape: room for them, too.
+    let (mut camera, cells) = (from, layout::grid(Rect::of_size(1280, 960), 3, 4, 0, shapes.len()));
+    let raised = positions.iter().copied().chain([flag_at]);
+    camera.fit(raised, cells.first().map_or(1.0, Rect::aspect), 0.9);
+    let placed: Vec<_> = cells.into_iter().map(|cell| (cell, camera)).collect();
+    let picture = render_placed(&mut Renderer::new(device), &request, &placed)?;
     let png = picture.to_png()?;
     chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
 }
