@@ -2,6 +2,7 @@
 //! BENCHMARKS.md.
 
 mod caricature;
+mod limbs;
 mod music;
 mod sand;
 mod sphere;
@@ -28,6 +29,7 @@ struct Bench {
 enum What {
     Caricature(caricature::BenchCaricature),
     Keeping(caricature::BenchKeeping),
+    Limbs(limbs::BenchLimbs),
     Music(music::BenchMusic),
     Sand(sand::BenchSand),
     Synth(synth::BenchSynth),
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
     let done = match bench.what {
         What::Caricature(caricature) => caricature.run(&terminal),
         What::Keeping(keeping) => keeping.run(&terminal),
+        What::Limbs(limbs) => limbs.run(&terminal),
         What::Music(music) => music.run(&terminal),
         What::Sand(sand) => sand.run(&terminal),
         What::Synth(synth) => synth.run(&terminal),

@@ -62,7 +62,9 @@ pub use orientation::{Axis, Estimate, Evidence, Known, Orientation};
 pub use read::{Loaded, Mended, load_mesh, nothing_beside, read_mesh, read_mesh_beside, read_named_mesh};
 pub use shape_source::ShapeSource;
 pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_triangles, weld};
-pub use write::{MorphAnimation, MorphTarget, save_mesh, write_animated_glb, write_glb, write_mesh};
+pub use write::{
+    MorphAnimation, MorphTarget, add_morph_targets, save_mesh, write_animated_glb, write_glb, write_mesh,
+};
 
 /// The examples of README.md, compiled.
 #[cfg(doctest)]

@@ -614,6 +614,14 @@ fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
     // Nothing but shades between the ink and the paper, and both of them.
     assert!(picture.rgba.chunks(4).all(|p| p[1] == p[2] && p[0] >= p[1]));
     assert!(picture.rgba.chunks(4).any(|p| p[1] < 60));
+    desk.ok(&format!("{line} --render tones.svg --ink-tones 3"));
+    let tones = String::from_utf8(read("tones.svg")).unwrap();
+    assert!(tones.contains("<g id=\"tones\"") && !svg.contains("tones"));
+    // Before and after, three tones each, of which the lightest is the paper.
+    assert_eq!(tones.matches("evenodd").count(), 4);
+    desk.ok(&format!("{line} --turntable turn.gif --turn-secs 0.2 --ink-tones 2"));
+    desk.ok("caricature shape.obj ellipsoid -k 32 --turntable plain.gif --turn-secs 0.1 --size 64x64");
+    assert!(read("turn.gif").starts_with(b"GIF89a") && read("plain.gif").starts_with(b"GIF89a"));
     // Before and after have lines of one width, or of widths that follow the exaggeration.
     desk.ok(&format!("{line} --render wide.svg --show after,coordinate --ink-exaggeration"));
     assert_ne!(read("wide.svg"), read("both.svg"));
@@ -622,6 +630,8 @@ fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
         ("--render x.svg --ink-colors red,blue", "write two colors"),
         ("--render x.png --ink-hatching 2", "from 0 to 1"),
         ("--render x.jpg", "a picture ends in .png or .svg"),
+        ("--render x.svg --ink-tones 5", "5"),
+        ("--turntable x.jpg", "film"),
         ("--ink", "--render"),
     ] {
         let message = desk.refused(&format!("{line} {options}"));

@@ -8,7 +8,7 @@ use chladni_view::ink::{Drawing, Ink, Mark, Plate, Stroke, StrokePoint};
 use chladni_view::{Camera, Rect, ViewError};
 
 const CELL: Rect = Rect { x: 40, y: 20, width: 600, height: 500 };
-const BARE: Ink = Ink { paper: [255; 3], color: [0; 3], pen: 0.003, detail: 0.0, hatching: 0.0 };
+const BARE: Ink = Ink { paper: [255; 3], color: [0; 3], pen: 0.003, detail: 0.0, hatching: 0.0, tones: 0 };
 
 fn ball() -> Plate {
     let mesh = samples::icosphere(5);

@@ -10,7 +10,7 @@ pub(crate) type Beside<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// Reads the file that a mesh in `folder` calls `name`. It must lie in that folder or below, links followed: a mesh may
 /// come from anywhere, and what it names may end up in what is sent on.
-pub(super) fn read_within(folder: &Path, name: &str, most_bytes: u64) -> Result<Vec<u8>, String> {
+pub(crate) fn read_within(folder: &Path, name: &str, most_bytes: u64) -> Result<Vec<u8>, String> {
     // Names from Windows have backslashes.
     let name = name.replace('\\', "/");
     let outside =

@@ -20,6 +20,30 @@ const MOST_VERTICES: usize = 1 << 24;
 /// except where our own writer's `_VERTEX` attribute says which are the same. Morph targets,
 /// skins, points and lines are left out.
 pub(crate) fn read(bytes: &[u8], format: Format, beside: &Beside<'_>) -> Result<Loaded, MeshError> {
+    read_placed(bytes, format, beside).map(|(loaded, _)| loaded)
+}
+
+/// A primitive that became a part of the mesh.
+pub(crate) struct Placed {
+    /// The number of its mesh among all that the scene places, which may be one mesh several times.
+    pub place: usize,
+    /// The node that places it; `None` of a file without nodes.
+    pub node: Option<usize>,
+    /// Its mesh, and which of that mesh's primitives it is.
+    pub mesh: usize,
+    pub primitive: usize,
+    /// From its coordinates to the scene's.
+    pub matrix: Matrix,
+    /// For each of its vertices the one of the mesh that was read.
+    pub vertices: Vec<u32>,
+}
+
+/// As [`read`], with where the parts of the mesh come from.
+pub(crate) fn read_placed(
+    bytes: &[u8],
+    format: Format,
+    beside: &Beside<'_>,
+) -> Result<(Loaded, Vec<Placed>), MeshError> {
     let read = || {
         let (json, binary) = if format == Format::Glb { glb_chunks(bytes)? } else { (bytes, None) };
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
@@ -37,12 +61,14 @@ pub(crate) fn read(bytes: &[u8], format: Format, beside: &Beside<'_>) -> Result<
             stored: Vec::new(),
             moved: false,
             left_out: 0,
+            placed: Vec::new(),
+            places: 0,
         };
         scene.materials(beside);
         scene.walk()?;
-        Ok((scene.draft, scene.moved.then_some(scene.stored), scene.left_out))
+        Ok((scene.draft, scene.moved.then_some(scene.stored), scene.left_out, scene.placed))
     };
-    let (mut draft, stored, left_out) =
+    let (mut draft, stored, left_out, placed) =
         read().map_err(|Fault { at, reason }| MeshError::Malformed { format, at, reason })?;
     if left_out > 0 {
         draft
@@ -51,11 +77,11 @@ pub(crate) fn read(bytes: &[u8], format: Format, beside: &Beside<'_>) -> Result<
     }
     let mut loaded = draft.finish(format)?;
     loaded.stored_positions = stored;
-    Ok(loaded)
+    Ok((loaded, placed))
 }
 
 /// The JSON chunk and the binary chunk, if any.
-fn glb_chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
+pub(crate) fn glb_chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     let word = |at: usize| {
         let raw = bytes.get(at..).and_then(|rest| rest.first_chunk::<4>());
         raw.map(|raw| u32::from_le_bytes(*raw))
@@ -83,7 +109,7 @@ fn glb_chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
 }
 
 /// A column-major affine map.
-type Matrix = [[f64; 4]; 4];
+pub(crate) type Matrix = [[f64; 4]; 4];
 
 const IDENTITY: Matrix =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
@@ -127,6 +153,8 @@ struct Scene<'a> {
     stored: Vec<[f64; 3]>,
     moved: bool,
     left_out: usize,
+    placed: Vec<Placed>,
+    places: usize,
 }
 
 impl Scene<'_> {
@@ -193,7 +221,7 @@ impl Scene<'_> {
         let nodes = &self.root.nodes;
         if nodes.is_empty() {
             for mesh in 0..self.root.meshes.len() {
-                self.mesh(mesh, &IDENTITY)?;
+                self.mesh(None, mesh, &IDENTITY)?;
             }
         }
         let scene = self.root.scenes.get(self.root.scene.unwrap_or(0));
@@ -223,31 +251,37 @@ impl Scene<'_> {
             }
             let matrix = product(&parent, &local_matrix(node));
             if let Some(mesh) = node.mesh {
-                self.mesh(mesh, &matrix)?;
+                self.mesh(Some(index), mesh, &matrix)?;
             }
             stack.extend(node.children.iter().rev().map(|&child| (child, matrix)));
         }
         Ok(())
     }
 
-    fn mesh(&mut self, index: usize, matrix: &Matrix) -> Result<(), Fault> {
+    fn mesh(&mut self, node: Option<usize>, index: usize, matrix: &Matrix) -> Result<(), Fault> {
         let Some(mesh) = self.root.meshes.get(index) else {
             return Err(Fault::part(format!("meshes[{index}]"), "there is no such mesh"));
         };
         let start = self.stored.len();
         let mut ids = Some(Vec::new());
         let first_corner = self.draft.corners.len();
+        let (place, first_placed) = (self.places, self.placed.len());
+        self.places += 1;
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let at = format!("meshes[{index}].primitives[{p}]");
             self.left_out += usize::from(!primitive.targets.is_empty());
             if matches!(primitive.mode, 4..=6) {
+                let base = self.stored.len() as u32;
                 self.primitive(primitive, matrix, &at, &mut ids)?;
+                let vertices = (base..self.stored.len() as u32).collect();
+                let matrix = *matrix;
+                self.placed.push(Placed { place, node, mesh: index, primitive: p, matrix, vertices });
             } else {
                 self.left_out += 1;
             }
         }
         if let Some(ids) = ids.filter(|ids| !ids.is_empty()) {
-            self.rejoin(start, first_corner, &ids);
+            self.rejoin(start, first_corner, first_placed, &ids);
         }
         Ok(())
     }
@@ -392,7 +426,7 @@ impl Scene<'_> {
 
     /// Merges vertices with the same id, in the order of the ids. If another program has moved some of them
     /// apart, or the ids are invalid, nothing changes.
-    fn rejoin(&mut self, start: usize, first_corner: usize, ids: &[f64]) {
+    fn rejoin(&mut self, start: usize, first_corner: usize, first_placed: usize, ids: &[f64]) {
         let stored = &self.stored[start..];
         let mut first: Vec<Option<u32>> = vec![None; stored.len()];
         for (i, &id) in ids.iter().enumerate() {
@@ -416,7 +450,8 @@ impl Scene<'_> {
             draft.colors.splice(start.., order.iter().map(|&i| draft.colors[i]).collect::<Vec<_>>());
         }
         self.stored.splice(start.., order.iter().map(|&i| self.stored[i]).collect::<Vec<_>>());
-        for v in &mut draft.corners[first_corner..] {
+        let placed = self.placed[first_placed..].iter_mut().flat_map(|placed| &mut placed.vertices);
+        for v in draft.corners[first_corner..].iter_mut().chain(placed) {
             *v = start as u32 + ids[*v as usize - start] as u32;
         }
     }

@@ -35,6 +35,11 @@ impl<'a> Buffers<'a> {
         Ok(Self { root, data })
     }
 
+    /// The bytes of all buffers.
+    pub fn all(&self) -> impl Iterator<Item = &[u8]> {
+        self.data.iter().map(|data| &**data)
+    }
+
     /// The bytes behind a `data:` URI or of a file beside.
     pub fn uri(uri: &str, beside: &Beside<'_>) -> Result<Vec<u8>, String> {
         let Some(data) = uri.strip_prefix("data:") else {

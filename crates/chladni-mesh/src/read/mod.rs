@@ -1,10 +1,10 @@
 //! From bytes to a mesh.
 
-mod beside;
+pub(crate) mod beside;
 mod draft;
-mod gltf;
-mod gltf_buffers;
-mod gltf_json;
+pub(crate) mod gltf;
+pub(crate) mod gltf_buffers;
+pub(crate) mod gltf_json;
 mod medit;
 mod mtl;
 mod obj;
@@ -105,7 +105,7 @@ pub fn nothing_beside(_name: &str) -> Result<Vec<u8>, String> {
 }
 
 /// The largest file that is read: text of a mesh of fifty million vertices.
-const MOST_BYTES: u64 = 8 << 30;
+pub(crate) const MOST_BYTES: u64 = 8 << 30;
 
 /// Reads the mesh file at `path`; its format is determined by extension and content. Files that it names are read from
 /// its own folder or below, not from elsewhere.

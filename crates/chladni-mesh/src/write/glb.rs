@@ -216,7 +216,7 @@ fn vertex_data(
 }
 
 /// Unit normals that are one where vertices coincide at rest.
-fn smooth_normals(place: &[u32], positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
+pub(super) fn smooth_normals(place: &[u32], positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
     let seamless: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| place[v as usize])).collect();
     let normals = vertex_normals(positions, &seamless);
     let normal = |&v: &u32| Some(normals[v as usize]).filter(|n| *n != [0.0; 3]).unwrap_or(STAND_IN_NORMAL);
@@ -263,15 +263,15 @@ fn materials(file: &mut Glb, mesh: &TriMesh) -> (Vec<Value>, usize) {
 }
 
 #[derive(Default)]
-struct Glb {
-    data: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
+pub(super) struct Glb {
+    pub data: Vec<u8>,
+    pub views: Vec<Value>,
+    pub accessors: Vec<Value>,
     images: Vec<Value>,
 }
 
 impl Glb {
-    fn view(&mut self, bytes: impl Iterator<Item = u8>, target: Option<u32>) -> usize {
+    pub fn view(&mut self, bytes: impl Iterator<Item = u8>, target: Option<u32>) -> usize {
         let start = self.data.len();
         self.data.extend(bytes);
         let mut view = json!({ "buffer": 0, "byteOffset": start, "byteLength": self.data.len() - start });
@@ -284,7 +284,7 @@ impl Glb {
     }
 
     /// An accessor of vectors of N floats, with its bounds where glTF asks for them.
-    fn floats<const N: usize>(
+    pub fn floats<const N: usize>(
         &mut self,
         values: impl Iterator<Item = [f32; N]> + Clone,
         bounds: bool,
@@ -346,7 +346,7 @@ impl Glb {
 }
 
 /// Header and chunks; `None` where lengths pass 32 bits.
-fn container(root: &Value, data: Vec<u8>) -> Option<Vec<u8>> {
+pub(super) fn container(root: &Value, data: Vec<u8>) -> Option<Vec<u8>> {
     let mut json = root.to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let total = u32::try_from(12 + 8 + json.len() + 8 + data.len()).ok()?;

@@ -1,6 +1,7 @@
 //! From a mesh to bytes, and to files.
 
 mod glb;
+mod gltf_patch;
 mod obj;
 mod ply;
 mod stl;
@@ -10,6 +11,7 @@ use std::path::Path;
 use chladni_task::write_atomic;
 
 pub use glb::{MorphAnimation, MorphTarget, write_animated_glb, write_glb};
+pub use gltf_patch::add_morph_targets;
 
 use crate::{Attribute, Format, MeshError, TriMesh};
 

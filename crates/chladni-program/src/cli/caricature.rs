@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, Project, ShapeSource, Template};
 use chladni_mesh::{Format, TriMesh};
+use chladni_view::FilmFormat;
 
 use super::Terminal;
 use super::ink::{InkOptions, check_drawing};
@@ -15,12 +16,14 @@ use super::layer_options::LayerOptions;
 use super::portrait::{self, Portrait};
 use super::region::RegionOptions;
 use super::sheet::SheetOptions;
+use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
 use crate::work::outputs::check_file;
 use crate::work::{Error, Made, Share, Warning, Watcher, make, source};
 
 /// Exaggerate what makes a shape differ from a template.
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("picture").args(["render", "turntable"]).multiple(true))]
 pub struct Caricature {
     /// The shape: a mesh file or sample:NAME. With --recipe it replaces the recipe's own.
     #[arg(required_unless_present = "recipe")]
@@ -30,8 +33,8 @@ pub struct Caricature {
     #[arg(required_unless_present = "recipe", conflicts_with = "recipe")]
     template: Option<Template>,
     /// Where the result goes: .obj, .ply, .stl or .glb (with a slider per layer). With --batch a
-    /// folder. May be left out where --render draws.
-    #[arg(short, long, value_name = "OUT", required_unless_present = "render")]
+    /// folder. May be left out where --render or --turntable draws.
+    #[arg(short, long, value_name = "OUT", required_unless_present = "picture")]
     output: Option<PathBuf>,
     /// K, the number of harmonics [default: 512].
     #[arg(short = 'k', long, value_name = "K", conflicts_with = "recipe")]
@@ -53,6 +56,8 @@ pub struct Caricature {
     render: Option<PathBuf>,
     #[command(flatten)]
     portrait: Portrait,
+    #[command(flatten)]
+    turntable: TurntableOptions,
     #[command(flatten)]
     sheet: SheetOptions,
     #[command(flatten)]
@@ -87,7 +92,7 @@ impl Caricature {
                     &project,
                     Some(&from),
                     self.output.as_deref(),
-                    self.picture(self.render.as_deref()),
+                    self.pictures(self.render.as_deref()),
                     terminal,
                 )
             }
@@ -99,7 +104,7 @@ impl Caricature {
                     &project,
                     None,
                     self.output.as_deref(),
-                    self.picture(self.render.as_deref()),
+                    self.pictures(self.render.as_deref()),
                     terminal,
                 )
             }
@@ -113,11 +118,15 @@ impl Caricature {
             check_file(output)?;
         }
         self.portrait.check()?;
+        if let Some(film) = &self.turntable.turntable {
+            FilmFormat::of(film)?;
+        }
         self.render.as_deref().map_or(Ok(()), check_drawing)
     }
 
-    fn picture<'a>(&'a self, path: Option<&'a Path>) -> Option<Picture<'a>> {
-        path.map(|path| Picture { path, portrait: &self.portrait, sheet: &self.sheet, ink: &self.ink })
+    fn pictures<'a>(&'a self, path: Option<&'a Path>) -> Pictures<'a> {
+        let Self { portrait, sheet, ink, turntable, .. } = self;
+        Pictures { path, turntable, portrait, sheet, ink }
     }
 
     fn single(&self, terminal: &Terminal) -> Result<(), Error> {
@@ -135,7 +144,7 @@ impl Caricature {
         let painted = self.region.painted(shape, || source::mesh(shape, terminal), terminal)?;
         let layer = self.layer.layer("caricature", template.clone(), painted, &project)?;
         project.push(layer)?;
-        one(shape, &project, None, self.output.as_deref(), self.picture(self.render.as_deref()), terminal)
+        one(shape, &project, None, self.output.as_deref(), self.pictures(self.render.as_deref()), terminal)
     }
 
     /// Every mesh of `batch`, or the piece of it that is asked for. One that fails does not stop the others.
@@ -161,7 +170,7 @@ impl Caricature {
                 continue;
             }
             let name = shape.display().to_string();
-            match one(&name, project, Some(&from), Some(output), self.picture(render.as_deref()), terminal) {
+            match one(&name, project, Some(&from), Some(output), self.pictures(render.as_deref()), terminal) {
                 Ok(()) => {}
                 Err(Error::Cancelled) => return Err(Error::Cancelled),
                 Err(failure) => {
@@ -226,10 +235,11 @@ fn named(folder: &Path, stem: &OsStr, extension: &OsStr) -> PathBuf {
     folder.join(name)
 }
 
-/// A picture that is asked for.
+/// The pictures that are asked for.
 #[derive(Clone, Copy)]
-struct Picture<'a> {
-    path: &'a Path,
+struct Pictures<'a> {
+    path: Option<&'a Path>,
+    turntable: &'a TurntableOptions,
     portrait: &'a Portrait,
     sheet: &'a SheetOptions,
     ink: &'a InkOptions,
@@ -242,7 +252,7 @@ fn one(
     project: &Project,
     from: Option<&TriMesh>,
     output: Option<&Path>,
-    picture: Option<Picture<'_>>,
+    pictures: Pictures<'_>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
     let mesh = source::mesh(shape, terminal)?;
@@ -252,13 +262,22 @@ fn one(
     let project = carried.as_ref().unwrap_or(project);
     let (body, _) = body::build(shape, &mesh, project.harmonics, project.laplacian, terminal)?;
     let mut made = make(mesh, Arc::new(body), project, false, terminal)?;
+    made.sculpture.source = shape.parse()?;
     describe(&made, terminal)?;
     if let Some(output) = output {
-        made.sculpture.save(output)?;
+        if let Some(warning) = made.sculpture.save(output)? {
+            terminal.warn(warning);
+        }
         terminal.wrote(output)?;
     }
-    if let Some(Picture { path, portrait, sheet, ink }) = picture {
+    let Pictures { path, turntable, portrait, sheet, ink } = pictures;
+    if let Some(path) = path {
         portrait::render(&mut made, shape, project, path, portrait, sheet, ink, kept, terminal)?;
+        terminal.wrote(path)?;
+    }
+    if let Some(path) = &turntable.turntable {
+        let from = portrait::viewpoint(portrait, &made, shape, kept, terminal)?;
+        turntable.film(path, &made.sculpture, from, portrait.size, ink, terminal)?;
         terminal.wrote(path)?;
     }
     Ok(())

@@ -13,23 +13,26 @@ use crate::work::outputs::check_endings;
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct InkOptions {
     /// Draw in ink: contours, lines of the form, and hatching in the shade. A picture that ends in .svg always is.
-    #[arg(long, requires = "render")]
+    #[arg(long, requires = "picture")]
     ink: bool,
     /// How many lines there are inside the contours: 0 none, 1 as a draftsman would, 2 far more [default: 1].
-    #[arg(long, value_name = "X", requires = "render", value_parser = detail)]
+    #[arg(long, value_name = "X", requires = "picture", value_parser = detail)]
     ink_detail: Option<f64>,
     /// How far hatching reaches out of the shade, 0 (none) to 1 (up to the light) [default: 0.5].
-    #[arg(long, value_name = "X", requires = "render", value_parser = share)]
+    #[arg(long, value_name = "X", requires = "picture", value_parser = share)]
     ink_hatching: Option<f64>,
     /// How far curvature is averaged before lines are drawn along it, as a share of the shape's size: more for a noisy
     /// scan, less for fine detail [default: 0.01].
-    #[arg(long, value_name = "X", requires = "render", value_parser = smoothing)]
+    #[arg(long, value_name = "X", requires = "picture", value_parser = smoothing)]
     ink_smoothing: Option<f64>,
     /// Colors of the ink and the paper [default: #1c1917,#faf7f0].
-    #[arg(long, value_name = "#RRGGBB,#RRGGBB", requires = "render", value_parser = colors)]
+    #[arg(long, value_name = "#RRGGBB,#RRGGBB", requires = "picture", value_parser = colors)]
     ink_colors: Option<[[u8; 3]; 2]>,
+    /// Light as so many flat tones, 2 to 4, in place of hatching, which is drawn over them where --ink-hatching asks for it.
+    #[arg(long, value_name = "N", requires = "picture", value_parser = clap::value_parser!(u8).range(2..=Ink::MOST_TONES as i64))]
+    ink_tones: Option<u8>,
     /// Lines are the wider the farther the shape is exaggerated there.
-    #[arg(long, requires = "render")]
+    #[arg(long, requires = "picture")]
     ink_exaggeration: bool,
 }
 
@@ -72,21 +75,37 @@ pub struct Inked<'a> {
 impl InkOptions {
     /// Whether the picture at `path` is one in ink.
     pub fn wanted(&self, path: &Path) -> bool {
-        is_svg(path)
-            || self.ink
+        is_svg(path) || self.is_asked_for()
+    }
+
+    /// Whether pictures are drawn in ink whatever their names.
+    pub fn is_asked_for(&self) -> bool {
+        self.ink
             || self.ink_exaggeration
             || self.ink_colors.is_some()
+            || self.ink_tones.is_some()
             || [self.ink_detail, self.ink_hatching, self.ink_smoothing].iter().any(Option::is_some)
     }
 
-    fn style(&self) -> Ink {
+    /// A shape made ready to be drawn.
+    pub fn plate(&self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Plate, Error> {
+        Ok(Plate::new(positions, triangles, self.ink_smoothing.unwrap_or(Plate::SMOOTHING))?)
+    }
+
+    /// Pen, colors and how much is drawn.
+    pub fn style(&self) -> Ink {
         let usual = Ink::default();
         let [color, paper] = self.ink_colors.unwrap_or([usual.color, usual.paper]);
         Ink {
             paper,
             color,
             detail: self.ink_detail.unwrap_or(usual.detail),
-            hatching: self.ink_hatching.unwrap_or(usual.hatching),
+            hatching: self.ink_hatching.unwrap_or(if self.ink_tones.is_some() {
+                0.0
+            } else {
+                usual.hatching
+            }),
+            tones: self.ink_tones.map_or(0, usize::from),
             ..usual
         }
     }
@@ -104,13 +123,12 @@ impl InkOptions {
         let farthest = shapes.iter().flat_map(|shape| &shape.moved).copied().fold(0.0, f64::max);
         for shape in shapes {
             let positions: Vec<[f64; 3]> = shape.positions.iter().map(|p| p.map(f64::from)).collect();
-            let mut plate =
-                Plate::new(&positions, triangles, self.ink_smoothing.unwrap_or(Plate::SMOOTHING))?;
+            let mut plate = self.plate(&positions, triangles)?;
             if self.ink_exaggeration && farthest > 0.0 {
                 let weight = |moved: &f64| (0.55 + 1.1 * moved / farthest) as f32;
                 plate = plate.weighted(shape.moved.iter().map(weight).collect())?;
             }
-            drawing.strokes.extend(plate.strokes(&style, &shape.camera, shape.cell));
+            drawing.add(&plate, &style, &shape.camera, shape.cell);
         }
         let bytes =
             if is_svg(path) { drawing.to_svg().into_bytes() } else { drawing.to_picture().to_png()? };

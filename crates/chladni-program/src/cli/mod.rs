@@ -24,6 +24,7 @@ mod stance;
 mod symmetry;
 mod terminal;
 mod transfer;
+mod turntable;
 
 use chladni_view::Draw;
 use clap::{Parser, Subcommand};

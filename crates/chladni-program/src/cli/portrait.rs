@@ -23,7 +23,7 @@ pub struct Portrait {
     view: [f32; 2],
     /// Size of the picture in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", value_parser = pixels)]
-    size: [u32; 2],
+    pub size: [u32; 2],
     #[command(flatten)]
     stance: StanceOptions,
 }
@@ -54,6 +54,20 @@ fn pixels(text: &str) -> Result<[u32; 2], String> {
     parsed.filter(within).ok_or_else(|| "write it as WIDTHxHEIGHT in pixels, 16 to 16384 each".into())
 }
 
+/// Where the viewer stands who looks at a shape called `name`; `kept` is how its project says that it stands.
+pub fn viewpoint(
+    portrait: &Portrait,
+    made: &Made,
+    name: &str,
+    kept: Option<Orientation>,
+    terminal: &Terminal,
+) -> Result<Camera, Error> {
+    let Portrait { view: [yaw, pitch], stance, .. } = *portrait;
+    let stands = Stance::from(stance).of(name, &made.sculpture.mesh, kept, made.stands, terminal)?;
+    let (yaw_rad, pitch_rad) = (yaw.to_radians(), pitch.to_radians());
+    Ok(Camera { yaw_rad, pitch_rad, stands, ..Camera::default() })
+}
+
 /// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks
 /// for none. The shape is called `name`; `kept` is how its project says that it stands.
 pub fn render(
@@ -67,10 +81,7 @@ pub fn render(
     kept: Option<Orientation>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let Portrait { view: [yaw, pitch], size, stance } = *portrait;
-    let stands = Stance::from(stance).of(name, &made.sculpture.mesh, kept, made.stands, terminal)?;
-    let (yaw_rad, pitch_rad) = (yaw.to_radians(), pitch.to_radians());
-    let from = Camera { yaw_rad, pitch_rad, stands, ..Camera::default() };
+    let (from, size) = (viewpoint(portrait, made, name, kept, terminal)?, portrait.size);
     let rows = if sheet.show.is_empty() && sheet.sweep.is_empty() {
         None
     } else {
@@ -207,7 +218,7 @@ fn panel_of(
 
 /// Both with the shape's own colors.
 fn before_and_after(
-    Sculpture { mesh, body, evaluation }: &Sculpture,
+    Sculpture { mesh, body, evaluation, .. }: &Sculpture,
     name: &str,
     from: Camera,
     [width, height]: [u32; 2],

@@ -20,7 +20,7 @@ pub enum ProjectCommand {
     /// Start a project on a shape.
     New(New),
     /// Put a layer on top.
-    AddLayer(AddLayer),
+    AddLayer(Box<AddLayer>),
     /// Tell what is in a project.
     Show(Show),
 }

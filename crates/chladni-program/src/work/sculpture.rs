@@ -5,13 +5,18 @@ use std::sync::Arc;
 
 use chladni_caricature::{Evaluation, LayerState, Project, Stack};
 use chladni_harmonics::Body;
-use chladni_mesh::{Format, MorphTarget, Orientation, TriMesh, save_mesh, write_glb};
+use chladni_mesh::{
+    Format, MeshError, MorphTarget, Orientation, ShapeSource, TriMesh, add_morph_targets, save_mesh,
+    write_glb,
+};
 use chladni_task::write_atomic;
 
 use super::{Error, Warning, Watcher, matched};
 
 /// The result of a project on its shape. Later edits of the project do not change it.
 pub struct Sculpture {
+    /// Where the shape comes from.
+    pub source: ShapeSource,
     /// The shape as its file holds it.
     pub mesh: Arc<TriMesh>,
     /// With its harmonics.
@@ -69,7 +74,8 @@ pub fn make(
             watcher.warn(Warning::EmptyRegion { layer: layer.name.clone(), from, to });
         }
     }
-    Ok(Made { sculpture: Sculpture { mesh, body, evaluation }, stack, stands })
+    let source = project.shape.clone();
+    Ok(Made { sculpture: Sculpture { source, mesh, body, evaluation }, stack, stands })
 }
 
 /// Evaluates `project` on `stack` and, where it keeps triangles, limits its layers, the lowest first.
@@ -95,21 +101,42 @@ fn reach(mesh: &TriMesh) -> [[f64; 3]; 2] {
 
 impl Sculpture {
     /// Writes it in the format of the ending: GLB holds the original with one morph target per layer, other
-    /// formats the result itself.
+    /// formats the result itself. Where the shape comes from a glTF file, all else in that file stays in the GLB; a warning
+    /// says where that is not possible.
     ///
     /// # Errors
     /// [`Error::Unsaved`] or [`Error::Unwritten`], with the file's name.
-    pub fn save(&self, path: &Path) -> Result<(), Error> {
-        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-        if Format::from_extension(ending) == Some(Format::Glb) {
-            let targets = self.evaluation.morph_targets(&self.body).into_iter();
-            let targets: Vec<MorphTarget> =
-                targets.map(|(name, displacements)| MorphTarget { name, displacements }).collect();
-            let bytes = write_glb(&self.mesh, &targets).map_err(|error| Error::unwritten(path, error))?;
-            return write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error));
+    pub fn save(&self, path: &Path) -> Result<Option<Warning>, Error> {
+        if format_of(path) == Some(Format::Glb) {
+            let (bytes, warning) = self.glb().map_err(|error| Error::unwritten(path, error))?;
+            write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
+            return Ok(warning);
         }
         let positions = self.evaluation.file_positions(&self.body, &self.mesh.positions);
         let result = TriMesh { positions, ..TriMesh::clone(&self.mesh) };
-        save_mesh(&result, path).map_err(Error::unsaved)
+        save_mesh(&result, path).map(|()| None).map_err(Error::unsaved)
     }
+
+    fn glb(&self) -> Result<(Vec<u8>, Option<Warning>), MeshError> {
+        let targets = self.evaluation.morph_targets(&self.body).into_iter();
+        let targets: Vec<MorphTarget> =
+            targets.map(|(name, displacements)| MorphTarget { name, displacements }).collect();
+        let mut warning = None;
+        if let ShapeSource::File(source) = &self.source
+            && matches!(format_of(source), Some(Format::Glb | Format::Gltf))
+        {
+            match add_morph_targets(source, &self.mesh, &targets) {
+                Ok(bytes) => return Ok((bytes, None)),
+                Err(why) => {
+                    let lost = "rigs, animations, normals and sliders that it had are left out of the GLB";
+                    warning = Some(Warning::of(source.display(), format_args!("{why}: {lost}")));
+                }
+            }
+        }
+        Ok((write_glb(&self.mesh, &targets)?, warning))
+    }
+}
+
+fn format_of(path: &Path) -> Option<Format> {
+    path.extension().and_then(|ending| ending.to_str()).and_then(Format::from_extension)
 }

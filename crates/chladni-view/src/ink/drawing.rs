@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use super::{Ink, Mark, Stroke, StrokePoint};
-use crate::{Picture, ViewError};
+use super::tones::{self, Area};
+use super::{Ink, Mark, Plate, Stroke, StrokePoint};
+use crate::{Camera, Picture, Rect, ViewError};
 
 /// A sheet of paper with strokes in ink.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +17,8 @@ pub struct Drawing {
     pub paper: [u8; 3],
     /// Color of the ink, sRGB.
     pub ink: [u8; 3],
+    /// Below the strokes, in the order in which they are laid.
+    pub areas: Vec<Area>,
     /// In pixels from the upper left corner.
     pub strokes: Vec<Stroke>,
 }
@@ -32,7 +35,22 @@ impl Drawing {
         if width == 0 || height == 0 || width.max(height) > Self::LIMIT {
             return Err(ViewError::Size { width, height, limit: Self::LIMIT });
         }
-        Ok(Self { width, height, paper: ink.paper, ink: ink.color, strokes: Vec::new() })
+        let (areas, strokes) = (Vec::new(), Vec::new());
+        Ok(Self { width, height, paper: ink.paper, ink: ink.color, areas, strokes })
+    }
+
+    /// Draws a shape as `camera` sees it into `cell`: tones, lines and hatching.
+    pub fn add(&mut self, plate: &Plate, ink: &Ink, camera: &Camera, cell: Rect) {
+        self.areas.extend(plate.tones(ink, camera, cell));
+        self.strokes.extend(plate.strokes(ink, camera, cell));
+    }
+
+    /// Paper with so much ink in it.
+    fn mixed(&self, share: f64) -> [f32; 3] {
+        std::array::from_fn(|i| {
+            let (paper, ink) = (f32::from(self.paper[i]), f32::from(self.ink[i]));
+            paper + (ink - paper) * share as f32
+        })
     }
 
     /// As SVG 1.1: the paper, and above it a group for each kind of stroke, each stroke one filled outline.
@@ -44,6 +62,21 @@ impl Drawing {
              <rect id=\"paper\" width=\"{w}\" height=\"{h}\" fill=\"{}\"/>\n",
             hex(self.paper)
         );
+        if !self.areas.is_empty() {
+            svg.push_str("<g id=\"tones\">\n");
+            for area in &self.areas {
+                let color = hex(self.mixed(area.shade).map(|c| c.round() as u8));
+                let _ = write!(svg, "<path fill=\"{color}\" fill-rule=\"evenodd\" d=\"");
+                for ring in &area.rings {
+                    for (i, [x, y]) in ring.iter().enumerate() {
+                        let _ = write!(svg, "{}{x:.2} {y:.2}", if i > 0 { "L" } else { "M" });
+                    }
+                    svg.push('Z');
+                }
+                svg.push_str("\"/>\n");
+            }
+            svg.push_str("</g>\n");
+        }
         for mark in Mark::ALL {
             let _ = writeln!(svg, "<g id=\"{}\" fill=\"{}\">", mark.name(), hex(self.ink));
             for stroke in self.strokes.iter().filter(|stroke| stroke.mark == mark) {
@@ -70,15 +103,14 @@ impl Drawing {
 
     /// As pixels. How far each is covered with ink is measured across each stroke, exactly where it is straight.
     pub fn to_picture(&self) -> Picture {
-        let cover = self.cover();
-        let mixed = |cover: f32| {
-            let channel = |i: usize| {
-                let (paper, ink) = (f32::from(self.paper[i]), f32::from(self.ink[i]));
-                (paper + (ink - paper) * cover).round() as u8
-            };
+        let mut pixels = vec![self.mixed(0.0); self.width as usize * self.height as usize];
+        let areas: Vec<_> = self.areas.iter().map(|area| (area, self.mixed(area.shade))).collect();
+        tones::fill(&mut pixels, self.width as usize, &areas);
+        let inked = |(below, cover): ([f32; 3], f32)| {
+            let channel = |i: usize| (below[i] + (f32::from(self.ink[i]) - below[i]) * cover).round() as u8;
             [channel(0), channel(1), channel(2), 255]
         };
-        let rgba = cover.into_iter().flat_map(mixed).collect();
+        let rgba = pixels.into_iter().zip(self.cover()).flat_map(inked).collect();
         Picture { width: self.width, height: self.height, rgba }
     }
 

@@ -40,20 +40,20 @@ const SHADOW: f64 = 0.45;
 
 /// What is seen at a place.
 #[derive(Clone, Copy)]
-struct Place {
+pub(super) struct Place {
     depth: f64,
     /// 0 in full light, 1 in the dark.
-    dark: f64,
+    pub dark: f64,
     /// The two principal directions on paper, as cosine and sine of twice their angle: they have no sign.
     along: [[f64; 2]; 2],
 }
 
 /// Places, row by row.
-struct Field {
+pub(super) struct Field {
     corner: [f64; 2],
     step: f64,
-    columns: usize,
-    rows: usize,
+    pub columns: usize,
+    pub rows: usize,
     places: Vec<Option<Place>>,
     /// A step in depth that no surface makes between two places.
     leap: f64,
@@ -63,7 +63,10 @@ pub(super) fn strokes(sight: &Sight<'_>, ink: &Ink) -> Vec<Stroke> {
     if ink.hatching <= 0.0 {
         return Vec::new();
     }
-    let field = Field::new(sight);
+    let mut field = Field::lit(sight, GRID);
+    for _ in 0..DIRECTION_PASSES {
+        field.average(|place, mean| place.along = mean.along);
+    }
     let mut strokes = Vec::new();
     // A second layer crosses the first where it is darkest.
     for (layer, from) in [(0, 1.0 - ink.hatching), (1, 1.0 - 0.5 * ink.hatching)] {
@@ -75,8 +78,9 @@ pub(super) fn strokes(sight: &Sight<'_>, ink: &Ink) -> Vec<Stroke> {
 }
 
 impl Field {
-    fn new(sight: &Sight<'_>) -> Self {
-        let step = GRID * sight.unit;
+    /// Places `grid` units apart, their light averaged.
+    pub fn lit(sight: &Sight<'_>, grid: f64) -> Self {
+        let step = grid * sight.unit;
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let cell = sight.cell;
         let edges = [[cell.x, cell.x + cell.width], [cell.y, cell.y + cell.height]].map(|e| e.map(f64::from));
@@ -98,10 +102,22 @@ impl Field {
         for _ in 0..LIGHT_PASSES {
             field.average(|place, mean| place.dark = mean.dark);
         }
-        for _ in 0..DIRECTION_PASSES {
-            field.average(|place, mean| place.along = mean.along);
-        }
         field
+    }
+
+    /// Whether there is a place in that column and row.
+    pub fn has(&self, [x, y]: [i64; 2]) -> bool {
+        (0..self.columns as i64).contains(&x) && (0..self.rows as i64).contains(&y)
+    }
+
+    /// What is seen in that column and row.
+    pub fn place(&self, [x, y]: [i64; 2]) -> Option<&Place> {
+        self.has([x, y]).then(|| self.places[y as usize * self.columns + x as usize].as_ref())?
+    }
+
+    /// Where that column and row is, in pixels.
+    pub fn point(&self, at: [i64; 2]) -> [f64; 2] {
+        std::array::from_fn(|i| self.corner[i] + at[i] as f64 * self.step)
     }
 
     /// Replaces something of each place by the mean over it and the four beside it on the same surface.
@@ -136,8 +152,7 @@ impl Field {
 
     fn at(&self, p: [f64; 2]) -> Option<&Place> {
         let [x, y] = [0, 1].map(|i| ((p[i] - self.corner[i]) / self.step).round());
-        let inside = x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64;
-        inside.then(|| self.places[y as usize * self.columns + x as usize].as_ref())?
+        self.place([x as i64, y as i64])
     }
 }
 

@@ -9,9 +9,13 @@ mod lines;
 mod plate;
 mod sight;
 mod strokes;
+mod tones;
+mod turntable;
 
 pub use drawing::Drawing;
 pub use plate::Plate;
+pub use tones::Area;
+pub use turntable::film_turntable;
 
 use crate::{Camera, Rect};
 use sight::Sight;
@@ -30,9 +34,14 @@ pub struct Ink {
     pub detail: f64,
     /// How far hatching reaches out of the shade: 0 draws none, 1 hatches all but what faces the light; in [0, 1].
     pub hatching: f64,
+    /// How many flat tones light has, the paper among them: 2 to [`MOST_TONES`](Self::MOST_TONES), or 0 for none.
+    pub tones: usize,
 }
 
 impl Ink {
+    /// More tones would no longer look flat.
+    pub const MOST_TONES: usize = 4;
+
     fn pen_px(&self, cell: Rect) -> f64 {
         (self.pen * f64::from(cell.width.min(cell.height))).max(1.0)
     }
@@ -40,7 +49,14 @@ impl Ink {
 
 impl Default for Ink {
     fn default() -> Self {
-        Self { paper: [250, 247, 240], color: [28, 25, 23], pen: 0.0028, detail: 1.0, hatching: 0.5 }
+        Self {
+            paper: [250, 247, 240],
+            color: [28, 25, 23],
+            pen: 0.0028,
+            detail: 1.0,
+            hatching: 0.5,
+            tones: 0,
+        }
     }
 }
 
@@ -99,6 +115,11 @@ impl Plate {
         let mut strokes = self.outlines(ink, camera, cell);
         strokes.extend(hatching::strokes(&Sight::new(self, camera, cell), ink));
         strokes
+    }
+
+    /// The flat tones of this shape seen by `camera` in `cell`, if `ink` has any: the lightest first, each on the one before.
+    pub fn tones(&self, ink: &Ink, camera: &Camera, cell: Rect) -> Vec<Area> {
+        tones::areas(&Sight::new(self, camera, cell), ink)
     }
 
     /// As [`strokes`](Self::strokes), without hatching, in a fraction of the time: while something moves.

@@ -12,11 +12,14 @@ use super::overlay::backdrop;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::Error;
+use crate::work::{Error, Warning};
 
 /// While it is not known how far layers are held back.
 const STILL_SETTLING: &str = "How far triangles allow is still being computed: what is written is held back by what is \
                               known so far. Export again once the meter shows a share.";
+
+/// A file that was written, and what is to be said of it.
+type Written = (PathBuf, Option<Warning>);
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +64,7 @@ impl What {
         match self {
             Self::Mesh(Format::Glb) => {
                 "The original with one slider (morph target) per layer, named like it. Opens in Blender; all \
-                 sliders at 1 are the caricature."
+                 sliders at 1 are the caricature. Rigs, sliders and animations of a GLB stay in it."
             }
             Self::Mesh(Format::Obj) => {
                 "The caricature, in the file's own vertex order, with UVs and materials."
@@ -94,7 +97,7 @@ pub struct Export {
     secs: f64,
     fps: u32,
     ffmpeg: Option<bool>,
-    running: Option<Job<PathBuf>>,
+    running: Option<Job<Written>>,
 }
 
 impl Default for Export {
@@ -148,32 +151,29 @@ impl CaricatureRoom {
         let job = match (what, shot) {
             (What::Mesh(_), _) => {
                 let sculpture = session.sculpture();
-                Job::start(label, &shared.ctx, move |_| sculpture.save(&path).map(|()| path))
+                Job::start(label, &shared.ctx, move |_| sculpture.save(&path).map(|warning| (path, warning)))
             }
             (_, Err(error)) => return shared.notices.failed(error),
             (What::Picture, Ok(shot)) => Job::start(label, &shared.ctx, move |_| {
                 let png = shot.picture(width, height).and_then(|picture| Ok(picture.to_png()?));
                 let png = png.map_err(|error| error.of(path.display()))?;
                 write_atomic(&path, &png).map_err(|error| Error::unwritten(&path, error))?;
-                Ok(path)
+                Ok((path, None))
             }),
             (What::Drawing, Ok(shot)) => Job::start(label, &shared.ctx, move |_| {
                 let drawing = shot.drawing(width, height).map_err(|error| error.of(path.display()))?;
                 write_atomic(&path, drawing.to_svg().as_bytes())
                     .map_err(|error| Error::unwritten(&path, error))?;
-                Ok(path)
+                Ok((path, None))
             }),
             (What::Mp4 | What::Gif, Ok(shot)) => {
-                if self.look.ink {
-                    shared.notices.warn("Turntables show material and light, not ink.");
-                }
                 let rate = FrameRate::per_second(fps);
                 let settings =
                     FilmSettings { width, height, rate, frames: rate.frames_in(secs), first: 0, audio: None };
                 Job::start(label, &shared.ctx, move |task| {
                     let made = shot.turntable(&path, settings, task);
                     made.map_err(|error| Error::from(error).of(path.display()))?;
-                    Ok(path)
+                    Ok((path, None))
                 })
             }
         };
@@ -196,7 +196,10 @@ impl Export {
 
     fn poll(&mut self, shared: &mut Shared<'_>) {
         match self.running.as_ref().and_then(Job::ended) {
-            Some(Ok(path)) => shared.notices.done(format!("Exported {}", path.display())),
+            Some(Ok((path, warning))) => {
+                shared.notices.done(format!("Exported {}", path.display()));
+                warning.into_iter().for_each(|warning| shared.notices.warn(warning));
+            }
             Some(Err(why)) => shared.notices.failed(why),
             None => return,
         }

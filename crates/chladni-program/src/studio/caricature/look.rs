@@ -1,5 +1,6 @@
 //! What stands on the stage of the caricature room, and how it looks.
 
+use chladni_view::ink::Ink;
 use chladni_view::{Figure, ItemBuffers, Lights, Material, Paint, Topology, Wire};
 
 /// What stands on the stage.
@@ -25,6 +26,8 @@ pub struct Portrayal {
     pub wire: bool,
     /// A drawing in ink instead of material and light.
     pub ink: bool,
+    /// Light in ink as flat tones instead of hatching.
+    pub tones: bool,
     /// Index into [`Material::PRESETS`].
     pub material: usize,
     /// Index into [`Lights::PRESETS`].
@@ -33,7 +36,7 @@ pub struct Portrayal {
 
 impl Default for Portrayal {
     fn default() -> Self {
-        Self { show: Show::Result, wire: false, ink: false, material: 0, lights: 0 }
+        Self { show: Show::Result, wire: false, ink: false, tones: false, material: 0, lights: 0 }
     }
 }
 
@@ -46,6 +49,12 @@ impl Portrayal {
     /// The chosen material.
     pub fn material(&self) -> Material {
         Material::PRESETS.get(self.material).map_or(Material::CLAY, |preset| preset.1)
+    }
+
+    /// How it is drawn in ink.
+    pub fn pen(&self) -> Ink {
+        let usual = Ink::default();
+        if self.tones { Ink { tones: 3, hatching: 0.0, ..usual } } else { usual }
     }
 
     /// A figure in the chosen material, with edges where they are wanted.

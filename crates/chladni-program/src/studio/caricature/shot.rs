@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use chladni_task::Task;
-use chladni_view::ink::{Drawing, Ink};
+use chladni_view::ink::{self, Drawing};
 use chladni_view::{
     Background, Camera, Canvas, Cell, Figure, Film, FilmSettings, Gpu, ItemBuffers, Paint, Picture, Rect,
     Renderer, Scale, Skin, Topology, VertexPaint, ViewError, film, layout,
@@ -75,11 +75,11 @@ impl Shot {
 
     /// Draws it in ink, whatever its look.
     pub fn drawing(&self, width: u32, height: u32) -> Result<Drawing, Error> {
-        let ink = Ink::default();
+        let ink = self.look.pen();
         let mut drawing = Drawing::new(width, height, &ink)?;
         for ((positions, _), cell) in self.poses.iter().zip(self.cells(width, height)) {
             let plate = stage::plate(positions, &self.triangles)?;
-            drawing.strokes.extend(plate.strokes(&ink, &self.camera, cell));
+            drawing.add(&plate, &ink, &self.camera, cell);
         }
         Ok(drawing)
     }
@@ -89,8 +89,18 @@ impl Shot {
         self.draw(renderer, canvas, &self.upload()?, self.camera)
     }
 
-    /// Films the figures turning once around, into the file at `path`.
+    /// Films the figures turning once around, into the file at `path`, in ink where that is its look.
     pub fn turntable(&self, path: &Path, settings: FilmSettings, task: &Task) -> Result<(), ViewError> {
+        if self.look.ink {
+            let cells = self.cells(settings.width, settings.height).into_iter();
+            let plates = self.poses.iter().map(|(positions, _)| stage::plate(positions, &self.triangles));
+            let plates: Vec<_> = plates
+                .zip(cells)
+                .map(|(plate, cell)| Ok((plate?, cell)))
+                .collect::<Result<_, ViewError>>()?;
+            let film = Film::create(path, settings)?;
+            return ink::film_turntable(&plates, &self.look.pen(), self.camera, film, task);
+        }
         let (width, height, frames) = (settings.width, settings.height, settings.frames);
         let canvas = Canvas::new(&self.gpu, width, height)?;
         let buffers = self.upload()?;

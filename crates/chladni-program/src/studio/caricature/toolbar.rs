@@ -105,6 +105,8 @@ impl CaricatureRoom {
         self.heat.choose(quantity, harmonic, map);
         ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
             ui.toggle_value(&mut self.look.ink, "Ink on paper").on_hover_text(INK.tooltip(ui.ctx()));
+            ui.toggle_value(&mut self.look.tones, "Flat tones")
+                .on_hover_text("In ink: light as three flat tones instead of hatching");
             ui.separator();
             ui.label(egui::RichText::new("Material").color(theme::palette(ui).weak));
             for (index, (name, _)) in Material::PRESETS.iter().enumerate() {

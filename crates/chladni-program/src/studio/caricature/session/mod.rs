@@ -241,7 +241,8 @@ impl Session {
     /// What it looks like now; later edits do not change it.
     pub fn sculpture(&self) -> Sculpture {
         let (mesh, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
-        Sculpture { mesh, body, evaluation: self.evaluation.clone() }
+        let source = self.project().shape.clone();
+        Sculpture { source, mesh, body, evaluation: self.evaluation.clone() }
     }
 
     fn selected_request(&self) -> Option<MatchRequest> {

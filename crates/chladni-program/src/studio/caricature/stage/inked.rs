@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use chladni_view::ink::{Drawing, Ink, Plate};
-use chladni_view::{Camera, Picture, Rect};
+use chladni_view::{Camera, Picture, Rect, ViewError};
 use egui::{ColorImage, TextureHandle, TextureOptions, Ui};
 
 use super::super::shot::Pose;
@@ -33,6 +33,7 @@ type Pictured = (usize, u64);
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub camera: Camera,
+    pub ink: Ink,
     pub size: [u32; 2],
     pub figures: Vec<(Pictured, Rect)>,
 }
@@ -116,15 +117,15 @@ impl InkedStage {
             .collect();
         let triangles = Arc::clone(triangles);
         let job = Job::start("Drawing in ink", ui.ctx(), move |_| {
-            let ink = Ink::default();
+            let ink = scene.ink;
             let mut drawing = Drawing::new(scene.size[0], scene.size[1], &ink)?;
             let mut plates = Vec::with_capacity(ready.len());
             for (ready, (pictured, cell)) in ready.into_iter().zip(&scene.figures) {
                 let plate = ready.plate(&triangles)?;
-                drawing.strokes.extend(match depth {
-                    Depth::Lines => plate.outlines(&ink, &scene.camera, *cell),
-                    Depth::Shade => plate.strokes(&ink, &scene.camera, *cell),
-                });
+                match depth {
+                    Depth::Lines => drawing.strokes.extend(plate.outlines(&ink, &scene.camera, *cell)),
+                    Depth::Shade => drawing.add(&plate, &ink, &scene.camera, *cell),
+                }
                 plates.push((*pictured, plate));
             }
             Ok(Drawn { picture: drawing.to_picture(), scene, depth, plates })
@@ -143,15 +144,15 @@ impl Ready {
     fn plate(self, triangles: &[[u32; 3]]) -> Result<Arc<Plate>, Error> {
         match self {
             Self::Plate(plate) => Ok(plate),
-            Self::Positions(positions) => plate(&positions, triangles).map(Arc::new),
+            Self::Positions(positions) => Ok(Arc::new(plate(&positions, triangles)?)),
         }
     }
 }
 
 /// A figure made ready to be drawn.
-pub fn plate(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Plate, Error> {
+pub fn plate(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Plate, ViewError> {
     let positions: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
-    Ok(Plate::new(&positions, triangles, Plate::SMOOTHING)?)
+    Plate::new(&positions, triangles, Plate::SMOOTHING)
 }
 
 #[cfg(test)]
@@ -167,7 +168,8 @@ mod tests {
         let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(200.0, 200.0));
         let mut drawn_at = |secs: f64, yaw_rad: f32, wanted: Depth| {
             let camera = Camera { yaw_rad, distance: 6.0, ..Camera::default() };
-            let scene = Scene { camera, size: [200; 2], figures: vec![((0, 1), Rect::of_size(200, 200))] };
+            let figures = vec![((0, 1), Rect::of_size(200, 200))];
+            let scene = Scene { camera, ink: Ink::default(), size: [200; 2], figures };
             let start = std::time::Instant::now();
             loop {
                 let input = egui::RawInput { time: Some(secs), ..egui::RawInput::default() };

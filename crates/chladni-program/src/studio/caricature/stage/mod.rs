@@ -344,7 +344,7 @@ impl Stage {
             let figures =
                 figures.iter().map(|figure| (*figure, self.changes[*figure])).zip(cells.iter().copied());
             let (camera, size) = (self.camera, [canvas.width, canvas.height]);
-            let scene = Scene { camera, size, figures: figures.collect() };
+            let scene = Scene { camera, ink: look.pen(), size, figures: figures.collect() };
             self.inked.show(ui, rect, scene, &self.poses, &self.triangles)?;
             show_names(ui, rect, look.show, &cells);
             return Ok(StageResponse { response, presses, figure: pointed.map(|pointed| pointed.figure) });

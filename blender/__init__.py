@@ -1,0 +1,255 @@
+"""Sends a mesh to the program `chladni` and takes its layers back as shape keys."""
+
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+import bpy
+import numpy as np
+
+from . import exchange
+
+TEMPLATES = [
+    ("ellipsoid", "Ellipsoid", "What makes the shape differ from the ellipsoid that fits it best"),
+    ("sphere", "Sphere", "What makes it differ from a sphere"),
+    ("self", "Its own detail", "What makes it differ from itself without its details"),
+    ("object", "Another mesh", "What makes it differ from another mesh, such as a mean face"),
+    ("project", "A project", "The layers of a project of Chladni; painted regions are carried over"),
+]
+MODELS = [
+    ("coordinate", "Coordinate", "Moves every point along its difference: sharp features"),
+    ("normal", "Normal", "Inflates and deflates along the surface: smooth parts"),
+    ("distance", "Distance", "One filter for all directions: subtle, μ down to −8"),
+]
+
+
+class ChladniPreferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+
+    program: bpy.props.StringProperty(
+        name="Program", subtype="FILE_PATH", description="Where the program chladni is; empty: it is found on the PATH"
+    )
+
+    def draw(self, _context):
+        self.layout.prop(self, "program")
+        if not program(self):
+            self.layout.label(text="No program chladni on the PATH: say where it is", icon="ERROR")
+
+
+class ChladniSettings(bpy.types.PropertyGroup):
+    template: bpy.props.EnumProperty(name="Against", items=TEMPLATES)
+    other: bpy.props.PointerProperty(
+        name="Mesh", type=bpy.types.Object, poll=lambda _self, other: other.type == "MESH"
+    )
+    project: bpy.props.StringProperty(name="Project", subtype="FILE_PATH")
+    model: bpy.props.EnumProperty(name="Model", items=MODELS)
+    mu: bpy.props.FloatProperty(
+        name="μ", default=-1.0, soft_min=-3.0, soft_max=1.0, description="Below 0 exaggerates, 1 is the template"
+    )
+    harmonics: bpy.props.IntProperty(name="Harmonics", default=256, min=1, soft_max=1024)
+    mask: bpy.props.StringProperty(name="Mask", description="The vertex group that the layer is confined to")
+    keep_triangles: bpy.props.BoolProperty(
+        name="Keep triangles", description="Hold back what would fold the surface or pass it through itself"
+    )
+    name: bpy.props.StringProperty(name="Shape key", default="Caricature")
+
+
+def program(preferences):
+    """The program's path, or None."""
+    return bpy.path.abspath(preferences.program) if preferences.program else shutil.which("chladni")
+
+
+def polygons(mesh):
+    """Positions at rest, and where each polygon's corners start, and the corners."""
+    positions = np.empty(3 * len(mesh.vertices), np.float32)
+    rest = mesh.shape_keys.reference_key.data if mesh.shape_keys else mesh.vertices
+    rest.foreach_get("co", positions)
+    starts = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return positions.reshape(-1, 3), starts, corners
+
+
+def weights(target, name):
+    """The weight of each vertex in the vertex group called `name`."""
+    group = target.vertex_groups.get(name)
+    if group is None:
+        raise ValueError(f"{target.name} has no vertex group “{name}”")
+    found = np.zeros(len(target.data.vertices))
+    for vertex in target.data.vertices:
+        for element in vertex.groups:
+            if element.group == group.index:
+                found[vertex.index] = min(max(element.weight, 0.0), 1.0)
+    return found
+
+
+class Work:
+    """One run of the program on one object."""
+
+    def __init__(self, target, settings, path):
+        self.target = target
+        self.name = settings.name
+        self.vertices = len(target.data.vertices)
+        self.folder = tempfile.TemporaryDirectory(prefix="chladni-")
+        folder = pathlib.Path(self.folder.name)
+        self.result, self.said = folder / "result.glb", folder / "said.txt"
+        mask = weights(target, settings.mask) if settings.mask else None
+        shape = folder / "shape.ply"
+        exchange.write_ply(shape, *polygons(target.data), mask)
+        words = [path, "--quiet", "caricature", shape]
+        if settings.template == "project":
+            words += ["--recipe", bpy.path.abspath(settings.project)]
+        else:
+            words += [self.template(settings, folder), f"--mu={settings.mu}", "--model", settings.model]
+            words += ["-k", settings.harmonics]
+            if mask is not None:
+                words += ["--mask", shape]
+        if settings.keep_triangles:
+            words.append("--keep-triangles")
+        words += ["-o", self.result]
+        with open(self.said, "w", encoding="utf-8") as said:
+            self.process = subprocess.Popen([str(word) for word in words], stdout=said, stderr=said)
+
+    @staticmethod
+    def template(settings, folder):
+        if settings.template == "self":
+            return "self:lowpass=20"
+        if settings.template != "object":
+            return settings.template
+        if settings.other is None:
+            raise ValueError("choose the other mesh")
+        exchange.write_ply(folder / "template.ply", *polygons(settings.other.data))
+        return folder / "template.ply"
+
+    def take(self):
+        """Makes a shape key of each layer, or renews those that are there, and returns what the program said."""
+        said = self.said.read_text(encoding="utf-8", errors="replace").strip()
+        if self.process.returncode:
+            raise ValueError(said.splitlines()[-1] if said else "chladni ended without a word")
+        if len(self.target.data.vertices) != self.vertices:
+            raise ValueError("the mesh was changed in the meantime")
+        layers = exchange.read_targets(self.result)
+        if self.target.data.shape_keys is None:
+            self.target.shape_key_add(name="Basis", from_mix=False)
+        rest = polygons(self.target.data)[0]
+        for layer, displacement in layers:
+            name = self.name if len(layers) == 1 else f"{self.name}: {layer}"
+            key = self.target.data.shape_keys.key_blocks.get(name)
+            key = key or self.target.shape_key_add(name=name, from_mix=False)
+            key.data.foreach_set("co", (rest + displacement).ravel())
+            key.value = 1.0
+        self.target.data.update()
+        return said
+
+    def end(self):
+        """Stops the program where it still runs, and leaves nothing behind."""
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self.folder.cleanup()
+
+
+class ChladniCaricature(bpy.types.Operator):
+    """Exaggerate what makes the mesh differ from its template, as a shape key"""
+
+    bl_idname = "object.chladni_caricature"
+    bl_label = "Caricature"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type == "MESH" and context.mode == "OBJECT"
+
+    def begin(self, context):
+        path = program(context.preferences.addons[__package__].preferences)
+        if not path:
+            self.report({"ERROR"}, "No program chladni on the PATH: the add-on's preferences say where it is")
+            return None
+        try:
+            return Work(context.object, context.scene.chladni, path)
+        except (OSError, ValueError) as error:
+            self.report({"ERROR"}, str(error))
+            return None
+
+    def finish(self, work):
+        try:
+            said = work.take()
+        except (OSError, ValueError, KeyError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        finally:
+            work.end()
+        for line in said.splitlines():
+            self.report({"INFO"}, line)
+        return {"FINISHED"}
+
+    def execute(self, context):
+        work = self.begin(context)
+        if work is None:
+            return {"CANCELLED"}
+        work.process.wait()
+        return self.finish(work)
+
+    def invoke(self, context, _event):
+        self.work = self.begin(context)
+        if self.work is None:
+            return {"CANCELLED"}
+        manager = context.window_manager
+        self.timer = manager.event_timer_add(0.1, window=context.window)
+        context.workspace.status_text_set("Chladni is at work; Escape stops it")
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        stopped = event.type == "ESC"
+        if not stopped and self.work.process.poll() is None:
+            return {"PASS_THROUGH"}
+        context.window_manager.event_timer_remove(self.timer)
+        context.workspace.status_text_set(None)
+        if stopped:
+            self.work.end()
+            return {"CANCELLED"}
+        return self.finish(self.work)
+
+
+class ChladniPanel(bpy.types.Panel):
+    bl_idname = "VIEW3D_PT_chladni"
+    bl_label = "Caricature"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Chladni"
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.chladni
+        layout.use_property_split = True
+        layout.prop(settings, "template")
+        if settings.template == "project":
+            layout.prop(settings, "project")
+        else:
+            if settings.template == "object":
+                layout.prop(settings, "other")
+            layout.prop(settings, "model")
+            layout.prop(settings, "mu")
+            layout.prop(settings, "harmonics")
+            if context.object is not None and context.object.type == "MESH":
+                layout.prop_search(settings, "mask", context.object, "vertex_groups")
+        layout.prop(settings, "keep_triangles")
+        layout.prop(settings, "name")
+        layout.operator(ChladniCaricature.bl_idname)
+
+
+CLASSES = [ChladniPreferences, ChladniSettings, ChladniCaricature, ChladniPanel]
+
+
+def register():
+    for each in CLASSES:
+        bpy.utils.register_class(each)
+    bpy.types.Scene.chladni = bpy.props.PointerProperty(type=ChladniSettings)
+
+
+def unregister():
+    del bpy.types.Scene.chladni
+    for each in reversed(CLASSES):
+        bpy.utils.unregister_class(each)

@@ -1,0 +1,378 @@
+//! Morph targets put into a glTF file that is there already: everything else in it stays.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use chladni_task::read_file;
+use serde_json::{Value, json};
+
+use super::glb::{Glb, container, smooth_normals};
+use super::{MorphTarget, narrowed};
+use crate::read::gltf::{Matrix, Placed, glb_chunks, read_placed};
+use crate::read::gltf_buffers::Buffers;
+use crate::read::gltf_json::Root;
+use crate::read::{MOST_BYTES, beside};
+use crate::surface::places;
+use crate::surface::vec3::{Vec3, add, cross, dot, length, scaled, sub};
+use crate::{Format, MeshError, TriMesh};
+
+const FORMAT: Format = Format::Glb;
+
+fn unwritable(reason: impl Into<String>) -> MeshError {
+    MeshError::Unwritable { format: FORMAT, reason: reason.into() }
+}
+
+/// The glTF file at `source`, which `mesh` was read from, as GLB with one more morph target, at weight 0, for each of
+/// `targets`. Morph targets, skins, custom normals, materials, cameras, lights, animations and whatever else the file has
+/// stay as they are; buffers and pictures beside it come into the GLB. Normals of the new targets turn the file's own as the
+/// surface turns; where it has none, the targets have none.
+///
+/// # Errors
+/// [`MeshError::Unwritable`] where the file is no longer what `mesh` was read from, holds compressed meshes, places a mesh
+/// flat, or would pass 4 GiB; what [`load_mesh`](crate::load_mesh) says of a damaged file.
+pub fn add_morph_targets(
+    source: &Path,
+    mesh: &TriMesh,
+    targets: &[MorphTarget],
+) -> Result<Vec<u8>, MeshError> {
+    let bytes = read_file(source, MOST_BYTES).map_err(MeshError::Io)?;
+    let folder = source.parent().unwrap_or(Path::new(""));
+    patched(&bytes, &|name| beside::read_within(folder, name, MOST_BYTES), mesh, targets)
+}
+
+fn patched(
+    bytes: &[u8],
+    beside: &beside::Beside<'_>,
+    mesh: &TriMesh,
+    targets: &[MorphTarget],
+) -> Result<Vec<u8>, MeshError> {
+    let format = if bytes.starts_with(b"glTF") { Format::Glb } else { Format::Gltf };
+    let malformed =
+        |fault: crate::error::Fault| MeshError::Malformed { format, at: fault.at, reason: fault.reason };
+    let (loaded, placed) = read_placed(bytes, format, beside)?;
+    if loaded.mesh.positions != mesh.positions || loaded.mesh.triangles != mesh.triangles {
+        return Err(unwritable("the file is not what the shape was read from"));
+    }
+    if let Some(target) = targets.iter().find(|target| target.displacements.len() != mesh.positions.len()) {
+        return Err(unwritable(format!("target '{}' has not one displacement per vertex", target.name)));
+    }
+    let (json, binary) =
+        if format == Format::Glb { glb_chunks(bytes).map_err(malformed)? } else { (bytes, None) };
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let parse = |error: serde_json::Error| malformed(crate::error::Fault::part("JSON", error.to_string()));
+    let root: Root = serde_json::from_slice(json).map_err(parse)?;
+    let document: Value = serde_json::from_slice(json).map_err(parse)?;
+    let compressed = |name: &&str| {
+        name.contains("draco") || name.contains("meshopt") || name.contains("animation_pointer")
+    };
+    let used = document["extensionsUsed"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    if let Some(extension) = used.into_iter().find(|name| compressed(name)) {
+        return Err(unwritable(format!("{extension} cannot be kept")));
+    }
+    let buffers = Buffers::open(&root, binary, beside).map_err(malformed)?;
+    let mut patch = Patch { root: &root, buffers: &buffers, document, file: Glb::default(), mesh, targets };
+    patch.take_in_buffers(beside);
+    if !targets.is_empty() {
+        patch.add(&placed)?;
+    }
+    patch.finish()
+}
+
+/// A document in the making. New data goes behind that of its buffers.
+struct Patch<'a> {
+    root: &'a Root,
+    buffers: &'a Buffers<'a>,
+    document: Value,
+    file: Glb,
+    mesh: &'a TriMesh,
+    targets: &'a [MorphTarget],
+}
+
+/// The array called `name`, made where it is not there.
+fn list<'a>(value: &'a mut Value, name: &str) -> &'a mut Vec<Value> {
+    let entry = &mut value[name];
+    if !entry.is_array() {
+        *entry = json!([]);
+    }
+    match entry {
+        Value::Array(list) => list,
+        _ => unreachable!("it was made an array"),
+    }
+}
+
+impl Patch<'_> {
+    /// Joins all buffers to one, which a GLB holds itself, and takes in pictures that lie beside the file.
+    fn take_in_buffers(&mut self, beside: &beside::Beside<'_>) {
+        let mut starts = Vec::new();
+        for data in self.buffers.all() {
+            starts.push(self.file.data.len());
+            self.file.data.extend_from_slice(data);
+            self.file.data.resize(self.file.data.len().next_multiple_of(4), 0);
+        }
+        for (view, known) in list(&mut self.document, "bufferViews").iter_mut().zip(&self.root.buffer_views) {
+            let start = starts.get(known.buffer).copied().unwrap_or(0);
+            if known.buffer > 0 || start > 0 {
+                view["buffer"] = json!(0);
+                view["byteOffset"] = json!(start + known.byte_offset);
+            }
+        }
+        for (i, image) in self.root.images.iter().enumerate() {
+            let Some(uri) = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) else { continue };
+            let Ok(bytes) = Buffers::uri(uri, beside) else { continue };
+            let view = self.file.view(bytes.iter().copied(), None);
+            let image = &mut self.document["images"][i];
+            image["mimeType"] = json!(if bytes.starts_with(b"\x89PNG") { "image/png" } else { "image/jpeg" });
+            image["bufferView"] = json!(self.root.buffer_views.len() + view);
+            if let Some(image) = image.as_object_mut() {
+                image.remove("uri");
+            }
+        }
+    }
+
+    /// Adds the targets to every mesh that the scene places. A mesh that is placed twice becomes two, since its copies may
+    /// be exaggerated differently.
+    fn add(&mut self, placed: &[Placed]) -> Result<(), MeshError> {
+        let shape = Shape::of(self.mesh, self.targets);
+        let originals = list(&mut self.document, "meshes").clone();
+        let (mut taken, mut patched_nodes) = (HashSet::new(), HashMap::new());
+        for same in placed.chunk_by(|a, b| (a.place, a.mesh) == (b.place, b.mesh)) {
+            let Some(first) = same.first() else { continue };
+            let Some(original) = originals.get(first.mesh) else { continue };
+            let mut mesh = original.clone();
+            let before = self.targets_before(first.mesh);
+            for (index, primitive) in list(&mut mesh, "primitives").iter_mut().enumerate() {
+                let own = same.iter().find(|placed| placed.primitive == index);
+                self.add_to(primitive, own, &shape)?;
+            }
+            self.name_targets(&mut mesh, before);
+            let at = if taken.insert(first.mesh) {
+                self.document["meshes"][first.mesh] = mesh;
+                first.mesh
+            } else {
+                list(&mut self.document, "meshes").push(mesh);
+                list(&mut self.document, "meshes").len() - 1
+            };
+            if let Some(node) = first.node {
+                self.document["nodes"][node]["mesh"] = json!(at);
+                if before > 0 {
+                    patched_nodes.insert(node, before);
+                }
+                if let Some(Value::Array(weights)) = self.document["nodes"][node].get_mut("weights") {
+                    weights.extend(self.targets.iter().map(|_| json!(0.0)));
+                }
+            }
+        }
+        self.lengthen_animations(&patched_nodes)
+    }
+
+    /// How many targets a mesh has in the file.
+    fn targets_before(&self, mesh: usize) -> usize {
+        let mesh = self.root.meshes.get(mesh);
+        mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |primitive| primitive.targets.len())
+    }
+
+    /// The new targets of one primitive; one that the mesh was not read from, such as lines, rests.
+    fn add_to(
+        &mut self,
+        primitive: &mut Value,
+        own: Option<&Placed>,
+        shape: &Shape,
+    ) -> Result<(), MeshError> {
+        let Some(own) = own else {
+            let position = primitive["attributes"]["POSITION"].as_u64().and_then(|i| usize::try_from(i).ok());
+            let count =
+                position.and_then(|i| self.root.accessors.get(i)).map_or(0, |accessor| accessor.count);
+            for _ in self.targets {
+                let rest = self.accessor_of_zeros(count);
+                list(primitive, "targets").push(json!({ "POSITION": rest }));
+            }
+            return Ok(());
+        };
+        let local = Local::of(&own.matrix).ok_or_else(|| unwritable("a node makes its mesh flat"))?;
+        let normals = self.own_normals(primitive, own)?;
+        for (target, turned) in self.targets.iter().zip(&shape.turned) {
+            let moved = own.vertices.iter().map(|v| local.offset(target.displacements[*v as usize]));
+            let moved: Vec<[f32; 3]> = moved.map(|d| narrowed(d, FORMAT)).collect::<Result<_, _>>()?;
+            let mut entry = json!({ "POSITION": self.floats(&moved) });
+            if let Some(normals) = &normals {
+                let turn = normals.iter().zip(&own.vertices).map(|(own, v)| {
+                    let v = *v as usize;
+                    let there =
+                        local.normal_here(turned_along(local.normal_there(*own), shape.rest[v], turned[v]));
+                    sub(there, *own).map(|x| x as f32)
+                });
+                let turn: Vec<[f32; 3]> = turn.collect();
+                entry["NORMAL"] = json!(self.floats(&turn));
+            }
+            list(primitive, "targets").push(entry);
+        }
+        Ok(())
+    }
+
+    /// The primitive's normals, where it has some that its targets turn: targets of one primitive have the same attributes.
+    fn own_normals(&self, primitive: &Value, own: &Placed) -> Result<Option<Vec<Vec3>>, MeshError> {
+        let Some(accessor) = primitive["attributes"]["NORMAL"].as_u64() else { return Ok(None) };
+        let before = primitive["targets"].get(0);
+        if before.is_some_and(|target| target.get("NORMAL").is_none()) {
+            return Ok(None);
+        }
+        let read = self.buffers.vectors::<3>(accessor as usize, "NORMAL");
+        let read = read.map_err(|fault| unwritable(format!("{}: {}", fault.at, fault.reason)))?;
+        if read.len() != own.vertices.len() {
+            return Err(unwritable("a primitive has not one normal per vertex"));
+        }
+        Ok(Some(read))
+    }
+
+    fn name_targets(&self, mesh: &mut Value, before: usize) {
+        let weights = list(mesh, "weights");
+        weights.resize(before, json!(0.0));
+        weights.extend(self.targets.iter().map(|_| json!(0.0)));
+        match mesh.get("extras") {
+            None => mesh["extras"] = json!({}),
+            Some(extras) if extras.is_object() => {}
+            // Somebody's own, in which names have no place.
+            Some(_) => return,
+        }
+        let names = list(&mut mesh["extras"], "targetNames");
+        names.truncate(before);
+        (names.len()..before).for_each(|i| names.push(json!(format!("target_{i}"))));
+        names.extend(self.targets.iter().map(|target| json!(target.name)));
+    }
+
+    /// Animations of the weights of `nodes`, which had so many targets before, hold the new ones at 0.
+    fn lengthen_animations(&mut self, nodes: &HashMap<usize, usize>) -> Result<(), MeshError> {
+        let mut animations = std::mem::take(list(&mut self.document, "animations"));
+        for animation in &mut animations {
+            let mut channels = std::mem::take(list(animation, "channels"));
+            for channel in &mut channels {
+                let node = channel["target"]["node"].as_u64().and_then(|node| nodes.get(&(node as usize)));
+                let (Some(before), Some("weights")) = (node, channel["target"]["path"].as_str()) else {
+                    continue;
+                };
+                let samplers = list(animation, "samplers");
+                let sampler = channel["sampler"].as_u64().and_then(|i| samplers.get(i as usize).cloned());
+                let Some(mut sampler) = sampler else { continue };
+                let Some(output) = sampler["output"].as_u64() else { continue };
+                let read = self.buffers.scalars(output as usize, "animation");
+                let read = read.map_err(|fault| unwritable(format!("{}: {}", fault.at, fault.reason)))?;
+                let rest = std::iter::repeat_n(0.0_f32, self.targets.len());
+                let lengthened = read
+                    .chunks(*before)
+                    .flat_map(|key| key.iter().map(|x| *x as f32).chain(rest.clone()).map(|x| [x]))
+                    .collect::<Vec<_>>();
+                let at = self.file.floats(lengthened.iter().copied(), false);
+                // Data of an animation has no target, as that of vertices does.
+                self.file.views.last_mut().and_then(Value::as_object_mut).map(|view| view.remove("target"));
+                sampler["output"] = json!(self.root.accessors.len() + at);
+                samplers.push(sampler);
+                channel["sampler"] = json!(samplers.len() - 1);
+            }
+            animation["channels"] = json!(channels);
+        }
+        self.put_back("animations", animations);
+        Ok(())
+    }
+
+    fn put_back(&mut self, name: &str, values: Vec<Value>) {
+        if values.is_empty() {
+            self.document.as_object_mut().map(|document| document.remove(name));
+        } else {
+            self.document[name] = json!(values);
+        }
+    }
+
+    /// The index in the document of a new accessor.
+    fn floats(&mut self, values: &[[f32; 3]]) -> usize {
+        self.root.accessors.len() + self.file.floats(values.iter().copied(), true)
+    }
+
+    fn accessor_of_zeros(&mut self, count: usize) -> usize {
+        let zero = [0.0; 3];
+        self.file
+            .accessors
+            .push(json!({ "componentType": 5126, "count": count, "type": "VEC3", "min": zero, "max": zero }));
+        self.root.accessors.len() + self.file.accessors.len() - 1
+    }
+
+    fn finish(mut self) -> Result<Vec<u8>, MeshError> {
+        let views = self.root.buffer_views.len();
+        for accessor in &mut self.file.accessors {
+            if let Some(view) = accessor.get("bufferView").and_then(Value::as_u64) {
+                accessor["bufferView"] = json!(views + view as usize);
+            }
+        }
+        list(&mut self.document, "accessors").append(&mut self.file.accessors);
+        list(&mut self.document, "bufferViews").append(&mut self.file.views);
+        let mut buffer = self.document["buffers"].get(0).cloned().unwrap_or_else(|| json!({}));
+        buffer["byteLength"] = json!(self.file.data.len());
+        if let Some(buffer) = buffer.as_object_mut() {
+            buffer.remove("uri");
+        }
+        self.document["buffers"] = json!([buffer]);
+        container(&self.document, self.file.data).ok_or_else(|| unwritable("the file would pass 4 GiB"))
+    }
+}
+
+/// Smooth normals of the whole shape: at rest and with each target at 1.
+struct Shape {
+    rest: Vec<Vec3>,
+    turned: Vec<Vec<Vec3>>,
+}
+
+impl Shape {
+    fn of(mesh: &TriMesh, targets: &[MorphTarget]) -> Self {
+        let place = places(&mesh.positions);
+        let normals = |positions: &[Vec3]| smooth_normals(&place, positions, &mesh.triangles);
+        let moved = |target: &MorphTarget| -> Vec<Vec3> {
+            mesh.positions.iter().zip(&target.displacements).map(|(p, d)| add(*p, *d)).collect()
+        };
+        Self {
+            rest: normals(&mesh.positions),
+            turned: targets.iter().map(|target| normals(&moved(target))).collect(),
+        }
+    }
+}
+
+/// `normal` by the shortest turn that brings `from` to `to`, both unit.
+fn turned_along(normal: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    let (axis, cosine) = (cross(from, to), dot(from, to));
+    if cosine < -0.999 {
+        return scaled(normal, -1.0);
+    }
+    let once = cross(axis, normal);
+    add(add(normal, once), scaled(cross(axis, once), 1.0 / (1.0 + cosine)))
+}
+
+/// From the scene to the coordinates of a node's mesh.
+struct Local {
+    columns: [Vec3; 3],
+    inverse_rows: [Vec3; 3],
+}
+
+impl Local {
+    /// `None` where the node makes its mesh flat.
+    fn of([a, b, c, _]: &Matrix) -> Option<Self> {
+        let columns = [a, b, c].map(|column| [column[0], column[1], column[2]]);
+        let [a, b, c] = columns;
+        let volume = dot(a, cross(b, c));
+        let size = length(a) * length(b) * length(c);
+        let rows = [cross(b, c), cross(c, a), cross(a, b)].map(|row| scaled(row, 1.0 / volume));
+        (volume.abs() > 1e-12 * size).then_some(Self { columns, inverse_rows: rows })
+    }
+
+    /// A displacement of the scene in the mesh.
+    fn offset(&self, d: Vec3) -> Vec3 {
+        self.inverse_rows.map(|row| dot(row, d))
+    }
+
+    /// The direction in the scene of a normal of the mesh.
+    fn normal_there(&self, n: Vec3) -> Vec3 {
+        (0..3).fold([0.0; 3], |sum, i| add(sum, scaled(self.inverse_rows[i], n[i])))
+    }
+
+    /// The unit normal of the mesh with this direction in the scene; zero stays zero.
+    fn normal_here(&self, n: Vec3) -> Vec3 {
+        crate::surface::vec3::unit(self.columns.map(|column| dot(column, n)))
+    }
+}

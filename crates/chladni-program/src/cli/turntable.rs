@@ -1,0 +1,62 @@
+//! `caricature --turntable`: the result turning once around, as a film.
+
+use std::path::{Path, PathBuf};
+
+use chladni_view::{
+    Camera, Film, FilmSettings, FrameRate, PictureRequest, PictureShape, Rect, Renderer, Style,
+    film_turntable,
+};
+
+use super::Terminal;
+use super::ink::InkOptions;
+use crate::work::{Error, Sculpture, Watcher};
+
+/// A film of the result.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub struct TurntableOptions {
+    /// Film the result turning once around: .mp4 (through ffmpeg), .gif, or a folder of pictures. In ink with --ink.
+    #[arg(long, value_name = "FILM", conflicts_with = "batch")]
+    pub turntable: Option<PathBuf>,
+    /// How long the turn takes.
+    #[arg(long, value_name = "SECS", requires = "turntable", default_value_t = 6.0, value_parser = secs)]
+    turn_secs: f64,
+}
+
+fn secs(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|x| (0.1..=120.0).contains(x));
+    parsed.ok_or_else(|| "must be a number of seconds from 0.1 to 120".into())
+}
+
+const FRAMES_A_SECOND: u32 = 25;
+
+impl TurntableOptions {
+    /// Films the result, seen from where `from` stands.
+    pub fn film(
+        &self,
+        path: &Path,
+        sculpture: &Sculpture,
+        from: Camera,
+        [width, height]: [u32; 2],
+        ink: &InkOptions,
+        terminal: &Terminal,
+    ) -> Result<(), Error> {
+        let rate = FrameRate::per_second(FRAMES_A_SECOND);
+        let frames = rate.frames_in(self.turn_secs);
+        let film = Film::create(path, FilmSettings { width, height, rate, frames, first: 0, audio: None })?;
+        let result = &sculpture.evaluation.result.positions;
+        let triangles = &sculpture.body.triangles;
+        let label = "filming the turntable";
+        if ink.is_asked_for() {
+            let plates = [(ink.plate(result, triangles)?, Rect::of_size(width, height))];
+            let style = ink.style();
+            let filmed = terminal
+                .watch(label, |task| chladni_view::ink::film_turntable(&plates, &style, from, film, task));
+            return Ok(filmed?);
+        }
+        let positions: Vec<[f32; 3]> = result.iter().map(|p| p.map(|c| c as f32)).collect();
+        let shapes = [PictureShape { positions: &positions, triangles, ..PictureShape::default() }];
+        let request = PictureRequest { shapes: &shapes, width, height, from, style: Style::default() };
+        let mut renderer = Renderer::new(terminal.device()?);
+        Ok(terminal.watch(label, |task| film_turntable(&mut renderer, &request, film, task))?)
+    }
+}
