@@ -29,6 +29,7 @@
 
 mod autopilot;
 mod breeding;
+mod clock;
 mod control;
 mod dancer;
 mod descriptor;
@@ -67,6 +68,7 @@ mod voice;
 pub use autopilot::{Autopilot, Candidate, REPEAT_SECS, Turn};
 pub use breeding::{breed, mutate};
 pub use chladni_mesh::MirrorPlane;
+pub use clock::{ClockMessage, ClockOut, TICKS_PER_QUARTER};
 pub use control::{Binding, Bindings, Control, Standing, Touch};
 pub use dancer::Dancer;
 pub use descriptor::{Describer, Descriptor, Moments};
@@ -94,7 +96,7 @@ pub use stage::{Beat, Reaction, Scene, Stage, react, smooth};
 pub use suggestion::suggest;
 pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
 pub use target::{Cue, Kind, Target, Which, controls_page, osc_cue, setting};
-pub use tempo::{ClockMessage, ClockOut, TICKS_PER_QUARTER, Tempo};
+pub use tempo::Tempo;
 pub use text_file::FORMAT_VERSION;
 pub use veil::{FlashCount, FlashGuard, Histogram, Veil};
 pub use voice::{Driver, Voice, VoiceSettings, Voices};
