@@ -332,54 +332,24 @@ impl Camera {
     /// From the camera's axes to clip space, depth in [0, 1].
     pub(crate) fn projection_matrix(&self, aspect: f32) -> Mat4 {
         let far = self.distance + self.reach * 1.5;
-        // Scales of x and y, then depth from near (0) to far (1).
-        let y = 1.0 / (0.5 * self.fov_y_rad).tan();
-        match self.projection {
+        let scale = 1.0 / (0.5 * self.fov_y_rad).tan();
+        // How much a length shrinks with its distance: as in a lens, or not at all.
+        let (y, near, depth, lens) = match self.projection {
             Projection::Perspective => {
                 let near = (self.distance - self.reach * 1.5).max(far * 1e-3);
-                let depth = far / (near - far);
-                Mat4::from_cols_array(&[
-                    y / aspect,
-                    0.0,
-                    0.0,
-                    0.0, //
-                    0.0,
-                    y,
-                    0.0,
-                    0.0, //
-                    0.0,
-                    0.0,
-                    depth,
-                    -1.0, //
-                    0.0,
-                    0.0,
-                    near * depth,
-                    0.0,
-                ])
+                (scale, near, far / (near - far), 1.0)
             }
             Projection::Orthographic => {
                 let near = self.distance - self.reach * 1.5;
-                let (y, depth) = (y / self.distance, 1.0 / (near - far));
-                Mat4::from_cols_array(&[
-                    y / aspect,
-                    0.0,
-                    0.0,
-                    0.0, //
-                    0.0,
-                    y,
-                    0.0,
-                    0.0, //
-                    0.0,
-                    0.0,
-                    depth,
-                    0.0, //
-                    0.0,
-                    0.0,
-                    near * depth,
-                    1.0,
-                ])
+                (scale / self.distance, near, 1.0 / (near - far), 0.0)
             }
-        }
+        };
+        Mat4::from_cols_array_2d(&[
+            [y / aspect, 0.0, 0.0, 0.0],
+            [0.0, y, 0.0, 0.0],
+            [0.0, 0.0, depth, -lens],
+            [0.0, 0.0, near * depth, 1.0 - lens],
+        ])
     }
 
     /// The pixel (x, y) of `point` in `viewport` and its depth in [0, 1]; `None` behind the eye.
