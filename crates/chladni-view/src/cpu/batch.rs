@@ -2,7 +2,7 @@
 
 use glam::{Vec3, vec3};
 
-use super::curves::{clamp, max, min, mix, whole};
+use super::curves::{clamp, max, min, mix, packed, whole};
 use super::instructions::Kernel;
 use super::shade::{self, rgb};
 use crate::uniforms::{CellUniform, FigureUniform};
@@ -45,6 +45,8 @@ pub(super) struct Batch {
     pub(super) glow: Places,
     /// Linear light; then sRGB-encoded.
     pub(super) color: [Places; 3],
+    /// What is added to the pixel.
+    pub(super) packed: [[u8; 4]; PLACES],
 }
 
 impl Batch {
@@ -69,6 +71,7 @@ impl Batch {
             key: none,
             glow: none,
             color: [none; 3],
+            packed: [[0; 4]; PLACES],
         })
     }
 
@@ -278,6 +281,23 @@ impl Kernel for LightMap<'_, '_> {
             let of = (setting.cell, setting.figure);
             let c = shade::mapped(of, at(&b.color, i), n, v, b.front[i] > 0.5);
             set(&mut b.color, i, c);
+        }
+    }
+}
+
+/// From colours to what is added to pixels.
+pub(super) struct Pack<'b> {
+    pub(super) opacity: f32,
+    pub(super) batch: &'b mut Batch,
+}
+
+impl Kernel for Pack<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { opacity, batch: b } = self;
+        for i in 0..b.padded() {
+            let share = b.share[i] * opacity;
+            b.packed[i] = packed([b.color[0][i], b.color[1][i], b.color[2][i], 1.0].map(|c| c * share));
         }
     }
 }

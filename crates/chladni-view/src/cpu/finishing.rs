@@ -13,6 +13,8 @@ pub(super) struct Finishing {
     near: Small,
     far: Small,
     half: Vec<[f32; 3]>,
+    /// `near` as wide as the picture: for each of its rows, the pixels of each channel, whole blocks of them.
+    wide: Vec<f32>,
     /// Which columns of the picture before are seen in each of this one, and how near to the second.
     columns: Vec<(usize, usize, f32)>,
     /// The picture before, where it shows on, with its size.
@@ -46,24 +48,27 @@ impl Finishing {
             self.far.shrink(&self.near);
             self.far.spread(&mut self.half);
             self.near.add(&self.far);
+            self.near.widen([uniform.step as usize, width], &mut self.wide);
         }
         let trail = (uniform.trail[0] > 0.0).then_some(&self.last[..]);
-        let light = (finish.bloom > 0.0).then_some(&self.near);
+        let light = (finish.bloom > 0.0).then_some((&self.wide[..], self.near.height));
         let shrink = uniform.trail[1];
         self.columns.clear();
         self.columns
             .extend((0..width).map(|x| neighbours(grown(x as f32 + 0.5, width as f32, shrink), width)));
         let columns = &self.columns;
-        pixels.par_chunks_mut(4 * width).enumerate().for_each_init(Beside::default, |beside, (y, pixels)| {
-            beside.clear();
-            if let Some(light) = light {
-                beside.light(light, y, [uniform.step as usize, width]);
-            }
-            if let Some(last) = trail {
-                beside.trail(last, y, columns, &uniform);
-            }
-            with.run(Row { uniform: &uniform, y, pixels, beside });
-        });
+        pixels.par_chunks_mut(4 * width).enumerate().for_each_init(
+            Beside::default,
+            |beside: &mut Beside, (y, pixels)| {
+                let light =
+                    light.map(|(wide, rows)| Light::new(wide, rows, (y as f32 + 0.5) / uniform.step as f32));
+                beside.trail.clear();
+                if let Some(last) = trail {
+                    beside.trail(last, y, columns, &uniform);
+                }
+                with.run(Row { uniform: &uniform, y, pixels, light, trail: &beside.trail });
+            },
+        );
         self.before = (finish.trail_secs > 0.0).then_some((size, at_secs));
         if self.before.is_some() {
             self.last.clear();
@@ -166,6 +171,29 @@ impl Small {
         });
     }
 
+    /// Makes it as wide as a picture, where its pixels are `step` wide.
+    fn widen(&self, [step, width]: [usize; 2], wide: &mut Vec<f32>) {
+        let padded = width.next_multiple_of(BLOCK);
+        wide.resize(3 * padded * self.height, 0.0);
+        let last = self.width - 1;
+        wide.par_chunks_mut(3 * padded).zip(self.pixels.par_chunks(self.width)).for_each(|(wide, row)| {
+            for gap in 0..=self.width {
+                let (left, right) = (row[gap.saturating_sub(1)], row[gap.min(last)]);
+                let first = (step * gap + step / 2).saturating_sub(step).min(width);
+                let end = (step * gap + step / 2).min(width);
+                // From the middle of the left one.
+                let from = (first as f32 + 0.5) / step as f32 + 0.5 - gap as f32;
+                for (k, plane) in wide.chunks_mut(padded).enumerate() {
+                    let slope = (right[k] - left[k]) / step as f32;
+                    let at_first = left[k] + (right[k] - left[k]) * from;
+                    for (i, light) in plane[first..end].iter_mut().enumerate() {
+                        *light = at_first + slope * i as f32;
+                    }
+                }
+            }
+        });
+    }
+
     /// The row at this height, between two.
     fn row(&self, y: f32, row: &mut Vec<[f32; 3]>) {
         let (above, below, share) = neighbours(y, self.height);
@@ -204,45 +232,39 @@ const BLOCK: usize = 128;
 
 type Block = [f32; BLOCK];
 
-/// What a row of the picture is given besides its own pixels: nothing, or whole blocks of it.
+/// Light that spreads on a row of the picture: between two rows of [`Finishing::wide`].
+struct Light<'a> {
+    above: &'a [f32],
+    below: &'a [f32],
+    share: f32,
+}
+
+impl<'a> Light<'a> {
+    /// At this height of `rows` rows.
+    fn new(wide: &'a [f32], rows: usize, at: f32) -> Self {
+        let (above, below, share) = neighbours(at, rows);
+        let length = wide.len() / rows;
+        let row = |y: usize| &wide[length * y..length * (y + 1)];
+        Self { above: row(above), below: row(below), share }
+    }
+
+    /// Of channel `k`, from `x` on.
+    #[inline(always)]
+    fn part(&self, k: usize, x: usize) -> Option<[&[f32; BLOCK]; 2]> {
+        let at = self.above.len() / 3 * k + x;
+        Some([self.above.get(at..)?.first_chunk()?, self.below.get(at..)?.first_chunk()?])
+    }
+}
+
+/// What is left of the picture before on a row, and what it is made of.
 #[derive(Default)]
 struct Beside {
-    lit: Vec<[f32; 3]>,
-    /// Light that spreads here, an array for each channel.
-    light: [Vec<f32>; 3],
     between: Vec<f32>,
-    /// What is left of the picture before.
+    /// Whole blocks, or nothing.
     trail: Vec<[u8; 4]>,
 }
 
 impl Beside {
-    fn clear(&mut self) {
-        self.light.iter_mut().for_each(Vec::clear);
-        self.trail.clear();
-    }
-
-    /// Takes the light of row `y`, a pixel of which is `step` pixels of the picture wide.
-    fn light(&mut self, light: &Small, y: usize, [step, width]: [usize; 2]) {
-        self.lit.clear();
-        light.row((y as f32 + 0.5) / step as f32, &mut self.lit);
-        self.light.iter_mut().for_each(|plane| plane.resize(width.next_multiple_of(BLOCK), 0.0));
-        let last = self.lit.len() - 1;
-        for gap in 0..=last + 1 {
-            let (left, right) = (self.lit[gap.saturating_sub(1)], self.lit[gap.min(last)]);
-            let first = (step * gap + step / 2).saturating_sub(step).min(width);
-            let end = (step * gap + step / 2).min(width);
-            // From the middle of the left one.
-            let from = (first as f32 + 0.5) / step as f32 + 0.5 - gap as f32;
-            for (k, plane) in self.light.iter_mut().enumerate() {
-                let slope = (right[k] - left[k]) / step as f32;
-                let at_first = left[k] + (right[k] - left[k]) * from;
-                for (i, light) in plane[first..end].iter_mut().enumerate() {
-                    *light = at_first + slope * i as f32;
-                }
-            }
-        }
-    }
-
     /// Takes what of the picture before shows on in row `y`; `columns` as [`Finishing::lay`] has them.
     fn trail(&mut self, last: &[u8], y: usize, columns: &[(usize, usize, f32)], uniform: &FinishUniform) {
         let [_, height] = uniform.size;
@@ -273,31 +295,37 @@ struct Row<'a> {
     uniform: &'a FinishUniform,
     y: usize,
     pixels: &'a mut [u8],
-    beside: &'a Beside,
+    light: Option<Light<'a>>,
+    trail: &'a [[u8; 4]],
 }
 
 impl Kernel for Row<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { uniform, y, pixels, beside } = self;
+        let Self { uniform, y, pixels, light, trail } = self;
         for (block, pixels) in pixels.as_chunks_mut::<4>().0.chunks_mut(BLOCK).enumerate() {
-            finish(uniform, [BLOCK * block, y], pixels, beside);
+            finish(uniform, [BLOCK * block, y], pixels, (light.as_ref(), trail));
         }
     }
 }
 
 /// Finishes at most a block of pixels, from `x` on of row `y`.
 #[inline(always)]
-fn finish(uniform: &FinishUniform, [x, y]: [usize; 2], pixels: &mut [[u8; 4]], beside: &Beside) {
+fn finish(
+    uniform: &FinishUniform,
+    [x, y]: [usize; 2],
+    pixels: &mut [[u8; 4]],
+    (light, trail): (Option<&Light<'_>>, &[[u8; 4]]),
+) {
     let [width, height] = uniform.size;
     let mut c = [[0.0; BLOCK]; 4];
     unpack(pixels, &mut c);
     for k in 0..3 {
-        if let Some(light) = beside.light[k].get(x..).and_then(<[f32]>::first_chunk) {
-            glow(&mut c[k], light, uniform.bloom[0]);
+        if let Some((light, [above, below])) = light.and_then(|light| Some((light, light.part(k, x)?))) {
+            glow(&mut c[k], [above, below], (light.share, uniform.bloom[0]));
         }
     }
-    if let Some(trail) = beside.trail.get(x..).and_then(<[[u8; 4]]>::first_chunk::<BLOCK>) {
+    if let Some(trail) = trail.get(x..).and_then(<[[u8; 4]]>::first_chunk::<BLOCK>) {
         let mut left = [[0.0; BLOCK]; 4];
         unpack(trail, &mut left);
         for k in 0..4 {
@@ -333,11 +361,12 @@ fn unpack(pixels: &[[u8; 4]], [r, g, b, a]: &mut [Block; 4]) {
     }
 }
 
-/// Adds light.
+/// Adds light between two rows of it.
 #[inline(always)]
-fn glow(c: &mut Block, light: &Block, strength: f32) {
+fn glow(c: &mut Block, [above, below]: [&Block; 2], (share, strength): (f32, f32)) {
     for i in 0..BLOCK {
-        c[i] = min((c[i] * c[i] + strength * light[i]).sqrt(), 1.0);
+        let light = mix(above[i], below[i], share);
+        c[i] = min((c[i] * c[i] + strength * light).sqrt(), 1.0);
     }
 }
 

@@ -10,6 +10,7 @@
 
 mod backdrop;
 mod batch;
+mod chroma;
 mod curves;
 mod fill;
 mod finishing;
@@ -28,6 +29,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
+pub(crate) use chroma::halved as halved_chroma;
 pub(crate) use instructions::Instructions;
 pub(crate) use pyramid::Pyramid;
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Instructions;
-use super::batch::{Answered, Batch, Light, LightMap, PLACES, Place, Setting};
+use super::batch::{Answered, Batch, Light, LightMap, PLACES, Pack, Place, Setting};
 use super::curves::{clamp, max, min, mix, smoothstep};
 use super::fill::{Bias, Farthest, Fill, FillOne, MARGIN, NONE, Target, Triangles};
 use super::shadow::AskKey;
@@ -239,21 +239,21 @@ impl Tile<'_, '_> {
         }
     }
 
-    /// What is seen at the samples of a pixel.
-    #[inline(always)]
-    fn seen(&self, x: i32, y: i32) -> [u32; SAMPLES] {
-        let at = self.sample(x, y);
-        self.scratch.seen[at..].first_chunk().copied().unwrap_or([NONE; SAMPLES])
+    /// Samples of the pixels in a row.
+    fn row<'s, T>(
+        &self,
+        samples: &'s [T],
+        y: i32,
+    ) -> impl Iterator<Item = (i32, &'s [T; SAMPLES])> + use<'s, T> {
+        let pixels = samples[self.sample(self.low[0], y)..].as_chunks().0;
+        (self.low[0]..=self.high[0]).zip(pixels)
     }
 
     /// Takes from each pixel the share that the layer covers.
     fn uncover(&mut self, opacity: f32) {
+        let all = std::mem::take(&mut self.scratch.seen);
         for y in self.low[1]..=self.high[1] {
-            for x in self.low[0]..=self.high[0] {
-                let seen = self.seen(x, y);
-                if seen == [NONE; SAMPLES] {
-                    continue;
-                }
+            for (x, seen) in self.row(&all, y).filter(|(_, seen)| **seen != [NONE; SAMPLES]) {
                 let covered: u32 = seen.iter().map(|id| u32::from(*id != NONE)).sum();
                 let at = self.pixel(x, y);
                 let pixel = &mut self.pixels[at..at + 4];
@@ -267,32 +267,29 @@ impl Tile<'_, '_> {
                 }
             }
         }
+        self.scratch.seen = all;
     }
 
     /// Shades what is seen of a figure, whose triangles are `ids`.
     fn surface(&mut self, figure: usize, ids: Range<u32>) {
+        let (all, depth) = (std::mem::take(&mut self.scratch.seen), std::mem::take(&mut self.scratch.depth));
         for y in self.low[1]..=self.high[1] {
-            for x in self.low[0]..=self.high[0] {
-                let seen = self.seen(x, y);
-                if seen == [NONE; SAMPLES] {
-                    continue;
-                }
-                if seen == [seen[0]; SAMPLES] {
-                    // Most pixels show nothing but one triangle.
+            let row = self.row(&all, y).zip(self.row(&depth, y));
+            for ((x, seen), (_, depths)) in row.filter(|((_, seen), _)| **seen != [NONE; SAMPLES]) {
+                // Most pixels show nothing but one triangle.
+                if *seen == [seen[0]; SAMPLES] {
                     if ids.contains(&seen[0]) {
                         self.place(figure, seen[0] - ids.start, [x, y], SAMPLES);
                     }
                     continue;
                 }
-                let at = self.sample(x, y);
-                let depths = &self.scratch.depth[at..at + SAMPLES];
                 let (mut low, mut high, mut count, mut first) = (f32::INFINITY, f32::NEG_INFINITY, 0, NONE);
-                for (id, depth) in seen.into_iter().zip(depths) {
-                    let mine = ids.contains(&id);
+                for (id, depth) in seen.iter().zip(depths) {
+                    let mine = ids.contains(id);
                     low = if mine { min(low, *depth) } else { low };
                     high = if mine { max(high, *depth) } else { high };
                     count += usize::from(mine);
-                    first = if mine && first == NONE { id } else { first };
+                    first = if mine && first == NONE { *id } else { first };
                 }
                 if count == 0 {
                     continue;
@@ -302,14 +299,15 @@ impl Tile<'_, '_> {
                     self.place(figure, first - ids.start, [x, y], count);
                     continue;
                 }
-                for (s, id) in seen.into_iter().enumerate().filter(|(_, id)| ids.contains(id)) {
-                    if !seen[..s].contains(&id) {
-                        let count = seen.into_iter().filter(|other| *other == id).count();
+                for (s, id) in seen.iter().enumerate().filter(|(_, id)| ids.contains(*id)) {
+                    if !seen[..s].contains(id) {
+                        let count = seen.iter().filter(|other| *other == id).count();
                         self.place(figure, id - ids.start, [x, y], count);
                     }
                 }
             }
         }
+        (self.scratch.seen, self.scratch.depth) = (all, depth);
         self.shade(figure);
     }
 
@@ -402,12 +400,11 @@ impl Tile<'_, '_> {
     /// Adds the batch's colours to their pixels.
     fn lay(&mut self, opacity: f32) {
         let batch = &mut *self.scratch.batch;
+        self.picture.instructions.run(Pack { opacity, batch });
         for i in 0..batch.count {
-            let scale = 255.0 * opacity * batch.share[i];
             let at = batch.pixel[i] as usize;
-            let color = [batch.color[0][i], batch.color[1][i], batch.color[2][i], 1.0];
-            for (channel, c) in self.pixels[at..at + 4].iter_mut().zip(color) {
-                *channel = channel.saturating_add((c * scale + 0.5) as u8);
+            for (channel, c) in self.pixels[at..at + 4].iter_mut().zip(batch.packed[i]) {
+                *channel = channel.saturating_add(c);
             }
         }
         batch.count = 0;
@@ -529,11 +526,11 @@ impl Tile<'_, '_> {
             }
             batch.count = 0;
         };
+        let all = std::mem::take(&mut self.scratch.seen);
         for y in self.low[1]..=self.high[1] {
-            for x in self.low[0]..=self.high[0] {
-                let seen = self.seen(x, y);
+            for (x, seen) in self.row(&all, y) {
                 let samples = seen.iter().filter(|id| **id != NONE).count();
-                if let Some(triangle) = seen.into_iter().find(|id| *id != NONE) {
+                if let Some(triangle) = seen.iter().copied().find(|id| *id != NONE) {
                     if self.scratch.batch.count == PLACES {
                         lay(self);
                     }
@@ -541,6 +538,7 @@ impl Tile<'_, '_> {
                 }
             }
         }
+        self.scratch.seen = all;
         lay(self);
     }
 
