@@ -300,7 +300,7 @@ pub struct NodalLines {
     pub color: [u8; 3],
     /// In [0, 1]; 0 draws none.
     pub opacity: f32,
-    /// Half their width, in 720ths of the picture's height.
+    /// Half their width, where the picture is 720 high.
     pub width: f32,
 }
 
