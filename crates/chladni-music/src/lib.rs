@@ -38,6 +38,7 @@ mod ensemble;
 mod error;
 mod flash;
 mod gallery;
+mod harmony;
 mod instrument;
 mod mapping;
 mod osc;
@@ -79,6 +80,7 @@ pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_
 pub use gallery::{
     CANDIDATES, GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation, ItemId, Origin,
 };
+pub use harmony::Harmony;
 pub use instrument::{Action, Instrument, LoggedAction, Moment};
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
 pub use osc::{LONGEST_OSC_PACKET, OscMessage};
