@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use chladni_mesh::{samples, save_mesh};
+use egui::accesskit::Role;
 use egui::{Key, Pos2, Rect};
+use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
 use crate::driving;
@@ -89,7 +91,8 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
 
 /// Writes a number into a field that is dragged or typed into.
 fn type_into(person: &mut Person, field: &str, value: &str) {
-    person.click_at(person.place_of(field).center());
+    let place = person.0.get_by_role_and_label(Role::SpinButton, field).rect();
+    person.click_at(place.center());
     person.press_with(CTRL, Key::A);
     person.0.event(egui::Event::Text(value.to_owned()));
     person.0.run_steps(1);
