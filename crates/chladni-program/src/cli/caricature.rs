@@ -119,7 +119,7 @@ impl Caricature {
         }
         self.portrait.check()?;
         if let Some(film) = &self.turntable.turntable {
-            FilmFormat::of(film)?;
+            FilmFormat::of(film).map_err(Error::input)?;
         }
         self.render.as_deref().map_or(Ok(()), check_drawing)
     }
