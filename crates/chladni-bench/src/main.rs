@@ -27,6 +27,7 @@ struct Bench {
 #[derive(Subcommand)]
 enum What {
     Caricature(caricature::BenchCaricature),
+    Gallery(caricature::BenchGallery),
     Keeping(caricature::BenchKeeping),
     Music(music::BenchMusic),
     Sand(sand::BenchSand),
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
     let terminal = Terminal::new(bench.quiet);
     let done = match bench.what {
         What::Caricature(caricature) => caricature.run(&terminal),
+        What::Gallery(gallery) => gallery.run(&terminal),
         What::Keeping(keeping) => keeping.run(&terminal),
         What::Music(music) => music.run(&terminal),
         What::Sand(sand) => sand.run(&terminal),

@@ -8,6 +8,7 @@ mod driving;
 mod export;
 mod file_window;
 mod files;
+mod gallery;
 mod layers;
 mod lost_device;
 mod menus;
