@@ -468,7 +468,7 @@ impl Concert {
     fn close_up_mapping(&self) -> Option<(Mapping, Settings)> {
         let View::CloseUp(item) = self.view else { return None };
         let item = self.instrument.gallery().items().get(item)?;
-        let mapping = self.draft.as_ref().map_or(&item.mapping, |draft| &draft.mapping);
+        let mapping = self.draft.as_ref().map_or(&item.genome, |draft| &draft.mapping);
         Some((mapping.clone(), Settings::default()))
     }
 }
