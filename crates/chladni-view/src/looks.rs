@@ -556,15 +556,15 @@ impl Look {
     /// Black steel from which speed strikes sparks: blows shine before they are seen to move anything.
     pub const SPARK: Self = Self {
         material: Material { roughness: 0.34, metal: 0.35, edge: [20, 50, 110], ..Material::BARE },
-        answer: Some(Answer { travel: 0.15, haste: 3.2, spark: 3.0, ..answer_of(Palette::Abyss, 0.1) }),
+        answer: Some(Answer { travel: 0.15, haste: 3.2, spark: 3.0, ..answer_of(Palette::Abyss, 0.18) }),
         lights: Lights {
             lights: [
-                lamp(LEFT, [0.42, 0.5, 0.62]),
-                lamp(RIGHT, [0.1, 0.14, 0.4]),
+                lamp(LEFT, [0.75, 0.85, 1.0]),
+                lamp(RIGHT, [0.16, 0.2, 0.55]),
                 lamp(BEHIND, [0.9, 0.5, 0.25]),
             ],
-            sky: [0.06, 0.08, 0.13],
-            ground: [0.05, 0.02, 0.015],
+            sky: [0.1, 0.13, 0.2],
+            ground: [0.08, 0.03, 0.02],
             shadow: 0.6,
             horizon: [0.16, 0.26, 0.42],
             strips: 0.35,

@@ -1,6 +1,8 @@
 //! The autopilot at work: dances, looks and strength change with the music, on any instrument.
 
-use chladni_music::{Action, Autopilot, BarLine, Candidate, Instrument, Parameter, Preset, Turn, repertoire};
+use chladni_music::{
+    Action, Autopilot, BarLine, Candidate, Form, Instrument, Parameter, Preset, Turn, repertoire,
+};
 
 use chladni_view::Look;
 
@@ -16,6 +18,8 @@ pub struct Programme {
     /// Bars up to then were heard.
     heard_secs: f64,
     turns: usize,
+    /// In which all dance, whatever their presets say.
+    form: Option<Form>,
 }
 
 impl Programme {
@@ -40,7 +44,13 @@ impl Programme {
             gain: instrument.parameters().get(Parameter::Gain),
             heard_secs: at_secs,
             turns: 0,
+            form: None,
         })
+    }
+
+    /// On a flat sheet, where that is one: other forms than the modal one would not leave its plane.
+    pub fn on_sheet(self, is_flat: bool) -> Self {
+        Self { form: is_flat.then_some(Form::Modal), ..self }
     }
 
     /// Bars up to then were heard.
@@ -89,12 +99,11 @@ impl Programme {
         let preset = self.dances.get(turn.dance).cloned();
         let (low, high) = Parameter::Gain.range();
         let value = (self.gain * turn.gain).clamp(low, high);
+        let form = self.form.map(|form| Action::SetForm { form });
         preset.into_iter().flat_map(move |preset| {
-            [
-                Action::Take { item, preset: Box::new(preset) },
-                Action::Set { parameter: Parameter::Gain, value },
-                Action::Perform { item },
-            ]
+            let take = Action::Take { item, preset: Box::new(preset) };
+            let gain = Action::Set { parameter: Parameter::Gain, value };
+            [take].into_iter().chain(form.clone()).chain([gain, Action::Perform { item }])
         })
     }
 }
@@ -103,6 +112,19 @@ impl Programme {
 mod tests {
     use super::*;
     use chladni_music::{GalleryShape, Moment};
+
+    #[test]
+    fn whatever_dances_on_a_sheet_leaves_its_plane() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        let mut programme = Programme::new(&instrument, Vec::new(), 0.0).unwrap().on_sheet(true);
+        for i in 0..20 {
+            for action in programme.step(f64::from(i), true, &instrument) {
+                instrument.apply(Moment { at_secs: f64::from(i), at_beat: 0.0 }, action).unwrap();
+            }
+            assert_eq!(instrument.parameters().form, Form::Modal);
+        }
+    }
 
     #[test]
     fn its_actions_can_be_done_and_no_dance_follows_itself() {

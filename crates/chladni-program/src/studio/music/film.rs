@@ -246,12 +246,13 @@ impl Form {
         let own = "As it was seen";
         let shown = self.look.map_or_else(|| own.to_owned(), theme::capitalized);
         let list = egui::ComboBox::from_id_salt("film look").width(160.0).height(480.0).selected_text(shown);
-        list.show_ui(ui, |ui| {
+        let response = list.show_ui(ui, |ui| {
             ui.selectable_value(&mut self.look, None, own);
             for (name, _) in Look::PRESETS {
                 ui.selectable_value(&mut self.look, Some(name), theme::capitalized(name));
             }
         });
+        response.response.on_hover_text("The whole scene of the film");
         let tip = "Each song is named for a few seconds when it begins";
         theme::checkbox(ui, &mut self.titles, "Titles of songs").on_hover_text(tip);
     }

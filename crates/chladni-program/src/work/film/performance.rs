@@ -6,7 +6,7 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Action, Ensemble, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Switch, Viewpoint,
+    Ensemble, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Switch, Viewpoint,
 };
 use chladni_synth::{Backend, Item, SynthModel};
 use chladni_task::Task;
@@ -167,10 +167,10 @@ impl Performance {
 
     /// Dances, looks and strength change with the music.
     pub fn pilot(&mut self) -> Result<(), Error> {
-        let mut programme = Programme::new(&self.instrument, Vec::new(), self.start_secs)?;
+        let programme = Programme::new(&self.instrument, Vec::new(), self.start_secs)?;
+        let mut programme = programme.on_sheet(self.staging.is_flat());
         let at_secs = self.start_secs;
-        let form = self.staging.is_flat().then_some(Action::SetForm { form: Form::Modal });
-        for action in form.into_iter().chain(programme.step(at_secs, true, &self.instrument)) {
+        for action in programme.step(at_secs, true, &self.instrument) {
             self.instrument.apply(Moment { at_secs, at_beat: 0.0 }, action)?;
         }
         self.hearing.tune(0.0, self.instrument.parameters());

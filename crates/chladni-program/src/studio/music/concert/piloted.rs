@@ -1,6 +1,6 @@
 //! The autopilot in the window.
 
-use chladni_music::{Action, BarLine, Form, Preset};
+use chladni_music::{Action, BarLine, Preset};
 
 use super::Concert;
 use crate::work::{Error, Programme};
@@ -31,11 +31,11 @@ impl Concert {
         let favorites = favorites.map(|item| Preset::of(&self.instrument, item, Vec::new()));
         let favorites = favorites.chain(kept).collect();
         let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs)?;
+        let programme = programme.on_sheet(self.staging.is_flat());
         let generation = self.instrument.gallery().current();
         let mut piloted = Piloted { programme, generation };
         let actions = piloted.programme.step(self.moment.at_secs, true, &self.instrument);
-        let form = self.staging.is_flat().then_some(Action::SetForm { form: Form::Modal });
-        form.into_iter().chain(actions).try_for_each(|action| self.act(action))?;
+        actions.into_iter().try_for_each(|action| self.act(action))?;
         self.piloted = Some(piloted);
         Ok(())
     }
