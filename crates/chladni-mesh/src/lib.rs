@@ -28,7 +28,7 @@
 //!
 //! Not guaranteed: polygons are cut into fans from their first corner, which folds over where a
 //! polygon is not convex. Only exactly equal positions weld. Files' normals, groups, skins,
-//! animations and morph targets are not kept. Functions that take bare positions and triangles
+//! animations and morph targets are not kept in the mesh; [`add_morph_targets`] keeps them in the file. Functions that take bare positions and triangles
 //! panic where a triangle names a vertex that is not there; what the readers return never does.
 
 #![warn(clippy::missing_errors_doc)]

@@ -62,7 +62,7 @@ impl MaskMenu {
             });
             mask.response.on_hover_text("The region from a file, or into one");
             let curved = ui.menu_button("By curvature", |ui| {
-                let share = egui::Slider::new(&mut self.share_percent, 1.0..=60.0).suffix(" %");
+                let share = egui::Slider::new(&mut self.share_percent, 1.0..=60.0).suffix(" % of it");
                 let tip = "How much of the surface is taken";
                 ui.add(share.fixed_decimals(0)).accessible_name("Share of the surface").on_hover_text(tip);
                 for (name, tip, bend) in [
