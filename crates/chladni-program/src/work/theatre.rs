@@ -168,8 +168,8 @@ const RISES: f32 = 0.75;
 const PART: f32 = 0.4;
 /// Points that stand for the surface.
 const SURFACE_POINTS: usize = 5000;
-/// An aspect may change by so much before distances are measured again.
-const SAME_ASPECT: f32 = 0.02;
+/// Distances are measured for aspects so far apart, and serve those between: how a window came to its size plays no part.
+const ASPECT_STEP: f32 = 0.02;
 
 impl Filled {
     fn new(surface: &[[f32; 3]], dancer: &Dancer, stands: Orientation, aspect: f32, limit: f32) -> Self {
@@ -311,9 +311,8 @@ impl Staging {
         reaction: Reaction,
     ) -> Camera {
         let limit = self.room.0;
-        let fits =
-            |filled: &Filled| filled.limit == limit && (filled.aspect / aspect - 1.0).abs() < SAME_ASPECT;
-        let known = self.filled.take().filter(fits);
+        let aspect = ((aspect.ln() / ASPECT_STEP).round() * ASPECT_STEP).exp();
+        let known = self.filled.take().filter(|filled| filled.limit == limit && filled.aspect == aspect);
         let filled =
             known.unwrap_or_else(|| Filled::new(&self.surface, &self.dancer, self.stands, aspect, limit));
         // Seen edge on a sheet is a line.
@@ -378,6 +377,29 @@ impl Staged {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn how_a_picture_came_to_its_size_plays_no_part() {
+        use chladni_harmonics::{BasisSettings, Body};
+        use chladni_music::Class;
+        let mesh = chladni_mesh::samples::icosphere(2);
+        let body = Body::build(&mesh, &BasisSettings::new(8), &chladni_task::Task::new()).unwrap();
+        let stands = Orientation::Y_UP;
+        let dancer = Arc::new(Dancer::new(&body, &[Class::Symmetric; 8], &stands).unwrap());
+        let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let along = along(&body, &dancer);
+        let mut staging = Staging::new(dancer, rest, &body.triangles, along, stands);
+        staging.room.0 = 1.0;
+        let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
+        let (viewpoint, framing) = (Viewpoint::default(), Framing::default());
+        let mut seen = |aspect: f32| staging.chosen(aspect, &viewpoint, &framing, still);
+        let (at_once, near) = (seen(0.6), seen(0.61));
+        for aspect in [0.55, 0.585, 0.595, 0.6] {
+            let _ = seen(aspect);
+        }
+        assert_eq!(seen(0.6), at_once);
+        assert!((near.distance / at_once.distance - 1.0).abs() < 2.0 * ASPECT_STEP);
+    }
 
     #[test]
     fn plates_are_flat_and_bodies_are_not() {
