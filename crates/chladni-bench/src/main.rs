@@ -28,6 +28,7 @@ struct Bench {
 #[derive(Subcommand)]
 enum What {
     Caricature(caricature::BenchCaricature),
+    Gallery(caricature::BenchGallery),
     Keeping(caricature::BenchKeeping),
     Limbs(limbs::BenchLimbs),
     Music(music::BenchMusic),
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
     let terminal = Terminal::new(bench.quiet);
     let done = match bench.what {
         What::Caricature(caricature) => caricature.run(&terminal),
+        What::Gallery(gallery) => gallery.run(&terminal),
         What::Keeping(keeping) => keeping.run(&terminal),
         What::Limbs(limbs) => limbs.run(&terminal),
         What::Music(music) => music.run(&terminal),

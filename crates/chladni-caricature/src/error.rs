@@ -91,6 +91,12 @@ pub enum CaricatureError {
     /// A region cannot be softened on this surface.
     #[error("the region cannot be softened: {0}")]
     Softening(#[from] chladni_harmonics::HarmonicsError),
+    /// A gallery of caricatures refuses.
+    #[error(transparent)]
+    Breeding(#[from] chladni_breeding::BreedingError),
+    /// Variants cannot be evaluated; the text says why.
+    #[error("the gallery cannot be drawn: {0}")]
+    Gallery(String),
     /// The work was cancelled through its task.
     #[error(transparent)]
     Cancelled(#[from] chladni_task::Cancelled),

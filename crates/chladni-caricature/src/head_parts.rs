@@ -1,6 +1,6 @@
 //! The named parts of a head, found through a match with the sample template.
 
-use chladni_match::{MatchError, MatchReport, MatchSettings, match_shapes};
+use chladni_match::{Match, MatchReport, MatchSettings, match_shapes};
 use chladni_mesh::TriMesh;
 use chladni_mesh::samples::{HEAD_PARTS, head_parts, sample};
 use chladni_task::Task;
@@ -25,13 +25,19 @@ impl HeadParts {
     /// # Errors
     /// A shape that cannot be matched; [`CaricatureError::Cancelled`].
     pub fn of(shape: &TriMesh, task: &Task) -> Result<Self, CaricatureError> {
-        let failed = |why: String| CaricatureError::Template { template: "sample:template".into(), why };
-        let template = sample("template").ok_or_else(|| failed("is missing".into()))?;
-        let known = head_parts("template", &template).ok_or_else(|| failed("has no parts".into()))?;
+        let template = sample("template").ok_or_else(|| failed("is missing"))?;
         let found = match_shapes(shape, &template, &MatchSettings::default(), task);
         task.check()?;
-        let found = found.map_err(|error: MatchError| failed(error.to_string()))?;
-        let on = found.correspondence.on_template.ok_or_else(|| failed("has no triangles".into()))?;
+        Self::of_match(&found.map_err(|error| failed(error.to_string()))?, &template)
+    }
+
+    /// The same where the shape is matched with `template`, the sample template, already.
+    ///
+    /// # Errors
+    /// A match without triangles.
+    pub fn of_match(found: &Match, template: &TriMesh) -> Result<Self, CaricatureError> {
+        let known = head_parts("template", template).ok_or_else(|| failed("has no parts"))?;
+        let on = found.correspondence.on_template.as_ref().ok_or_else(|| failed("has no triangles"))?;
         let part = on.iter().map(|on| {
             let corners = template.triangles.get(on.triangle as usize).copied().unwrap_or_default();
             let mut votes = [0.0; HEAD_PARTS.len()];
@@ -43,7 +49,11 @@ impl HeadParts {
             }
             (0..votes.len()).max_by(|a, b| votes[*a].total_cmp(&votes[*b])).unwrap_or(0) as u8
         });
-        Ok(Self { part: part.collect(), confidence: found.correspondence.confidence, report: found.report })
+        Ok(Self {
+            part: part.collect(),
+            confidence: found.correspondence.confidence.clone(),
+            report: found.report.clone(),
+        })
     }
 
     /// χ01 of the parts called `names`; `operator_vertex` are those of the n file vertices.
@@ -68,6 +78,10 @@ impl HeadParts {
         let value = |part: &u8| f32::from(u8::from(wanted.contains(&usize::from(*part))));
         Ok(Painted::of_file(self.part.iter().map(value), operator_vertex))
     }
+}
+
+fn failed(why: impl Into<String>) -> CaricatureError {
+    CaricatureError::Template { template: "sample:template".into(), why: why.into() }
 }
 
 #[cfg(test)]

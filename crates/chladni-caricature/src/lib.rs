@@ -50,6 +50,7 @@ mod difference;
 mod error;
 mod exaggeration;
 mod fold;
+mod gallery;
 mod geodesic;
 mod head_parts;
 mod history;
@@ -81,6 +82,9 @@ pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};
 pub use error::CaricatureError;
 pub use exaggeration::{Field, Signals};
 pub use fold::{flipped_triangles, furthest};
+pub use gallery::{
+    GALLERY_SIZE, Group, MOST_FOLDS, Portrait, Sitter, SitterPart, Variant, VariantGallery, surprise,
+};
 pub use head_parts::HeadParts;
 pub use history::History;
 pub use keeping::{KeepRequest, Kept};

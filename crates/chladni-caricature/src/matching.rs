@@ -108,43 +108,50 @@ impl MatchRequest {
         task: &Task,
     ) -> Result<Matched, CaricatureError> {
         let failed = |e: MatchError| self.failure(e.to_string());
-        let mut stands = None;
-        let (found, report) = match self.template {
+        let found = match self.template {
             Template::Ellipsoid => {
                 let ellipsoid = Ellipsoid::fitted(shape).map_err(failed)?;
-                (onto_ellipsoid(shape, &ellipsoid).map_err(failed)?, None)
+                onto_ellipsoid(shape, &ellipsoid).map_err(failed)?
             }
             Template::Sphere => {
                 let sphere = Ellipsoid::fitted_sphere(shape).map_err(failed)?;
-                (onto_ellipsoid(shape, &sphere).map_err(failed)?, None)
+                onto_ellipsoid(shape, &sphere).map_err(failed)?
             }
             Template::Given(given) => {
-                (onto_ellipsoid(shape, &given.ellipsoid().map_err(failed)?).map_err(failed)?, None)
+                onto_ellipsoid(shape, &given.ellipsoid().map_err(failed)?).map_err(failed)?
             }
             _ => {
                 let mesh = mesh.ok_or_else(|| self.failure("its mesh is not loaded".to_owned()))?;
                 let matched = match_shapes(shape, mesh, &self.matching, task);
                 task.check()?;
-                let matched = matched.map_err(failed)?;
-                stands = like_template(mesh, &matched, task)?;
-                (matched.correspondence, Some(matched.report))
+                return self.of_match(matched.map_err(failed)?, shape, body, mesh, task);
             }
         };
-        let filled = match report {
-            Some(_) => infilled(shape, &found).map_err(failed)?,
-            None => None,
-        };
+        let points = on_operator_vertices(body, &found.target)?;
+        Ok(Matched { points, infill: None, report: None, confidence: found.confidence, stands: None })
+    }
+
+    /// The same where `shape` is matched with the template's `mesh` already, as `found` says.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn of_match(
+        &self,
+        found: Match,
+        shape: &TriMesh,
+        body: &Body,
+        mesh: &TriMesh,
+        task: &Task,
+    ) -> Result<Matched, CaricatureError> {
+        let stands = like_template(mesh, &found, task)?;
+        let Match { correspondence, report } = found;
+        let filled = infilled(shape, &correspondence).map_err(|error| self.failure(error.to_string()))?;
         let infill = match filled {
             Some(filled) => Some((on_operator_vertices(body, &filled.target)?, filled.share)),
             None => None,
         };
-        Ok(Matched {
-            points: on_operator_vertices(body, &found.target)?,
-            infill,
-            report,
-            confidence: found.confidence,
-            stands,
-        })
+        let points = on_operator_vertices(body, &correspondence.target)?;
+        Ok(Matched { points, infill, report: Some(report), confidence: correspondence.confidence, stands })
     }
 
     fn failure(&self, why: String) -> CaricatureError {

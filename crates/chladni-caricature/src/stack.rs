@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use chladni_harmonics::Body;
+use chladni_match::MatchSettings;
 use chladni_synth::{Coefficients, Residual, Term};
 use rayon::prelude::*;
 
@@ -201,6 +202,13 @@ impl Stack {
         self.matches.push((request, matched.map(Arc::new).map_err(|why| why.to_string())));
     }
 
+    /// Takes over what another stack of the same shape has matched.
+    pub fn learn(&mut self, other: &Self) {
+        let new = other.matches.iter().filter(|(request, _)| self.matched(request).is_none()).cloned();
+        let new: Vec<_> = new.collect();
+        self.matches.extend(new);
+    }
+
     /// Forgets a match, so that it is [`missing`](Self::missing) again: its file has changed.
     pub fn forget(&mut self, request: &MatchRequest) {
         self.matches.retain(|(known, _)| known != request);
@@ -210,6 +218,29 @@ impl Stack {
     pub fn matched(&self, request: &MatchRequest) -> Option<&Arc<Matched>> {
         let (_, found) = self.matches.iter().find(|(known, _)| known == request)?;
         found.as_ref().ok()
+    }
+
+    /// What makes the shape differ from a template, below all layers and with nothing left as it was found.
+    ///
+    /// # Errors
+    /// A template that is not matched.
+    pub fn difference(
+        &self,
+        template: &Template,
+        matching: &MatchSettings,
+    ) -> Result<Arc<Difference>, CaricatureError> {
+        let layer = Layer { matching: matching.clone(), ..Layer::new("", template.clone()) };
+        let target = match MatchRequest::of(&layer) {
+            Some(request) => match self.matched(&request) {
+                Some(matched) => Some(matched.target(self.original.basis(), layer.infill)?),
+                None => None,
+            },
+            None => own_target(template, &self.original, &self.original),
+        };
+        let unmatched =
+            || CaricatureError::Template { template: template.to_string(), why: "is not matched".into() };
+        let target = Arc::new(target.ok_or_else(unmatched)?);
+        Difference::new(self.original.clone(), target).map(Arc::new)
     }
 
     /// The lowest layer that is still to be limited, where `project` keeps triangles. Run it away from the window and

@@ -8,7 +8,7 @@ pub const REPEAT_SECS: f64 = 600.0;
 /// A dance lasts at least so long; with 40 dances none has to come back too soon.
 const SHORTEST_SECS: f64 = 15.0;
 /// Where no section begins, a group of four bars does after this time.
-const LONG_SECS: f64 = 30.0;
+const LONG_SECS: f64 = 20.0;
 const GROUP: u32 = 4;
 
 /// A dance that may be chosen.

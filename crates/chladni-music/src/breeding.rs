@@ -1,12 +1,9 @@
 //! How mappings have children (stereo-music paper, section 4c) and how they mutate.
 
+use chladni_breeding::{ChaCha8Rng, Genome, inherit, shift};
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 use crate::Mapping;
-
-/// Mean length of a run, as a share of the vector that is bred.
-const MEAN_RUN: f64 = 0.1;
 
 /// A mapping whose largest driven |a| is below this counts as not moving.
 const SILENT: f32 = 0.02;
@@ -42,39 +39,6 @@ pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mappin
     child
 }
 
-fn inherit(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
-    if rng.random_bool(0.5) {
-        return mix(mother, father, rng);
-    }
-    if rng.random_bool(0.5) { mother.to_vec() } else { father.to_vec() }
-}
-
-/// Walks along the vector in runs of geometric length; each run has one weight w in [0, 1]
-/// and becomes w·p₁ + (1 − w)·p₂.
-fn mix(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
-    let mut child = Vec::with_capacity(mother.len());
-    while child.len() < mother.len() {
-        let end = (child.len() + run_length(mother.len(), rng)).min(mother.len());
-        let w: f32 = rng.random();
-        for i in child.len()..end {
-            let (p, q) = (mother[i], father[i]);
-            // Rounding must not carry a child out of its parents' range.
-            child.push((w * p + (1.0 - w) * q).clamp(p.min(q), p.max(q)));
-        }
-    }
-    child
-}
-
-/// A geometric random number in 1, 2, …, by inversion; its mean is a tenth of `length`.
-fn run_length(length: usize, rng: &mut ChaCha8Rng) -> usize {
-    let mean = (MEAN_RUN * length as f64).max(1.0);
-    if mean <= 1.0 {
-        return 1;
-    }
-    let u: f64 = rng.random();
-    1 + ((1.0 - u).ln() / (1.0 - 1.0 / mean).ln()) as usize
-}
-
 /// `mapping` changed a little: every run of t, a and μ moves by one random step of at most
 /// `amount` (in [0, 1]) within its range. An amplification of zero stays zero in half of the
 /// runs, so that bands do not all open at once.
@@ -87,18 +51,26 @@ pub fn mutate(mapping: &Mapping, amount: f32, rng: &mut ChaCha8Rng) -> Mapping {
     mutant
 }
 
-fn shift(values: &mut [f32], amount: f32, low: f32, rng: &mut ChaCha8Rng) {
-    let mut start = 0;
-    while start < values.len() {
-        let end = (start + run_length(values.len(), rng)).min(values.len());
-        let step = amount * rng.random_range(-1.0f32..=1.0);
-        let opens = rng.random_bool(0.5);
-        for v in &mut values[start..end] {
-            if low == 0.0 || *v != 0.0 || opens {
-                *v = (*v + step).clamp(low, 1.0);
-            }
-        }
-        start = end;
+impl Genome for Mapping {
+    /// As [`breed`] says; a child inherits how much louder or softer than their even gain its parents are.
+    fn child(mother: &Self, father: &Self, rng: &mut ChaCha8Rng) -> Self {
+        let mut child = breed(mother, father, rng);
+        let loudness = [mother, father].map(|parent| parent.gain / parent.even_gain());
+        child.gain = (0.5 * (loudness[0] + loudness[1]) * child.even_gain()).clamp(0.0, 100.0);
+        child
+    }
+
+    fn mutant(&self, amount: f32, rng: &mut ChaCha8Rng) -> Self {
+        mutate(self, amount, rng)
+    }
+
+    fn genes(&self) -> usize {
+        self.transfer.len() + self.amplification.len()
+    }
+
+    /// Some sound moves it.
+    fn is_viable(&self) -> bool {
+        self.loudness() > 0.0
     }
 }
 
@@ -163,7 +135,7 @@ mod tests {
             (0..12).for_each(|item| act(crate::Action::Choose { item, on: true }));
             act(crate::Action::Breed);
             for item in instrument.gallery().items() {
-                assert!(item.mapping.loudness() >= SILENT, "seed {seed}, item {}", item.id);
+                assert!(item.genome.loudness() >= SILENT, "seed {seed}, item {}", item.id);
             }
         }
     }
@@ -186,12 +158,5 @@ mod tests {
             counts[kind] += 1;
         }
         assert!((450..550).contains(&counts[0]) && (450..550).contains(&counts[1]), "{counts:?}");
-    }
-
-    #[test]
-    fn runs_are_geometric_with_the_stated_mean() {
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let total: usize = (0..20_000).map(|_| run_length(200, &mut rng)).sum();
-        assert!((total as f64 / 20_000.0 - 20.0).abs() < 0.6, "{total}");
     }
 }

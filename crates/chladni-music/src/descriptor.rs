@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use chladni_breeding::{Describe, Descriptor};
+
 use crate::{Bands, Dancer, Mapping, MusicError, Player, Playing};
 
 /// A few moments of a song, by which movements are compared.
@@ -13,8 +15,6 @@ pub struct Moments {
     pub side_gain: f32,
 }
 
-/// A movement that is smaller, as a share of the limits, is none.
-const STILL: f32 = 1e-5;
 /// The level of a single octave: loud, but not so loud that all movements reach their limits.
 const LEVEL: f32 = 0.3;
 /// The largest number of moments that are remembered.
@@ -62,19 +62,6 @@ impl Moments {
     }
 }
 
-/// How a mapping moves a body at some moments, whatever the size of the movement: displacements and gradients
-/// at its probes, as shares of what the limits allow, so that a ripple counts as much as a sway.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Descriptor(Vec<f32>);
-
-impl Descriptor {
-    /// 0 for movements that are the same but for their size, 2 for opposite ones.
-    pub fn distance(&self, other: &Self) -> f32 {
-        let squares = self.0.iter().zip(&other.0).map(|(a, b)| (a - b) * (a - b));
-        squares.sum::<f32>().sqrt()
-    }
-}
-
 /// Describes mappings for one body, one way of playing and some moments of a song.
 #[derive(Clone, Debug)]
 pub struct Describer {
@@ -108,7 +95,8 @@ impl Describer {
         Ok(Self { dancer, playing: Playing { timbre: None, ..playing }, moments })
     }
 
-    /// How `mapping` moves the body.
+    /// How `mapping` moves the body: displacements and gradients at its probes, as shares of what the limits allow,
+    /// so that a ripple counts as much as a sway.
     ///
     /// # Errors
     /// Where it is not valid.
@@ -122,10 +110,14 @@ impl Describer {
             player.play(&Bands { left, right, mid, side, side_gain, ringing: None }, &mut item)?;
             player.feel(&item, &mut values);
         }
-        // How a movement looks, not how large it is: else all that hardly moves would be alike.
-        let length = values.iter().map(|x| x * x).sum::<f32>().sqrt();
-        let scale = if length > STILL { 1.0 / length } else { 0.0 };
-        values.iter_mut().for_each(|x| *x *= scale);
-        Ok(Descriptor(values))
+        Ok(Descriptor::of(values))
+    }
+}
+
+impl Describe<Mapping> for Describer {
+    type Error = MusicError;
+
+    fn describe(&self, mapping: &Mapping) -> Result<Descriptor, MusicError> {
+        Self::describe(self, mapping)
     }
 }

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use chladni_synth::{Item, Term};
 
-use crate::gallery::ItemId;
 use crate::voice::{Voice, VoiceSettings, Voices};
 use crate::{
     Bands, Beat, Dancer, Instrument, Mapping, MusicError, Parameter, Player, Playing, Settings, blend,
 };
+use chladni_breeding::ItemId;
 
 /// Plays all items of the gallery that is shown, or the one on stage, for one dancer.
 ///
@@ -94,7 +94,7 @@ impl Ensemble {
         for (slot, &id) in cast.iter().enumerate() {
             let none = MusicError::NoSuch { what: "item with id", index: id as usize, count: 0 };
             let found = instrument.item(id).ok_or(none)?;
-            self.play_slot(slot, id, &found.mapping, playing, bands)?;
+            self.play_slot(slot, id, &found.genome, playing, bands)?;
         }
         if let [to, from, ..] = &mut self.items[..]
             && scene.weight < 1.0
@@ -115,7 +115,7 @@ impl Ensemble {
         self.play_voices(instrument, bands, beat)?;
         let shown = instrument.gallery().items();
         for (slot, item) in shown.iter().enumerate() {
-            self.play_slot(slot, item.id, &item.mapping, playing, bands)?;
+            self.play_slot(slot, item.id, &item.genome, playing, bands)?;
         }
         Ok(self.voiced(shown.len()))
     }

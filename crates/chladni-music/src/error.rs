@@ -21,9 +21,6 @@ pub enum MusicError {
         /// How many there must be.
         expected: usize,
     },
-    /// A gallery of a size that is not offered.
-    #[error("a gallery holds 6, 9, 12 or 16 items, not {0}")]
-    GallerySize(usize),
     /// An action names an item, a generation or a favorite that does not exist.
     #[error("there is no {what} {index}: there are {count}")]
     NoSuch {
@@ -37,12 +34,9 @@ pub enum MusicError {
     /// Nothing was said to come on stage next.
     #[error("no dance is next on stage: choose one first")]
     NothingNext,
-    /// Breeding needs two parents.
-    #[error("breeding needs at least 2 chosen items: {0} chosen")]
-    NotEnoughParents(usize),
-    /// More generations would not fit into memory.
-    #[error("no more than these {0} generations are kept: begin another gallery")]
-    TooManyGenerations(usize),
+    /// The gallery refuses.
+    #[error(transparent)]
+    Breeding(#[from] chladni_breeding::BreedingError),
     /// A parameter out of its range.
     #[error("{name} = {value} is outside {range}")]
     OutOfRange {

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::gallery::{Gallery, GalleryItem, GalleryShape, ItemId};
+use chladni_breeding::ItemId;
+
+use crate::gallery::{Gallery, GalleryItem, GalleryShape, initial};
 use crate::stage::{Scene, Stage};
 use crate::{
     Choir, Form, Mapping, MusicError, Parameter, Parameters, Preset, Settings, Switch, VoiceSettings,
@@ -135,7 +137,7 @@ impl Instrument {
         shape: GalleryShape,
     ) -> Result<Self, MusicError> {
         Ok(Self {
-            gallery: Gallery::new(seed, size, &shape)?,
+            gallery: Gallery::new(seed, size, initial(size, &shape))?,
             shape,
             seed,
             size,
@@ -261,7 +263,7 @@ impl Instrument {
             }
             Action::GoTo { generation } => self.gallery.go_to(generation)?,
             Action::NewGallery { seed, size } => {
-                self.gallery = self.gallery.restart(seed, size, &self.shape)?;
+                self.gallery = self.gallery.restart(seed, size, initial(size, &self.shape))?;
             }
             Action::SetTransfer { item, ref transfer } => {
                 self.edit(item, |m| m.transfer.clone_from(transfer))?;
@@ -271,10 +273,15 @@ impl Instrument {
             }
             Action::SetStereoMu { item, stereo_mu } => self.edit(item, |m| m.stereo_mu = stereo_mu)?,
             Action::SetItemGain { item, gain } => self.edit(item, |m| m.gain = gain)?,
-            Action::Load { item, ref name, ref mapping } => self.gallery.load(item, name, mapping.clone())?,
+            Action::Load { item, ref name, ref mapping } => {
+                mapping.validate()?;
+                self.gallery.load(item, name, mapping.clone())?;
+            }
             Action::Take { item, ref preset } => {
                 preset.validate()?;
-                self.gallery.load(item, &preset.name, preset.mapping_on(&self.shape))?;
+                let mapping = preset.mapping_on(&self.shape);
+                mapping.validate()?;
+                self.gallery.load(item, &preset.name, mapping)?;
                 self.parameters.apply(&preset.settings)?;
             }
             Action::Set { parameter, value } => self.parameters.set(parameter, value)?,
@@ -316,10 +323,10 @@ impl Instrument {
 
     fn edit(&mut self, index: usize, change: impl FnOnce(&mut Mapping)) -> Result<(), MusicError> {
         let item = self.gallery.item_mut(index)?;
-        let mut mapping = item.mapping.clone();
+        let mut mapping = item.genome.clone();
         change(&mut mapping);
         mapping.validate()?;
-        item.mapping = mapping;
+        item.genome = mapping;
         item.edited = true;
         Ok(())
     }

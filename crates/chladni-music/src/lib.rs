@@ -15,7 +15,7 @@
 //! instrument.apply(now, Action::Breed)?;
 //! let child = instrument.gallery().items()[0].clone();
 //! let text = Preset::of(&instrument, &child, vec!["calm".into()]).to_text()?;
-//! assert_eq!(Preset::from_text(&text)?.mapping, child.mapping);
+//! assert_eq!(Preset::from_text(&text)?.mapping, child.genome);
 //! # Ok::<(), chladni_music::MusicError>(())
 //! ```
 //!
@@ -38,6 +38,7 @@ mod ensemble;
 mod error;
 mod flash;
 mod gallery;
+mod harmony;
 mod instrument;
 mod mapping;
 mod osc;
@@ -55,7 +56,6 @@ mod sides;
 mod stage;
 mod steepness;
 mod stereo;
-mod suggestion;
 mod swing;
 mod symmetry;
 mod target;
@@ -67,18 +67,20 @@ mod voice;
 
 pub use autopilot::{Autopilot, Candidate, REPEAT_SECS, Turn};
 pub use breeding::{breed, mutate};
+pub use chladni_breeding::{
+    BreedingError, CANDIDATES, Describe, Descriptor, GALLERY_SIZES, Generation, ItemId, Origin, suggest,
+};
 pub use chladni_mesh::MirrorPlane;
 pub use clock::{ClockMessage, ClockOut, TICKS_PER_QUARTER};
 pub use control::{Binding, Bindings, Control, Standing, Touch};
 pub use dancer::Dancer;
-pub use descriptor::{Describer, Descriptor, Moments};
+pub use descriptor::{Describer, Moments};
 pub use director::{BarLine, Director, Framing, SHOTS};
 pub use ensemble::Ensemble;
 pub use error::MusicError;
 pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
-pub use gallery::{
-    CANDIDATES, GALLERY_SIZES, Gallery, GalleryItem, GalleryShape, Generation, ItemId, Origin,
-};
+pub use gallery::{Gallery, GalleryItem, GalleryShape};
+pub use harmony::Harmony;
 pub use instrument::{Action, Instrument, LoggedAction, Moment};
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
 pub use osc::{LONGEST_OSC_PACKET, OscMessage};
@@ -93,7 +95,6 @@ pub use sand_mode::{SAND_MODE, experiment};
 pub use show::{BeatReading, FileRef, Looks, Show, SongRef, Stretch, Viewpoint};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react, smooth};
-pub use suggestion::suggest;
 pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
 pub use target::{Cue, Kind, Target, Which, controls_page, osc_cue, setting};
 pub use tempo::Tempo;

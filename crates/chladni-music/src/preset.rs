@@ -89,8 +89,8 @@ impl Preset {
             seed: instrument.seed(),
             lineage: lineage(instrument, item),
             mapping: Mapping {
-                amplification: item.mapping.amplification_on(instrument.shape().eigenvalues.len()),
-                ..item.mapping.clone()
+                amplification: item.genome.amplification_on(instrument.shape().eigenvalues.len()),
+                ..item.genome.clone()
             },
             waves_per_size: instrument.shape().waves_per_size(),
             settings: instrument.parameters().of_a_dance(),

@@ -122,6 +122,12 @@ pub struct Looks {
     /// Behind them.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub background: String,
+    /// The file of a picture that stands behind them.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub picture: String,
+    /// The file of a panorama that shines on them.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub panorama: String,
 }
 
 /// The viewpoint, before the beat turns the shape. The default shows the whole shape.

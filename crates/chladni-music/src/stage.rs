@@ -1,6 +1,8 @@
 //! What is on stage, and how the beat moves it: pure functions of the number of beats so far.
 
-use crate::gallery::{GalleryItem, ItemId};
+use chladni_breeding::ItemId;
+
+use crate::gallery::GalleryItem;
 use crate::{Parameter, Parameters, Switch};
 
 /// The number of beats so far, with the phase as the fraction, and the tracker's confidence, in [0, 1].
@@ -279,7 +281,7 @@ mod tests {
         let item = |id| GalleryItem {
             id,
             name: String::new(),
-            mapping: crate::Mapping::rest(1, 1),
+            genome: crate::Mapping::rest(1, 1),
             origin: crate::Origin::Initial { seed: 0, place: 0 },
             edited: false,
             chosen: false,

@@ -208,7 +208,7 @@ fn gallery(bred: bool) -> Vec<Mapping> {
         (0..12).for_each(|item| act(Action::Choose { item, on: true }));
         act(Action::Breed);
     }
-    instrument.gallery().items().iter().map(|item| item.mapping.clone()).collect()
+    instrument.gallery().items().iter().map(|item| item.genome.clone()).collect()
 }
 
 #[test]
@@ -274,7 +274,7 @@ fn a_preset_bred_on_the_octopus_plays_on_the_head() {
     instrument.apply(Moment::default(), Action::Breed).unwrap();
     let bred = instrument.gallery().items()[3].clone();
     let preset = Preset::from_text(&Preset::of(&instrument, &bred, vec![]).to_text().unwrap()).unwrap();
-    assert_eq!(preset.mapping, bred.mapping);
+    assert_eq!(preset.mapping, bred.genome);
     assert!(preset.lineage.len() >= 3);
     for ready in [octopus(), head()] {
         let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands: BANDS };
@@ -350,7 +350,7 @@ fn a_preset_brings_its_form_and_knobs_and_an_old_one_says_that_it_has_none() {
     let mut other = Instrument::new(4, 6, shape).unwrap();
     let turn = other.parameters().get(chladni_music::Parameter::TurnRad);
     other.apply(now, Action::Take { item: 5, preset: Box::new(preset.clone()) }).unwrap();
-    assert_eq!(other.gallery().items()[5].mapping, preset.mapping);
+    assert_eq!(other.gallery().items()[5].genome, preset.mapping);
     assert_eq!(other.parameters().form, Form::Modal);
     assert_eq!(other.parameters().get(chladni_music::Parameter::Decay), 0.9);
     // The beat's turn is of the stage, not of the dance.

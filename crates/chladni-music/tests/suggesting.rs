@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{Orientation, samples};
 use chladni_music::{
-    Action, CANDIDATES, Dancer, Describer, Descriptor, Gallery, GalleryShape, Instrument, Mapping, Moment,
-    Moments, MusicError, Playing, Symmetry, suggest,
+    Action, BreedingError, CANDIDATES, Dancer, Describer, Descriptor, Gallery, GalleryShape, Instrument,
+    Mapping, Moment, Moments, MusicError, Playing, Symmetry, suggest,
 };
 use chladni_task::Task;
 
@@ -39,7 +39,7 @@ fn choose(instrument: &mut Instrument, items: &[usize]) {
 
 fn least_distance(gallery: &Gallery, describer: &Describer) -> f32 {
     let all: Vec<Descriptor> =
-        gallery.items().iter().map(|item| describer.describe(&item.mapping).unwrap()).collect();
+        gallery.items().iter().map(|item| describer.describe(&item.genome).unwrap()).collect();
     let pairs = (0..all.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
     pairs.map(|(i, j)| all[i].distance(&all[j])).fold(f32::MAX, f32::min)
 }
@@ -52,13 +52,13 @@ fn suggested_galleries_differ_more_than_bred_ones_and_repeat_from_their_numbers(
         instrument.apply(Moment::default(), Action::Lock { item: 2, on: true }).unwrap();
         let mut bred = instrument.clone();
         bred.apply(Moment::default(), Action::Breed).unwrap();
-        let kept = instrument.gallery().items()[2].mapping.clone();
+        let kept = instrument.gallery().items()[2].genome.clone();
         let candidates = suggest(instrument.gallery(), &describer).unwrap();
         assert_eq!(candidates, suggest(instrument.gallery(), &describer).unwrap());
         instrument.apply(Moment::default(), Action::BreedFrom { candidates }).unwrap();
         let [ours, theirs] = [&instrument, &bred].map(|i| least_distance(i.gallery(), &describer));
         assert!(ours > 2.0 * theirs, "seed {seed}: {ours} against {theirs}");
-        assert_eq!(instrument.gallery().items()[2].mapping, kept);
+        assert_eq!(instrument.gallery().items()[2].genome, kept);
         let again = instrument.with_beats(|_| 0.0).unwrap();
         assert_eq!(again.gallery().items(), instrument.gallery().items());
     }
@@ -67,11 +67,11 @@ fn suggested_galleries_differ_more_than_bred_ones_and_repeat_from_their_numbers(
 #[test]
 fn suggestions_come_nearer_to_what_is_chosen_and_preferences_are_forgotten() {
     let (mut instrument, describer) = instrument(5);
-    let liked = instrument.gallery().items()[7].mapping.clone();
+    let liked = instrument.gallery().items()[7].genome.clone();
     let liked = describer.describe(&liked).unwrap();
     let away = |gallery: &Gallery| -> f32 {
         let far =
-            |item: &chladni_music::GalleryItem| describer.describe(&item.mapping).unwrap().distance(&liked);
+            |item: &chladni_music::GalleryItem| describer.describe(&item.genome).unwrap().distance(&liked);
         gallery.items().iter().map(far).sum::<f32>() / gallery.items().len() as f32
     };
     let before = away(instrument.gallery());
@@ -88,7 +88,10 @@ fn suggestions_come_nearer_to_what_is_chosen_and_preferences_are_forgotten() {
 #[test]
 fn numbers_that_are_no_candidates_are_refused() {
     let (mut instrument, describer) = instrument(5);
-    assert!(matches!(suggest(instrument.gallery(), &describer), Err(MusicError::NotEnoughParents(0))));
+    assert!(matches!(
+        suggest(instrument.gallery(), &describer),
+        Err(MusicError::Breeding(BreedingError::NotEnoughParents(0)))
+    ));
     choose(&mut instrument, &[3]);
     let mut apply = |candidates| instrument.apply(Moment::default(), Action::BreedFrom { candidates });
     assert!(apply(vec![0; 11]).is_err());
@@ -103,7 +106,7 @@ fn a_describer_needs_moments_and_equal_movements_are_at_distance_zero() {
     uneven.bands[1][2].pop();
     assert!(Describer::new(dancer(), Playing::default(), uneven).is_err());
     let (instrument, describer) = instrument(1);
-    let mapping = &instrument.gallery().items()[0].mapping;
+    let mapping = &instrument.gallery().items()[0].genome;
     let described = describer.describe(mapping).unwrap();
     assert_eq!(described.distance(&describer.describe(mapping).unwrap()), 0.0);
     let rest = Mapping { amplification: vec![0.0; 32], ..mapping.clone() };

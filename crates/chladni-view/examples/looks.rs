@@ -3,7 +3,7 @@
 use chladni_mesh::samples;
 use chladni_view::{
     Camera, Canvas, Cell, Device, Draw, Figure, Floor, ItemBuffers, Look, Mood, Paint, Picture, Rect,
-    Renderer, RestShape, Topology, smooth_normals,
+    Renderer, RestShape, Topology, bends, smooth_normals,
 };
 
 const SIZE: [u32; 2] = [480, 360];
@@ -33,24 +33,43 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             [x + share * wave(y, 0.4), y + 0.8 * share * wave(x, 1.3), z + share * wave(x + y, 2.0)]
         })
         .collect();
+    let normals = smooth_normals(&rest, &mesh.triangles);
+    let bends = bends(&rest, &mesh.triangles);
+    // It came from where waves a little earlier had bent it.
+    let lagging: Vec<[f32; 3]> = rest
+        .iter()
+        .map(|&[x, y, z]| {
+            let share = 0.6 * far * wave(0.4 * y + 0.7 * x, 2.6);
+            [x + 0.5 * share, y + share, z + share]
+        })
+        .collect();
     let topology = Topology::new(&device, rest.len(), &mesh.triangles)?;
-    let buffers = ItemBuffers::new(&device, rest.len(), 1);
+    let buffers = ItemBuffers::new(&device, rest.len(), 2);
     buffers.write(&device, 0, &bent, &smooth_normals(&bent, &mesh.triangles))?;
-    let still = RestShape::new(&device, &rest, &along)?;
+    buffers.write(&device, 1, &lagging, &normals)?;
+    let still = RestShape::new(&device, &rest, &along, &bends)?;
     let mut camera = Camera { pitch_rad: 0.14, yaw_rad: 0.3, ..Camera::default() };
     camera.fit(bent.iter().copied(), SIZE[0] as f32 / SIZE[1] as f32, 0.86);
     let (canvas, mut renderer) = (Canvas::new(&device, SIZE[0], SIZE[1])?, Renderer::new(&device));
     let rows = (Look::PRESETS.len() as u32).div_ceil(columns);
     let mut sheet = Picture::filled(columns * SIZE[0], rows * SIZE[1], [0, 0, 0, 255]);
     for (i, (_, look)) in (0u32..).zip(Look::PRESETS) {
-        let mood =
-            Mood { levels: [0.7; 2], timbre: 0.4, sides: 0.1, beats: 3.2, certainty: 1.0, accent: 0.6 };
+        let mood = Mood {
+            levels: [0.7; 2],
+            timbre: 0.4,
+            sides: 0.1,
+            key_turns: 0.0,
+            beats: 3.2,
+            certainty: 1.0,
+            accent: 0.6,
+        };
         let mut look = look.answering(&mood).scaled(1.4 * far);
         let at = [0.5 * (left + right), bottom, 0.5 * (back + front)];
         let radius = 0.5 * (right - left).max(front - back);
         look.background.floor = look.background.floor.map(|floor| Floor { at, radius, ..floor });
         let paint = look.answer.map_or(Paint::Material, |answer| Paint::Answer(&still, answer));
-        let figures = [Figure { material: look.material, paint, ..Figure::new(&topology, &buffers, 0) }];
+        let figure = Figure { lag: Some(1), ..Figure::new(&topology, &buffers, 0) };
+        let figures = [Figure { material: look.material, paint, ..figure }];
         for frame in 0..3 {
             let yaw_rad = camera.yaw_rad + 0.04 * frame as f32;
             let cell = Cell {

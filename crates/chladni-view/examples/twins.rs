@@ -10,8 +10,8 @@ use std::time::Instant;
 
 use chladni_view::{
     Answer, Camera, Canvas, Cell, Curve, Device, Draw, Figure, Finish, Floor, ItemBuffers, Lights, Look,
-    Material, Paint, Picture, Rect, Renderer, RestShape, Samples, Topology, View, ViewError, layout,
-    smooth_normals,
+    Material, NodalLines, Paint, Picture, Rect, Renderer, RestShape, Samples, Topology, View, ViewError,
+    layout, smooth_normals,
 };
 use measured::{bumpy, cpu_ms};
 
@@ -37,12 +37,16 @@ fn measure(device: &Device, scene: &Scene, look: &Look) -> Result<(Vec<f64>, f64
     let (positions, triangles) = bumpy(scene.vertices);
     let normals = smooth_normals(&positions, &triangles);
     let topology = Topology::new(device, positions.len(), &triangles)?;
-    let buffers = ItemBuffers::new(device, positions.len(), scene.items);
-    (0..scene.items).try_for_each(|item| buffers.write(device, item, &positions, &normals))?;
+    // The last is what the others lag behind themselves.
+    let buffers = ItemBuffers::new(device, positions.len(), scene.items + 1);
+    (0..=scene.items).try_for_each(|item| buffers.write(device, item, &positions, &normals))?;
     let still: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|c| c * (1.0 + 0.3 * p[1]))).collect();
-    let rest = RestShape::new(device, &still, &vec![0.0; still.len()])?;
+    let flat = vec![0.0; still.len()];
+    let rest = RestShape::new(device, &still, &flat, &flat)?;
     let paint = look.answer.map_or(Paint::Material, |answer| Paint::Answer(&rest, answer));
-    let figure = |item| Figure { material: look.material, paint, ..Figure::new(&topology, &buffers, item) };
+    let lag = Some(scene.items);
+    let figure =
+        |item| Figure { material: look.material, paint, lag, ..Figure::new(&topology, &buffers, item) };
     let figures: Vec<Figure<'_>> = (0..scene.items).map(figure).collect();
     let area = Rect::of_size(scene.size[0], scene.size[1]);
     let (rows, columns) = layout::rows_and_columns(area.width, area.height, scene.items, 1.0);
@@ -80,7 +84,7 @@ fn bare(shadow: f32) -> Look {
 }
 
 /// One effect each beside the bare look, then two whole ones.
-fn effects() -> [(&'static str, Look); 8] {
+fn effects() -> [(&'static str, Look); 10] {
     let look = bare(0.7);
     let lights = Lights { horizon: [0.5; 3], strips: 1.0, curve: Curve::Filmic, ..look.lights };
     let mut floor = look.background;
@@ -88,6 +92,13 @@ fn effects() -> [(&'static str, Look); 8] {
     let finish = |finish| Look { finish, ..look };
     [
         ("palette", Look { answer: Some(Answer { glow: 0.3, ..Answer::MOVED }), ..look }),
+        ("palette by speed and phase", {
+            Look { answer: Some(Answer { glow: 0.3, haste: 1.0, phase: 1.0, ..Answer::MOVED }), ..look }
+        }),
+        ("palette and nodal lines", {
+            let lines = NodalLines { opacity: 1.0, ..NodalLines::NONE };
+            Look { answer: Some(Answer { glow: 0.3, lines, ..Answer::MOVED }), ..look }
+        }),
         ("studio of lines, film's curve", Look { lights, ..look }),
         ("floor", Look { background: floor, ..look }),
         ("glow", finish(Finish { bloom: 1.0, bloom_from: 0.5, ..Finish::NOTHING })),

@@ -305,14 +305,21 @@ impl Skin {
             let (w, h) = ((width >> level).max(1), (height >> level).max(1));
             image::imageops::thumbnail(&picture, w, h)
         });
+        let levels = [picture.clone()].into_iter().chain(smaller).collect();
+        Self::of_levels(&device, levels)
+    }
+
+    /// Of levels each of which has half the size of the one before.
+    pub(crate) fn of_levels(device: &Device, levels: Vec<image::RgbaImage>) -> Result<Self, ViewError> {
+        let Some((width, height)) = levels.first().map(image::RgbaImage::dimensions) else {
+            return Err(ViewError::Shape("an image without levels".into()));
+        };
         let held = match device {
-            Device::Processor => {
-                Held::Cpu(Arc::new(Pyramid::new([picture.clone()].into_iter().chain(smaller))))
-            }
+            Device::Processor => Held::Cpu(Arc::new(Pyramid::new(levels.into_iter()))),
             Device::Graphics(gpu) => {
-                let mut pyramid = picture.clone().into_raw();
-                smaller.for_each(|level| pyramid.extend(level.into_raw()));
-                Held::Gpu(gpu::image(&gpu, "skin", [width, height, levels], &pyramid))
+                let size = [width, height, levels.len() as u32];
+                let pyramid: Vec<u8> = levels.into_iter().flat_map(image::RgbaImage::into_raw).collect();
+                Held::Gpu(gpu::image(gpu, "skin", size, &pyramid))
             }
         };
         Ok(Self { held })

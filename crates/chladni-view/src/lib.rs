@@ -64,6 +64,7 @@ mod rest;
 mod samples;
 mod scene;
 mod style;
+mod surroundings;
 mod uniforms;
 
 pub use buffers::{BrushRing, ItemBuffers, Skin, Topology, VertexPaint};
@@ -77,7 +78,7 @@ pub use finish::Finish;
 pub use gpu::Gpu;
 pub use layout::Rect;
 pub use look::{Look, Mood, Response};
-pub use palette::{Answer, Palette};
+pub use palette::{Answer, NodalLines, Palette};
 pub use pick::{Hit, PickTree, Ray};
 pub use picture::Picture;
 pub use renderer::Renderer;
@@ -85,10 +86,11 @@ pub use request::{
     PictureRequest, PictureShape, Style, film_turntable, render_picture, render_picture_with, render_placed,
     smooth_normals,
 };
-pub use rest::RestShape;
+pub use rest::{RestShape, bends};
 pub use samples::Samples;
 pub use scene::{Cell, Figure, Grain, Grains, IDENTITY, Marker, Paint, Wire};
 pub use style::{Background, Curve, Floor, Gradient, Light, Lights, Material};
+pub use surroundings::{Panorama, Surroundings};
 
 /// The examples of README.md, compiled.
 #[cfg(doctest)]

@@ -29,6 +29,8 @@ pub struct Response {
     pub timbre: f32,
     /// How much of the palette lies between what both channels share and what they do not.
     pub sides: f32,
+    /// How often the palette goes around on the way around the circle of fifths: a whole number, lest colours jump.
+    pub key: f32,
     /// What full level in both channels adds to the glow.
     pub glow: f32,
     /// How much of the light comes with the level, in [0, 1]: with that of the left channel in the left of the
@@ -51,6 +53,8 @@ pub struct Mood {
     pub timbre: f32,
     /// How much of it the two channels do not share.
     pub sides: f32,
+    /// Where on the circle of fifths it is, in turns.
+    pub key_turns: f32,
     /// Beats so far, with the phase as the fraction.
     pub beats: f64,
     /// How sure the beat is.
@@ -69,8 +73,9 @@ impl Look {
     pub fn scaled(mut self, farthest: f32) -> Self {
         let unit = 1.0 / farthest.max(1e-6);
         if let Some(answer) = &mut self.answer {
-            let Answer { swing, travel, glow, .. } = *answer;
-            (answer.swing, answer.travel, answer.glow) = (unit * swing, unit * travel, unit * glow);
+            let Answer { swing, travel, haste, glow, spark, .. } = *answer;
+            (answer.swing, answer.travel, answer.haste) = (unit * swing, unit * travel, unit * haste);
+            (answer.glow, answer.spark, answer.farthest) = (unit * glow, unit * spark, 1.0 / unit);
         }
         self
     }
@@ -86,9 +91,14 @@ impl Look {
         self
     }
 
+    /// Whether it colors by speed, for which figures need their [lag](crate::Figure::lag).
+    pub fn feels_speed(&self) -> bool {
+        self.answer.is_some_and(|answer| answer.feels_speed())
+    }
+
     /// This look while that is heard. It depends on nothing else, so that a film shows what a window did.
     pub fn answering(mut self, mood: &Mood) -> Self {
-        let Response { flow, timbre, sides, glow, light, halo, saturation, rim } = self.response;
+        let Response { flow, timbre, sides, key, glow, light, halo, saturation, rim } = self.response;
         let with_level = |share: f32, level: f32| 1.0 - share * (1.0 - level);
         let sided = |share: f32| mood.levels.map(|level| with_level(share, level));
         // Light that has no place must not tell of one channel alone.
@@ -97,6 +107,7 @@ impl Look {
             // There and back, so that a beat that is lost or found makes no jump.
             let gone = 1.0 - ((f64::from(flow) * mood.beats).rem_euclid(2.0) - 1.0).abs() as f32;
             answer.offset += mood.certainty * gone + timbre * mood.timbre + sides * mood.sides;
+            answer.offset += key * answer.palette.period() * mood.key_turns;
             answer.saturation *= with_level(saturation, level);
         }
         self.material.glow += glow * level * f32::from(u8::from(self.answer.is_some()));
@@ -149,6 +160,17 @@ mod tests {
             assert!(silent.lights.exposure <= loud.lights.exposure, "{name}");
             assert_eq!(loud.lights.exposure, look.lights.exposure, "{name}");
             assert_eq!(loud.background, look.background, "{name}");
+            let place = |key_turns| {
+                let answer = look.answering(&Mood { key_turns, ..Mood::default() }).answer?;
+                Some(answer.offset.rem_euclid(answer.palette.period()))
+            };
+            if let (Some(first), Some(last)) = (place(0.0), place(1.0)) {
+                let around = (last - first).abs();
+                assert!(
+                    around < 1e-5 || (2.0 - around).abs() < 1e-5 || (1.0 - around).abs() < 1e-5,
+                    "{name}"
+                );
+            }
             for beats in [0.0, 7.9, 1e6] {
                 let at = |beats| {
                     let mood = Mood { beats, certainty: 1.0, ..Mood::default() };

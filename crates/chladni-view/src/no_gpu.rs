@@ -1,7 +1,7 @@
 //! What stands in the place of graphics devices where they are left out of the build: one can be asked for,
 //! nobody can have one.
 
-use crate::{Cell, Finish, Samples, ViewError};
+use crate::{Cell, Finish, Samples, Surroundings, ViewError};
 
 /// A graphics device, of which this build has none.
 #[derive(Clone, Debug)]
@@ -118,6 +118,10 @@ pub(crate) enum Renderer {}
 impl Renderer {
     pub(crate) fn for_pictures(gpu: &Gpu) -> Self {
         match *gpu {}
+    }
+
+    pub(crate) fn surround(&mut self, _surroundings: &Surroundings) -> Result<(), ViewError> {
+        match *self {}
     }
 
     pub(crate) fn draw(

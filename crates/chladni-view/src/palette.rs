@@ -16,6 +16,8 @@ pub enum Palette {
     Gold,
     /// Forest over leaves to spring.
     Moss,
+    /// Verdigris over old bronze to what hands have polished.
+    Patina,
     /// Black to white, hardly warm.
     Ink,
     /// White in the middle between dark green and dark magenta: still lines on a moving surface are light.
@@ -37,13 +39,14 @@ type Point = [f32; 3];
 
 impl Palette {
     /// All of them, in the order of the rows of the renderer's lookup texture, after the colour maps.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Aurora,
         Self::Ember,
         Self::Abyss,
         Self::Orchid,
         Self::Gold,
         Self::Moss,
+        Self::Patina,
         Self::Ink,
         Self::Nodes,
         Self::Prism,
@@ -62,6 +65,7 @@ impl Palette {
             Self::Orchid => "orchid",
             Self::Gold => "gold",
             Self::Moss => "moss",
+            Self::Patina => "patina",
             Self::Ink => "ink",
             Self::Nodes => "nodes",
             Self::Prism => "prism",
@@ -80,6 +84,11 @@ impl Palette {
     /// Whether the last colour is the first one, so that it can run around; others run there and back.
     pub fn is_circle(self) -> bool {
         matches!(self, Self::Prism | Self::Neon | Self::Dusk | Self::Candy | Self::Contour)
+    }
+
+    /// After how much of it it is as it was: other palettes than circles run there and back.
+    pub(crate) fn period(self) -> f32 {
+        if self.is_circle() { 1.0 } else { 2.0 }
     }
 
     /// Equidistant points; colours between two lie on a straight line in OKLab.
@@ -126,6 +135,13 @@ impl Palette {
                 [0.57, 0.15, 138.0],
                 [0.77, 0.18, 122.0],
                 [0.95, 0.11, 108.0],
+            ],
+            Self::Patina => &[
+                [0.24, 0.05, 195.0],
+                [0.41, 0.085, 182.0],
+                [0.57, 0.075, 165.0],
+                [0.73, 0.11, 66.0],
+                [0.90, 0.10, 78.0],
             ],
             Self::Ink => &[[0.10, 0.01, 265.0], [0.97, 0.01, 90.0]],
             Self::Nodes => &[
@@ -244,9 +260,9 @@ fn linear_of([lightness, a, b]: [f32; 3]) -> [f32; 3] {
 }
 
 /// How a surface is coloured by what it does. A place of the palette is the sum
-/// offset + span · along + swing · (d · n) + travel · |d|, with d the way from the place's rest, n the
-/// normal there, and `along` the number that its [`RestShape`](crate::RestShape) has for it. Palettes that
-/// are no circle run there and back.
+/// offset + span · along + crease · bend + swing · (d · n) + travel · |d| + haste · |v|, with d the way from the place's
+/// rest, n the normal there, v what it lags behind itself (its speed, where the figure knows it), and `along` and
+/// `bend` the numbers that its [`RestShape`](crate::RestShape) has for it. Palettes that are no circle run there and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     /// Which colours.
@@ -255,14 +271,42 @@ pub struct Answer {
     pub offset: f32,
     /// How much of it lies along the shape.
     pub span: f32,
+    /// How much of it lies between what is flat and the sharpest ridge; hollows are as far on the other side.
+    pub crease: f32,
     /// How much of it a unit of length outward is.
     pub swing: f32,
     /// How much of it a unit of length in any direction is.
     pub travel: f32,
+    /// How much of it a unit of [lag](crate::Figure::lag) is: speed.
+    pub haste: f32,
+    /// How often the palette goes around in one vibration: the angle of (d · n, v · n). A whole number, lest colours jump.
+    pub phase: f32,
     /// Glow that a unit of length adds to the material's own.
     pub glow: f32,
+    /// Glow that a unit of lag adds.
+    pub spark: f32,
     /// How strong the colours are: 0 is grey, 1 the palette's own.
     pub saturation: f32,
+    /// Lines where the surface vibrates and does not move.
+    pub lines: NodalLines,
+    /// How far the surface may go, in the coordinates of its item: what is far smaller has neither phase nor lines.
+    pub farthest: f32,
+}
+
+/// Lines on a surface where what sounds now leaves it where it rests, along its normal: Chladni's figures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodalLines {
+    /// sRGB.
+    pub color: [u8; 3],
+    /// In [0, 1]; 0 draws none.
+    pub opacity: f32,
+    /// Half their width, where the picture is 720 high.
+    pub width: f32,
+}
+
+impl NodalLines {
+    /// No lines.
+    pub const NONE: Self = Self { color: [255; 3], opacity: 0.0, width: 1.0 };
 }
 
 impl Answer {
@@ -271,11 +315,27 @@ impl Answer {
         palette: Palette::Aurora,
         offset: 0.0,
         span: 0.0,
+        crease: 0.0,
         swing: 0.0,
         travel: 1.0,
+        haste: 0.0,
+        phase: 0.0,
         glow: 0.0,
+        spark: 0.0,
         saturation: 1.0,
+        lines: NodalLines::NONE,
+        farthest: 1.0,
     };
+
+    /// Whether it asks for the figure's [lag](crate::Figure::lag).
+    pub fn feels_speed(&self) -> bool {
+        [self.haste, self.phase, self.spark].iter().any(|share| *share != 0.0)
+    }
+
+    /// Whether it looks at more of a vertex than its way from the rest.
+    pub(crate) fn is_figured(&self) -> bool {
+        self.feels_speed() || self.lines.opacity > 0.0
+    }
 }
 
 #[cfg(test)]

@@ -99,18 +99,28 @@ impl Picture {
     /// # Errors
     /// [`ViewError::Image`] where the bytes are no such image.
     pub fn decode(bytes: &[u8]) -> Result<Self, ViewError> {
-        let failed = |error: &dyn std::fmt::Display| ViewError::Image(error.to_string());
-        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|error| failed(&error))?;
-        let mut limits = image::Limits::default();
-        limits.max_image_width = Some(16_384);
-        limits.max_image_height = Some(16_384);
-        limits.max_alloc = Some(256 << 20);
-        reader.limits(limits);
-        let image = reader.decode().map_err(|error| failed(&error))?.into_rgba8();
+        let (image, is_linear) = read(bytes)?;
+        if is_linear {
+            return Err(ViewError::Image("a picture is a PNG or a JPEG".into()));
+        }
+        let image = image.into_rgba8();
         Ok(Self { width: image.width(), height: image.height(), rgba: image.into_raw() })
     }
+}
+
+/// A PNG, JPEG or Radiance HDR file, and whether its numbers are linear light.
+pub(crate) fn read(bytes: &[u8]) -> Result<(image::DynamicImage, bool), ViewError> {
+    let failed = |error: &dyn std::fmt::Display| ViewError::Image(error.to_string());
+    let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|error| failed(&error))?;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(16_384);
+    limits.max_image_height = Some(16_384);
+    limits.max_alloc = Some(256 << 20);
+    reader.limits(limits);
+    let is_linear = reader.format() == Some(image::ImageFormat::Hdr);
+    Ok((reader.decode().map_err(|error| failed(&error))?, is_linear))
 }
 
 /// Porter & Duff's "over" on straight alpha.

@@ -1,7 +1,7 @@
 //! Draws cells of figures on a canvas, whoever draws.
 
 use crate::buffers::Held;
-use crate::{Canvas, Cell, Device, Finish, ViewError, cpu, gpu};
+use crate::{Canvas, Cell, Device, Finish, Surroundings, ViewError, cpu, gpu};
 
 /// What one device keeps from picture to picture: pipelines and uniforms, or bins and tiles. Make one
 /// and keep it.
@@ -25,6 +25,17 @@ impl Renderer {
     /// Who draws.
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// From the next picture on, all cells stand in these surroundings.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where they were made for another device.
+    pub fn surround(&mut self, surroundings: &Surroundings) -> Result<(), ViewError> {
+        match &mut self.held {
+            Held::Cpu(renderer) => renderer.surround(surroundings),
+            Held::Gpu(renderer) => renderer.surround(surroundings),
+        }
     }
 
     /// Draws `cells` on `canvas`; a graphics device does not wait until it is done. What no cell covers

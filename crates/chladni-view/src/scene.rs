@@ -72,6 +72,9 @@ pub struct Figure<'a> {
     pub buffers: &'a ItemBuffers,
     /// Which item of the buffers.
     pub item: usize,
+    /// Which item of the buffers is the rest, moved by what each vertex lags behind itself: how far it went lately. It
+    /// tells palettes of speed; without one all stand still to them.
+    pub lag: Option<usize>,
     /// From the item's coordinates to the scene's: a similarity, column-major.
     pub model: [[f32; 4]; 4],
     /// How it answers to light.
@@ -99,6 +102,7 @@ impl<'a> Figure<'a> {
             topology,
             buffers,
             item,
+            lag: None,
             model: IDENTITY,
             material: Material::CLAY,
             paint: Paint::Material,

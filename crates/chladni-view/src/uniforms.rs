@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
 use crate::style::linear;
-use crate::{Answer, Cell, Figure, Paint, Samples, ViewError};
+use crate::{Answer, Cell, Figure, NodalLines, Paint, Samples, Surroundings, ViewError};
 
 /// Texels of a side, columns and rows of `count` maps in a texture of at most `limit` texels a side.
 pub(crate) fn arrangement(count: u32, samples: Samples, limit: u32) -> (u32, u32, u32) {
@@ -53,6 +53,9 @@ pub(crate) struct FigureUniform {
     pub(crate) edge: [f32; 4],
     pub(crate) answer: [f32; 4],
     pub(crate) glow: [f32; 4],
+    pub(crate) figured: [f32; 4],
+    pub(crate) lines: [f32; 4],
+    pub(crate) line: [f32; 4],
     pub(crate) grain: [f32; 4],
 }
 
@@ -95,6 +98,9 @@ pub(crate) fn check_cell(cell: &Cell<'_>, width: u32, height: u32) -> Result<(),
 /// Whether all that a figure is made of belongs together.
 pub(crate) fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
     let Figure { topology, buffers, item, .. } = figure;
+    if let Some(lag) = figure.lag.filter(|lag| *lag >= buffers.items) {
+        return Err(ViewError::Shape(format!("item {lag} of {} for speed", buffers.items)));
+    }
     if topology.vertices != buffers.vertices || *item >= buffers.items {
         return Err(ViewError::Shape(format!(
             "item {item} of {} with {} vertices, and triangles over {}",
@@ -123,7 +129,14 @@ pub(crate) fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
     }
 }
 
-pub(crate) fn cell_uniform(cell: &Cell<'_>, encode: bool) -> CellUniform {
+/// How much brighter a panorama is than the sky and ground in whose place it shines: they had softboxes beside them.
+const PANORAMA: f32 = 1.8;
+
+pub(crate) fn cell_uniform(cell: &Cell<'_>, encode: bool, surroundings: &Surroundings) -> CellUniform {
+    let brightness = |[r, g, b]: [f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    let usual = 0.5 * (brightness(cell.lights.sky) + brightness(cell.lights.ground));
+    let around = surroundings.around.as_ref().map_or(0.0, |(_, mean)| PANORAMA * usual / mean.max(1e-4));
+    let behind = surroundings.behind.as_ref().map_or(0.0, |(_, aspect)| *aspect);
     let rgb = |[r, g, b]: [f32; 3], w| [r, g, b, w];
     let srgb = |color: [u8; 3], w| rgb(color.map(|c| f32::from(c) / 255.0), w);
     let r = cell.viewport;
@@ -137,25 +150,25 @@ pub(crate) fn cell_uniform(cell: &Cell<'_>, encode: bool) -> CellUniform {
             [rgb(direction.to_array(), 0.0), rgb(light.color, 0.0)]
         }),
         sky: rgb(cell.lights.sky, cell.lights.strips),
-        ground: rgb(cell.lights.ground, 0.0),
+        ground: rgb(cell.lights.ground, around),
         background_center: srgb(cell.background.center, cell.background.opacity),
         background_corner: srgb(cell.background.corner, f32::from(cell.background.gradient as u8)),
         viewport: [r.x as f32, r.y as f32, r.width as f32, r.height as f32],
         output: [
             f32::from(u8::from(encode)),
-            0.0,
+            behind,
             f32::from(u8::from(orthographic)),
             f32::from(cell.lights.curve as u8),
         ],
         horizon: rgb(cell.lights.horizon, 0.0),
         wings: [cell.lights.exposure[0], cell.lights.exposure[1], strength[0], strength[1]],
-        ..floor_uniform(cell)
+        ..floor_uniform(cell, behind > 0.0)
     }
 }
 
 /// The floor in the viewer's axes: its plane, and two directions along it in which the shadow's edge is 1 away
-/// from its middle. Parallel views, and floors that are seen from below or edge on, show none.
-fn floor_uniform(cell: &Cell<'_>) -> CellUniform {
+/// from its middle. Before a picture there is none; parallel views, and floors that are seen from below or edge on, show none.
+fn floor_uniform(cell: &Cell<'_>, is_hidden: bool) -> CellUniform {
     let nothing = CellUniform::zeroed();
     let (camera, Some(floor)) = (&cell.camera, cell.background.floor) else { return nothing };
     let view = camera.view_matrix();
@@ -164,7 +177,7 @@ fn floor_uniform(cell: &Cell<'_>) -> CellUniform {
     // The eye is the origin: it must be above the floor.
     let height = -up.dot(at);
     let flat = camera.projection == crate::Projection::Orthographic;
-    if flat || height <= 0.0 || floor.radius <= 0.0 || !(height + floor.radius).is_finite() {
+    if is_hidden || flat || height <= 0.0 || floor.radius <= 0.0 || !(height + floor.radius).is_finite() {
         return nothing;
     }
     let right = (Vec3::X - up * up.x).normalize_or(Vec3::Z);
@@ -176,6 +189,16 @@ fn floor_uniform(cell: &Cell<'_>) -> CellUniform {
         floor_axes: [along(right), along(up.cross(right))],
         ..nothing
     }
+}
+
+/// Rows of a picture in which the width of nodal lines is a number of pixels.
+const LINES_HIGH: f32 = 720.0;
+
+/// How a figure's palette answers. Under wires it knows neither speed nor nodal lines.
+pub(crate) fn answer_of(figure: &Figure<'_>) -> Option<Answer> {
+    let Paint::Answer(_, by) = figure.paint else { return None };
+    let wired = Answer { haste: 0.0, spark: 0.0, phase: 0.0, lines: NodalLines::NONE, ..by };
+    Some(if figure.wire.is_some() { wired } else { by })
 }
 
 pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
@@ -191,11 +214,14 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
     let mut scale = scale
         .map_or([0.0; 4], |scale| [scale.low, (scale.high - scale.low).recip(), scale.map.row() as f32, 0.0]);
     let (mut answer, mut answer_glow) = (Answer { travel: 0.0, ..Answer::MOVED }, [0.0, 1.0, 0.0]);
-    if let Paint::Answer(_, by) = figure.paint {
+    if let Some(by) = answer_of(figure) {
         answer = by;
         answer_glow = [by.glow, by.saturation, f32::from(u8::from(by.palette.is_circle()))];
         scale[2] = by.palette.row() as f32;
     }
+    let Answer { haste, spark, crease, lines, .. } = answer;
+    let phase = answer.phase * answer.palette.period();
+    let knows_speed = f32::from(u8::from(figure.lag.is_some()));
     let m = figure.material;
     let first_vertex = (figure.item * figure.buffers.vertices) as f32;
     FigureUniform {
@@ -211,6 +237,9 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
         edge: rgb(linear(m.edge), 0.0),
         answer: [answer.offset, answer.span, answer.swing, answer.travel],
         glow: [m.glow, answer_glow[0], answer_glow[1], answer_glow[2]],
+        figured: [knows_speed * haste, knows_speed * spark, knows_speed * phase, crease],
+        lines: srgb(lines.color, lines.opacity),
+        line: [lines.width / LINES_HIGH, answer.farthest, 0.0, 0.0],
         grain: figure.grains.map_or([0.0; 4], |of| rgb(linear(of.color), of.radius)),
     }
 }

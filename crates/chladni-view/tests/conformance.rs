@@ -9,9 +9,9 @@ mod shapes;
 
 use chladni_view::{
     Answer, Background, BrushRing, Camera, Canvas, Cell, ColorMap, Curve, Device, Figure, Finish, Floor,
-    Gradient, Grain, Grains, ItemBuffers, Lights, Look, Marker, Material, Mood, Paint, Palette, Picture,
-    Projection, Rect, Renderer, RestShape, Scale, Skin, Topology, VertexPaint, View, ViewError, Wire, layout,
-    smooth_normals,
+    Gradient, Grain, Grains, ItemBuffers, Lights, Look, Marker, Material, Mood, NodalLines, Paint, Palette,
+    Panorama, Picture, Projection, Rect, Renderer, RestShape, Scale, Skin, Surroundings, Topology,
+    VertexPaint, View, ViewError, Wire, layout, smooth_normals,
 };
 use shapes::{gpu, sphere};
 
@@ -74,7 +74,12 @@ impl Model {
         let still: Vec<[f32; 3]> =
             positions.iter().map(|p| p.map(|c| c * (1.0 + 0.1 * (4.0 * p[1]).sin()))).collect();
         let heights: Vec<f32> = positions.iter().map(|p| 0.5 + 0.5 * p[1]).collect();
-        let rest = RestShape::new(device, &still, &heights).unwrap();
+        let bends: Vec<f32> = positions.iter().map(|p| (5.0 * p[2]).sin()).collect();
+        let rest = RestShape::new(device, &still, &heights, &bends).unwrap();
+        // Lately it was elsewhere.
+        let lagging: Vec<[f32; 3]> =
+            still.iter().map(|p| p.map(|c| c * (1.0 + 0.1 * (3.0 * p[0] + 1.0).cos()))).collect();
+        buffers.write(device, 0, &lagging, &smooth_normals(&lagging, &triangles)).unwrap();
         let mut camera = Camera::looking(View::ThreeQuarter);
         camera.fit(positions.iter().copied(), 1.0, 0.85);
         Self {
@@ -107,8 +112,13 @@ impl Model {
     }
 
     fn draw(&self, width: u32, height: u32, cells: &[Cell<'_>]) -> Picture {
+        self.draw_in(&Surroundings::default(), width, height, cells)
+    }
+
+    fn draw_in(&self, around: &Surroundings, width: u32, height: u32, cells: &[Cell<'_>]) -> Picture {
         let canvas = Canvas::new(&self.device, width, height).unwrap();
         let mut renderer = Renderer::new(&self.device);
+        renderer.surround(around).unwrap();
         // Twice: nothing of the first may stay.
         (0..2).for_each(|_| renderer.draw(&canvas, cells).unwrap());
         canvas.read(&self.device).unwrap()
@@ -124,6 +134,19 @@ impl Model {
             renderer.draw_finished(&canvas, &cells, finish, f64::from(frame) / 25.0).unwrap();
         }
         canvas.read(&self.device).unwrap()
+    }
+
+    /// Soft waves of color, twice as wide as high.
+    fn surroundings(&self, behind: bool) -> Surroundings {
+        let wave = |x: f32| (128.0 + 110.0 * (x * std::f32::consts::TAU).sin()) as u8;
+        let texel = |i: u32| {
+            let (u, v) = ((i % 128) as f32 / 128.0, (i / 128) as f32 / 64.0);
+            [wave(2.0 * u), wave(v + 0.2), wave(u + 0.5), 255]
+        };
+        let rgba = (0..128 * 64).flat_map(texel).collect();
+        let picture = Picture { width: 128, height: 64, rgba };
+        let panorama = Panorama::decode(&picture.to_png().unwrap()).unwrap();
+        Surroundings::new(&self.device, Some(&picture).filter(|_| behind), Some(&panorama)).unwrap()
     }
 
     fn answering(&self, answer: Answer) -> Figure<'_> {
@@ -145,7 +168,7 @@ impl Model {
 /// How a picture is made of a model.
 type Drawn = fn(&Model, [u32; 2]) -> Picture;
 
-const LOOKS: [(&str, Drawn); 20] = [
+const LOOKS: [(&str, Drawn); 25] = [
     ("clay", |m, size| m.draw(size[0], size[1], &[m.cell(&[m.figure()], size)])),
     ("pearl under dramatic light", |m, size| {
         let figures = [Figure { material: Material::PEARL, ..m.figure() }];
@@ -234,6 +257,21 @@ const LOOKS: [(&str, Drawn); 20] = [
         let figures = [Figure { wire, ..m.answering(answer) }];
         m.draw(size[0], size[1], &[m.cell(&figures, size)])
     }),
+    ("palette by bend and speed, with its sparks", |m, size| {
+        let answer = Answer { crease: 0.3, haste: 5.0, spark: 4.0, travel: 0.0, ..Answer::MOVED };
+        let figures = [Figure { lag: Some(0), ..m.answering(answer) }];
+        m.draw(size[0], size[1], &[m.cell(&figures, size)])
+    }),
+    ("circle by phase", |m, size| {
+        let answer = Answer { palette: Palette::Prism, phase: 1.0, travel: 0.0, ..Answer::MOVED };
+        let figures = [Figure { lag: Some(0), ..m.answering(Answer { farthest: 0.2, ..answer }) }];
+        m.draw(size[0], size[1], &[m.cell(&figures, size)])
+    }),
+    ("nodal lines", |m, size| {
+        let lines = NodalLines { color: [255, 240, 200], opacity: 0.9, width: 4.0 };
+        let figures = [m.answering(Answer { lines, travel: 2.0, farthest: 0.2, ..Answer::MOVED })];
+        m.draw(size[0], size[1], &[m.cell(&figures, size)])
+    }),
     ("mirror in a studio of lines, as film, on a floor", |m, size| {
         let material = Material { roughness: 0.1, ..Material::BRONZE };
         let figures = [Figure { material, ..m.figure() }];
@@ -241,6 +279,18 @@ const LOOKS: [(&str, Drawn); 20] = [
         let floor = Some(Floor { color: [90, 60, 50], shadow: 0.8, at: [0.0, -0.9, 0.0], radius: 0.8 });
         let background = Background { gradient: Gradient::Upright, floor, ..Background::SLATE };
         m.draw(size[0], size[1], &[Cell { lights, background, ..m.cell(&figures, size) }])
+    }),
+    ("clay in a panorama, before a picture", |m, size| {
+        let around = m.surroundings(true);
+        let floor = Some(Floor { color: [90, 60, 50], shadow: 0.8, at: [0.0, -0.9, 0.0], radius: 0.8 });
+        let figures = [m.figure()];
+        let cell = Cell { background: Background { floor, ..Background::NIGHT }, ..m.cell(&figures, size) };
+        m.draw_in(&around, size[0], size[1], &[cell])
+    }),
+    ("a mirror of pearl in a panorama", |m, size| {
+        let material = Material { roughness: 0.2, metal: 0.8, ..Material::PEARL };
+        let figures = [Figure { material, ..m.figure() }];
+        m.draw_in(&m.surroundings(false), size[0], size[1], &[m.cell(&figures, size)])
     }),
     ("glow, rim and grain", |m, size| {
         let figures = [m.figure()];
@@ -461,12 +511,30 @@ fn what_does_not_fit_is_an_error() {
 #[test]
 fn a_rest_of_another_shape_is_refused() {
     let model = Model::new(&Device::Processor, 7);
-    let rest = RestShape::new(&Device::Processor, &[[0.0; 3]], &[0.0]).unwrap();
+    let rest = RestShape::new(&Device::Processor, &[[0.0; 3]], &[0.0], &[0.0]).unwrap();
     let figures = [Figure { paint: Paint::Answer(&rest, Answer::MOVED), ..model.figure() }];
     let canvas = Canvas::new(&Device::Processor, 20, 20).unwrap();
     let drawn = Renderer::new(&Device::Processor).draw(&canvas, &[model.cell(&figures, [20, 20])]);
     assert!(matches!(drawn, Err(ViewError::Shape(_))));
-    assert!(matches!(RestShape::new(&Device::Processor, &[[0.0; 3]], &[]), Err(ViewError::Shape(_))));
+    assert!(matches!(RestShape::new(&Device::Processor, &[[0.0; 3]], &[0.0], &[]), Err(ViewError::Shape(_))));
+}
+
+/// Without an item that says where a figure was lately, speed colors nothing; and an item that is not there is refused.
+#[test]
+fn what_is_not_known_to_move_has_no_speed() {
+    let model = Model::new(&Device::Processor, 12);
+    let draw = |answer, lag| {
+        let figures = [Figure { lag, ..model.answering(answer) }];
+        model.draw(60, 50, &[model.cell(&figures, [60, 50])])
+    };
+    let still = Answer { travel: 0.0, ..Answer::MOVED };
+    let fast = Answer { haste: 5.0, spark: 3.0, ..still };
+    assert_eq!(draw(fast, None), draw(still, None));
+    assert_ne!(draw(fast, Some(0)), draw(still, Some(0)));
+    let figures = [Figure { lag: Some(2), ..model.answering(fast) }];
+    let canvas = Canvas::new(&Device::Processor, 20, 20).unwrap();
+    let drawn = Renderer::new(&Device::Processor).draw(&canvas, &[model.cell(&figures, [20, 20])]);
+    assert!(matches!(drawn, Err(ViewError::Shape(_))));
 }
 
 /// What glows is brighter around, the corners are darker, and a picture long after another has no trail of it.

@@ -1,8 +1,10 @@
 //! `chladni-bench caricature`: how long a user waits for what a user does.
 
+mod gallery;
 mod keeping;
 mod rehearsal;
 
+pub use gallery::BenchGallery;
 pub use keeping::BenchKeeping;
 
 use std::sync::Arc;

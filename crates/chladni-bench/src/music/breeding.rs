@@ -84,11 +84,11 @@ fn hidden(ready: &Ready, describer: &Describer, target: u64) -> Result<Descripto
         other.apply(Moment::default(), Action::Breed)?;
     }
     other.apply(Moment::default(), Action::Mutate { item: 0, amount: 0.1 })?;
-    Ok(describer.describe(&other.gallery().items()[0].mapping)?)
+    Ok(describer.describe(&other.gallery().items()[0].genome)?)
 }
 
 fn describe(gallery: &Gallery, describer: &Describer) -> Result<Vec<Descriptor>, Error> {
-    Ok(gallery.items().iter().map(|item| describer.describe(&item.mapping)).collect::<Result<_, _>>()?)
+    Ok(gallery.items().iter().map(|item| describer.describe(&item.genome)).collect::<Result<_, _>>()?)
 }
 
 /// Clicks what is nearest to the target, and breeds, until it is found.

@@ -86,7 +86,7 @@ pub fn folds(ready: &Ready) -> Result<Vec<Folds>, Error> {
         for (gallery, instrument) in galleries(ready, form)? {
             let mut worst = [0.0f64; 2];
             for shown in instrument.gallery().items() {
-                let folded = worst_folds(ready, &shown.mapping, playing)?;
+                let folded = worst_folds(ready, &shown.genome, playing)?;
                 worst = std::array::from_fn(|i| worst[i].max(folded[i]));
             }
             rows.push(row(form, gallery, worst));

@@ -6,11 +6,12 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, Project, ShapeSource, Template};
+use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, Project, ShapeSource, Stack, Template};
 use chladni_mesh::{Format, TriMesh};
 use chladni_view::FilmFormat;
 
 use super::Terminal;
+use super::gallery::GalleryOptions;
 use super::ink::{InkOptions, check_drawing};
 use super::layer_options::LayerOptions;
 use super::portrait::{self, Portrait};
@@ -18,8 +19,8 @@ use super::region::RegionOptions;
 use super::sheet::SheetOptions;
 use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
-use crate::work::outputs::check_file;
-use crate::work::{Error, Made, Share, Warning, Watcher, make, source};
+use crate::work::outputs::{check_file, check_picture};
+use crate::work::{Error, Made, Sculpture, Share, Warning, Watcher, make, settled, sitter, source};
 
 /// Exaggerate what makes a shape differ from a template.
 #[derive(clap::Args)]
@@ -30,7 +31,7 @@ pub struct Caricature {
     shape: Option<String>,
     /// What it is compared with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
     /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 or self:lowpass=20.
-    #[arg(required_unless_present = "recipe", conflicts_with = "recipe")]
+    #[arg(required_unless_present_any = ["recipe", "gallery"], conflicts_with = "recipe")]
     template: Option<Template>,
     /// Where the result goes: .obj, .ply, .stl or .glb (with a slider per layer). With --batch a
     /// folder. May be left out where --render or --turntable draws.
@@ -51,6 +52,8 @@ pub struct Caricature {
     layer: LayerOptions,
     #[command(flatten)]
     region: RegionOptions,
+    #[command(flatten)]
+    gallery: GalleryOptions,
     /// Draw the shape before and after, side by side: a PNG, or, in ink, an SVG. With --batch a folder.
     #[arg(long, value_name = "P.png|P.svg")]
     render: Option<PathBuf>,
@@ -79,6 +82,9 @@ pub struct Caricature {
 impl Caricature {
     /// Makes what was asked for.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        if self.gallery.gallery {
+            return self.gallery(terminal);
+        }
         let Some(recipe) = &self.recipe else { return self.single(terminal) };
         let mut project = source::project(recipe, terminal)?;
         project.keep_triangles |= self.keep_triangles;
@@ -119,7 +125,7 @@ impl Caricature {
         }
         self.portrait.check()?;
         if let Some(film) = &self.turntable.turntable {
-            FilmFormat::of(film)?;
+            FilmFormat::of(film).map_err(Error::input)?;
         }
         self.render.as_deref().map_or(Ok(()), check_drawing)
     }
@@ -145,6 +151,40 @@ impl Caricature {
         let layer = self.layer.layer("caricature", template.clone(), painted, &project)?;
         project.push(layer)?;
         one(shape, &project, None, self.output.as_deref(), self.pictures(self.render.as_deref()), terminal)
+    }
+
+    /// A sheet of twelve caricatures, or one of them as a mesh.
+    fn gallery(&self, terminal: &Terminal) -> Result<(), Error> {
+        let (Some(shape), Some(output)) = (&self.shape, &self.output) else {
+            return Err(Error::input("a shape and where the sheet goes (-o sheet.png) are needed"));
+        };
+        self.portrait.check()?;
+        if self.gallery.is_single() {
+            format_of(output)?;
+            check_file(output)?;
+        } else {
+            check_picture(output)?;
+        }
+        let mesh = Arc::new(source::mesh(shape, terminal)?);
+        let (harmonics, laplacian) = (self.harmonics.unwrap_or(DEFAULT_HARMONICS), laplacian(self.paper));
+        let (body, _) = body::build(shape, &mesh, harmonics, laplacian, terminal)?;
+        let mut project = Project::new(shape.parse()?, harmonics);
+        (project.laplacian, project.keep_triangles) = (laplacian, self.keep_triangles);
+        let body = Arc::new(body);
+        let mut stack = Stack::new(body.clone())?;
+        let given = self.template.clone().map(|template| Ok::<_, Error>((template, self.layer.matching()?)));
+        let sitter = sitter(&mesh, &mut stack, given.transpose()?, terminal)?;
+        if self.gallery.is_single() {
+            for layer in self.gallery.single(&sitter, self.layer.seed(), terminal)? {
+                project.push(layer)?;
+            }
+            let evaluation = settled(&mut stack, &project, terminal)?;
+            let source = project.shape.clone();
+            return save(&Sculpture { source, mesh, body, evaluation }, output, terminal);
+        }
+        let (from, size) = self.portrait.camera(shape, &mesh, terminal)?;
+        self.gallery.sheet(&sitter, self.layer.seed(), (from, size), output, terminal)?;
+        terminal.wrote(output)
     }
 
     /// Every mesh of `batch`, or the piece of it that is asked for. One that fails does not stop the others.
@@ -245,6 +285,14 @@ struct Pictures<'a> {
     ink: &'a InkOptions,
 }
 
+/// Writes the mesh and says what did not come along.
+fn save(sculpture: &Sculpture, output: &Path, terminal: &Terminal) -> Result<(), Error> {
+    if let Some(warning) = sculpture.save(output)? {
+        terminal.warn(warning);
+    }
+    terminal.wrote(output)
+}
+
 /// One shape, from its name to its files. `from` is the recipe's own shape where this is another:
 /// regions and landmarks are carried over.
 fn one(
@@ -265,10 +313,7 @@ fn one(
     made.sculpture.source = shape.parse()?;
     describe(&made, terminal)?;
     if let Some(output) = output {
-        if let Some(warning) = made.sculpture.save(output)? {
-            terminal.warn(warning);
-        }
-        terminal.wrote(output)?;
+        save(&made.sculpture, output, terminal)?;
     }
     let Pictures { path, turntable, portrait, sheet, ink } = pictures;
     if let Some(path) = path {

@@ -120,12 +120,12 @@ pub struct Dance {
     #[arg(long)]
     rest: bool,
     /// The whole scene: aurora, ember, abyss, neon, contour, prism, dusk, nodes, chrome, gold, velvet, noir,
-    /// porcelain, candy, moss, print, plain. That of the show unless given, else aurora, or plain
-    /// where parts of it are given.
+    /// porcelain, candy, moss, print, spark, opal, patina, figures, plain. That of the show unless given, else
+    /// aurora, or plain where parts of it are given.
     #[arg(long, value_name = "LOOK", value_parser = named(Look::named, names(&Look::PRESETS)))]
     look: Option<Look>,
-    /// Color by movement: aurora, ember, abyss, orchid, gold, moss, ink, nodes, prism, neon, dusk, candy,
-    /// contour. The look's own unless given.
+    /// Color by movement: aurora, ember, abyss, orchid, gold, moss, patina, ink, nodes, prism, neon, dusk,
+    /// candy, contour. The look's own unless given.
     #[arg(long, value_name = "PALETTE", value_parser = named(Palette::named, Palette::ALL.map(Palette::name).join(", ")))]
     palette: Option<Palette>,
     /// Lights: studio, soft, dramatic, stage. Those of the look unless given.
@@ -137,6 +137,12 @@ pub struct Dance {
     /// Background: paper, slate, night, white, transparent. That of the look unless given.
     #[arg(long, value_parser = named(Background::named, names(&Background::PRESETS)))]
     background: Option<Background>,
+    /// A picture behind all, in the place of the background: a PNG or JPEG file.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<String>,
+    /// Light from all around, which shapes mirror: an HDR, PNG or JPEG file of all directions, twice as wide as high.
+    #[arg(long, value_name = "FILE")]
+    panorama: Option<String>,
     /// Turn of the shape in degrees, to begin with.
     #[arg(long, allow_negative_numbers = true)]
     yaw: Option<f32>,
@@ -149,6 +155,9 @@ pub struct Dance {
     /// Where shapes are deformed: cpu, gpu, or auto, which is the graphics card where there is one.
     #[arg(long, value_name = "WHERE", default_value = "auto", value_parser = parse_backend)]
     synthesis: Backend,
+    /// Name each song as it begins, as on stage: its tags' artist and title, else its file.
+    #[arg(long)]
+    titles: bool,
     /// Do not limit flashes to three a second.
     #[arg(long)]
     allow_flashes: bool,
@@ -218,6 +227,7 @@ impl Dance {
             samples: self.samples,
             synthesis: self.synthesis,
             allow_flashes: self.allow_flashes,
+            titles: self.titles,
         };
         let mut film = match &self.show {
             Some(path) => {
@@ -274,6 +284,8 @@ impl Dance {
         film.start_secs = self.start;
         film.duration_secs = self.duration;
         film.look = self.look(film.look);
+        film.picture = self.picture.clone().unwrap_or(film.picture);
+        film.panorama = self.panorama.clone().unwrap_or(film.panorama);
         if let Some(yaw) = self.yaw {
             film.viewpoint.yaw_rad = yaw.to_radians();
         }

@@ -51,13 +51,34 @@ pub struct LayerOptions {
     /// then exaggerated, too.
     #[arg(long)]
     rigid: bool,
-    /// Seed of all that matching samples.
+    /// Seed of all that matching samples, and of the gallery.
     #[arg(long, default_value_t = MatchSettings::default().seed)]
     seed: u64,
     /// How far the difference is filled in from its surroundings where a match is not to be trusted, such as
     /// hair, holes and the cut of a neck: 0, as it was found, to 1 [default: 1; 0 in paper mode].
     #[arg(long, value_name = "SHARE")]
     infill: Option<f64>,
+}
+
+impl LayerOptions {
+    /// The seed of all that is random.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// How a template mesh is matched.
+    ///
+    /// # Errors
+    /// Landmarks that cannot be read.
+    pub fn matching(&self) -> Result<MatchSettings, Error> {
+        let mut matching =
+            MatchSettings { seed: self.seed, scaling: scaling(self.rigid), ..MatchSettings::default() };
+        matching.method = self.matching.unwrap_or(matching.method);
+        if let Some(path) = &self.landmarks {
+            matching.landmarks = load_landmarks(path)?;
+        }
+        Ok(matching)
+    }
 }
 
 /// What `--rigid` says.
@@ -104,12 +125,7 @@ impl LayerOptions {
             clamp: smoothing.clamp && !self.no_clamp,
         };
         let mu = self.mu.unwrap_or(if paper { self.model.paper_mu() } else { usual.mu });
-        let mut matching =
-            MatchSettings { seed: self.seed, scaling: scaling(self.rigid), ..MatchSettings::default() };
-        matching.method = self.matching.unwrap_or(matching.method);
-        if let Some(path) = &self.landmarks {
-            matching.landmarks = load_landmarks(path)?;
-        }
+        let matching = self.matching()?;
         let curve = project.usual_curve(&usual.template, matching.method, mu);
         let layer = Layer {
             matching,

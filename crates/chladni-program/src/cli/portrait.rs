@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use chladni_caricature::{Action, Evaluation, LayerId, Model, Project, Property, Stack};
-use chladni_mesh::Orientation;
+use chladni_mesh::{Orientation, TriMesh};
 use chladni_task::write_atomic;
 use chladni_view::{
     Camera, Device, Picture, PictureRequest, PictureShape, Rect, Style, framing, render_picture,
@@ -35,6 +35,21 @@ impl Default for Portrait {
 }
 
 impl Portrait {
+    /// From where the shape called `name` is seen, and how large the picture is.
+    ///
+    /// # Errors
+    /// As [`Stance::of`].
+    pub fn camera(
+        &self,
+        name: &str,
+        mesh: &TriMesh,
+        terminal: &Terminal,
+    ) -> Result<(Camera, [u32; 2]), Error> {
+        let stands = Stance::from(self.stance).of(name, mesh, None, None, terminal)?;
+        let [yaw_rad, pitch_rad] = self.view.map(f32::to_radians);
+        Ok((Camera { yaw_rad, pitch_rad, stands, ..Camera::default() }, self.size))
+    }
+
     /// Checks, before any work, that it can be drawn.
     pub fn check(&self) -> Result<(), Error> {
         Stance::from(self.stance).check()

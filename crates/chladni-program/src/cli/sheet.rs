@@ -53,7 +53,11 @@ pub struct Portrayed {
 impl Portrayed {
     /// A shape as it is.
     pub fn plain(positions: &[[f64; 3]]) -> Self {
-        let positions = positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        Self::of(positions.iter().map(|p| p.map(|c| c as f32)).collect())
+    }
+
+    /// The same in single precision.
+    pub fn of(positions: Vec<[f32; 3]>) -> Self {
         Self { positions, shares: None, dots: Vec::new() }
     }
 }

@@ -82,7 +82,26 @@ keys! {
     NEXT_SHOW = key V, "Result, three models, before and after";
     WIRE = key W, "Edges of triangles";
     INK = key P, "A drawing in ink on paper";
+    GALLERY = key G, "A gallery of caricatures to choose from";
     FIT = key F, "Show all of it";
+}
+
+keys! {
+    /// In the gallery of caricatures, as in that of dances.
+    breeding:
+    BREED = key Enter, "Breed the chosen ones";
+    BACK = command Z, "Back to the generation before";
+    MARK_LEFT = key ArrowLeft, "Mark the caricature to the left";
+    MARK_RIGHT = key ArrowRight, "Mark the caricature to the right";
+    MARK_ABOVE = key ArrowUp, "Mark the caricature above";
+    MARK_BELOW = key ArrowDown, "Mark the caricature below";
+    CHOOSE = key C, "Choose the marked caricature as a parent, or no longer";
+    FAVORITE = key F, "Favorite";
+    LOCK = key L, "Lock in its place";
+    MUTATE = key M, "Change it a little";
+    TAKE = key S, "Take it: it becomes layers";
+    SURPRISE = key R, "Surprise me";
+    LEAVE = key Escape, "Leave the gallery";
 }
 
 keys! {
@@ -130,7 +149,7 @@ mod tests {
 
     #[test]
     fn no_key_does_two_things_in_one_place() {
-        for room in [start::ALL, caricature::ALL, music::ALL] {
+        for room in [start::ALL, caricature::ALL, breeding::ALL, music::ALL] {
             let all = [window::ALL, view::ALL, room].concat();
             let mut seen = HashSet::new();
             for shortcut in all {
@@ -145,7 +164,9 @@ mod tests {
         let ctx = egui::Context::default();
         crate::studio::theme::install(&ctx);
         let _ = ctx.run_ui(egui::RawInput::default(), |_| {});
-        for shortcut in [window::ALL, start::ALL, view::ALL, caricature::ALL, music::ALL].concat() {
+        for shortcut in
+            [window::ALL, start::ALL, view::ALL, caricature::ALL, breeding::ALL, music::ALL].concat()
+        {
             let (text, font) = (shortcut.text(&ctx), egui::FontId::monospace(13.0));
             assert!(ctx.fonts_mut(|fonts| fonts.has_glyphs(&font, &text)), "{text}");
         }

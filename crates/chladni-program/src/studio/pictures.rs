@@ -10,6 +10,7 @@ use chladni_view::{
 };
 
 use super::job::Job;
+use crate::work::is_flat;
 use crate::work::source::sample_path;
 
 /// Pixels of a picture, twice its size on an ordinary screen.
@@ -112,7 +113,9 @@ fn portrait(gpu: &Gpu, name: &str) -> Option<Picture> {
     let [width, height] = SIZE;
     let shape = PictureShape { positions: &positions, triangles: &mesh.triangles, ..PictureShape::default() };
     let style = Style { background: Background::TRANSPARENT, ..Style::default() };
-    let request =
-        PictureRequest { shapes: &[shape], width, height, from: Camera::looking(View::ThreeQuarter), style };
+    let usual = Camera::looking(View::ThreeQuarter);
+    // Sheets lie: they are seen from above, at an angle.
+    let from = if is_flat(&positions) { Camera { pitch_rad: 0.85, ..usual } } else { usual };
+    let request = PictureRequest { shapes: &[shape], width, height, from, style };
     render_picture(gpu, &request).ok()
 }

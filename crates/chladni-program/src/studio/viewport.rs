@@ -7,6 +7,7 @@ use egui::{EventFilter, Key, Modifiers, Role};
 
 use super::effort::{Effort, Quality};
 use super::keys::view as keys;
+use crate::work::Scenery;
 
 /// The key under which egui remembers that a view was drawn.
 const DRAWN: &str = "a 3D view was drawn";
@@ -40,6 +41,8 @@ pub struct Viewport {
     effort: Effort,
     /// What is done to finished pictures, and the time of the next one.
     finish: (Finish, f64),
+    /// Which pictures stand around what is drawn.
+    surrounded: u64,
     /// When the picture last changed, where it is to be drawn more finely once it rests.
     moved_secs: Option<f64>,
 }
@@ -62,6 +65,7 @@ impl Viewport {
             shown: Rect::default(),
             effort,
             finish: (Finish::NOTHING, 0.0),
+            surrounded: 0,
             moved_secs: None,
         }
     }
@@ -90,6 +94,15 @@ impl Viewport {
             (false, false) => "",
         };
         format!("{}{because}; still pictures: {}", self.effort.quality(), Quality::STILL)
+    }
+
+    /// From the next picture on it is drawn in this scenery, whose number changes with it.
+    pub fn surround(&mut self, number: u64, scenery: &Scenery) -> Result<(), ViewError> {
+        if self.surrounded != number {
+            self.renderer.surround(&scenery.on(&self.gpu)?)?;
+            (self.surrounded, self.stale) = (number, true);
+        }
+        Ok(())
     }
 
     /// Shows the cells that `scene` arranges on a canvas of the given pixels, filling `rect`.

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use chladni_music::{
-    Bands, BarLine, Beat, BeatReading, Director, Framing, Parameter, Parameters, Resonators, Ringing,
-    Stretch, Switch, Timbre, smooth,
+    Bands, BarLine, Beat, BeatReading, Director, Framing, Harmony, Parameter, Parameters, Resonators,
+    Ringing, Stretch, Switch, Timbre, smooth,
 };
 use chladni_sound::{
     Bar, Beats, ENERGY_RATE_HZ, FrontEnd, Hop, Section, Song, SongSpectrum, SoundError, Spectrum,
@@ -48,6 +48,8 @@ pub struct Heard<'a> {
     pub is_known: bool,
     /// The sound.
     pub bands: Bands<'a>,
+    /// Which chords it is of.
+    pub harmony: Harmony,
     /// The beat.
     pub beat: Beat,
     /// While a jump is fading: the beat before it, and how far the fade is, in [0, 1].
@@ -72,6 +74,8 @@ pub struct Hearing {
     now: Spectrum,
     /// What the resonators do now, where there are any.
     ringing: Ringing,
+    /// Which chords it is of.
+    harmony: Harmony,
     /// Nothing before it will be asked for.
     begins_secs: f64,
 }
@@ -79,6 +83,7 @@ pub struct Hearing {
 struct Fade {
     from: Spectrum,
     ringing: Ringing,
+    harmony: Harmony,
     beat: Beat,
     since_secs: f64,
 }
@@ -229,8 +234,8 @@ impl Hearing {
         if leaps && stretch.at_secs + FORGOTTEN_SECS > self.begins_secs {
             let beat = self.beat_at(stretch.at_secs);
             if self.listen(stretch.at_secs)? {
-                let (from, ringing) = (self.now.clone(), self.ringing.clone());
-                self.fade = Some(Fade { from, ringing, beat, since_secs: stretch.at_secs });
+                let (from, ringing, harmony) = (self.now.clone(), self.ringing.clone(), self.harmony);
+                self.fade = Some(Fade { from, ringing, harmony, beat, since_secs: stretch.at_secs });
             }
         }
         if leaps || self.stretches.is_empty() {
@@ -253,8 +258,13 @@ impl Hearing {
     }
 
     /// Fades out sound that was heard in another way, from `at_secs` on, so that the shape does not jump.
-    pub fn fade_from(&mut self, at_secs: f64, from: Spectrum, ringing: Ringing, beat: Beat) {
-        self.fade = Some(Fade { from, ringing, beat, since_secs: at_secs });
+    pub fn fade_from(
+        &mut self,
+        at_secs: f64,
+        (from, ringing, harmony): (Spectrum, Ringing, Harmony),
+        beat: Beat,
+    ) {
+        self.fade = Some(Fade { from, ringing, harmony, beat, since_secs: at_secs });
     }
 
     /// What is heard at `at_secs`, which lies in the stretch begun last; `None` where its song is not known.
@@ -267,7 +277,11 @@ impl Hearing {
         let fading = fading.filter(|(_, done)| *done < 1.0);
         let ringing = self.resonators.as_ref().map(|_| &self.ringing);
         let bands = Bands { ringing, ..bands_of(&self.now) };
-        Ok(Some(Heard { at_secs, is_known: true, bands, beat, fading }))
+        let mut harmony = self.harmony;
+        if let (Some(fade), Some((_, done))) = (&self.fade, fading) {
+            harmony.mix(fade.harmony, 1.0 - done);
+        }
+        Ok(Some(Heard { at_secs, is_known: true, bands, harmony, beat, fading }))
     }
 
     /// The spectrum that [`hear`](Self::hear) gave last, and where its bands lie.
@@ -278,6 +292,11 @@ impl Hearing {
     /// How it rings there.
     pub fn ringing(&self) -> &Ringing {
         &self.ringing
+    }
+
+    /// Which chords are heard there.
+    pub fn harmony(&self) -> Harmony {
+        self.harmony
     }
 
     /// Beats gone by at any time of the show so far.
@@ -367,11 +386,17 @@ impl Hearing {
                 self.ear.insert(SongSpectrum::new(song, settings, self.from_song_secs)?)
             }
         };
-        let bank = &mut self.resonators;
-        let after_secs = ear.at_after(stretch.song_secs_at(at_secs), |hop| match (hop, bank.as_mut()) {
-            (Hop::Beginning, Some(bank)) => bank.still(),
-            (Hop::Heard(spectrum), Some(bank)) => bank.hear(&bands_of(spectrum), SongSpectrum::HOP_SECS),
-            (_, None) => {}
+        let (bank, harmony) = (&mut self.resonators, &mut self.harmony);
+        let bands_hz = ear.bands_hz().to_vec();
+        let after_secs = ear.at_after(stretch.song_secs_at(at_secs), |hop| match hop {
+            Hop::Beginning => {
+                *harmony = Harmony::default();
+                bank.iter_mut().for_each(Resonators::still);
+            }
+            Hop::Heard(spectrum) => {
+                harmony.hear(&spectrum.mid, &bands_hz, SongSpectrum::HOP_SECS);
+                bank.iter_mut().for_each(|bank| bank.hear(&bands_of(spectrum), SongSpectrum::HOP_SECS));
+            }
         });
         self.now.clone_from(ear.spectrum());
         if let Some(bank) = bank {

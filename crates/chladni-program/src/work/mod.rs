@@ -13,6 +13,7 @@ pub mod film;
 pub mod formats;
 mod frame_guard;
 mod hearing;
+mod lag;
 pub mod mask;
 mod mood;
 mod opening_look;
@@ -22,12 +23,16 @@ mod piece;
 pub mod playlist;
 mod programme;
 mod sand;
+mod scenery;
 mod sculpture;
+mod sitter;
 pub mod source;
 mod stance;
 mod symmetry_figure;
 mod template;
 mod theatre;
+#[cfg(feature = "desktop")]
+mod titles;
 mod watcher;
 
 pub use cast::Cast;
@@ -36,18 +41,23 @@ pub use error::{Error, Warning};
 pub use files::{refer, resolve};
 pub use frame_guard::FrameGuard;
 pub use hearing::{Heard, Hearing, KnownSong, bands_of, bar_lines, read_beats, spectrum_settings};
+pub use lag::Lag;
 pub use opening_look::{opening_looks, opening_view};
 pub use own_look::OwnLook;
 pub use piece::{Piece, Share};
 pub use programme::Programme;
 pub use sand::SandTable;
+pub use scenery::{PANORAMAS, PICTURES, Scenery};
 pub use sculpture::{Made, Sculpture, make, settled};
+pub use sitter::sitter;
 pub use stance::Stance;
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, template_mesh};
 pub use theatre::{
-    FIRST_VIEW, Staged, Staging, along, chooses_shots, dots, first_looks, look_named, reaction,
+    FIRST_VIEW, Staged, Staging, along, chooses_shots, dots, first_looks, is_flat, look_named, reaction,
 };
+#[cfg(feature = "desktop")]
+pub use titles::{TITLE, title_opacity};
 pub use watcher::{Aside, Watcher};
 
 /// The default K, in the window and on the command line.

@@ -37,6 +37,7 @@ impl Heard<'_> {
             levels: [left, right].map(level),
             timbre: share(weighted, total * last),
             sides: share(apart, both),
+            key_turns: self.harmony.turns(),
             beats,
             certainty,
             accent,
@@ -61,11 +62,13 @@ fn accent(Beat { count, confidence }: Beat) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_music::Harmony;
 
     fn mood(mid: &[f32], left: &[f32], right: &[f32], count: f64) -> Mood {
         let bands = Bands { ringing: None, left, right, mid, side: mid, side_gain: 1.0 };
         let beat = Beat { count, confidence: 1.0 };
-        Heard { at_secs: 0.0, is_known: true, bands, beat, fading: None }.mood()
+        let harmony = Harmony::default();
+        Heard { at_secs: 0.0, is_known: true, bands, harmony, beat, fading: None }.mood()
     }
 
     #[test]

@@ -30,7 +30,9 @@ impl Programme {
         dances.extend(favorites);
         let candidates =
             dances.iter().zip(weights).map(|(preset, weight)| Candidate::tagged(&preset.tags, weight));
-        let looks: Vec<Look> = Look::PRESETS.iter().map(|(_, look)| *look).collect();
+        // The plain look is for those who choose its parts.
+        let looks: Vec<Look> =
+            Look::PRESETS.iter().map(|(_, look)| *look).filter(|look| *look != Look::PLAIN).collect();
         Ok(Self {
             autopilot: Autopilot::new(instrument.seed(), candidates.collect(), looks.len()),
             dances,

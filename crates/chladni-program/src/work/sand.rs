@@ -1,4 +1,4 @@
-//! Sand on the dance that is on stage, at any time of a show.
+//! Sand on what dances, at any time of a show: on the dance that is on stage, or on each of a gallery.
 
 use std::sync::Arc;
 
@@ -23,13 +23,14 @@ pub struct SandTable {
     body: Body,
     /// Made when it is needed first.
     tray: Option<Arc<Tray>>,
-    sand: Option<Sand>,
+    /// On each item that is seen.
+    sands: Vec<Sand>,
     /// How often it had been swept when it was poured.
     sweeps: u32,
     /// The next step, counted from the beginning of the show.
     next: i64,
-    /// What is drawn, and how large it is.
-    grains: Vec<Grain>,
+    /// What is drawn of each, and how large it is.
+    grains: Vec<Vec<Grain>>,
     radius: f32,
 }
 
@@ -37,7 +38,7 @@ impl SandTable {
     /// A shape without sand, for a show of which nothing before `begins_secs` is seen.
     pub fn new(body: Body, begins_secs: f64) -> Self {
         let next = ((begins_secs - BEFORE_SECS).max(0.0) / SAND_STEP_SECS).ceil() as i64;
-        Self { body, tray: None, sand: None, sweeps: 0, next, grains: Vec::new(), radius: 0.0 }
+        Self { body, tray: None, sands: Vec::new(), sweeps: 0, next, grains: Vec::new(), radius: 0.0 }
     }
 
     /// The time of the next step, where it is not after `at_secs`.
@@ -70,43 +71,49 @@ impl SandTable {
         Ok(())
     }
 
-    /// Does one step, in which `items` sound. Only one alone has sand.
+    /// Does one step, in which `items` sound. Of many each has its part of the grains.
     pub fn step(&mut self, items: &[Item], instrument: &Instrument) {
         self.next += 1;
         let parameters = instrument.parameters();
-        let [item] = items else { return self.sand = None };
-        if !parameters.is_on(Switch::Sand) {
-            return self.sand = None;
+        if items.is_empty() || !parameters.is_on(Switch::Sand) {
+            return self.sands.clear();
         }
-        let (count, sweeps) = (parameters.get(Parameter::Grains).round() as usize, instrument.sweeps());
-        let sand = match self.sand.take() {
-            Some(sand) if sand.count() == count && self.sweeps == sweeps => sand,
-            _ => {
-                let tray = self.tray.get_or_insert_with(|| Arc::new(Tray::new(&self.body)));
-                Sand::pour(Arc::clone(tray), count, instrument.seed().wrapping_add(sweeps.into()))
-            }
-        };
+        let sweeps = instrument.sweeps();
+        let count = (parameters.get(Parameter::Grains) / items.len() as f32).round().max(1.0) as usize;
+        let tray = self.tray.get_or_insert_with(|| Arc::new(Tray::new(&self.body)));
+        let lies = self.sands.len() == items.len() && self.sands.iter().all(|sand| sand.count() == count);
+        if !lies || self.sweeps != sweeps {
+            let seed = instrument.seed().wrapping_add(sweeps.into());
+            // Of one item the first; of others other ones.
+            let pour = |item: u64| Sand::pour(Arc::clone(tray), count, seed.wrapping_add(item << 32));
+            self.sands = (0..items.len() as u64).map(pour).collect();
+        }
         self.sweeps = sweeps;
-        self.radius = parameters.get(Parameter::GrainSize) * sand.tray().box_diagonal();
+        self.radius = parameters.get(Parameter::GrainSize) * tray.box_diagonal();
         let share = parameters.get(Parameter::Gain) * parameters.get(Parameter::Calibration);
-        let full = share * sand.tray().box_diagonal();
-        self.sand.insert(sand).step(item, full);
+        let full = share * tray.box_diagonal();
+        self.sands.par_iter_mut().zip(items).for_each(|(sand, item)| sand.step(item, full));
     }
 
-    /// What is drawn of it now; nothing where there is none.
-    pub fn drawn(&mut self) -> Option<Grains<'_>> {
-        let sand = self.sand.as_ref()?;
+    /// What is drawn of it now, of each item; nothing where there is none.
+    pub fn drawn(&mut self) -> Vec<Grains<'_>> {
         let grain = |grain: chladni_music::Grain| {
             let chladni_music::Grain { corners, weights, lift } = grain;
             Grain { corners, weights, lift }
         };
-        sand.grains().map(grain).collect_into_vec(&mut self.grains);
-        Some(Grains { grains: &self.grains, radius: self.radius, color: COLOR })
+        self.grains.resize_with(self.sands.len(), Vec::new);
+        for (grains, sand) in self.grains.iter_mut().zip(&self.sands) {
+            sand.grains().map(grain).collect_into_vec(grains);
+        }
+        let of = |grains| Grains { grains, radius: self.radius, color: COLOR };
+        self.grains.iter().map(|grains| of(&grains[..])).collect()
     }
 
     /// A number that changes whenever what is drawn does.
     pub fn version(&self) -> u64 {
-        self.sand.as_ref().map_or(0, |sand| sand.version() ^ u64::from(self.radius.to_bits()) << 32)
+        let mixed = |all: u64, sand: &Sand| all.rotate_left(5) ^ sand.version();
+        let radius = u64::from(self.radius.to_bits()) << 32;
+        self.sands.iter().fold(0, mixed) ^ if self.sands.is_empty() { 0 } else { radius }
     }
 }
 
@@ -157,7 +164,7 @@ mod tests {
                 table.follow(&mut hearing, &mut ensemble, instrument, at_secs).unwrap();
                 hearing.hear(at_secs).unwrap();
             }
-            (table.drawn().unwrap().grains.to_vec(), table)
+            (table.drawn()[0].grains.to_vec(), table)
         };
         let (often, mut table) = run(&instrument, 50);
         assert_eq!(often.len(), 2000);
@@ -166,9 +173,23 @@ mod tests {
         instrument.apply(Moment::default(), Action::Sweep).unwrap();
         let (mut hearing, mut ensemble) = (hearing(&instrument), Ensemble::new(dancer));
         table.follow(&mut hearing, &mut ensemble, &instrument, 2.1).unwrap();
-        assert!(table.version() != version && table.drawn().unwrap().grains != before);
+        assert!(table.version() != version && table.drawn()[0].grains != before);
         instrument.apply(Moment::default(), Action::Switch { switch: Switch::Sand, on: false }).unwrap();
         table.follow(&mut hearing, &mut ensemble, &instrument, 2.2).unwrap();
-        assert!(table.drawn().is_none());
+        assert!(table.drawn().is_empty());
+    }
+
+    #[test]
+    fn each_dance_of_a_gallery_has_its_own_part_of_the_grains() {
+        let (body, dancer, mut instrument) = stage();
+        instrument.apply(Moment::default(), Action::LeaveStage).unwrap();
+        let (mut hearing, mut ensemble) = (hearing(&instrument), Ensemble::new(dancer));
+        let mut table = SandTable::new(body, 0.0);
+        table.follow(&mut hearing, &mut ensemble, &instrument, 2.0).unwrap();
+        let drawn = table.drawn();
+        assert_eq!(drawn.len(), instrument.gallery().items().len());
+        let each = (2000.0 / drawn.len() as f32).round() as usize;
+        assert!(drawn.iter().all(|sand| sand.grains.len() == each));
+        assert!(drawn[1..].iter().all(|sand| sand.grains != drawn[0].grains));
     }
 }

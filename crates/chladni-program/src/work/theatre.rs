@@ -13,7 +13,7 @@ use chladni_view::filling::{Filling, Standpoint, surface_points};
 use chladni_view::framing::extremes;
 use chladni_view::{
     Answer, Background, Camera, Cell, Device, Figure, Floor, ItemBuffers, Lights, Look, Marker, Material,
-    Paint, Palette, Rect, RestShape, Topology, ViewError, layout,
+    Paint, Palette, Rect, RestShape, Topology, ViewError, bends, layout,
 };
 
 use super::Heard;
@@ -115,14 +115,27 @@ pub fn along(body: &Body, dancer: &Dancer) -> Vec<f32> {
     harmonic.iter().map(|h| ((h - low) / (high - low).max(1e-12)) as f32).collect()
 }
 
+/// Whether all of `positions` lie in a plane of two axes, or nearly.
+pub fn is_flat(positions: &[[f32; 3]]) -> bool {
+    let mut sides: [f32; 3] = std::array::from_fn(|axis| {
+        let all = positions.iter().map(|p| p[axis]);
+        all.clone().fold(f32::NEG_INFINITY, f32::max) - all.fold(f32::INFINITY, f32::min)
+    });
+    sides.sort_by(f32::total_cmp);
+    sides[0] < SHEET * sides[1]
+}
+
 /// Sets the stage for one body, frame after frame.
 pub struct Staging {
     dancer: Arc<Dancer>,
     rest: Vec<[f32; 3]>,
-    /// [`along`] the body.
+    /// [`along`] the body, and how it is [bent](bends).
     along: Vec<f32>,
+    bends: Vec<f32>,
     /// Where up and front are.
     stands: Orientation,
+    /// Whether the body is a sheet.
+    flat: bool,
     /// The limit of displacement, and what has to fit into a cell for it.
     room: (f32, Vec<[f32; 3]>),
     /// Points of the surface, and from how far they fill a picture.
@@ -143,6 +156,10 @@ struct Filled {
     near: Filling,
 }
 
+/// A sheet is thinner than this share of its shorter side.
+const SHEET: f32 = 0.02;
+/// It is seen from at least so far above.
+const SHEET_PITCH_RAD: f32 = 0.5;
 /// The shares of the picture that the figure covers, seen as a whole and near.
 const COVERS: [f32; 2] = [0.27, 0.4];
 /// The share of the largest displacement by which a figure rises in loud music.
@@ -206,12 +223,19 @@ impl Staging {
         stands: Orientation,
     ) -> Self {
         let surface = surface_points(&rest, triangles, SURFACE_POINTS);
-        Self { dancer, rest, along, stands, room: (0.0, Vec::new()), surface, filled: None }
+        let bends = bends(&rest, triangles);
+        let flat = is_flat(&rest);
+        Self { dancer, rest, along, bends, stands, flat, room: (0.0, Vec::new()), surface, filled: None }
     }
 
     /// How the body stands.
     pub fn stands(&self) -> Orientation {
         self.stands
+    }
+
+    /// Whether the body is a flat sheet, in which forms that move it along its own coordinates show nothing.
+    pub fn is_flat(&self) -> bool {
+        self.flat
     }
 
     /// The body at rest.
@@ -221,7 +245,7 @@ impl Staging {
 
     /// The body at rest, for palettes.
     pub fn rest_on(&self, device: impl Into<Device>) -> Result<RestShape, ViewError> {
-        RestShape::new(device, &self.rest, &self.along)
+        RestShape::new(device, &self.rest, &self.along, &self.bends)
     }
 
     /// The cells of `items` items in a picture of `area`.
@@ -292,7 +316,9 @@ impl Staging {
         let known = self.filled.take().filter(fits);
         let filled =
             known.unwrap_or_else(|| Filled::new(&self.surface, &self.dancer, self.stands, aspect, limit));
-        let pitch_rad = (viewpoint.pitch_rad + framing.pitch_rad).clamp(-1.2, 1.4);
+        // Seen edge on a sheet is a line.
+        let lowest = if self.flat { SHEET_PITCH_RAD } else { -1.2 };
+        let pitch_rad = (viewpoint.pitch_rad + framing.pitch_rad).clamp(lowest, 1.4);
         let yaw_rad = viewpoint.yaw_rad + framing.yaw_rad - reaction.turn_rad;
         let mut camera = filled.camera(yaw_rad, pitch_rad, framing, self.stands);
         self.filled = Some(filled);
@@ -326,7 +352,7 @@ impl Staged {
         [self.area.width, self.area.height]
     }
 
-    /// Item `item` as it looks.
+    /// Item `item` as it looks. One item more than there are cells is its [lag](super::Lag).
     pub fn figure<'a>(
         &self,
         topology: &'a Topology,
@@ -336,7 +362,9 @@ impl Staged {
     ) -> Figure<'a> {
         let Look { material, answer, .. } = self.look;
         let paint = answer.map_or(Paint::Material, |answer| Paint::Answer(rest, answer));
-        Figure { material, paint, ..Figure::new(topology, buffers, item) }
+        let shown = self.viewports.len();
+        let lag = (buffers.items() > shown).then_some(shown);
+        Figure { material, paint, lag, ..Figure::new(topology, buffers, item) }
     }
 
     /// The cells that a renderer draws, for one figure each.
@@ -352,13 +380,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn plates_are_flat_and_bodies_are_not() {
+        let flat = |name: &str| {
+            let mesh = chladni_mesh::samples::sample(name).unwrap();
+            is_flat(&mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect::<Vec<_>>())
+        };
+        assert!(flat("plate") && flat("disc"));
+        assert!(!["octopus", "ring", "drum", "bell", "cat", "head"].into_iter().any(flat));
+        assert!(!is_flat(&[]));
+    }
+
+    #[test]
     fn names_make_a_look_and_unknown_ones_are_told() {
         let names = |[look, material, lights, background]: [&str; 4]| Looks {
             look: look.into(),
             material: material.into(),
             lights: lights.into(),
             background: background.into(),
-            palette: String::new(),
+            ..Looks::default()
         };
         assert_eq!(look_named(&names(["ember", "", "", ""])), (Look::EMBER, vec![]));
         assert_eq!(look_named(&first_looks()), (Look::AURORA, vec![]));

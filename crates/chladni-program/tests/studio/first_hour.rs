@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use chladni_mesh::{samples, save_mesh};
+use egui::accesskit::Role;
 use egui::{Key, Pos2, Rect};
+use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
 use crate::driving;
@@ -43,7 +45,9 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
     let stage = Rect::from_min_max(Pos2::new(270.0, 60.0), Pos2::new(940.0, 780.0));
     let around = |i: usize| {
         let angle = i as f32 * std::f32::consts::TAU / 30.0;
-        stage.center() + egui::vec2(0.14 * stage.width(), 0.2 * stage.height()) * egui::Vec2::angled(angle)
+        // The nose of a head in a three-quarter view.
+        let middle = stage.lerp_inside(egui::vec2(0.34, 0.57));
+        middle + egui::vec2(0.11 * stage.width(), 0.17 * stage.height()) * egui::Vec2::angled(angle)
     };
     person.drag(&(0..30).map(around).collect::<Vec<_>>());
     assert!(person.sees("Softness"), "a region");
@@ -89,7 +93,8 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
 
 /// Writes a number into a field that is dragged or typed into.
 fn type_into(person: &mut Person, field: &str, value: &str) {
-    person.click_at(person.place_of(field).center());
+    let place = person.0.get_by_role_and_label(Role::SpinButton, field).rect();
+    person.click_at(place.center());
     person.press_with(CTRL, Key::A);
     person.0.event(egui::Event::Text(value.to_owned()));
     person.0.run_steps(1);

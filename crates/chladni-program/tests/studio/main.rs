@@ -9,6 +9,7 @@ mod export;
 mod file_window;
 mod files;
 mod first_hour;
+mod gallery;
 mod layers;
 mod lost_device;
 mod menus;

@@ -1,10 +1,13 @@
 //! What is behind the figures of a cell, painted once and kept.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::curves::{clamp, max, min, mix, packed, smoothstep};
 use super::instructions::{Instructions, Kernel};
-use super::shade::wing;
+use super::pyramid::Pyramid;
+use super::shade::{to_srgb, wing};
 use crate::Rect;
 use crate::uniforms::CellUniform;
 
@@ -15,17 +18,30 @@ pub(super) struct Backdrop {
     pixels: Vec<u8>,
 }
 
-/// All that a background depends on.
-type Painted = (Rect, [[f32; 4]; 6], [f32; 2], [[f32; 4]; 4]);
+/// All that a background depends on; of a picture only where it lies.
+type Painted = (Rect, [[f32; 4]; 6], [f32; 2], [[f32; 4]; 4], Option<usize>);
 
 impl Backdrop {
     /// Paints the cell's background, unless it is there.
-    pub(super) fn paint(&mut self, with: Instructions, cell: &CellUniform, rect: Rect) {
+    pub(super) fn paint(
+        &mut self,
+        with: Instructions,
+        cell: &CellUniform,
+        rect: Rect,
+        behind: Option<&Arc<Pyramid>>,
+    ) {
         let [x_axis, z_axis] = cell.floor_axes;
         let (center, corner, floor) = (cell.background_center, cell.background_corner, cell.floor);
         let [.., left, right] = cell.wings;
         let colors = [center, corner, floor, cell.floor_plane, x_axis, z_axis];
-        let of = (rect, colors, [left, right], cell.projection);
+        let of = match behind {
+            None => (rect, colors, [left, right], cell.projection, None),
+            // It stays as it is, whatever light there is.
+            Some(picture) => {
+                let only = [[center[3]; 4]; 6];
+                (rect, only, [0.0; 2], [[0.0; 4]; 4], Some(Arc::as_ptr(picture).addr()))
+            }
+        };
         if self.of == Some(of) {
             return;
         }
@@ -33,13 +49,33 @@ impl Backdrop {
         self.of = Some(of);
         self.pixels.resize(4 * width * height, 0);
         let rows = self.pixels.par_chunks_mut(4 * width).enumerate();
-        rows.for_each(|(y, pixels)| with.run(Row { cell, y, pixels }));
+        match behind {
+            Some(picture) => rows.for_each(|(y, pixels)| pictured(cell, picture, y, pixels)),
+            None => rows.for_each(|(y, pixels)| with.run(Row { cell, y, pixels })),
+        }
     }
 
     /// Pixels from `x` on in row `y` of the cell.
     pub(super) fn row(&self, x: usize, y: usize) -> &[u8] {
         let width = self.of.map_or(0, |(rect, ..)| rect.width as usize);
         &self.pixels[4 * (y * width + x)..4 * (y + 1) * width]
+    }
+}
+
+/// A row of a picture that fills the cell, as `pictured` of `shader.wgsl`.
+fn pictured(cell: &CellUniform, picture: &Pyramid, y: usize, pixels: &mut [u8]) {
+    let [.., width, height] = cell.viewport;
+    let ratio = width / (height * cell.output[1]);
+    let scale = [0.5 * min(ratio, 1.0), 0.5 * min(1.0 / ratio, 1.0)];
+    let (right, down) = ([2.0 * scale[0] / width, 0.0], [0.0, 2.0 * scale[1] / height]);
+    let opacity = 255.0 * cell.background_center[3];
+    for (x, pixel) in pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+        let at = [2.0 * (x as f32 + 0.5) / width - 1.0, 2.0 * (y as f32 + 0.5) / height - 1.0];
+        let light = picture.sample([0.5 + scale[0] * at[0], 0.5 + scale[1] * at[1]], right, down);
+        for k in 0..3 {
+            pixel[k] = (clamp(to_srgb(light[k]), 0.0, 1.0) * opacity + 0.5) as u8;
+        }
+        pixel[3] = (opacity + 0.5) as u8;
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::{Vec3, vec3};
 
+use super::Pyramid;
 use super::curves::{clamp, max, min, mix, packed, whole};
 use super::instructions::Kernel;
 use super::shade::{self, rgb};
@@ -41,6 +42,9 @@ pub(super) struct Batch {
     pub(super) keyed: Places,
     /// Share of the key light.
     pub(super) key: Places,
+    /// In a panorama: light from all around, and what is mirrored.
+    ambient: [Places; 3],
+    mirror: [Places; 3],
     /// Own light, as a share of the colour.
     pub(super) glow: Places,
     /// Linear light; then sRGB-encoded.
@@ -69,10 +73,22 @@ impl Batch {
             map: [none; 3],
             keyed: none,
             key: none,
+            ambient: [none; 3],
+            mirror: [none; 3],
             glow: none,
             color: [none; 3],
             packed: [[0; 4]; PLACES],
         })
+    }
+
+    /// Looks up what a panorama sends to each place.
+    pub(super) fn surround(&mut self, cell: &CellUniform, around: &Pyramid, roughness: f32) {
+        for i in 0..self.count {
+            let (n, v) = (at(&self.normal, i), at(&self.viewer, i));
+            let level = 3.0 * clamp(roughness, 0.0, 1.0);
+            set(&mut self.ambient, i, shade::panorama(cell, around, n, shade::CHALK));
+            set(&mut self.mirror, i, shade::panorama(cell, around, shade::reflected(n, v), level));
+        }
     }
 
     /// Whole vectors, so that no loop has a rest.
@@ -212,7 +228,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
 pub(super) struct Answered<'a, 'b> {
     pub(super) figure: &'a FigureUniform,
     pub(super) map: &'a [[f32; 3]; 256],
-    /// The place of the palette, and the way from the rest.
+    /// The place of the palette, and how far the light of its own exceeds the figure's.
     pub(super) answers: &'b [Places; 2],
     pub(super) batch: &'b mut Batch,
 }
@@ -220,8 +236,8 @@ pub(super) struct Answered<'a, 'b> {
 impl Kernel for Answered<'_, '_> {
     #[inline(always)]
     fn run(self) {
-        let Self { figure, map, answers: [places, ways], batch: b } = self;
-        let [glow, glow_by_way, saturation, circle] = figure.glow;
+        let Self { figure, map, answers: [places, own], batch: b } = self;
+        let [glow, _, saturation, circle] = figure.glow;
         let (mut row, mut share) = ([0; PLACES], [0.0; PLACES]);
         for i in 0..b.padded() {
             let at = clamp(palette_place(places[i], circle > 0.5), 0.0, 1.0) * 255.0;
@@ -240,7 +256,7 @@ impl Kernel for Answered<'_, '_> {
             let grey = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
             let c = c.to_array().map(|c| max(mix(grey, c, saturation), 0.0));
             set(&mut b.color, i, c.into());
-            b.glow[i] = glow + glow_by_way * ways[i];
+            b.glow[i] = glow + own[i];
         }
     }
 }
@@ -252,17 +268,21 @@ fn palette_place(at: f32, circle: bool) -> f32 {
     if circle { around } else { back }
 }
 
-/// From places to colours. `FILM`: with the hues of thin films.
-pub(super) struct Light<'a, 'b, const FILM: bool>(pub(super) &'b Setting<'a>, pub(super) &'b mut Batch);
+/// From places to colours. `FILM`: with the hues of thin films. `AROUND`: in a panorama.
+pub(super) struct Light<'a, 'b, const FILM: bool, const AROUND: bool>(
+    pub(super) &'b Setting<'a>,
+    pub(super) &'b mut Batch,
+);
 
-impl<const FILM: bool> Kernel for Light<'_, '_, FILM> {
+impl<const FILM: bool, const AROUND: bool> Kernel for Light<'_, '_, FILM, AROUND> {
     #[inline(always)]
     fn run(self) {
         let Self(setting, b) = self;
         for i in 0..b.padded() {
             let (n, v) = (at(&b.normal, i), at(&b.viewer, i));
             let of = (setting.cell, setting.figure);
-            let light = (b.key[i], b.glow[i]);
+            let around = if AROUND { Some([at(&b.ambient, i), at(&b.mirror, i)]) } else { None };
+            let light = (b.key[i], b.glow[i], around);
             let c = shade::modelled::<FILM>(of, at(&b.color, i), n, v, b.front[i] > 0.5, light);
             set(&mut b.color, i, c);
         }

@@ -37,7 +37,7 @@ use self::finishing::Finishing;
 use self::stage::{Locks, Stage};
 use self::tile::{Scratch, TILE_BITS};
 use crate::style::linear;
-use crate::{Cell, ColorMap, Finish, Palette, ViewError};
+use crate::{Cell, ColorMap, Finish, Palette, Surroundings, ViewError};
 
 /// Pixels in memory: sRGB-encoded, premultiplied, rows from the top.
 #[derive(Debug)]
@@ -63,6 +63,7 @@ pub(crate) struct Renderer {
     instructions: Instructions,
     stage: Stage,
     finishing: Finishing,
+    surroundings: Surroundings,
     /// Linear light of the colour maps, then of the palettes, one a row.
     maps: Vec<[[f32; 3]; 256]>,
     /// For the threads to take.
@@ -78,6 +79,7 @@ impl Default for Renderer {
             instructions: Instructions::fastest(),
             stage: Stage::default(),
             finishing: Finishing::default(),
+            surroundings: Surroundings::default(),
             maps: maps.chain(palettes).collect(),
             scratch: Mutex::default(),
         }
@@ -85,6 +87,14 @@ impl Default for Renderer {
 }
 
 impl Renderer {
+    pub(crate) fn surround(&mut self, surroundings: &Surroundings) -> Result<(), ViewError> {
+        for (skin, _) in surroundings.behind.iter().chain(&surroundings.around) {
+            skin.held.cpu()?;
+        }
+        self.surroundings = surroundings.clone();
+        Ok(())
+    }
+
     pub(crate) fn draw(
         &mut self,
         canvas: &Canvas,
@@ -93,12 +103,14 @@ impl Renderer {
     ) -> Result<(), ViewError> {
         let locks = Locks::of(cells)?;
         let subjects = locks.subjects(cells)?;
-        self.stage.set(self.instructions, canvas, cells, &subjects)?;
+        self.stage.set(self.instructions, canvas, (cells, &self.surroundings), &subjects)?;
+        let around = self.surroundings.around.as_ref();
         let picture = tile::Picture {
             instructions: self.instructions,
             stage: &self.stage,
             subjects: &subjects,
             maps: &self.maps,
+            around: around.map(|(skin, _)| skin.held.cpu()).transpose()?.map(|pyramid| &**pyramid),
             width: canvas.width as usize,
         };
         let scratch = &self.scratch;

@@ -41,6 +41,20 @@ impl Pyramid {
         sum
     }
 
+    /// Linear light at `uv` of a level between two. The image repeats to the sides, not up and down.
+    pub(super) fn level(&self, [u, v]: [f32; 2], level: f32) -> [f32; 3] {
+        let (low, share) = (level.max(0.0) as usize, level.max(0.0).fract());
+        let at = |level: usize| {
+            let rows = self.levels.get(level).or(self.levels.last()).map_or(1, RgbaImage::height) as f32;
+            self.bilinear(level, [u, v.clamp(0.5 / rows, 1.0 - 0.5 / rows)])
+        };
+        if self.levels.is_empty() {
+            return [0.0; 3];
+        }
+        let (near, far) = (at(low), if share > 0.0 { at(low + 1) } else { [0.0; 3] });
+        std::array::from_fn(|k| near[k] * (1.0 - share) + far[k] * share)
+    }
+
     fn bilinear(&self, level: usize, [u, v]: [f32; 2]) -> [f32; 3] {
         let image = &self.levels[level.min(self.levels.len() - 1)];
         let (width, height) = (i64::from(image.width()), i64::from(image.height()));

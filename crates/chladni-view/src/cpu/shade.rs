@@ -2,6 +2,7 @@
 
 use glam::{Vec3, vec3};
 
+use super::Pyramid;
 use super::curves::{clamp, cos, exp, exp2, max, min, mix, pow, smoothstep};
 use crate::uniforms::{CellUniform, FigureUniform};
 
@@ -31,7 +32,7 @@ pub(super) fn normalized(a: Vec3, otherwise: Vec3) -> Vec3 {
 }
 
 #[inline(always)]
-fn to_srgb(c: f32) -> f32 {
+pub(super) fn to_srgb(c: f32) -> f32 {
     if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * pow(c, 1.0 / 2.4) - 0.055 }
 }
 
@@ -108,6 +109,23 @@ fn studio(cell: &CellUniform, d: Vec3, roughness: f32) -> Vec3 {
     c
 }
 
+/// Towards what is mirrored to the viewer.
+#[inline(always)]
+pub(super) fn reflected(n: Vec3, v: Vec3) -> Vec3 {
+    n * (2.0 * n.dot(v)) - v
+}
+
+/// Light of a panorama as a surface of this roughness sees it towards `d`, as `panorama` of `shader.wgsl`.
+pub(super) fn panorama(cell: &CellUniform, around: &Pyramid, d: Vec3, level: f32) -> Vec3 {
+    let turns = d.x.atan2(-d.z) / std::f32::consts::TAU;
+    let down = clamp(d.y, -1.0, 1.0).acos() / std::f32::consts::PI;
+    let light = around.level([0.5 + turns, down], level);
+    Vec3::from(light.map(|c| c / (1.0 - c).max(1e-3))) * cell.ground[3]
+}
+
+/// The level of a panorama for what is chalk; mirrors see the first, what is as rough as chalk but shines the one before.
+pub(super) const CHALK: f32 = 4.0;
+
 #[inline(always)]
 fn fifth(x: f32) -> f32 {
     let x2 = x * x;
@@ -126,7 +144,7 @@ fn shaded<const FILM: bool>(
     base: Vec3,
     n: Vec3,
     v: Vec3,
-    (key, glow): (f32, f32),
+    (key, glow, around): (f32, f32, Option<[Vec3; 2]>),
 ) -> Vec3 {
     let [roughness, metal, _, iridescence] = figure.material;
     let nv = clamp(n.dot(v), 0.0, 1.0);
@@ -139,7 +157,10 @@ fn shaded<const FILM: bool>(
     }
     let f0 = mixed(Vec3::splat(0.04), tint, metal);
     let a = min(roughness * roughness + 0.05, 1.0);
-    let mut diffuse = mixed(rgb(cell.ground), rgb(cell.sky), 0.5 + 0.5 * n.y);
+    let mut diffuse = match around {
+        Some([diffuse, _]) => diffuse,
+        None => mixed(rgb(cell.ground), rgb(cell.sky), 0.5 + 0.5 * n.y),
+    };
     let mut gloss = Vec3::ZERO;
     let wrap = wrap(figure);
     for (i, [direction, color]) in cell.lights.into_iter().enumerate() {
@@ -159,8 +180,11 @@ fn shaded<const FILM: bool>(
         [1.0 - roughness, 0.0425 - 0.0275 * roughness, 1.04 - 0.572 * roughness, -0.04 + 0.022 * roughness];
     let k = min(r[0] * r[0], exp2(-9.28 * nv)) * r[0] + r[1];
     let share = f0 * (-1.04 * k + r[2]) + Vec3::splat(1.04 * k + r[3]);
-    let reflected = n * (2.0 * n.dot(v)) - v;
-    let mirror = studio(cell, reflected, roughness) * share;
+    let mirror = match around {
+        Some([_, mirror]) => mirror,
+        None => studio(cell, reflected(n, v), roughness),
+    };
+    let mirror = mirror * share;
     let grazing = 1.0 - nv;
     let own = tint * glow + rgb(figure.edge) * (grazing * grazing * grazing);
     (tint * (1.0 - metal) * diffuse + gloss + mirror + own)
@@ -185,7 +209,7 @@ fn base_of(figure: &FigureUniform, color: Vec3, front: bool) -> Vec3 {
 }
 
 /// A surface of its own colour under the lamps, sRGB-encoded. `FILM`: with the hues of thin films. `light`: share of
-/// the key light, and own light.
+/// the key light, own light, and in a panorama what comes from all around and what is mirrored.
 #[inline(always)]
 pub(super) fn modelled<const FILM: bool>(
     of: (&CellUniform, &FigureUniform),
@@ -193,7 +217,7 @@ pub(super) fn modelled<const FILM: bool>(
     n: Vec3,
     v: Vec3,
     front: bool,
-    light: (f32, f32),
+    light: (f32, f32, Option<[Vec3; 2]>),
 ) -> Vec3 {
     encoded(curved(of.0, shaded::<FILM>(of, base_of(of.1, color, front), n, v, light)))
 }

@@ -21,7 +21,7 @@ use crate::uniforms::{
     CellUniform, FigureUniform, arrangement, casts_shadows, cell_uniform, check_cell, check_figure,
     figure_uniform, key_light_view,
 };
-use crate::{Cell, Figure, Paint, Projection, Samples, VertexPaint, ViewError};
+use crate::{Cell, Figure, Paint, Projection, Samples, Surroundings, VertexPaint, ViewError};
 
 /// What figures are made of, held still while they are drawn.
 pub(super) struct Locks<'a> {
@@ -86,7 +86,10 @@ impl<'a> Locks<'a> {
             Paint::Values(values, _) => Coat::Values(paint(values)?),
             Paint::Colors(colors) => Coat::Colors(paint(colors)?),
             Paint::Skin(skin) => Coat::Skin(skin.held.cpu()?),
-            Paint::Answer(rest, _) => Coat::Answer(rest.held.cpu()?),
+            Paint::Answer(rest, _) => {
+                let lag = figure.lag.map(|lag| &items.positions[lag * n..(lag + 1) * n]);
+                Coat::Answer(rest.held.cpu()?, lag)
+            }
         };
         let ring = match figure.brush.filter(|ring| ring.corners > 0) {
             Some(ring) => Some((&ring.triangles.cpu()?[..], paint(&ring.reach)?)),
@@ -124,8 +127,8 @@ pub(super) enum Coat<'a> {
     Values(&'a [[u8; 4]]),
     Colors(&'a [[u8; 4]]),
     Skin(&'a Pyramid),
-    /// Where the vertices rest.
-    Answer(&'a [[f32; 4]]),
+    /// Where the vertices rest, and what they lag behind themselves, from there.
+    Answer(&'a [[f32; 5]], Option<&'a [[f32; 3]]>),
 }
 
 /// All that is known of a picture before its pixels.
@@ -159,8 +162,10 @@ pub(super) struct StagedFigure {
     pub(super) view: [[f32; 4]; 3],
     pub(super) map: [[f32; 4]; 3],
     pub(super) projected: Projected,
-    /// Of each vertex the place of its palette and its way from the rest, where it has one.
+    /// Of each vertex the place of its palette and its own light, where it has one.
     pub(super) answers: Vec<[f32; 2]>,
+    /// Its ways outward from the rest and from where it was lately, where they are asked for.
+    pub(super) outward: Vec<[f32; 2]>,
     shadow: Projected,
     pub(super) lens: Lens,
     shadow_lens: Option<Lens>,
@@ -178,7 +183,7 @@ impl Stage {
         &mut self,
         with: Instructions,
         canvas: &Canvas,
-        cells: &[Cell<'_>],
+        (cells, surroundings): (&[Cell<'_>], &Surroundings),
         subjects: &[Subject<'_>],
     ) -> Result<(), ViewError> {
         self.cells.resize_with(cells.len(), StagedCell::default);
@@ -190,7 +195,7 @@ impl Stage {
             check_cell(cell, canvas.width, canvas.height)?;
             staged.figures = first..first + cell.figures.len();
             first = staged.figures.end;
-            staged.set(with, cell, size);
+            staged.set(with, (cell, surroundings), size)?;
             for (figure, staged_figure) in cell.figures.iter().zip(&mut self.figures[staged.figures.clone()])
             {
                 staged_figure.set(figure, staged);
@@ -232,9 +237,14 @@ impl Stage {
 }
 
 impl StagedCell {
-    fn set(&mut self, with: Instructions, cell: &Cell<'_>, map_size: u32) {
+    fn set(
+        &mut self,
+        with: Instructions,
+        (cell, surroundings): (&Cell<'_>, &Surroundings),
+        map_size: u32,
+    ) -> Result<(), ViewError> {
         let r = cell.viewport;
-        self.uniform = cell_uniform(cell, true);
+        self.uniform = cell_uniform(cell, true, surroundings);
         let low = [r.x as i32, r.y as i32];
         let high = [low[0] + r.width as i32 - 1, low[1] + r.height as i32 - 1];
         self.grid = Grid { low, high, bits: TILE_BITS };
@@ -245,7 +255,8 @@ impl StagedCell {
         self.discs.clear();
         self.discs.extend(cell.markers.iter().filter_map(|marker| Disc::new(marker, &self.uniform)));
         if cell.background.opacity > 0.0 {
-            self.backdrop.paint(with, &self.uniform, r);
+            let behind = surroundings.behind.as_ref();
+            self.backdrop.paint(with, &self.uniform, r, behind.map(|(skin, _)| skin.held.cpu()).transpose()?);
         }
         // Of surfaces at the target's distance that rise by four pixels in one.
         let camera = &cell.camera;
@@ -258,21 +269,38 @@ impl StagedCell {
                 Projection::Perspective => shift.abs() / (camera.distance * camera.distance),
                 Projection::Orthographic => self.uniform.projection[2][2].abs(),
             };
+        Ok(())
     }
 }
 
 impl StagedFigure {
     /// What its palette makes of each vertex, as `answered` of `shader.wgsl`.
     fn answer(&mut self, subject: &Subject<'_>) {
-        let Coat::Answer(rest) = subject.coat else { return };
+        let Coat::Answer(rest, lag) = subject.coat else { return };
         let [offset, span, swing, travel] = self.uniform.answer;
+        let [haste, spark, phase, crease] = self.uniform.figured;
+        let glow = self.uniform.glow[1];
         self.answers.clear();
         let vertices = subject.positions.iter().zip(subject.normals).zip(rest);
-        self.answers.extend(vertices.map(|((position, normal), [x, y, z, along])| {
+        self.answers.extend(vertices.clone().map(|((position, normal), [x, y, z, along, bend])| {
             let d = Vec3::from(*position) - Vec3::new(*x, *y, *z);
             let (way, normal) = (d.length(), Vec3::from(*normal));
             let outward = d.dot(normal) / normal.length().max(1e-12);
-            [offset + span * along + swing * outward + travel * way, way]
+            [offset + span * along + swing * outward + travel * way + crease * bend, glow * way]
+        }));
+        self.outward.clear();
+        if phase == 0.0 && haste == 0.0 && spark == 0.0 && self.uniform.lines[3] <= 0.0 {
+            return;
+        }
+        // Without a lag what is taken for it counts for nothing.
+        let lag = vertices.zip(lag.unwrap_or(subject.positions)).zip(&mut self.answers);
+        self.outward.extend(lag.map(|((((position, normal), [x, y, z, ..]), lagging), [place, own])| {
+            let (rest, normal) = (Vec3::new(*x, *y, *z), Vec3::from(*normal));
+            let (d, lag) = (Vec3::from(*position) - rest, Vec3::from(*lagging) - rest);
+            *place += haste * lag.length();
+            *own += spark * lag.length();
+            let off = normal / normal.length().max(1e-12);
+            [d.dot(off), lag.dot(off)]
         }));
     }
 

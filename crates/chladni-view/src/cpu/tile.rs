@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::Instructions;
 use super::batch::{Answered, Batch, Light, LightMap, PLACES, Pack, Place, Setting};
 use super::curves::{clamp, max, min, mix, smoothstep};
 use super::fill::{Bias, Farthest, Fill, FillOne, MARGIN, NONE, Target, Triangles};
 use super::shadow::AskKey;
 use super::stage::{Coat, Stage, StagedCell, StagedFigure, Subject};
+use super::{Instructions, Pyramid};
 
 /// Binary logarithms of a tile's width and height: its samples fit the first cache.
 pub(super) const TILE_BITS: [u32; 2] = [5, 5];
@@ -49,6 +49,8 @@ pub(super) struct Picture<'a> {
     pub(super) stage: &'a Stage,
     pub(super) subjects: &'a [Subject<'a>],
     pub(super) maps: &'a [[[f32; 3]; 256]],
+    /// The panorama that shines on all figures.
+    pub(super) around: Option<&'a Pyramid>,
     /// Pixels in a row of the canvas.
     pub(super) width: usize,
 }
@@ -369,7 +371,8 @@ impl Tile<'_, '_> {
         let subject = &self.picture.subjects[figure];
         let staged = &self.picture.stage.figures[figure];
         let wired = staged.uniform.wire_width[0] > 0.0;
-        if wired || matches!(subject.coat, Coat::Skin(_)) {
+        let lined = matches!(subject.coat, Coat::Answer(..)) && staged.uniform.lines[3] > 0.0;
+        if wired || lined || matches!(subject.coat, Coat::Skin(_)) {
             self.locate::<true>(figure, subject.triangles);
         } else {
             self.locate::<false>(figure, subject.triangles);
@@ -385,11 +388,18 @@ impl Tile<'_, '_> {
             if cell.shadows {
                 instructions.run(AskKey { map: &cell.map, strength: cell.uniform.shadow_map[0], batch });
             }
-            if staged.uniform.material[3] > 0.0 {
-                instructions.run(Light::<true>(&setting, batch));
-            } else {
-                instructions.run(Light::<false>(&setting, batch));
+            if let Some(around) = self.picture.around {
+                batch.surround(&cell.uniform, around, staged.uniform.material[0]);
             }
+            match (staged.uniform.material[3] > 0.0, self.picture.around.is_some()) {
+                (false, false) => instructions.run(Light::<false, false>(&setting, batch)),
+                (true, false) => instructions.run(Light::<true, false>(&setting, batch)),
+                (false, true) => instructions.run(Light::<false, true>(&setting, batch)),
+                (true, true) => instructions.run(Light::<true, true>(&setting, batch)),
+            }
+        }
+        if lined {
+            self.nodal_lines(figure);
         }
         if wired {
             self.wire(&staged.uniform.wire, staged.uniform.wire_width[0]);
@@ -438,7 +448,7 @@ impl Tile<'_, '_> {
                         (0..3).map(|k| weights[k] * f32::from(corners[k][channel])).sum::<f32>() / 255.0
                     })
                 }
-                Coat::Answer(_) => return self.answered(figure),
+                Coat::Answer(..) => return self.answered(figure),
                 Coat::Skin(image) => {
                     let uvs: [[f32; 2]; 3] = std::array::from_fn(|k| subject.uvs[3 * triangle + k]);
                     let at = |weights: [f32; 3]| {
@@ -468,11 +478,19 @@ impl Tile<'_, '_> {
         let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
         let batch = &mut *self.scratch.batch;
         let mut answers = [[0.0; PLACES]; 2];
+        let phase = staged.uniform.figured[2];
         for i in 0..batch.count {
-            let corners = subject.triangles[batch.triangle[i] as usize].map(|v| staged.answers[v as usize]);
-            for (k, answers) in answers.iter_mut().enumerate() {
-                answers[i] = (0..3).map(|corner| batch.weights[corner][i] * corners[corner][k]).sum();
+            let corners = subject.triangles[batch.triangle[i] as usize];
+            let weights: [f32; 3] = std::array::from_fn(|corner| batch.weights[corner][i]);
+            let at = |of: &[[f32; 2]]| {
+                [0, 1].map(|k| (0..3).map(|c| weights[c] * of[corners[c] as usize][k]).sum::<f32>())
+            };
+            let [mut place, own] = at(&staged.answers);
+            if phase != 0.0 {
+                let [x, y] = at(&staged.outward);
+                place += phase * turns_of(x, y, PHASED * staged.uniform.line[1]);
             }
+            (answers[0][i], answers[1][i]) = (place, own);
         }
         let (figure, answers) = (&staged.uniform, &answers);
         if let Some(map) = self.picture.maps.get(figure.scale[2] as usize) {
@@ -493,6 +511,27 @@ impl Tile<'_, '_> {
             let line = 1.0 - smoothstep(width - 0.5, width + 0.5, near);
             for k in 0..3 {
                 batch.color[k][i] = mix(batch.color[k][i], color[k], color[3] * line);
+            }
+        }
+    }
+
+    /// Lays nodal lines over the batch's colours.
+    fn nodal_lines(&mut self, figure: usize) {
+        let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
+        let [width, farthest, ..] = staged.uniform.line;
+        let width = max(width * self.cell.uniform.viewport[3], 0.6);
+        let batch = &mut *self.scratch.batch;
+        for i in 0..batch.count {
+            let corners =
+                subject.triangles[batch.triangle[i] as usize].map(|v| staged.outward[v as usize][0]);
+            let at = |weights: &[[f32; PLACES]; 3]| (0..3).map(|k| weights[k][i] * corners[k]).sum::<f32>();
+            let here = at(&batch.weights);
+            let slope = (at(&batch.right) - here).abs() + (at(&batch.below) - here).abs();
+            let near = 1.0 - smoothstep(width - 0.5, width + 0.5, here.abs() / max(slope, 1e-12));
+            let stirred = smoothstep(STILL * farthest, STIRRED * farthest, slope);
+            for k in 0..3 {
+                let line = staged.uniform.lines[3] * near * stirred;
+                batch.color[k][i] = mix(batch.color[k][i], staged.uniform.lines[k], line);
             }
         }
     }
@@ -575,6 +614,19 @@ fn over(pixel: &mut [u8], color: [f32; 4]) {
     for (channel, c) in pixel.iter_mut().zip(color) {
         *channel = (f32::from(*channel) * (1.0 - color[3]) + 255.0 * c + 0.5) as u8;
     }
+}
+
+/// What is smaller than this share of the farthest way has less and less of a phase.
+const PHASED: f32 = 0.04;
+/// A way that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or faint ones.
+const STILL: f32 = 2e-5;
+const STIRRED: f32 = 1e-4;
+
+/// The angle of (x, y) in turns, by the way along a square; less of it where the square is smaller than `whole`.
+fn turns_of(x: f32, y: f32, whole: f32) -> f32 {
+    let size = x.abs() + y.abs();
+    let p = y / max(size, 1e-12);
+    0.25 * if x >= 0.0 { p } else { 2.0 - p } * min(size / whole, 1.0)
 }
 
 /// The colour of `t` in [0, 1], between the map's 256.

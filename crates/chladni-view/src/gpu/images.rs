@@ -11,7 +11,10 @@ pub(crate) struct Images {
     map_sampler: wgpu::Sampler,
     skin_sampler: wgpu::Sampler,
     shadow_sampler: wgpu::Sampler,
+    around_sampler: wgpu::Sampler,
     pub(crate) shadows: ShadowMaps,
+    /// The panorama, where there is one.
+    around: Option<wgpu::TextureView>,
     /// Without a skin.
     pub(crate) group: wgpu::BindGroup,
 }
@@ -36,11 +39,29 @@ impl Images {
         let map_sampler = sampler(clamp, 1, None);
         let skin_sampler = sampler(repeat, 4, None);
         let shadow_sampler = sampler(clamp, 1, Some(wgpu::CompareFunction::LessEqual));
+        // What is filtered along its slant is sharper than its level.
+        let around_sampler = sampler(repeat, 1, None);
         let shadows = ShadowMaps::new(device, 1, 1, 1);
-        let samplers = [&map_sampler, &skin_sampler, &shadow_sampler];
+        let samplers = [&map_sampler, &skin_sampler, &shadow_sampler, &around_sampler];
         // Nothing samples the maps as a skin unless a figure has one.
-        let group = group(device, layouts, &maps, &maps, &shadows, samplers);
-        Self { maps, map_sampler, skin_sampler, shadow_sampler, shadows, group }
+        let group = group(device, layouts, [&maps; 3], &shadows, samplers);
+        Self { maps, map_sampler, skin_sampler, shadow_sampler, around_sampler, shadows, around: None, group }
+    }
+
+    /// From now on this panorama shines, or none.
+    pub(crate) fn surround(
+        &mut self,
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        around: Option<wgpu::TextureView>,
+    ) {
+        self.around = around;
+        self.group = self.group_with(device, layouts, &self.maps);
+    }
+
+    /// Whether there is one.
+    pub(crate) fn is_surrounded(&self) -> bool {
+        self.around.is_some()
     }
 
     /// The group of a figure that has a skin.
@@ -50,8 +71,9 @@ impl Images {
         layouts: &Layouts,
         skin: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
-        let samplers = [&self.map_sampler, &self.skin_sampler, &self.shadow_sampler];
-        group(device, layouts, &self.maps, skin, &self.shadows, samplers)
+        let samplers = [&self.map_sampler, &self.skin_sampler, &self.shadow_sampler, &self.around_sampler];
+        let around = self.around.as_ref().unwrap_or(&self.maps);
+        group(device, layouts, [&self.maps, skin, around], &self.shadows, samplers)
     }
 
     /// Sees to it that `count` cells can have shadows: one large map, or many smaller ones. Pictures of
@@ -130,10 +152,9 @@ impl ShadowMaps {
 fn group(
     device: &wgpu::Device,
     layouts: &Layouts,
-    maps: &wgpu::TextureView,
-    skin: &wgpu::TextureView,
+    [maps, skin, around]: [&wgpu::TextureView; 3],
     shadows: &ShadowMaps,
-    [map_sampler, skin_sampler, shadow_sampler]: [&wgpu::Sampler; 3],
+    [map_sampler, skin_sampler, shadow_sampler, around_sampler]: [&wgpu::Sampler; 4],
 ) -> wgpu::BindGroup {
     let resources = [
         wgpu::BindingResource::TextureView(maps),
@@ -142,6 +163,8 @@ fn group(
         wgpu::BindingResource::Sampler(skin_sampler),
         wgpu::BindingResource::TextureView(&shadows.view),
         wgpu::BindingResource::Sampler(shadow_sampler),
+        wgpu::BindingResource::TextureView(around),
+        wgpu::BindingResource::Sampler(around_sampler),
     ];
     let entries: Vec<_> =
         (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();

@@ -29,6 +29,8 @@ pub(crate) struct Kind {
     /// Whether the key light's shadows are looked up: sixteen samples a pixel that a software device
     /// would take even where their result is thrown away.
     pub(crate) shadows: bool,
+    /// Whether a panorama shines.
+    pub(crate) around: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,6 +38,8 @@ pub(crate) enum Part {
     /// A surface's depth as the key light sees it.
     Shadow,
     Backdrop,
+    /// A picture in its place.
+    Pictured,
     Surface(Coat, Side),
     /// A brush's ring on a surface that is drawn already.
     Brush,
@@ -54,6 +58,8 @@ pub(crate) enum Coat {
     Values,
     Colors,
     Answer,
+    /// The same, by speed and with nodal lines.
+    Figured,
     Corners,
 }
 
@@ -67,7 +73,7 @@ pub(crate) enum Side {
 
 impl Kind {
     pub(crate) fn new(part: Part, samples: Samples) -> Self {
-        Self { part, samples, shadows: false }
+        Self { part, samples, shadows: false, around: false }
     }
 }
 
@@ -107,6 +113,8 @@ impl Layouts {
                     (fragment, SAMPLER),
                     (fragment, depth),
                     (fragment, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison)),
+                    (fragment, IMAGE),
+                    (fragment, SAMPLER),
                 ],
             ),
             corners: layout(device, "corners", &[(ShaderStages::VERTEX, storage); 5]),
@@ -193,12 +201,13 @@ impl Pipelines {
     }
 
     fn build(&self, device: &wgpu::Device, kind: Kind) -> RenderPipeline {
-        use wgpu::VertexFormat::{Float32, Float32x3, Float32x4, Unorm8x4};
+        use wgpu::VertexFormat::{Float32, Float32x3, Unorm8x4};
         let attribute =
             |format, location| [wgpu::VertexAttribute { format, offset: 0, shader_location: location }];
         let (position, normal) = (attribute(Float32x3, 0), attribute(Float32x3, 1));
         let (value, color) = (attribute(Float32, 2), attribute(Unorm8x4, 2));
-        let (reach, rest) = (attribute(Float32, 1), attribute(Float32x4, 2));
+        let (reach, lag) = (attribute(Float32, 1), attribute(Float32x3, 4));
+        let rest = wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32];
         let marker = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
         let grain = wgpu::vertex_attr_array![0 => Uint32x3, 1 => Float32x3, 2 => Float32];
         let slot = |step_mode, stride, attributes| {
@@ -209,6 +218,7 @@ impl Pipelines {
         let (vertex, fragment, buffers) = match kind.part {
             Part::Shadow => ("shadow_vertex", None, vec![at]),
             Part::Backdrop => ("screen_vertex", Some("backdrop_fragment"), vec![]),
+            Part::Pictured => ("screen_vertex", Some("pictured_fragment"), vec![]),
             Part::Smooth => ("screen_vertex", Some("smooth_fragment"), vec![]),
             Part::Surface(Coat::Plain, _) => ("plain_vertex", Some("plain_fragment"), vec![at, towards]),
             Part::Surface(Coat::Values, _) => {
@@ -218,7 +228,11 @@ impl Pipelines {
                 ("color_vertex", Some("color_fragment"), vec![at, towards, each(4, &color)])
             }
             Part::Surface(Coat::Answer, _) => {
-                ("answer_vertex", Some("answer_fragment"), vec![at, towards, each(16, &rest)])
+                ("answer_vertex", Some("answer_fragment"), vec![at, towards, each(20, &rest)])
+            }
+            Part::Surface(Coat::Figured, _) => {
+                let buffers = vec![at, towards, each(20, &rest), each(12, &lag)];
+                ("figured_vertex", Some("figured_fragment"), buffers)
             }
             Part::Surface(Coat::Corners, _) => ("corner_vertex", Some("corner_fragment"), vec![]),
             Part::Brush => ("brush_vertex", Some("brush_fragment"), vec![at, each(4, &reach)]),
@@ -242,7 +256,11 @@ impl Pipelines {
         };
         let targets = [Some(self.target(kind.part))];
         let (module, flag) = (&self.module, |on: bool| f64::from(u8::from(on)));
-        let constants = [("SHADOWS", flag(kind.shadows)), ("FILTERED", flag(kind.samples == Samples::Four))];
+        let constants = [
+            ("SHADOWS", flag(kind.shadows)),
+            ("FILTERED", flag(kind.samples == Samples::Four)),
+            ("AROUND", flag(kind.around)),
+        ];
         let compilation = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(vertex),
@@ -291,7 +309,7 @@ impl Part {
         let (write, compare) = match self {
             Self::Smooth => return None,
             Self::Shadow | Self::Surface(..) => (true, LessEqual),
-            Self::Backdrop => (false, Always),
+            Self::Backdrop | Self::Pictured => (false, Always),
             Self::Markers | Self::Grains | Self::Brush => (false, LessEqual),
             Self::HiddenMarkers => (false, Greater),
         };

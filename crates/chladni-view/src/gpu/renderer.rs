@@ -13,7 +13,7 @@ use crate::uniforms::{
     CellUniform, FigureUniform, casts_shadows, cell_uniform, check_cell, check_figure, figure_uniform,
     key_light_view,
 };
-use crate::{Cell, Figure, Finish, Gpu, Paint, Samples, ViewError};
+use crate::{Cell, Figure, Finish, Gpu, Paint, Samples, Surroundings, ViewError};
 
 /// The pipelines of one device and target format, and the uniform buffers they share. Make one
 /// and keep it: each pipeline is compiled when a picture needs it first, and kept here.
@@ -30,6 +30,9 @@ pub(crate) struct Renderer {
     /// None before the first picture that has a finish.
     finishing: Option<Finishing>,
     grains: GrainBuffer,
+    surroundings: Surroundings,
+    /// The picture behind, bound as a skin.
+    behind: Option<wgpu::BindGroup>,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -72,7 +75,19 @@ impl Renderer {
             marker_bytes: Vec::new(),
             finishing: None,
             grains: GrainBuffer::new(),
+            surroundings: Surroundings::default(),
+            behind: None,
         }
+    }
+
+    pub(crate) fn surround(&mut self, surroundings: &Surroundings) -> Result<(), ViewError> {
+        for (skin, _) in surroundings.behind.iter().chain(&surroundings.around) {
+            skin.held.gpu()?;
+        }
+        self.surroundings = surroundings.clone();
+        let around = surroundings.around.as_ref().map(|(skin, _)| skin.held.gpu().cloned()).transpose()?;
+        self.images.surround(&self.gpu.device, &self.layouts, around);
+        Ok(())
     }
 
     /// Draws `cells` on `canvas` with a finish for a moment, and submits; does not wait.
@@ -129,7 +144,12 @@ impl Renderer {
             pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
             pass.set_bind_group(1, &self.figures.group, &[0]);
             pass.set_bind_group(2, &self.images.group, &[]);
-            if cell.background.opacity > 0.0 {
+            if let Some(behind) = self.behind.as_ref().filter(|_| cell.background.opacity > 0.0) {
+                pass.set_bind_group(2, behind, &[]);
+                pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Pictured, samples)));
+                pass.draw(0..3, 0..1);
+                pass.set_bind_group(2, &self.images.group, &[]);
+            } else if cell.background.opacity > 0.0 {
                 pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Backdrop, samples)));
                 pass.draw(0..3, 0..1);
             }
@@ -143,7 +163,8 @@ impl Renderer {
                 let grains = self.grains.slice(first_grain, of.grains.len() as u64);
                 first_grain += of.grains.len() as u64;
                 if let Some(grains) = grains.filter(|_| figure.topology.triangles > 0) {
-                    let kind = Kind { part: Part::Grains, samples, shadows: casts_shadows(cell) };
+                    let shadows = casts_shadows(cell);
+                    let kind = Kind { shadows, ..Kind::new(Part::Grains, samples) };
                     let index = figure_index - cell.figures.len() + i;
                     pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(index)]);
                     self.bind_corners(&mut pass, figure)?;
@@ -194,7 +215,7 @@ impl Renderer {
                 pass.set_pipeline(self.pipelines.get(&self.gpu.device, shadow));
                 pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
                 let (items, triangles) = (figure.buffers.held.gpu()?, figure.topology.held.gpu()?);
-                pass.set_vertex_buffer(0, items.positions.slice(item_bytes(figure)));
+                pass.set_vertex_buffer(0, items.positions.slice(item_bytes(figure, figure.item)));
                 pass.set_index_buffer(triangles.indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed(0..3 * figure.topology.triangles as u32, 0, 0..1);
             }
@@ -221,12 +242,13 @@ impl Renderer {
             Paint::Material => Coat::Plain,
             Paint::Values(..) => Coat::Values,
             Paint::Colors(_) => Coat::Colors,
+            Paint::Answer(_, by) if by.is_figured() => Coat::Figured,
             Paint::Answer(..) => Coat::Answer,
         };
         if coat == Coat::Corners {
             self.bind_corners(pass, figure)?;
         } else {
-            let item = item_bytes(figure);
+            let item = item_bytes(figure, figure.item);
             pass.set_vertex_buffer(0, buffers.positions.slice(item.clone()));
             pass.set_vertex_buffer(1, buffers.normals.slice(item));
             if let Paint::Values(paint, _) | Paint::Colors(paint) = figure.paint {
@@ -235,11 +257,16 @@ impl Renderer {
             if let Paint::Answer(rest, _) = figure.paint {
                 pass.set_vertex_buffer(2, rest.held.gpu()?.slice(..));
             }
+            if coat == Coat::Figured {
+                // Without a lag what is bound there counts for nothing.
+                let lag = item_bytes(figure, figure.lag.unwrap_or(figure.item));
+                pass.set_vertex_buffer(3, buffers.positions.slice(lag));
+            }
             pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
         }
         for side in sides(figure) {
             let part = Part::Surface(coat, side);
-            let kind = Kind { part, samples, shadows };
+            let kind = Kind { part, samples, shadows, around: self.images.is_surrounded() };
             pass.set_pipeline(self.pipelines.get(&self.gpu.device, kind));
             if coat == Coat::Corners {
                 pass.draw(0..corners, 0..1);
@@ -252,7 +279,7 @@ impl Renderer {
         }
         if let Some(ring) = figure.brush.filter(|ring| ring.corners > 0) {
             pass.set_pipeline(self.pipelines.get(&self.gpu.device, Kind::new(Part::Brush, samples)));
-            pass.set_vertex_buffer(0, buffers.positions.slice(item_bytes(figure)));
+            pass.set_vertex_buffer(0, buffers.positions.slice(item_bytes(figure, figure.item)));
             pass.set_vertex_buffer(1, ring.reach.held.gpu()?.slice(..));
             pass.set_index_buffer(ring.triangles.gpu()?.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..ring.corners, 0, 0..1);
@@ -293,10 +320,12 @@ impl Renderer {
         self.marker_bytes.clear();
         let shadowed = cells.iter().filter(|cell| casts_shadows(cell)).count();
         self.images.make_room(&self.gpu.device, &self.layouts, shadowed, canvas.samples);
+        let behind = self.surroundings.behind.as_ref().map(|(skin, _)| skin.held.gpu()).transpose()?;
+        self.behind = behind.map(|skin| self.images.group_with(&self.gpu.device, &self.layouts, skin));
         let mut map = 0;
         for cell in cells {
             check_cell(cell, canvas.width, canvas.height)?;
-            let mut uniform = cell_uniform(cell, !self.format.is_srgb());
+            let mut uniform = cell_uniform(cell, !self.format.is_srgb(), &self.surroundings);
             if casts_shadows(cell) {
                 let maps = &self.images.shadows;
                 (uniform.shadow, uniform.shadow_map) = key_light_view(cell, maps.size);
@@ -340,10 +369,10 @@ fn sides(figure: &Figure<'_>) -> [Side; 2] {
     if figure.opacity < 1.0 { [Side::Back, Side::Front] } else { [Side::Front, Side::Back] }
 }
 
-/// Where the positions (and normals) of a figure's item lie in its buffers.
-fn item_bytes(figure: &Figure<'_>) -> std::ops::Range<u64> {
+/// Where the positions (and normals) of an item lie in a figure's buffers.
+fn item_bytes(figure: &Figure<'_>, item: usize) -> std::ops::Range<u64> {
     let bytes = (figure.buffers.vertices * 12) as u64;
-    let start = figure.item as u64 * bytes;
+    let start = item as u64 * bytes;
     start..start + bytes
 }
 

@@ -9,6 +9,7 @@ struct Cell {
     lights: array<Light, 3>,
     // w: brightness of the upright softboxes.
     sky: vec4f,
+    // w: how bright a panorama is.
     ground: vec4f,
     // Colours as sRGB numbers; w of the first: opacity; of the second: 1 where they run
     // upright, 2 for a halo.
@@ -16,7 +17,7 @@ struct Cell {
     background_corner: vec4f,
     // x, y, width, height in pixels.
     viewport: vec4f,
-    // x: 1 where the target wants sRGB-encoded numbers; z: 1 in orthographic views; w: 1 for the curve
+    // x: 1 where the target wants sRGB-encoded numbers; y: width over height of a picture behind, 0 for none; z: 1 in orthographic views; w: 1 for the curve
     // of film.
     output: vec4f,
     // From the scene to the key light's clip space.
@@ -59,6 +60,12 @@ struct Figure {
     answer: vec4f,
     // Own light, more of it by a unit of length; saturation; 1 for palettes that are a circle.
     glow: vec4f,
+    // Of a palette: by a unit of lag; light of its own by a unit of lag; turns in one vibration; by the bend.
+    figured: vec4f,
+    // sRGB of nodal lines, opacity in w.
+    lines: vec4f,
+    // Half their width as a share of the picture's height, and how far the surface may go.
+    line: vec4f,
     // Linear light of its grains; w: their radius.
     grain: vec4f,
 }
@@ -68,6 +75,8 @@ struct Figure {
 override SHADOWS = true;
 // Whether shadows are filtered between the texels of their map: without, a pixel must be no smaller.
 override FILTERED = true;
+// Whether a panorama shines in the place of sky, ground and softboxes.
+override AROUND = false;
 // Half the width, of 2, in which the picture's left passes into its right.
 const WING = 0.3;
 
@@ -79,6 +88,8 @@ const WING = 0.3;
 @group(2) @binding(3) var skin_sampler: sampler;
 @group(2) @binding(4) var shadows: texture_depth_2d;
 @group(2) @binding(5) var shadow_sampler: sampler_comparison;
+@group(2) @binding(6) var around: texture_2d<f32>;
+@group(2) @binding(7) var around_sampler: sampler;
 @group(3) @binding(0) var<storage, read> positions: array<f32>;
 @group(3) @binding(1) var<storage, read> normals: array<f32>;
 @group(3) @binding(2) var<storage, read> corners: array<u32>;
@@ -111,12 +122,22 @@ struct ColoredSurface {
     @location(4) map_step: vec3f,
 }
 
-// Answers: place of the palette, and way from the rest.
+// Answers: place of the palette, and own light.
 struct AnsweredSurface {
     @builtin(position) clip: vec4f,
     @location(0) at: vec3f,
     @location(1) normal: vec3f,
     @location(2) answer: vec2f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
+}
+
+// The same, and the ways outward from the rest and from where it was lately.
+struct FiguredSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) answer: vec4f,
     @location(3) map_at: vec3f,
     @location(4) map_step: vec3f,
 }
@@ -181,12 +202,13 @@ fn color_vertex(
 }
 
 // What a palette makes of a vertex that has left its rest.
-fn answered(position: vec3f, normal: vec3f, rest: vec4f) -> vec2f {
+fn answered(position: vec3f, normal: vec3f, rest: vec4f, bend: f32) -> vec2f {
     let d = position - rest.xyz;
     let way = length(d);
     let outward = dot(d, normal) / max(length(normal), 1e-12);
     let by = figure.answer;
-    return vec2f(by.x + by.y * rest.w + by.z * outward + by.w * way, way);
+    let place = by.x + by.y * rest.w + by.z * outward + by.w * way + figure.figured.w * bend;
+    return vec2f(place, figure.glow.y * way);
 }
 
 @vertex
@@ -194,10 +216,28 @@ fn answer_vertex(
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) rest: vec4f,
+    @location(3) bend: f32,
 ) -> AnsweredSurface {
     let s = surface(position, normal);
-    let answer = answered(position, normal, rest);
+    let answer = answered(position, normal, rest, bend);
     return AnsweredSurface(s.clip, s.at, s.normal, answer, s.map_at, s.map_step);
+}
+
+@vertex
+fn figured_vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) rest: vec4f,
+    @location(3) bend: f32,
+    @location(4) lagging: vec3f,
+) -> FiguredSurface {
+    let s = surface(position, normal);
+    let lag = lagging - rest.xyz;
+    let off = normal / max(length(normal), 1e-12);
+    let by_speed = figure.figured.xy * length(lag);
+    let answer = answered(position, normal, rest, bend) + by_speed;
+    let outward = vec2f(dot(position - rest.xyz, off), dot(lag, off));
+    return FiguredSurface(s.clip, s.at, s.normal, vec4f(answer, outward), s.map_at, s.map_step);
 }
 
 // What the key light sees.
@@ -221,8 +261,9 @@ fn corner_vertex(@builtin(vertex_index) corner: u32) -> CornerSurface {
     // Images begin at the top, v at the bottom.
     if kind == 3u { paint = vec3f(corner_uvs[corner].x, 1.0 - corner_uvs[corner].y, 0.0); }
     if kind == 4u {
-        let r = vec4u(paints[4u * v], paints[4u * v + 1u], paints[4u * v + 2u], paints[4u * v + 3u]);
-        paint = vec3f(answered(position, normal, bitcast<vec4f>(r)), 0.0);
+        let r = vec4u(paints[5u * v], paints[5u * v + 1u], paints[5u * v + 2u], paints[5u * v + 3u]);
+        let bend = bitcast<f32>(paints[5u * v + 4u]);
+        paint = vec3f(answered(position, normal, bitcast<vec4f>(r), bend), 0.0);
     }
     let which = corner % 3u;
     let barycentric = vec3f(f32(which == 0u), f32(which == 1u), f32(which == 2u));
@@ -297,6 +338,26 @@ fn studio(d: vec3f, roughness: f32) -> vec3f {
     return c;
 }
 
+// Light of a panorama towards `d`, at one of its levels, or between two.
+fn panorama(d: vec3f, level: f32) -> vec3f {
+    let rows = f32(textureDimensions(around).y) / exp2(floor(level));
+    let down = acos(clamp(d.y, -1.0, 1.0)) / 3.1415927;
+    let uv = vec2f(0.5 + atan2(d.x, -d.z) / 6.2831853, clamp(down, 0.5 / rows, 1.0 - 0.5 / rows));
+    let c = textureSampleLevel(around, around_sampler, uv, level).rgb;
+    return c / max(1.0 - c, vec3f(1e-3)) * cell.ground.w;
+}
+
+// What comes from all around to a surface, and what it mirrors.
+fn ambient(n: vec3f) -> vec3f {
+    if AROUND { return panorama(n, 4.0); }
+    return mix(cell.ground.rgb, cell.sky.rgb, 0.5 + 0.5 * n.y);
+}
+
+fn mirrored(d: vec3f, roughness: f32) -> vec3f {
+    if AROUND { return panorama(d, 3.0 * clamp(roughness, 0.0, 1.0)); }
+    return studio(d, roughness);
+}
+
 // Share of the key light that reaches a place in its map.
 fn lit_by_key(map_at: vec3f, map_step: vec3f, pixel: vec2f) -> f32 {
     if !SHADOWS { return 1.0; }
@@ -362,7 +423,7 @@ fn shaded(base: vec3f, n: vec3f, v: vec3f, key: f32, glow: f32) -> vec3f {
     }
     let f0 = mix(vec3f(0.04), tint, metal);
     let a = min(roughness * roughness + 0.05, 1.0);
-    var diffuse = mix(cell.ground.rgb, cell.sky.rgb, 0.5 + 0.5 * n.y);
+    var diffuse = ambient(n);
     var gloss = vec3f(0.0);
     for (var i = 0; i < 3; i++) {
         let l = cell.lights[i].direction.xyz;
@@ -383,7 +444,7 @@ fn shaded(base: vec3f, n: vec3f, v: vec3f, key: f32, glow: f32) -> vec3f {
     let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
     let k = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
     let share = f0 * (-1.04 * k + r.z) + (1.04 * k + r.w);
-    let mirror = studio(reflect(-v, n), roughness) * share;
+    let mirror = mirrored(reflect(-v, n), roughness) * share;
     let grazing = 1.0 - nv;
     let own = tint * glow + figure.edge.rgb * (grazing * grazing * grazing);
     return (tint * (1.0 - metal) * diffuse + gloss + mirror + own) * wing(cell.wings.xy, across(v));
@@ -486,8 +547,36 @@ fn color_fragment(in: ColoredSurface, @builtin(front_facing) front: bool) -> @lo
 @fragment
 fn answer_fragment(in: AnsweredSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
-    let glow = figure.glow.x + figure.glow.y * in.answer.y;
-    let c = modelled(palette_color(in.answer.x), in.at, in.normal, front, key, glow);
+    let c = modelled(palette_color(in.answer.x), in.at, in.normal, front, key, figure.glow.x + in.answer.y);
+    return vec4f(c, 1.0) * figure.color.a;
+}
+
+// What is smaller than this share of the farthest way has less and less of a phase.
+const PHASED = 0.04;
+// A way that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or faint ones.
+const STILL = 2e-5;
+const STIRRED = 1e-4;
+
+// The angle of (x, y) in turns, by the way along a square; 0 at the middle of it.
+fn turns_of(x: f32, y: f32) -> f32 {
+    let size = abs(x) + abs(y);
+    let p = y / max(size, 1e-12);
+    return 0.25 * select(2.0 - p, p, x >= 0.0) * min(size / (PHASED * figure.line.y), 1.0);
+}
+
+@fragment
+fn figured_fragment(in: FiguredSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    // Derivatives first, while all neighbours run.
+    let slope = fwidth(in.answer.z);
+    let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
+    let place = in.answer.x + figure.figured.z * turns_of(in.answer.z, in.answer.w);
+    var c = modelled(palette_color(place), in.at, in.normal, front, key, figure.glow.x + in.answer.y);
+    let width = max(figure.line.x * cell.viewport.w, 0.6);
+    let near = 1.0 - smoothstep(width - 0.5, width + 0.5, abs(in.answer.z) / max(slope, 1e-12));
+    let stirred = smoothstep(STILL * figure.line.y, STIRRED * figure.line.y, slope);
+    var lines = figure.lines.rgb;
+    if cell.output.x < 0.5 { lines = to_linear(lines); }
+    c = mix(c, lines, figure.lines.w * near * stirred);
     return vec4f(c, 1.0) * figure.color.a;
 }
 
@@ -507,7 +596,7 @@ fn corner_fragment(in: CornerSurface, @builtin(front_facing) front: bool) -> @lo
         var glow = figure.glow.x;
         if kind == 4u {
             base = palette_color(in.paint.x);
-            glow += figure.glow.y * in.paint.y;
+            glow += in.paint.y;
         }
         let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
         c = modelled(base, in.at, in.normal, front, key, glow);
@@ -543,6 +632,16 @@ fn floored(behind: vec3f, at: vec2f) -> vec3f {
     let lit = cell.floor.rgb * (1.0 - cell.floor.w * shadow);
     let there = select(0.0, 1.0 / (1.0 + 0.06 * away), down > 1e-6);
     return mix(behind, lit, there);
+}
+
+// A picture that fills the viewport.
+@fragment
+fn pictured_fragment(in: Screen) -> @location(0) vec4f {
+    let ratio = cell.viewport.z / (cell.viewport.w * cell.output.y);
+    let scale = 0.5 * vec2f(min(ratio, 1.0), -min(1.0 / ratio, 1.0));
+    var c = textureSample(skin, skin_sampler, 0.5 + scale * in.at).rgb;
+    if cell.output.x > 0.5 { c = to_srgb(c); }
+    return vec4f(c, 1.0) * cell.background_center.w;
 }
 
 @fragment

@@ -54,6 +54,18 @@ impl CaricatureRoom {
             let limbs = (self.brush.active && self.brush.limbs.active)
                 .then(|| self.limbs.of(session.stack.body(), self.brush.limbs.level));
             self.heat.point(limbs.as_deref().map(|limbs| self.brush.limbs.shown(limbs)));
+            self.gallery.take_if(|gallery| !gallery.belongs_to(session));
+            if let Some(gallery) = &mut self.gallery {
+                match gallery.show(ui, session, self.look, shared, edits) {
+                    Ok(true) => {}
+                    Ok(false) => self.gallery = None,
+                    Err(why) => {
+                        shared.notices.failed(why);
+                        self.gallery = None;
+                    }
+                }
+                return;
+            }
             self.picking.take_if(|picking| !picking.belongs_to(session));
             if let Some(picking) = &mut self.picking {
                 let confidence = self.heat.quantity() == Quantity::Confidence;

@@ -4,13 +4,14 @@ use chladni_caricature::{Action, LayerId, MAX_MU, Model, PaintEdit, Property};
 use egui::Context;
 
 use super::edits::Edits;
+use super::gallery::GalleryView;
 use super::landmarks::Picking;
 use super::look::Show;
 use super::session::Session;
 use super::{CaricatureRoom, as_far_as_it_goes, toggle_picking};
 use crate::studio::keys::caricature::{
-    ABOVE, ADD_MESH, BELOW, BRUSH, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, HIDE, INK, INVERT,
-    LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
+    ABOVE, ADD_MESH, BELOW, BRUSH, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, GALLERY, HIDE, INK,
+    INVERT, LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
     SMALLER, SOLO, STRONGER, UNDO, WEAKER, WIRE,
 };
 use crate::studio::room::Shared;
@@ -35,6 +36,14 @@ impl CaricatureRoom {
             self.export();
         }
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
+        // The gallery has keys of its own.
+        if self.gallery.is_some() {
+            return;
+        }
+        if GALLERY.pressed(&ctx) {
+            self.gallery = Some(GalleryView::begin(session, &ctx));
+            return;
+        }
         if REDO.pressed(&ctx) {
             self.stale |= session.travel(false).is_some();
         } else if UNDO.pressed(&ctx) {

@@ -11,6 +11,7 @@ mod edits;
 mod export;
 mod files;
 mod footer;
+mod gallery;
 mod heat;
 mod keyboard;
 mod landmarks;
@@ -44,6 +45,7 @@ use self::brush::BrushTool;
 use self::controls::{Controls, Measured, Wish};
 use self::edits::Edits;
 use self::export::Export;
+use self::gallery::GalleryView;
 use self::heat::{Heat, Quantity};
 use self::landmarks::Picking;
 use self::layers::LayerList;
@@ -88,6 +90,8 @@ pub struct CaricatureRoom {
     limbs: KnownLimbs,
     /// Landmarks of the selected layer are picked.
     picking: Option<Picking>,
+    /// Twelve caricatures to choose from stand in the place of the shape.
+    gallery: Option<GalleryView>,
     heat: Heat,
     look: Portrayal,
     stale: bool,
@@ -109,7 +113,7 @@ impl Room for CaricatureRoom {
     }
 
     fn shortcuts(&self) -> &'static [Shortcut] {
-        keys::caricature::ALL
+        if self.gallery.is_some() { keys::breeding::ALL } else { keys::caricature::ALL }
     }
 
     fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
@@ -167,6 +171,9 @@ impl Room for CaricatureRoom {
 
     fn change_device(&mut self, shared: &mut Shared<'_>) {
         (self.preview, self.thumbnails, self.stale) = (None, Thumbnails::default(), true);
+        if let Some(gallery) = &mut self.gallery {
+            gallery.change_device();
+        }
         let stage = self.stage.take().map(|stage| stage.on(viewport::gpu_of(shared.gpu)));
         match stage.transpose() {
             Ok(stage) => self.stage = stage,

@@ -7,11 +7,12 @@ use egui::Ui;
 
 use super::CaricatureRoom;
 use super::edits::Edit;
+use super::gallery::GalleryView;
 use super::heat::Quantity;
 use super::look::Show;
 use super::stage::Stage;
 use crate::studio::icon::{self, Icon};
-use crate::studio::keys::caricature::{EXPORT, FIT, INK, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
+use crate::studio::keys::caricature::{EXPORT, FIT, GALLERY, INK, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
@@ -77,6 +78,12 @@ impl CaricatureRoom {
             ui.selectable_value(&mut self.look.show, show, icon::text(mark)).on_hover_text(tip);
         }
         self.stale |= self.look.show != before;
+        let Some(session) = self.session.as_ref().filter(|_| self.loading.is_none()) else { return };
+        let shown = self.gallery.is_some();
+        let button = ui.selectable_label(shown, icon::text(Icon::LayoutGrid));
+        if button.on_hover_text(GALLERY.tooltip(ui.ctx())).clicked() {
+            self.gallery = (!shown).then(|| GalleryView::begin(session, ui.ctx()));
+        }
     }
 
     fn look_menus(&mut self, ui: &mut Ui) {

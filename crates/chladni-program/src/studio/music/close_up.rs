@@ -70,7 +70,7 @@ pub fn show(
     let width = (plots.width() - theme::GAP) / 2.0;
     let left = Rect::from_min_size(plots.min, vec2(width, plots.height()));
     let right = left.translate(vec2(width + theme::GAP, 0.0));
-    let mut mapping = draft.as_ref().map_or_else(|| item.mapping.clone(), |draft| draft.mapping.clone());
+    let mut mapping = draft.as_ref().map_or_else(|| item.genome.clone(), |draft| draft.mapping.clone());
     let transfer = Plot {
         name: "t: which harmonic each sound band drives",
         range: (0.0, 1.0),
@@ -154,7 +154,7 @@ fn header(
     let weak = theme::palette(ui).weak;
     ui.spacing_mut().slider_width = 70.0;
     stereo_mu(ui, instrument, item, index, wishes);
-    let mut gain = item.mapping.gain;
+    let mut gain = item.genome.gain;
     let label = ui.label(RichText::new("Gain").color(weak)).id;
     let slider = theme::slider(&mut gain, 0.0..=4.0).fixed_decimals(2);
     if ui.add(slider).labelled_by(label).on_hover_text("This dance's own strength").changed() {
@@ -172,7 +172,7 @@ fn stereo_mu(ui: &mut Ui, instrument: &Instrument, item: &GalleryItem, index: us
         ui.label(RichText::new("not in halves").small().color(weak)).on_hover_text(why);
         return;
     }
-    let mut stereo_mu = item.mapping.stereo_mu;
+    let mut stereo_mu = item.genome.stereo_mu;
     let label = ui.label(label).id;
     let tip = "0: the middle of the sound moves symmetric harmonics, its sides antisymmetric ones; at 1 \
                symmetric ones hear the right channel alone and antisymmetric ones the left";
@@ -199,7 +199,7 @@ fn shapes_menu(
     heard: &HeardBands<'_>,
     wishes: &mut Vec<Wish>,
 ) {
-    let mapping = &item.mapping;
+    let mapping = &item.genome;
     let name = text(ui, Icon::Spline, "Curves");
     let button = ui.menu_button(name, |ui| {
         let mut entry = |ui: &mut Ui, name: &str, action: &dyn Fn() -> Action| {

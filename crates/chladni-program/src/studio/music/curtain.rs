@@ -1,10 +1,10 @@
 //! The stage in the window: nothing but the dance, on the chosen screen.
 
-use chladni_music::smooth;
 use egui::{Align2, Color32, FontId, Ui, ViewportCommand};
 
 use super::concert::Concert;
 use super::preferences::Screen;
+use crate::work::{TITLE, title_opacity};
 
 /// How long pointer and hint stay after the pointer has moved.
 const LINGER_SECS: f64 = 2.0;
@@ -78,27 +78,10 @@ impl Curtain {
         let age_secs = now_secs - self.title.1;
         let opacity = title_opacity(age_secs);
         if opacity > 0.0 {
-            let at = ui.max_rect().left_bottom() + egui::vec2(32.0, -48.0);
+            let [size, left, bottom] = TITLE;
+            let at = ui.max_rect().left_bottom() + egui::vec2(left, -bottom);
             let color = Color32::from_white_alpha((220.0 * opacity) as u8);
-            ui.painter().text(at, Align2::LEFT_BOTTOM, &self.title.0, FontId::proportional(26.0), color);
+            ui.painter().text(at, Align2::LEFT_BOTTOM, &self.title.0, FontId::proportional(size), color);
         }
-    }
-}
-
-/// In within a second, there for four, out within two.
-fn title_opacity(age_secs: f64) -> f32 {
-    smooth(age_secs.min(0.5 * (7.0 - age_secs)).clamp(0.0, 1.0) as f32)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::title_opacity;
-
-    #[test]
-    fn a_title_fades_in_and_out() {
-        assert_eq!([0.0, 1.0, 3.0, 5.0, 7.0, 60.0].map(title_opacity), [0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
-        let steps = (0..700)
-            .map(|i| (title_opacity(f64::from(i + 1) * 0.01) - title_opacity(f64::from(i) * 0.01)).abs());
-        assert!(steps.fold(0.0, f32::max) < 0.02);
     }
 }

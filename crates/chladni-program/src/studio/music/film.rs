@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use chladni_music::{Action, BeatReading, LoggedAction, Moment, Show, Switch};
-use chladni_view::{FrameRate, ffmpeg_is_there};
+use chladni_view::{FrameRate, Look, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 use super::view::View;
@@ -64,6 +64,9 @@ struct Form {
     /// Of the song or the show; the end where `to_secs` is 0.
     from_secs: f64,
     to_secs: f64,
+    /// By its name; none is the look of what is filmed.
+    look: Option<&'static str>,
+    titles: bool,
 }
 
 /// What could be filmed now.
@@ -88,8 +91,7 @@ impl Filming {
         if self.running.is_some() {
             return Err(Error::input("A film is being made already."));
         }
-        let first = Form { what: What::AsItIs, size: SIZES[0].1, fps: 30, from_secs: 0.0, to_secs: 0.0 };
-        self.form.get_or_insert(first);
+        self.form.get_or_insert(Form::FIRST);
         Ok(())
     }
 
@@ -169,6 +171,16 @@ impl Filming {
 }
 
 impl Form {
+    const FIRST: Self = Self {
+        what: What::AsItIs,
+        size: SIZES[0].1,
+        fps: 30,
+        from_secs: 0.0,
+        to_secs: 0.0,
+        look: None,
+        titles: true,
+    };
+
     fn show(&mut self, ui: &mut Ui, window: [u32; 2], show_secs: f64) {
         ui.label(RichText::new("What").strong());
         let all = format!("All that was done so far ({show_secs:.0} s)");
@@ -200,6 +212,8 @@ impl Form {
                 }
             });
         });
+        ui.label(RichText::new("Look").strong());
+        theme::group(ui, "Look", |ui| self.choose_look(ui));
         ui.label(RichText::new("Frames a second").strong());
         theme::group(ui, "Frames a second", |ui| {
             ui.horizontal(|ui| {
@@ -228,10 +242,25 @@ impl Form {
         });
     }
 
+    fn choose_look(&mut self, ui: &mut Ui) {
+        let own = "As it was seen";
+        let shown = self.look.map_or_else(|| own.to_owned(), theme::capitalized);
+        let list = egui::ComboBox::from_id_salt("film look").width(160.0).height(480.0).selected_text(shown);
+        list.show_ui(ui, |ui| {
+            ui.selectable_value(&mut self.look, None, own);
+            for (name, _) in Look::PRESETS {
+                ui.selectable_value(&mut self.look, Some(name), theme::capitalized(name));
+            }
+        });
+        let tip = "Each song is named for a few seconds when it begins";
+        theme::checkbox(ui, &mut self.titles, "Titles of songs").on_hover_text(tip);
+    }
+
     fn film(&self, scene: Scene, path: PathBuf) -> Result<Film, Error> {
         let [width, height] = self.size;
         let output = Output { width, height, rate: FrameRate::per_second(self.fps), ..Output::to(path) };
-        let film = match self.what {
+        let output = Output { titles: self.titles, ..output };
+        let mut film = match self.what {
             What::TheShow => Film::of_show(scene.show, scene.body, scene.songs, output),
             What::AsItIs => {
                 let song = scene.song.and_then(|number| scene.songs.get(number).cloned());
@@ -240,6 +269,7 @@ impl Form {
                 Film::of_show(show, scene.body, vec![song], output)
             }
         };
+        film.look = self.look.and_then(Look::named).unwrap_or(film.look);
         let duration_secs = (self.to_secs > 0.0).then_some(self.to_secs - self.from_secs);
         Ok(Film { start_secs: self.from_secs, duration_secs, ..film })
     }
@@ -267,7 +297,32 @@ fn as_it_is(mut show: Show, view: View, favorites: usize) -> Show {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_music::{GalleryShape, Instrument, Parameter};
+    use chladni_music::{GalleryShape, Instrument, Looks, Parameter};
+
+    #[test]
+    fn a_film_looks_as_it_was_seen_unless_a_look_is_chosen() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let film = |form: Form| {
+            let instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+            let looks = Some(Looks { look: "ember".into(), ..Looks::default() });
+            let scene = Scene {
+                show: Show { looks, ..Show::of(&instrument) },
+                body: "sample:ring".into(),
+                songs: vec![("sample:tune".into(), BeatReading::default())],
+                song: Some(0),
+                view: View::Gallery,
+                favorites: 0,
+            };
+            form.film(scene, PathBuf::from("film.gif")).unwrap()
+        };
+        let as_seen = film(Form::FIRST);
+        assert_eq!(as_seen.look, Look::EMBER);
+        assert!(as_seen.output.titles, "as on stage");
+        for (name, look) in Look::PRESETS {
+            let chosen = film(Form { look: Some(name), titles: false, ..Form::FIRST });
+            assert!(chosen.look == look && !chosen.output.titles, "{name}");
+        }
+    }
 
     #[test]
     fn favorites_in_turn_are_all_seen() {

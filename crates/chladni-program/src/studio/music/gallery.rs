@@ -63,7 +63,7 @@ fn frame(ui: &Ui, cell: Rect, item: &GalleryItem, title: &str, marked: bool) {
         (false, false) => Stroke::new(1.0, Color32::from_white_alpha(18)),
     };
     ui.painter().rect_stroke(cell, 6.0, border, egui::StrokeKind::Inside);
-    curves(ui, cell, &item.mapping);
+    curves(ui, cell, &item.genome);
     let font = egui::TextStyle::Small.resolve(ui.style());
     let corner = cell.right_top() + vec2(-EDGE, 8.0);
     let title = title.strip_prefix("Dance ").filter(|_| item.name.is_empty()).unwrap_or(title);

@@ -3,14 +3,20 @@
 use chladni_view::{Background, Lights, Look, Material, Palette};
 use egui::{RichText, Ui};
 
-use super::preferences::{Preferences, Screen};
+use std::path::Path;
+
+use super::preferences::Screen;
+use crate::studio::choose::Chooser;
+use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::{PANORAMAS, PICTURES};
 
 /// Screens that are offered; the system does not tell how many there are.
 const SCREENS: usize = 4;
 
 /// Draws the drawer.
-pub fn show(ui: &mut Ui, preferences: &mut Preferences, adjusts: &mut bool) {
+pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool) {
+    let preferences = &mut shared.settings.music;
     let before = preferences.look.clone();
     scene(ui, &mut preferences.look);
     if preferences.look != before {
@@ -27,6 +33,11 @@ pub fn show(ui: &mut Ui, preferences: &mut Preferences, adjusts: &mut bool) {
     part(ui, "Light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));
     part(ui, "Background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));
     palette(ui, &mut preferences.palette);
+    let chooser = &mut *shared.chooser;
+    let tip = "A picture of your own (PNG or JPEG) behind all, in the place of the background";
+    file(ui, chooser, ("Picture", tip), &mut preferences.picture, ("Pictures", &PICTURES));
+    let tip = "A panorama of your own (HDR, PNG or JPEG, twice as wide as high): shapes mirror it, and its light is theirs";
+    file(ui, chooser, ("Panorama", tip), &mut preferences.panorama, ("Panoramas", &PANORAMAS));
     ui.label(RichText::new("Stage").strong());
     let screens = [(Screen::Window, "In the window".to_owned()), (Screen::Full, "This screen".to_owned())];
     let more = (0..SCREENS).map(|i| (Screen::Monitor(i), format!("Screen {}", i + 1)));
@@ -42,6 +53,30 @@ pub fn show(ui: &mut Ui, preferences: &mut Preferences, adjusts: &mut bool) {
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
     ui.add_space(theme::GAP);
     preferences.projection.show(ui, adjusts);
+}
+
+/// A file of one's own, or none.
+fn file(
+    ui: &mut Ui,
+    chooser: &mut dyn Chooser,
+    (heading, tip): (&str, &str),
+    chosen: &mut String,
+    kind: (&str, &[&str]),
+) {
+    ui.label(RichText::new(heading).strong());
+    ui.horizontal(|ui| {
+        let name = Path::new(chosen.as_str()).file_name().map(|name| name.to_string_lossy().into_owned());
+        let label = name.unwrap_or_else(|| format!("{heading} …"));
+        if ui.button(label).on_hover_text(tip).clicked()
+            && let Some(path) = chooser.open(&[kind])
+        {
+            *chosen = path.to_string_lossy().into_owned();
+        }
+        if !chosen.is_empty() && ui.button(format!("No {}", heading.to_lowercase())).clicked() {
+            chosen.clear();
+        }
+    });
+    ui.add_space(theme::GAP);
 }
 
 /// The whole scene: too many for a row of buttons.

@@ -24,6 +24,10 @@ pub struct Preferences {
     pub lights: String,
     /// By its name.
     pub background: String,
+    /// The file of a picture that stands behind all; none where it is empty.
+    pub picture: String,
+    /// That of a panorama that shines on it.
+    pub panorama: String,
     /// Where the stage appears.
     pub screen: Screen,
     /// The stage has a window of its own, and the gallery goes on in the first.
@@ -67,13 +71,15 @@ pub enum Screen {
 
 impl Default for Preferences {
     fn default() -> Self {
-        let Looks { look, palette, material, lights, background } = first_looks();
+        let Looks { look, palette, material, lights, background, picture, panorama } = first_looks();
         Self {
             look,
             palette,
             material,
             lights,
             background,
+            picture,
+            panorama,
             screen: Screen::default(),
             own_window: false,
             osc_port: None,
@@ -96,14 +102,16 @@ impl Preferences {
     pub fn looks(&self) -> Looks {
         let [look, palette, material, lights, background] =
             [&self.look, &self.palette, &self.material, &self.lights, &self.background].map(String::clone);
-        Looks { look, palette, material, lights, background }
+        let [picture, panorama] = [&self.picture, &self.panorama].map(String::clone);
+        Looks { look, palette, material, lights, background, picture, panorama }
     }
 
     /// Looks like a show.
     pub fn look_like(&mut self, looks: &Looks) {
-        let Looks { look, palette, material, lights, background } = looks.clone();
+        let Looks { look, palette, material, lights, background, picture, panorama } = looks.clone();
         (self.look, self.palette, self.material) = (look, palette, material);
         (self.lights, self.background) = (lights, background);
+        (self.picture, self.panorama) = (picture, panorama);
     }
 
     /// What those names mean.

@@ -194,7 +194,7 @@ fn favorites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
     for (index, item) in instrument.favorites().iter().enumerate() {
         let name = if item.name.is_empty() { format!("Dance {}", item.id + 1) } else { item.name.clone() };
         ui.horizontal(|ui| {
-            thumbnail(ui, &item.mapping);
+            thumbnail(ui, &item.genome);
             ui.label(&name);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let mut button = |mark, does: &str| {

@@ -3,10 +3,12 @@
 mod animation;
 mod beginning;
 mod deformed;
+mod lettering;
 mod performance;
 mod record;
 mod report;
 mod songs;
+mod titles;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -22,8 +24,8 @@ use super::body::laplacian;
 use super::dancer::{Dancing, classes};
 use super::outputs::check_file;
 use super::{
-    Cast, Error, HARMONICS, Hearing, Piece, Stance, Warning, Watcher, first_looks, look_named, opening_looks,
-    opening_view,
+    Cast, Error, HARMONICS, Hearing, Piece, Scenery, Stance, Warning, Watcher, first_looks, look_named,
+    opening_looks, opening_view,
 };
 use animation::Animation;
 pub use animation::Approximation;
@@ -32,6 +34,7 @@ pub use deformed::Deformed;
 use performance::{Done, Means, Performance};
 pub use report::{Report, Seconds};
 use songs::Songs;
+use titles::Titles;
 
 /// Morph targets of an animation unless said.
 pub const TARGETS: usize = 48;
@@ -58,6 +61,10 @@ pub struct Film {
     pub beginning: Beginning,
     /// Of shapes, lights and background.
     pub look: Look,
+    /// The file of a picture that stands behind them, or none.
+    pub picture: String,
+    /// That of a panorama that shines on them.
+    pub panorama: String,
     /// Where the viewer stands.
     pub viewpoint: Viewpoint,
     /// Dances, looks and strength change with the music, whatever is on stage in the beginning.
@@ -107,6 +114,8 @@ pub struct Output {
     pub synthesis: Backend,
     /// More than three a second.
     pub allow_flashes: bool,
+    /// Songs are named as they begin, as on stage.
+    pub titles: bool,
 }
 
 impl Film {
@@ -115,6 +124,8 @@ impl Film {
         Self {
             look: look_named(&opening_looks(&body)).0,
             viewpoint: opening_view(&body),
+            picture: String::new(),
+            panorama: String::new(),
             body,
             songs: vec![(song, BeatReading::default())],
             stance: Stance::default(),
@@ -143,6 +154,8 @@ impl Film {
             heard,
             show_secs: show.duration_secs,
             look: look_named(&looks).0,
+            picture: looks.picture,
+            panorama: looks.panorama,
             viewpoint: show.viewpoint,
             autopilot: false,
             start_secs: 0.0,
@@ -160,6 +173,7 @@ impl Film {
 pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let began = Instant::now();
     wanted.check()?;
+    let scenery = Scenery::open(&wanted.picture, &wanted.panorama)?;
     let output = wanted.output;
     let cast = Cast::open(Path::new(&wanted.body), watcher)?;
     // The orientation decides which half hears the left channel, so it is needed even without pictures.
@@ -201,6 +215,9 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     if wanted.autopilot {
         performance.pilot()?;
     }
+    if output.titles {
+        performance.name_songs(Titles::of(&wanted.songs, songs.stretches(), wanted.start_secs));
+    }
     if output.shows_rest {
         performance.show_rest();
     }
@@ -229,7 +246,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
                 (None, pipe) => Reel::to_pipe(std::io::stdout(), pipe.unwrap_or_default(), settings)?,
             };
             let means = Means { draw: output.draw, samples: output.samples, synthesis: output.synthesis };
-            let scene = (&wanted.look, &wanted.viewpoint);
+            let scene = (&wanted.look, &wanted.viewpoint, &scenery);
             watcher.watch("filming", |task| {
                 performance.film(film, scene, means, recording, &mut seconds, task)
             })?
@@ -351,6 +368,7 @@ impl Output {
             samples: None,
             synthesis: Backend::Auto,
             allow_flashes: false,
+            titles: false,
         }
     }
 

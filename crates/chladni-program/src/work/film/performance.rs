@@ -6,7 +6,7 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Ensemble, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Switch, Viewpoint,
+    Action, Ensemble, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Switch, Viewpoint,
 };
 use chladni_synth::{Backend, Item, SynthModel};
 use chladni_task::Task;
@@ -19,7 +19,10 @@ use chladni_view::{
 use super::Seconds;
 use super::deformed::Deformed;
 use super::record::Recording;
-use crate::work::{Error, FrameGuard, Hearing, Programme, SandTable, Staging, along, chooses_shots, dots};
+use super::titles::Titles;
+use crate::work::{
+    Error, FrameGuard, Hearing, Lag, Programme, SandTable, Scenery, Staging, along, chooses_shots, dots,
+};
 
 /// Where a film begins in the midst of another, so much before it is drawn for the flash guard, which has to know what was
 /// seen in the last second.
@@ -81,6 +84,8 @@ struct Shot {
     /// Of a shot that the camera chose.
     framing: Option<Framing>,
     mood: Mood,
+    /// How many shapes are seen.
+    count: usize,
 }
 
 /// All that changes from frame to frame.
@@ -92,12 +97,16 @@ pub struct Performance {
     ensemble: Ensemble,
     staging: Staging,
     sand: SandTable,
+    lag: Lag,
+    /// The look of the film asks for the lag.
+    feels_speed: bool,
     model: SynthModel,
     triangles: Vec<[u32; 3]>,
     start_secs: f64,
     rate: FrameRate,
     flashes_allowed: bool,
     shows_rest: bool,
+    titles: Titles,
     programme: Option<Programme>,
 }
 
@@ -124,6 +133,8 @@ impl Performance {
             heard: heard.into_iter().peekable(),
             staging,
             sand: SandTable::new(body.clone(), start_secs),
+            lag: Lag::default(),
+            feels_speed: false,
             instrument,
             script: script.into_iter().peekable(),
             ensemble,
@@ -133,6 +144,7 @@ impl Performance {
             rate,
             flashes_allowed: false,
             shows_rest: false,
+            titles: Titles::default(),
             programme: None,
         };
         performance.hearing.tune(0.0, performance.instrument.parameters());
@@ -148,11 +160,17 @@ impl Performance {
         self.shows_rest = true;
     }
 
+    /// Songs are named as they begin.
+    pub fn name_songs(&mut self, titles: Titles) {
+        self.titles = titles;
+    }
+
     /// Dances, looks and strength change with the music.
     pub fn pilot(&mut self) -> Result<(), Error> {
         let mut programme = Programme::new(&self.instrument, Vec::new(), self.start_secs)?;
         let at_secs = self.start_secs;
-        for action in programme.step(at_secs, true, &self.instrument) {
+        let form = self.staging.is_flat().then_some(Action::SetForm { form: Form::Modal });
+        for action in form.into_iter().chain(programme.step(at_secs, true, &self.instrument)) {
             self.instrument.apply(Moment { at_secs, at_beat: 0.0 }, action)?;
         }
         self.hearing.tune(0.0, self.instrument.parameters());
@@ -197,8 +215,8 @@ impl Performance {
         Ok(())
     }
 
-    /// Plays a frame: what is done to its picture, and the items to draw.
-    fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(Shot, &[Item]), Error> {
+    /// Plays a frame: what is done to its picture, and the items to deform.
+    fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(Shot, Vec<Item>), Error> {
         let time_secs = self.rate.start_secs(frame);
         let at_secs = self.start_secs + time_secs;
         let listening = Instant::now();
@@ -214,8 +232,11 @@ impl Performance {
         let mapping = Instant::now();
         let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
         let (reaction, mood) = (heard.reaction(&self.instrument), heard.mood());
-        let shot = Shot { time_secs, reaction, framing, mood };
-        let items = self.ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
+        let mut items = self.ensemble.play(&self.instrument, &heard.bands, heard.beat)?.to_vec();
+        let shot = Shot { time_secs, reaction, framing, mood, count: items.len() };
+        let piloted = self.programme.as_ref().and_then(Programme::look);
+        let wanted = piloted.map_or(self.feels_speed, |look| look.feels_speed());
+        self.lag.follow(&mut items, at_secs, wanted);
         seconds.mapping += mapping.elapsed().as_secs_f64();
         Ok((shot, items))
     }
@@ -234,7 +255,6 @@ impl Performance {
         for frame in frames {
             task.check()?;
             let (Shot { time_secs, .. }, items) = self.play(frame, seconds)?;
-            let items = items.to_vec();
             let form = self.instrument.parameters().form;
             each(form, &items)?;
             done.recording.push(time_secs, form, items.first().unwrap_or(&Item::default()));
@@ -258,13 +278,14 @@ impl Performance {
     pub fn film(
         &mut self,
         film: Film,
-        scene: (&Look, &Viewpoint),
+        (look, viewpoint, scenery): (&Look, &Viewpoint, &Scenery),
         means: Means,
         recording: bool,
         seconds: &mut Seconds,
         task: &Task,
     ) -> Result<Done, Error> {
         let (width, height) = (film.settings().width, film.settings().height);
+        self.feels_speed = look.feels_speed();
         let device = means.device()?;
         let samples = means.samples.unwrap_or_else(|| device.live_samples());
         let canvas = Canvas::with_samples(&device, width, height, samples)?;
@@ -277,13 +298,13 @@ impl Performance {
         let lead = if is_guarded { rate.frames_in(LEAD_SECS).min(first) } else { 0 };
         let begin = first - lead;
         self.play_until(begin, seconds, task)?;
-        let mut guarding = 0.0;
+        let (mut guarding, mut titles) = (0.0, std::mem::take(&mut self.titles));
+        let start_secs = self.start_secs;
         if canvas.samples() != samples {
             done.warnings.push(format!("the processor draws {}, whatever --samples says", canvas.samples()));
         }
         let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Error> {
             let (shot, items) = self.play(begin + frame, seconds)?;
-            let items = items.to_vec();
             if let Some(item) = items.first().filter(|_| recording && frame >= lead) {
                 done.recording.push(shot.time_secs, self.instrument.parameters().form, item);
             }
@@ -297,16 +318,20 @@ impl Performance {
                     Some(done.largest_displacement.map_or(share, |most| most.max(share)));
             }
             let drawing = Instant::now();
-            self.draw((&deformed, &rest), renderer, canvas, scene, shot)?;
+            self.draw((&deformed, &rest), renderer, canvas, (look, viewpoint), shot)?;
             seconds.drawing += drawing.elapsed().as_secs_f64();
             Ok(())
         };
         let retouch = |frame, picture: &mut _| {
             let start = Instant::now();
-            guard.pass(rate.start_secs(begin + frame), picture);
+            let at_secs = rate.start_secs(begin + frame);
+            guard.pass(at_secs, picture);
+            titles.lay(start_secs + at_secs, picture);
             guarding += start.elapsed().as_secs_f64();
         };
-        let waits = shoot_retouched(&mut Renderer::new(&device), &canvas, film, lead, task, draw, retouch)?;
+        let mut renderer = Renderer::new(&device);
+        renderer.surround(&scenery.on(&device)?)?;
+        let waits = shoot_retouched(&mut renderer, &canvas, film, lead, task, draw, retouch)?;
         seconds.drawing += waits.device_secs;
         seconds.encoding += waits.encoder_secs;
         seconds.guarding += guarding;
@@ -334,18 +359,21 @@ impl Performance {
         renderer: &mut Renderer,
         canvas: &Canvas,
         (look, viewpoint): (&Look, &Viewpoint),
-        Shot { time_secs, reaction, framing, mood }: Shot,
+        Shot { time_secs, reaction, framing, mood, count }: Shot,
     ) -> Result<(), ViewError> {
         let buffers = deformed.buffers()?;
         let area = Rect::of_size(canvas.width(), canvas.height());
-        let (instrument, items) = (&self.instrument, buffers.items());
+        let instrument = &self.instrument;
         let piloted = self.programme.as_ref().and_then(Programme::look);
         let look = piloted.as_ref().unwrap_or(look).answering(&mood);
         let from = (viewpoint, framing.as_ref());
-        let staged = self.staging.set(area, items, from, &look, reaction, instrument);
+        let staged = self.staging.set(area, count, from, &look, reaction, instrument);
         let grains = self.sand.drawn();
-        let figure = |item| Figure { grains, ..staged.figure(&deformed.topology, &buffers, item, rest) };
-        let figures: Vec<Figure<'_>> = (0..items).map(figure).collect();
+        let figure = |item| Figure {
+            grains: grains.get(item).copied(),
+            ..staged.figure(&deformed.topology, &buffers, item, rest)
+        };
+        let figures: Vec<Figure<'_>> = (0..count).map(figure).collect();
         let dots = match self.shows_rest {
             true => dots(self.model.rest_positions().iter().copied()),
             false => Vec::new(),

@@ -167,7 +167,10 @@ impl Session {
                 return Ok(false);
             }
         }?;
-        if matches!(edit, Edit::Once(Action::Add { .. } | Action::Duplicate(_))) {
+        if matches!(
+            edit,
+            Edit::Once(Action::Add { .. } | Action::Duplicate(_)) | Edit::Live(Action::Add { .. })
+        ) {
             self.selected = Some(next);
         }
         Ok(true)

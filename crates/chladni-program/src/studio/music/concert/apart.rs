@@ -11,7 +11,7 @@ use super::pane::Pane;
 use super::{Concert, stillness};
 use crate::studio::keys::music::{BLACKOUT, FREEZE, GO, LEAVE, MARK_LEFT, MARK_RIGHT};
 use crate::studio::room::Shared;
-use crate::work::{Error, Staging};
+use crate::work::{Error, Lag, Staging};
 
 /// What the second window needs beside the first.
 pub struct Apart {
@@ -19,6 +19,9 @@ pub struct Apart {
     /// Plays what is on stage; the first window's plays the gallery.
     ensemble: Ensemble,
     items: Vec<Item>,
+    /// How many of them are seen; there may be one more, their lag.
+    count: usize,
+    lag: Lag,
     /// It was sent to its screen.
     placed: bool,
 }
@@ -31,18 +34,31 @@ fn window() -> ViewportId {
 impl Apart {
     pub fn new(pane: &Pane, ensemble: &Ensemble) -> Self {
         let pane = Pane::on(pane.viewport.gpu().clone());
-        Self { pane, ensemble: ensemble.clone(), items: Vec::new(), placed: false }
+        Self {
+            pane,
+            ensemble: ensemble.clone(),
+            items: Vec::new(),
+            count: 0,
+            lag: Lag::default(),
+            placed: false,
+        }
     }
 
     /// What is on stage now.
     pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<(), Error> {
         self.items = self.ensemble.play(instrument, bands, beat)?.to_vec();
+        self.count = self.items.len();
         Ok(())
+    }
+
+    /// Adds the lag of what is on stage, where it is wanted.
+    pub fn lag(&mut self, at_secs: f64, wanted: bool) {
+        self.lag.follow(&mut self.items, at_secs, wanted);
     }
 
     /// What was on stage last.
     pub fn items(&self) -> &[Item] {
-        &self.items
+        &self.items[..self.count]
     }
 
     /// The window is closed; another stage gets another one.
@@ -87,7 +103,7 @@ impl Concert {
             self.seen.clear();
             let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
             let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
-            let (cells, _) = Staging::cells(area, apart.items.len());
+            let (cells, _) = Staging::cells(area, apart.count);
             self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)?;
             if self.adjusts {
                 shared.settings.music.projection.adjust(ui, rect);

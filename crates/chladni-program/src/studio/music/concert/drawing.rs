@@ -28,6 +28,7 @@ impl Concert {
         let from = (&self.viewpoint, framing.as_ref());
         let staged = self.staging.set(area, cells.len(), from, &look, reaction, &self.instrument);
         self.pane.viewport.finish(staged.look.finish, at_secs);
+        self.hang()?;
         let shown = StillPicture { pose, staged: staged.clone() };
         let is_new = self.pane.shown.as_ref() != Some(&shown);
         self.moving |= is_new;
@@ -35,7 +36,8 @@ impl Concert {
             self.pane.viewport.invalidate();
         }
         let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
-        let grains = self.sand.drawn();
+        // Beside a stage in a window of its own the gallery has no sand: that lies on the stage.
+        let grains = Some(self.sand.drawn()).filter(|all| all.len() == cells.len()).unwrap_or_default();
         let mut drawn_vertices = 0;
         let figures: Vec<Figure<'_>> = (0..)
             .zip(cells)
@@ -47,7 +49,7 @@ impl Concert {
                 drawn_vertices += detail.map_or(self.staging.rest().len(), |(detail, _)| detail.vertices);
                 let topology = detail.map_or(&self.topology, |(_, topology)| topology);
                 Figure {
-                    grains: grains.filter(|_| self.draws_stage),
+                    grains: grains.get(item).copied(),
                     ..staged.figure(topology, &buffers, item, &self.rest)
                 }
             })

@@ -1,6 +1,7 @@
 //! A body that dances: instrument, synthesizer and the picture of all items.
 
 mod apart;
+mod backcloth;
 mod drawing;
 mod house;
 mod marking;
@@ -19,6 +20,7 @@ use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
 use apart::Apart;
+use backcloth::Backcloth;
 use drawing::on_device;
 use house::House;
 use pane::Pane;
@@ -42,7 +44,7 @@ use crate::studio::theme;
 use crate::studio::viewport;
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
-use crate::work::{Error, SandTable, Staging, along, chooses_shots, reaction};
+use crate::work::{Error, Lag, SandTable, Staging, along, chooses_shots, reaction};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -67,6 +69,8 @@ pub struct Concert {
     drawn_vertices: usize,
     staging: Staging,
     sand: SandTable,
+    lag: Lag,
+    backcloth: Backcloth,
     viewpoint: Viewpoint,
     hand: Hand,
     piloted: Option<Piloted>,
@@ -127,6 +131,8 @@ impl Concert {
             pane,
             apart: None,
             sand: SandTable::new(body.clone(), 0.0),
+            lag: Lag::default(),
+            backcloth: Backcloth::default(),
             viewpoint: ready.opening_view,
             hand: Hand::default(),
             piloted: None,
@@ -315,6 +321,7 @@ impl Concert {
         let whole = ui.available_rect_before_wrap();
         self.seconds = ui.input(|input| input.time);
         self.moving = false;
+        self.backcloth.follow(shared);
         if listening.beats_changed() {
             self.count_beats(|at_secs| listening.beats_at(at_secs))?;
         }
@@ -336,12 +343,13 @@ impl Concert {
         if is_apart {
             let apart = apart.get_or_insert_with(|| Apart::new(&self.pane, &self.ensemble));
             apart.play(&self.instrument, &heard.bands, beat)?;
+            apart.lag(at_secs, look.feels_speed());
         }
         // What the window itself shows: where the stage has a window of its own, the gallery goes on.
         let on_stage = staged && !is_apart;
         self.draws_stage = staged;
         let solo = self.tried_out.take().or_else(|| self.close_up_mapping()).filter(|_| !on_stage);
-        let items = match &solo {
+        let mut items = match &solo {
             Some((mapping, settings)) => {
                 self.ensemble.audition(&self.instrument, (mapping, settings), &heard.bands, beat)
             }
@@ -388,12 +396,13 @@ impl Concert {
             trace.borrow_mut().push(PlayedFrame { at_secs, is_known, on_stage, coefficients });
         }
         let settings = self.instrument.parameters().frame_settings();
-        let count = items.len();
         // Of what is not known beforehand only the present is heard.
         while self.sand.due(at_secs).is_some() {
             let stepping = self.apart.as_ref().filter(|_| is_apart).map_or(&items[..], Apart::items);
             self.sand.step(stepping, &self.instrument);
         }
+        let count = items.len();
+        self.lag.follow(&mut items, at_secs, look.feels_speed());
         let pose = stillness::pose(&items, settings.normal_blending) ^ self.sand.version();
         // Where another window is drawn, too, its shapes have taken the place of these.
         if is_apart || self.pane.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
@@ -459,7 +468,7 @@ impl Concert {
     fn close_up_mapping(&self) -> Option<(Mapping, Settings)> {
         let View::CloseUp(item) = self.view else { return None };
         let item = self.instrument.gallery().items().get(item)?;
-        let mapping = self.draft.as_ref().map_or(&item.mapping, |draft| &draft.mapping);
+        let mapping = self.draft.as_ref().map_or(&item.genome, |draft| &draft.mapping);
         Some((mapping.clone(), Settings::default()))
     }
 }

@@ -1,6 +1,6 @@
 //! The autopilot in the window.
 
-use chladni_music::{Action, BarLine, Preset};
+use chladni_music::{Action, BarLine, Form, Preset};
 
 use super::Concert;
 use crate::work::{Error, Programme};
@@ -34,7 +34,8 @@ impl Concert {
         let generation = self.instrument.gallery().current();
         let mut piloted = Piloted { programme, generation };
         let actions = piloted.programme.step(self.moment.at_secs, true, &self.instrument);
-        actions.into_iter().try_for_each(|action| self.act(action))?;
+        let form = self.staging.is_flat().then_some(Action::SetForm { form: Form::Modal });
+        form.into_iter().chain(actions).try_for_each(|action| self.act(action))?;
         self.piloted = Some(piloted);
         Ok(())
     }

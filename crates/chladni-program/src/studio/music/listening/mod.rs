@@ -12,7 +12,7 @@ pub use outer::Progress;
 use std::path::{Path, PathBuf};
 
 use chladni_music::{
-    Bands, BarLine, Beat, BeatReading, Director, Framing, Parameters, Resonators, Stretch, Timbre,
+    Bands, BarLine, Beat, BeatReading, Director, Framing, Harmony, Parameters, Resonators, Stretch, Timbre,
 };
 use chladni_sound::{
     BeatFollower, Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings, PlayerState,
@@ -49,6 +49,8 @@ pub struct Listening {
     /// What live input strikes, and how long the last piece of it has rung.
     resonators: Option<Resonators>,
     rung_secs: f32,
+    /// Its chords.
+    harmony: Harmony,
     left: Vec<f32>,
     right: Vec<f32>,
     last_secs: f64,
@@ -141,6 +143,7 @@ impl Listening {
             follower,
             resonators: None,
             rung_secs: 0.0,
+            harmony: Harmony::default(),
             left: Vec::new(),
             right: Vec::new(),
             last_secs: 0.0,
@@ -315,7 +318,8 @@ impl Listening {
         let has_beats = known && self.known_beats().is_some();
         if known && std::mem::replace(&mut self.by_ear, !known) {
             let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
-            self.hearing.fade_from(at_secs, self.analyzer.spectrum().clone(), ringing, self.last_beat);
+            let heard = (self.analyzer.spectrum().clone(), ringing, self.harmony);
+            self.hearing.fade_from(at_secs, heard, self.last_beat);
         }
         self.by_ear = !known;
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
@@ -338,6 +342,7 @@ impl Listening {
             let beat = self.beat_or(by_ear);
             self.last_beat = beat;
             let spectrum = self.analyzer.spectrum();
+            self.harmony.hear(&spectrum.mid, self.analyzer.bands_hz(), dt_secs as f32);
             let timbre = Timbre::of(parameters);
             Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
             let ringing = self.resonators.as_mut().map(|bank| {
@@ -345,7 +350,8 @@ impl Listening {
                 bank.ring(dt_secs as f32)
             });
             let bands = Bands { ringing, ..bands_of(spectrum) };
-            return Ok(Heard { at_secs, is_known: false, bands, beat, fading: None });
+            let harmony = self.harmony;
+            return Ok(Heard { at_secs, is_known: false, bands, harmony, beat, fading: None });
         }
         let by_music = if has_beats { self.hearing.beat_at(at_secs) } else { by_ear };
         let beat = self.beat_or(by_music);
@@ -438,8 +444,9 @@ impl Listening {
                 }
                 Learned::Beats(beats) => {
                     self.hearing.know_beats(number, read_beats(&beats, song.reading));
-                    let (spectrum, ringing) = (self.spectrum().0.clone(), self.hearing.ringing().clone());
-                    self.hearing.fade_from(self.clock.at_secs(), spectrum, ringing, self.last_beat);
+                    let (ringing, harmony) = (self.hearing.ringing().clone(), self.hearing.harmony());
+                    let heard = (self.spectrum().0.clone(), ringing, harmony);
+                    self.hearing.fade_from(self.clock.at_secs(), heard, self.last_beat);
                     if let Some(song) = self.repertoire.get_mut(number) {
                         song.beats = Some(beats);
                     }

@@ -3,7 +3,7 @@
 //! The paper shows whatever breeding gives. Here it gives [`CANDIDATES`] children, of which the gallery shows
 //! those that are most worth looking at:
 //!
-//! 1. Each candidate is described by its movement to the song at hand ([`Descriptor`]).
+//! 1. Each candidate is described by how it moves the shape ([`Descriptor`]).
 //! 2. A preference is read off the generations so far: near what was chosen is good, near what was passed over
 //!    is bad, and what happened lately counts most. The better part of the candidates goes on.
 //! 3. Among them the best is taken, then again and again the one that is farthest from all taken so far
@@ -14,7 +14,43 @@
 use rayon::prelude::*;
 
 use crate::gallery::CANDIDATES;
-use crate::{Describer, Descriptor, Gallery, MusicError};
+use crate::{BreedingError, Gallery, Genome};
+
+/// A movement or deformation that is smaller is none.
+const STILL: f32 = 1e-5;
+
+/// What an item looks like, whatever its strength: numbers that are near each other where items look alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Descriptor(Vec<f32>);
+
+impl Descriptor {
+    /// Of how an item moves a shape at some places: how it looks, not how large it is, else all that hardly moves
+    /// would be alike.
+    pub fn of(mut movement: Vec<f32>) -> Self {
+        let length = movement.iter().map(|x| x * x).sum::<f32>().sqrt();
+        let scale = if length > STILL { 1.0 / length } else { 0.0 };
+        movement.iter_mut().for_each(|x| *x *= scale);
+        Self(movement)
+    }
+
+    /// 0 for movements that are the same but for their size, 2 for opposite ones.
+    pub fn distance(&self, other: &Self) -> f32 {
+        let squares = self.0.iter().zip(&other.0).map(|(a, b)| (a - b) * (a - b));
+        squares.sum::<f32>().sqrt()
+    }
+}
+
+/// Says what items look like.
+pub trait Describe<G>: Sync {
+    /// Why one cannot be described.
+    type Error: From<BreedingError> + Send;
+
+    /// What it looks like.
+    ///
+    /// # Errors
+    /// A genome that is not valid here.
+    fn describe(&self, genome: &G) -> Result<Descriptor, Self::Error>;
+}
 
 /// Generations that the preference remembers.
 const REMEMBERED: usize = 8;
@@ -35,7 +71,7 @@ struct Preference {
 
 impl Preference {
     /// Of the generations that led to the one that is shown.
-    fn of(gallery: &Gallery, describer: &Describer) -> Result<Self, MusicError> {
+    fn of<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -> Result<Self, D::Error> {
         let seen: Vec<(Descriptor, f32)> = gallery
             .opinions()
             .take(REMEMBERED)
@@ -45,9 +81,9 @@ impl Preference {
             .into_par_iter()
             .map(|(age, item)| {
                 let weight = FADING.powi(age as i32) * if item.chosen { 1.0 } else { -PASSED_OVER };
-                Ok((describer.describe(&item.mapping)?, weight))
+                Ok((describer.describe(&item.genome)?, weight))
             })
-            .collect::<Result<_, MusicError>>()?;
+            .collect::<Result<_, D::Error>>()?;
         let newest: Vec<&Descriptor> = seen.iter().take(gallery.items().len()).map(|(d, _)| d).collect();
         let mut apart: Vec<f32> = (newest.iter().enumerate())
             .flat_map(|(i, a)| newest[..i].iter().map(|b| a.distance(b)).collect::<Vec<_>>())
@@ -70,11 +106,11 @@ impl Preference {
 /// used.
 ///
 /// # Errors
-/// As breeding does: [`MusicError::NotEnoughParents`] where nothing is chosen.
-pub fn suggest(gallery: &Gallery, describer: &Describer) -> Result<Vec<u16>, MusicError> {
+/// As breeding does: [`BreedingError::NotEnoughParents`] where nothing is chosen; what `describer` says.
+pub fn suggest<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -> Result<Vec<u16>, D::Error> {
     let candidates = gallery.candidates()?;
     let described: Vec<Descriptor> =
-        candidates.par_iter().map(|mapping| describer.describe(mapping)).collect::<Result<_, _>>()?;
+        candidates.par_iter().map(|genome| describer.describe(genome)).collect::<Result<_, _>>()?;
     let preference = Preference::of(gallery, describer)?;
     let scores: Vec<f32> = described.par_iter().map(|d| preference.score(d)).collect();
     let mut order: Vec<usize> = (0..CANDIDATES).collect();
@@ -83,17 +119,32 @@ pub fn suggest(gallery: &Gallery, describer: &Describer) -> Result<Vec<u16>, Mus
     order.truncate(((PREFERRED * CANDIDATES as f32) as usize).max(places));
     let locked = gallery.items().iter().filter(|item| item.locked);
     let locked: Vec<Descriptor> =
-        locked.map(|item| describer.describe(&item.mapping)).collect::<Result<_, _>>()?;
-    let from_locked = |i: usize| locked.iter().map(|d| d.distance(&described[i])).fold(f32::MAX, f32::min);
-    let mut nearest: Vec<f32> = order.iter().map(|&i| from_locked(i)).collect();
-    let mut taken: Vec<u16> = Vec::with_capacity(places);
+        locked.map(|item| describer.describe(&item.genome)).collect::<Result<_, _>>()?;
+    Ok(farthest_first(&described, &order, &locked, places).into_iter().map(|i| i as u16).collect())
+}
+
+/// As many of `described` as asked for, by their numbers: those that differ most from each other.
+pub fn most_different(described: &[Descriptor], count: usize) -> Vec<usize> {
+    farthest_first(described, &(0..described.len()).collect::<Vec<_>>(), &[], count)
+}
+
+/// The first of `order`, then again and again the one that is farthest from all taken so far and from `besides`.
+fn farthest_first(
+    described: &[Descriptor],
+    order: &[usize],
+    besides: &[Descriptor],
+    count: usize,
+) -> Vec<usize> {
+    let from_besides = |i: usize| besides.iter().map(|d| d.distance(&described[i])).fold(f32::MAX, f32::min);
+    let mut nearest: Vec<f32> = order.iter().map(|&i| from_besides(i)).collect();
+    let mut taken: Vec<usize> = Vec::with_capacity(count);
     let mut next = 0;
-    while taken.len() < places {
-        taken.push(order[next] as u16);
+    while taken.len() < count && !order.is_empty() {
+        taken.push(order[next]);
         let last = &described[order[next]];
-        nearest.iter_mut().zip(&order).for_each(|(d, &i)| *d = d.min(last.distance(&described[i])));
+        nearest.iter_mut().zip(order).for_each(|(d, &i)| *d = d.min(last.distance(&described[i])));
         // Of several that are equally far the better liked one, which comes first.
         next = (0..order.len()).rev().max_by(|&a, &b| nearest[a].total_cmp(&nearest[b])).unwrap_or(0);
     }
-    Ok(taken)
+    taken
 }

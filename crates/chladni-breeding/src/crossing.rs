@@ -1,0 +1,72 @@
+//! How vectors of numbers are inherited (stereo-music paper, section 4c) and how they mutate.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// Mean length of a run, as a share of the vector that is bred.
+const MEAN_RUN: f64 = 0.1;
+
+/// Values of two parents, as many each: with probability ½ mixed run by run, so that every value lies between
+/// the parents', else all of one parent.
+pub fn inherit(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
+    if rng.random_bool(0.5) {
+        return mix(mother, father, rng);
+    }
+    if rng.random_bool(0.5) { mother.to_vec() } else { father.to_vec() }
+}
+
+/// Walks along the vector in runs of geometric length; each run has one weight w in [0, 1]
+/// and becomes w·p₁ + (1 − w)·p₂.
+fn mix(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
+    let mut child = Vec::with_capacity(mother.len());
+    while child.len() < mother.len() {
+        let end = (child.len() + run_length(mother.len(), rng)).min(mother.len());
+        let w: f32 = rng.random();
+        for i in child.len()..end {
+            let (p, q) = (mother[i], father[i]);
+            // Rounding must not carry a child out of its parents' range.
+            child.push((w * p + (1.0 - w) * q).clamp(p.min(q), p.max(q)));
+        }
+    }
+    child
+}
+
+/// A geometric random number in 1, 2, …, by inversion; its mean is a tenth of `length`.
+fn run_length(length: usize, rng: &mut ChaCha8Rng) -> usize {
+    let mean = (MEAN_RUN * length as f64).max(1.0);
+    if mean <= 1.0 {
+        return 1;
+    }
+    let u: f64 = rng.random();
+    1 + ((1.0 - u).ln() / (1.0 - 1.0 / mean).ln()) as usize
+}
+
+/// Every run of `values` moves by one random step of at most `amount` within `low` to 1. Where `low` is not 0, a
+/// value of zero stays zero in half of the runs, so that not all open at once.
+pub fn shift(values: &mut [f32], amount: f32, low: f32, rng: &mut ChaCha8Rng) {
+    let mut start = 0;
+    while start < values.len() {
+        let end = (start + run_length(values.len(), rng)).min(values.len());
+        let step = amount * rng.random_range(-1.0f32..=1.0);
+        let opens = rng.random_bool(0.5);
+        for v in &mut values[start..end] {
+            if low == 0.0 || *v != 0.0 || opens {
+                *v = (*v + step).clamp(low, 1.0);
+            }
+        }
+        start = end;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::rand_core::SeedableRng;
+
+    #[test]
+    fn runs_are_geometric_with_the_stated_mean() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let total: usize = (0..20_000).map(|_| run_length(200, &mut rng)).sum();
+        assert!((total as f64 / 20_000.0 - 20.0).abs() < 0.6, "{total}");
+    }
+}

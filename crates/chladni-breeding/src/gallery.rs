@@ -1,0 +1,480 @@
+//! A gallery, its generations, and who descends from whom.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde::{Deserialize, Serialize};
+
+use crate::BreedingError;
+
+/// The sizes S a gallery may have.
+pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
+/// Children among which a suggested generation is chosen.
+pub const CANDIDATES: usize = 200;
+/// The largest mutation of a candidate.
+const CANDIDATE_MUTATION: f32 = 0.4;
+
+/// Numbers that all generations together may hold: half a gigabyte. By hand that takes weeks of
+/// breeding, but a session file or a controller breeds faster.
+const MOST_GENES: usize = 1 << 27;
+
+/// What is bred: numbers that say what an item is.
+pub trait Genome: Clone + Send + Sync {
+    /// A child of two; a child of twins is their twin.
+    fn child(mother: &Self, father: &Self, rng: &mut ChaCha8Rng) -> Self;
+
+    /// The same, changed a little: no number moves by more than `amount`, from 0 to 1, of its range.
+    fn mutant(&self, amount: f32, rng: &mut ChaCha8Rng) -> Self;
+
+    /// How many numbers it holds.
+    fn genes(&self) -> usize;
+
+    /// Whether it is worth being shown at all.
+    fn is_viable(&self) -> bool {
+        true
+    }
+}
+
+/// Identifies one item permanently: no two items of a session share an id.
+pub type ItemId = u32;
+
+/// How an item came to be.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "from")]
+pub enum Origin {
+    /// Part of the initial gallery of a seed.
+    Initial {
+        /// The seed.
+        seed: u64,
+        /// Its place in that gallery.
+        place: usize,
+    },
+    /// A child of two items.
+    Bred {
+        /// Their ids.
+        parents: [ItemId; 2],
+    },
+    /// One item, changed a little at random.
+    Mutated {
+        /// Its id.
+        parent: ItemId,
+    },
+    /// Came out of a preset file.
+    Loaded {
+        /// The preset's name; its key is not `name`, because a line of lineage has one, too.
+        #[serde(rename = "preset", default)]
+        name: String,
+    },
+}
+
+/// One item of a gallery.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GalleryItem<G> {
+    /// Its id.
+    pub id: ItemId,
+    /// What the user calls it; empty until named.
+    pub name: String,
+    /// What it is.
+    pub genome: G,
+    /// How it came to be.
+    pub origin: Origin,
+    /// Whether it was changed by hand since.
+    pub edited: bool,
+    /// Chosen as a parent.
+    pub chosen: bool,
+    /// Stays in its place when the others are replaced.
+    pub locked: bool,
+}
+
+/// The items that were shown together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Generation<G> {
+    /// S items.
+    pub items: Vec<GalleryItem<G>>,
+    /// The generation this one was made from.
+    pub from: Option<usize>,
+}
+
+/// All generations of one seed. Everything random comes from the seed and from the number of
+/// draws made before, so that the same calls give the same items, bit for bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gallery<G> {
+    seed: u64,
+    draws: u64,
+    next_id: ItemId,
+    generations: Vec<Generation<G>>,
+    current: usize,
+    /// Numbers of all generations.
+    genes: usize,
+    /// The earliest generation whose choices count as a preference.
+    preference_since: usize,
+}
+
+impl<G: Genome> Gallery<G> {
+    /// A gallery of `size` ∈ [`GALLERY_SIZES`] items, which `initial` makes.
+    ///
+    /// # Errors
+    /// Another size; a seed above 2⁶³ − 1, the largest number that session files can hold; `initial` making another
+    /// number of items.
+    pub fn new(
+        seed: u64,
+        size: usize,
+        initial: impl FnOnce(&mut ChaCha8Rng) -> Vec<G>,
+    ) -> Result<Self, BreedingError> {
+        Self::numbered_from(0, seed, size, initial)
+    }
+
+    /// Another gallery whose items continue the numbering of this one.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn restart(
+        &self,
+        seed: u64,
+        size: usize,
+        initial: impl FnOnce(&mut ChaCha8Rng) -> Vec<G>,
+    ) -> Result<Self, BreedingError> {
+        Self::numbered_from(self.next_id, seed, size, initial)
+    }
+
+    fn numbered_from(
+        next_id: ItemId,
+        seed: u64,
+        size: usize,
+        initial: impl FnOnce(&mut ChaCha8Rng) -> Vec<G>,
+    ) -> Result<Self, BreedingError> {
+        if !GALLERY_SIZES.contains(&size) {
+            return Err(BreedingError::GallerySize(size));
+        }
+        if i64::try_from(seed).is_err() {
+            return Err(BreedingError::OutOfRange { name: "seed", value: seed as f64, range: "[0, 2^63)" });
+        }
+        let mut gallery = Self {
+            seed,
+            draws: 0,
+            next_id,
+            generations: Vec::new(),
+            current: 0,
+            genes: 0,
+            preference_since: 0,
+        };
+        let genomes = initial(&mut gallery.rng());
+        if genomes.len() != size {
+            return Err(BreedingError::Size { what: "initial items", found: genomes.len(), expected: size });
+        }
+        let of = |(place, genome)| (genome, Origin::Initial { seed, place });
+        let items = genomes.into_iter().enumerate().map(of);
+        let items = items.map(|(genome, origin)| gallery.item(genome, origin)).collect();
+        gallery.generations.push(Generation { items, from: None });
+        Ok(gallery)
+    }
+
+    /// The seed.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// All generations, oldest first.
+    pub fn generations(&self) -> &[Generation<G>] {
+        &self.generations
+    }
+
+    /// Index of the generation that is shown.
+    pub fn current(&self) -> usize {
+        self.current
+    }
+
+    /// The items that are shown.
+    pub fn items(&self) -> &[GalleryItem<G>] {
+        &self.generations[self.current].items
+    }
+
+    /// The generation in which an item was first seen, and its place there.
+    pub fn born(&self, id: ItemId) -> Option<(usize, usize)> {
+        let place = |generation: &Generation<G>| generation.items.iter().position(|item| item.id == id);
+        self.generations.iter().enumerate().find_map(|(g, generation)| Some((g, place(generation)?)))
+    }
+
+    /// The newest state of an item of any generation.
+    pub fn find(&self, id: ItemId) -> Option<&GalleryItem<G>> {
+        let shown = self.items().iter().find(|item| item.id == id);
+        shown.or_else(|| self.generations.iter().rev().flat_map(|g| &g.items).find(|item| item.id == id))
+    }
+
+    /// An item that is shown, to be chosen, locked or named.
+    ///
+    /// # Errors
+    /// An index beyond the last.
+    pub fn item_mut(&mut self, index: usize) -> Result<&mut GalleryItem<G>, BreedingError> {
+        let items = &mut self.generations[self.current].items;
+        let count = items.len();
+        items.get_mut(index).ok_or(BreedingError::NoSuch { what: "item", index, count })
+    }
+
+    /// Shows an earlier (or later) generation again.
+    ///
+    /// # Errors
+    /// One that does not exist.
+    pub fn go_to(&mut self, generation: usize) -> Result<(), BreedingError> {
+        let count = self.generations.len();
+        if generation >= count {
+            return Err(BreedingError::NoSuch { what: "generation", index: generation, count });
+        }
+        self.current = generation;
+        Ok(())
+    }
+
+    /// A new generation: S children of random pairs of distinct chosen items; locked items stay.
+    ///
+    /// # Errors
+    /// Less than two chosen, or no room for more.
+    pub fn breed(&mut self) -> Result<(), BreedingError> {
+        self.check_room()?;
+        let parents = self.parents(2)?;
+        let mut rng = self.rng();
+        let items = self
+            .items()
+            .to_vec()
+            .into_iter()
+            .map(|item| {
+                // Drawn for locked places too, so that a lock does not change its neighbors.
+                let (child, parents) = child(&parents, &mut rng);
+                if item.locked {
+                    return GalleryItem { chosen: false, ..item };
+                }
+                self.item(child, Origin::Bred { parents })
+            })
+            .collect();
+        self.show_new(items);
+        Ok(())
+    }
+
+    /// The chosen items, at least so many.
+    fn parents(&self, least: usize) -> Result<Vec<GalleryItem<G>>, BreedingError> {
+        let parents: Vec<GalleryItem<G>> = self.items().iter().filter(|i| i.chosen).cloned().collect();
+        if parents.len() < least { Err(BreedingError::NotEnoughParents(parents.len())) } else { Ok(parents) }
+    }
+
+    /// The [`CANDIDATES`] that the next generation may be chosen from: children of the chosen items, half of
+    /// them mutated; of a single chosen item mutants alone. They do not depend on each other.
+    ///
+    /// # Errors
+    /// [`BreedingError::NotEnoughParents`] where nothing is chosen.
+    pub fn candidates(&self) -> Result<Vec<G>, BreedingError> {
+        let parents = self.parents(1)?;
+        Ok((0..CANDIDATES).map(|number| self.candidate(&parents, number).0).collect())
+    }
+
+    fn candidate(&self, parents: &[GalleryItem<G>], number: usize) -> (G, Origin) {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(((number as u64 + 1) << 40) | self.draws);
+        let (genome, origin) = match parents {
+            [alone] => (alone.genome.clone(), Origin::Mutated { parent: alone.id }),
+            parents => {
+                let (child, parents) = child(parents, &mut rng);
+                (child, Origin::Bred { parents })
+            }
+        };
+        if parents.len() > 1 && rng.random_bool(0.5) {
+            return (genome, origin);
+        }
+        let amount = CANDIDATE_MUTATION * rng.random::<f32>();
+        let mutant = genome.mutant(amount, &mut rng);
+        (if mutant.is_viable() { mutant } else { genome }, origin)
+    }
+
+    /// A new generation: in each place the candidate of that number; locked items stay.
+    ///
+    /// # Errors
+    /// Nothing chosen, no room for more, another number of candidates than of items, or one that does not exist.
+    pub fn breed_from(&mut self, candidates: &[u16]) -> Result<(), BreedingError> {
+        self.check_room()?;
+        let (found, expected) = (candidates.len(), self.items().len());
+        if found != expected {
+            return Err(BreedingError::Size { what: "candidates", found, expected });
+        }
+        if let Some(&number) = candidates.iter().find(|number| usize::from(**number) >= CANDIDATES) {
+            return Err(BreedingError::NoSuch { what: "candidate", index: number.into(), count: CANDIDATES });
+        }
+        let parents = self.parents(1)?;
+        let born: Vec<(G, Origin)> =
+            candidates.iter().map(|&number| self.candidate(&parents, number.into())).collect();
+        self.draws += 1;
+        let places = self.items().to_vec().into_iter().zip(born);
+        let items = places
+            .map(|(item, (genome, origin))| match item.locked {
+                true => GalleryItem { chosen: false, ..item },
+                false => self.item(genome, origin),
+            })
+            .collect();
+        self.show_new(items);
+        Ok(())
+    }
+
+    /// The choices of earlier generations no longer count as a preference.
+    pub fn forget_preference(&mut self) {
+        self.preference_since = self.generations.len();
+    }
+
+    /// The generation that is shown and those that it came from, newest first: those in which something was
+    /// chosen, as far as they count as a preference.
+    pub fn opinions(&self) -> impl Iterator<Item = &[GalleryItem<G>]> {
+        let back = std::iter::successors(Some(self.current), |&g| self.generations[g].from);
+        let counted = back.take_while(|&g| g >= self.preference_since);
+        let items = counted.map(|g| &self.generations[g].items[..]);
+        items.filter(|items| items.iter().any(|item| item.chosen))
+    }
+
+    /// A new generation in which one item is changed a little.
+    ///
+    /// # Errors
+    /// An amount outside 0 to 1, an item that does not exist, or no room for more.
+    pub fn mutate(&mut self, index: usize, amount: f32) -> Result<(), BreedingError> {
+        if !(0.0..=1.0).contains(&amount) {
+            return Err(BreedingError::OutOfRange {
+                name: "mutation",
+                value: amount.into(),
+                range: "[0, 1]",
+            });
+        }
+        self.check_room()?;
+        let parent = self.item_mut(index)?.clone();
+        let genome = parent.genome.mutant(amount, &mut self.rng());
+        let child = self.item(genome, Origin::Mutated { parent: parent.id });
+        self.replace(index, child);
+        Ok(())
+    }
+
+    /// A new generation in which one item is replaced by one from elsewhere.
+    ///
+    /// # Errors
+    /// An item that does not exist, or no room for more.
+    pub fn load(&mut self, index: usize, name: &str, genome: G) -> Result<(), BreedingError> {
+        self.check_room()?;
+        self.item_mut(index)?;
+        let mut item = self.item(genome, Origin::Loaded { name: name.to_owned() });
+        item.name = name.to_owned();
+        self.replace(index, item);
+        Ok(())
+    }
+
+    fn replace(&mut self, index: usize, item: GalleryItem<G>) {
+        let mut items = self.items().to_vec();
+        items[index] = item;
+        self.show_new(items);
+    }
+
+    fn check_room(&self) -> Result<(), BreedingError> {
+        if self.genes < MOST_GENES {
+            Ok(())
+        } else {
+            Err(BreedingError::TooManyGenerations(self.generations.len()))
+        }
+    }
+
+    fn show_new(&mut self, items: Vec<GalleryItem<G>>) {
+        self.genes += items.iter().map(|item| item.genome.genes()).sum::<usize>();
+        self.generations.push(Generation { items, from: Some(self.current) });
+        self.current = self.generations.len() - 1;
+    }
+
+    fn item(&mut self, genome: G, origin: Origin) -> GalleryItem<G> {
+        let id = self.next_id;
+        self.next_id += 1;
+        let name = String::new();
+        GalleryItem { id, name, genome, origin, edited: false, chosen: false, locked: false }
+    }
+
+    /// A fresh stream of the seed for each draw: what is drawn does not depend on how much
+    /// randomness an earlier draw used.
+    fn rng(&mut self) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(self.draws);
+        self.draws += 1;
+        rng
+    }
+}
+
+/// A child of a random pair of distinct parents, at least two, and who they are.
+fn child<G: Genome>(parents: &[GalleryItem<G>], rng: &mut ChaCha8Rng) -> (G, [ItemId; 2]) {
+    let first = rng.random_range(0..parents.len());
+    let second = (first + rng.random_range(1..parents.len())) % parents.len();
+    let (p, q) = (&parents[first], &parents[second]);
+    (G::child(&p.genome, &q.genome, rng), [p.id, q.id])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{inherit, shift};
+
+    #[derive(Clone, Debug, PartialEq)]
+    struct Numbers(Vec<f32>);
+
+    impl Genome for Numbers {
+        fn child(mother: &Self, father: &Self, rng: &mut ChaCha8Rng) -> Self {
+            Self(inherit(&mother.0, &father.0, rng))
+        }
+
+        fn mutant(&self, amount: f32, rng: &mut ChaCha8Rng) -> Self {
+            let mut mutant = self.clone();
+            shift(&mut mutant.0, amount, 0.0, rng);
+            mutant
+        }
+
+        fn genes(&self) -> usize {
+            self.0.len()
+        }
+    }
+
+    fn initial(size: usize) -> impl FnOnce(&mut ChaCha8Rng) -> Vec<Numbers> {
+        move |rng| (0..size).map(|_| Numbers((0..384).map(|_| rng.random()).collect())).collect()
+    }
+
+    #[test]
+    fn sizes_and_seeds_that_are_not_offered_are_refused() {
+        assert!(matches!(Gallery::new(3, 7, initial(7)), Err(BreedingError::GallerySize(7))));
+        assert!(Gallery::new(1 << 63, 6, initial(6)).is_err());
+        assert!(Gallery::new(3, 6, initial(5)).is_err());
+    }
+
+    #[test]
+    fn generations_end_where_memory_would_and_begin_again_with_another_gallery() {
+        let mut gallery = Gallery::new(9, 6, initial(6)).unwrap();
+        for genes in [6 * 384, 2 * 6 * 384] {
+            gallery.mutate(0, 0.5).unwrap();
+            assert_eq!(gallery.genes, genes);
+        }
+        gallery.genes = MOST_GENES;
+        let before = gallery.clone();
+        (0..3).for_each(|i| gallery.item_mut(i).unwrap().chosen = false);
+        assert!(matches!(gallery.breed(), Err(BreedingError::TooManyGenerations(3))));
+        assert!(gallery.mutate(0, 0.5).is_err() && gallery.load(0, "", Numbers(vec![0.0])).is_err());
+        assert_eq!(gallery, before);
+        gallery.go_to(1).unwrap();
+        assert!(gallery.restart(9, 6, initial(6)).unwrap().mutate(0, 0.5).is_ok());
+    }
+
+    #[test]
+    fn breeding_keeps_locked_items_and_records_parents() {
+        let mut gallery = Gallery::new(9, 12, initial(12)).unwrap();
+        assert!(matches!(gallery.breed(), Err(BreedingError::NotEnoughParents(0))));
+        for i in [1, 4, 6] {
+            gallery.item_mut(i).unwrap().chosen = true;
+        }
+        gallery.item_mut(2).unwrap().locked = true;
+        let kept = gallery.items()[2].clone();
+        let before = gallery.items().to_vec();
+        gallery.breed().unwrap();
+        assert_eq!(gallery.items()[2], kept);
+        for (i, item) in gallery.items().iter().enumerate().filter(|(i, _)| *i != 2) {
+            let Origin::Bred { parents: [p, q] } = item.origin else { panic!("item {i}: {:?}", item.origin) };
+            assert!(p != q && [1, 4, 6].contains(&p) && [1, 4, 6].contains(&q));
+        }
+        gallery.go_to(0).unwrap();
+        assert_eq!(gallery.items(), &before[..]);
+        assert!(gallery.go_to(2).is_err());
+        gallery.breed().unwrap();
+        assert_eq!(gallery.generations()[2].from, Some(0));
+    }
+}

@@ -1,0 +1,199 @@
+//! A gallery of caricatures: choose what is liked, and see children of it.
+
+mod sitter;
+mod variant;
+
+use chladni_breeding::{
+    ChaCha8Rng, Describe, Descriptor, Gallery, GalleryItem, ItemId, most_different, suggest,
+};
+use rand_chacha::rand_core::SeedableRng;
+use rayon::prelude::*;
+
+pub use sitter::{MOST_FOLDS, Portrait, Sitter, SitterPart};
+pub use variant::{Group, Variant};
+
+use crate::CaricatureError;
+
+/// How many caricatures a gallery shows.
+pub const GALLERY_SIZE: usize = 12;
+/// Random variants among which the first gallery finds those that differ most.
+const FIRST: usize = 160;
+/// So many of these that differ are drawn, for each that is shown.
+const DRAWN: usize = 3;
+/// What moves less, or loses more of its strength to its limit, is not shown first.
+const LEAST_MOVED: f64 = 0.02;
+const LEAST_KEPT: f64 = 0.5;
+/// Random variants of which the one is taken that keeps most of its strength.
+const SURPRISES: usize = 6;
+
+/// Generations of twelve variants of one sitter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VariantGallery {
+    generations: Gallery<Variant>,
+    favorites: Vec<GalleryItem<Variant>>,
+}
+
+impl VariantGallery {
+    /// Twelve random variants that differ as much as possible.
+    ///
+    /// # Errors
+    /// A seed above 2⁶³ − 1.
+    pub fn new(seed: u64, sitter: &Sitter) -> Result<Self, CaricatureError> {
+        let first = first(sitter, None, seed)?;
+        let generations = Gallery::new(seed, GALLERY_SIZE, |_| first)?;
+        Ok(Self { generations, favorites: Vec::new() })
+    }
+
+    /// Twelve random variants as they come, to compare with.
+    ///
+    /// # Errors
+    /// A seed above 2⁶³ − 1.
+    pub fn random(seed: u64, sitter: &Sitter) -> Result<Self, CaricatureError> {
+        let random = |rng: &mut ChaCha8Rng| {
+            let one = |_| Variant::random(sitter.parts().len(), sitter.templates(), rng);
+            (0..GALLERY_SIZE).map(one).collect()
+        };
+        Ok(Self { generations: Gallery::new(seed, GALLERY_SIZE, random)?, favorites: Vec::new() })
+    }
+
+    /// Twelve others; groups that are locked stay as the first chosen variant has them, or the first of all.
+    ///
+    /// # Errors
+    /// A seed above 2⁶³ − 1.
+    pub fn restart(&mut self, seed: u64, sitter: &Sitter) -> Result<(), CaricatureError> {
+        let items = self.generations.items();
+        let model = items.iter().find(|item| item.chosen).or(items.first()).map(|item| item.genome.clone());
+        let first = first(sitter, model.as_ref(), seed)?;
+        self.generations = self.generations.restart(seed, GALLERY_SIZE, |_| first)?;
+        Ok(())
+    }
+
+    /// The generations, and those that are shown.
+    pub fn generations(&self) -> &Gallery<Variant> {
+        &self.generations
+    }
+
+    /// The variants that are shown.
+    pub fn variants(&self) -> Vec<&Variant> {
+        self.generations.items().iter().map(|item| &item.genome).collect()
+    }
+
+    /// Chooses one as a parent, or no longer.
+    ///
+    /// # Errors
+    /// An index beyond the last.
+    pub fn choose(&mut self, index: usize, on: bool) -> Result<(), CaricatureError> {
+        self.generations.item_mut(index)?.chosen = on;
+        Ok(())
+    }
+
+    /// Keeps one in its place when the others are replaced, or no longer.
+    ///
+    /// # Errors
+    /// An index beyond the last.
+    pub fn lock_place(&mut self, index: usize, on: bool) -> Result<(), CaricatureError> {
+        self.generations.item_mut(index)?.locked = on;
+        Ok(())
+    }
+
+    /// Whether children inherit a group unchanged.
+    pub fn is_locked(&self, group: Group) -> bool {
+        self.generations.items().iter().any(|item| item.genome.is_locked(group))
+    }
+
+    /// From now on children have a group unchanged from one parent, or no longer.
+    pub fn lock(&mut self, group: Group, on: bool) {
+        for index in 0..self.generations.items().len() {
+            if let Ok(item) = self.generations.item_mut(index) {
+                item.genome.lock(group, on);
+            }
+        }
+    }
+
+    /// Shows children of those that are chosen: some that look different, and like what was chosen so far.
+    ///
+    /// # Errors
+    /// Nothing chosen, or no room for more.
+    pub fn breed(&mut self, sitter: &Sitter) -> Result<(), CaricatureError> {
+        let candidates = suggest(&self.generations, sitter)?;
+        Ok(self.generations.breed_from(&candidates)?)
+    }
+
+    /// Changes one a little.
+    ///
+    /// # Errors
+    /// An index beyond the last, or no room for more.
+    pub fn mutate(&mut self, index: usize) -> Result<(), CaricatureError> {
+        Ok(self.generations.mutate(index, 0.3)?)
+    }
+
+    /// Shows the generation again from which the shown one came; false where it is the first.
+    pub fn back(&mut self) -> bool {
+        let from = self.generations.generations()[self.generations.current()].from;
+        from.is_some_and(|from| self.generations.go_to(from).is_ok())
+    }
+
+    /// Those that were marked as favorites, in any generation.
+    pub fn favorites(&self) -> &[GalleryItem<Variant>] {
+        &self.favorites
+    }
+
+    /// Marks one as a favorite, or no longer.
+    ///
+    /// # Errors
+    /// An index beyond the last.
+    pub fn favor(&mut self, index: usize, on: bool) -> Result<(), CaricatureError> {
+        let item = self.generations.item_mut(index)?.clone();
+        self.favorites.retain(|known| known.id != item.id);
+        if on {
+            self.favorites.push(item);
+        }
+        Ok(())
+    }
+
+    /// Whether one is a favorite.
+    pub fn is_favorite(&self, id: ItemId) -> bool {
+        self.favorites.iter().any(|known| known.id == id)
+    }
+}
+
+/// Twelve random variants, far from each other, with the locked groups of `model`.
+fn first(sitter: &Sitter, model: Option<&Variant>, seed: u64) -> Result<Vec<Variant>, CaricatureError> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = || {
+        let random = Variant::random(sitter.parts().len(), sitter.templates(), &mut rng);
+        model.map_or_else(|| random.clone(), |model| model.keeping_locked(random.clone()))
+    };
+    let all: Vec<Variant> = (0..FIRST).map(|_| random()).collect();
+    let described: Vec<Descriptor> =
+        all.par_iter().map(|variant| sitter.describe(variant)).collect::<Result<_, _>>()?;
+    let drawn = most_different(&described, DRAWN * GALLERY_SIZE);
+    let portraits = sitter.portray(&drawn.iter().map(|i| &all[*i]).collect::<Vec<_>>())?;
+    let is_shown = |portrait: &Portrait| portrait.moved >= LEAST_MOVED && portrait.kept >= LEAST_KEPT;
+    // The best come first, so that they fill up where too few are good enough.
+    let mut order: Vec<usize> = (0..portraits.len()).collect();
+    let score = |i: &usize| (is_shown(&portraits[*i]), portraits[*i].moved * portraits[*i].kept);
+    order.sort_by(|a, b| score(b).partial_cmp(&score(a)).unwrap_or(std::cmp::Ordering::Equal));
+    let good = order.iter().filter(|i| is_shown(&portraits[**i])).count().max(GALLERY_SIZE);
+    order.truncate(good);
+    let good: Vec<Descriptor> = order.iter().map(|i| described[drawn[*i]].clone()).collect();
+    Ok(most_different(&good, GALLERY_SIZE).into_iter().map(|i| all[drawn[order[i]]].clone()).collect())
+}
+
+/// One random variant of `seed`: of a few the one that loses least to its limit.
+///
+/// # Errors
+/// What the synthesizer refuses.
+pub fn surprise(seed: u64, sitter: &Sitter) -> Result<(Variant, Portrait), CaricatureError> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let all: Vec<Variant> =
+        (0..SURPRISES).map(|_| Variant::random(sitter.parts().len(), sitter.templates(), &mut rng)).collect();
+    let portraits = sitter.portray(&all.iter().collect::<Vec<_>>())?;
+    let both = all.into_iter().zip(portraits);
+    let score = |portrait: &Portrait| portrait.kept * portrait.kept * portrait.moved;
+    let best = both.max_by(|a, b| score(&a.1).total_cmp(&score(&b.1)));
+    best.ok_or_else(|| CaricatureError::Gallery("there are no variants".into()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,382 @@
+//! The gallery of caricatures: twelve of the open shape, living, to be chosen from and bred.
+
+use std::sync::Arc;
+
+use chladni_caricature::{
+    Action, Group, Layer, MatchRequest, Portrait, Sitter, Stack, VariantGallery, surprise,
+};
+use chladni_harmonics::Body;
+use chladni_task::Task;
+use chladni_view::{Rect, layout};
+use egui::{Align2, Color32, RichText, Sense, Stroke, Ui, vec2};
+
+use super::edits::Edits;
+use super::look::Portrayal;
+use super::session::Session;
+use crate::studio::icon::{self, Icon};
+use crate::studio::job::{self, Job};
+use crate::studio::keys::breeding::{
+    BACK, BREED, CHOOSE, FAVORITE, LEAVE, LOCK, MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE,
+    SURPRISE, TAKE,
+};
+use crate::studio::room::Shared;
+use crate::studio::theme;
+use crate::studio::viewport;
+use crate::work::{Aside, Error, sitter};
+
+mod wall;
+
+use wall::Wall;
+
+const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
+/// The seed of the first gallery; each further one has the next.
+const FIRST_SEED: u64 = 1;
+
+/// What is shown, and how it came to be.
+struct Shown {
+    sitter: Arc<Sitter>,
+    gallery: VariantGallery,
+    portraits: Vec<Portrait>,
+}
+
+/// What is done to a gallery beside the window.
+enum Step {
+    Breed,
+    Back,
+    Restart(u64),
+    Change(usize),
+}
+
+/// What a job brings.
+struct Brought {
+    shown: Shown,
+    /// Matches that the open project may use, too.
+    stack: Option<Stack>,
+}
+
+/// The gallery in the place of the stage.
+pub struct GalleryView {
+    body: Arc<Body>,
+    work: Option<Job<Brought>>,
+    surprising: Option<Job<Vec<Layer>>>,
+    shown: Option<Shown>,
+    wall: Option<Wall>,
+    marked: usize,
+    seed: u64,
+}
+
+impl GalleryView {
+    /// Prepares the gallery of the open shape.
+    pub fn begin(session: &Session, ctx: &egui::Context) -> Self {
+        let body = Arc::clone(session.stack.body());
+        let mesh = Arc::clone(&session.mesh);
+        let matched = session.project().layers().iter().filter(|(_, layer)| layer.template.is_mesh());
+        let given = matched.filter_map(|(_, layer)| MatchRequest::of(layer)).next_back();
+        let stack = session.stack.with_harmonics_of(Arc::clone(&body));
+        let work = move |task: &Task| {
+            let (mut stack, aside) = (stack?, Aside::new(task));
+            let given = given.map(|request| (request.template, request.matching));
+            let sitter = Arc::new(sitter(&mesh, &mut stack, given, &aside)?);
+            let gallery = VariantGallery::new(FIRST_SEED, &sitter)?;
+            let portraits = sitter.portray(&gallery.variants())?;
+            Ok(Brought { shown: Shown { sitter, gallery, portraits }, stack: Some(stack) })
+        };
+        Self {
+            body,
+            work: Some(Job::start("Preparing the gallery", ctx, work)),
+            surprising: None,
+            shown: None,
+            wall: None,
+            marked: 0,
+            seed: FIRST_SEED,
+        }
+    }
+
+    /// Whether it shows the shape of `session`, with its harmonics.
+    pub fn belongs_to(&self, session: &Session) -> bool {
+        Arc::ptr_eq(&self.body, session.stack.body())
+    }
+
+    /// The device was lost.
+    pub fn change_device(&mut self) {
+        self.wall = None;
+    }
+
+    /// Draws it; false when it is to be left. What is taken becomes layers.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        session: &mut Session,
+        look: Portrayal,
+        shared: &mut Shared<'_>,
+        edits: &mut Edits,
+    ) -> Result<bool, Error> {
+        if let Some(brought) = self.work.as_ref().and_then(Job::ended) {
+            self.work = None;
+            match brought {
+                Ok(Brought { shown, stack }) => {
+                    stack.iter().for_each(|stack| session.stack.learn(stack));
+                    (self.shown, self.wall) = (Some(shown), self.wall.take().map(Wall::emptied));
+                }
+                // What is shown already stays.
+                Err(why) if self.shown.is_some() => shared.notices.failed(why),
+                Err(why) => return Err(why),
+            }
+        }
+        if let Some(layers) = self.surprising.as_ref().and_then(Job::ended) {
+            self.surprising = None;
+            take(layers?, session, edits);
+            return Ok(false);
+        }
+        if LEAVE.pressed(ui.ctx()) {
+            return Ok(false);
+        }
+        if let Some(work) = &self.work {
+            egui::Panel::bottom("gallery work").resizable(false).show(ui, |ui| job::show_progress(ui, work));
+        }
+        let mut stays = true;
+        egui::Panel::top("gallery bar").resizable(false).show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| stays = self.bar(ui, session, edits));
+        });
+        if self.shown.is_none() {
+            ui.centered_and_justified(|ui| {
+                ui.label("Twelve caricatures appear here: click those that you like, then breed.")
+            });
+            return Ok(stays);
+        }
+        Ok(self.cells(ui, session, look, shared, edits)? && stays)
+    }
+
+    /// The buttons above; false when one leaves the gallery.
+    fn bar(&mut self, ui: &mut Ui, session: &Session, edits: &mut Edits) -> bool {
+        let ctx = ui.ctx().clone();
+        let idle = self.work.is_none() && self.surprising.is_none();
+        let (chosen, first) = self.shown.as_ref().map_or((0, true), |shown| {
+            let generations = shown.gallery.generations();
+            let chosen = generations.items().iter().filter(|item| item.chosen).count();
+            (chosen, generations.generations()[generations.current()].from.is_none())
+        });
+        let name = if chosen == 0 { "Breed".into() } else { format!("Breed {chosen}") };
+        let button = |ui: &mut Ui, mark: Icon, name: &str, tip: String, on: bool| {
+            let on = on && idle;
+            ui.add_enabled(on, egui::Button::new(icon::label(mark, name)))
+                .on_hover_text(&tip)
+                .on_disabled_hover_text(tip)
+                .clicked()
+        };
+        let ready = self.shown.is_some();
+        let tip = format!("{}: click at least one that you like", BREED.tooltip(&ctx));
+        if button(ui, Icon::Heart, &name, tip, chosen > 0) || (chosen > 0 && idle && BREED.pressed(&ctx)) {
+            self.start(Step::Breed, &ctx);
+        }
+        if button(ui, Icon::Undo2, "Back", BACK.tooltip(&ctx), ready && !first)
+            || (ready && !first && idle && BACK.pressed(&ctx))
+        {
+            self.start(Step::Back, &ctx);
+        }
+        if button(ui, Icon::RefreshCw, "Others", "Twelve others; locked groups stay".into(), ready) {
+            self.seed += 1;
+            self.start(Step::Restart(self.seed), &ctx);
+        }
+        let tip = format!("{}: one random caricature, at once", SURPRISE.tooltip(&ctx));
+        if button(ui, Icon::Dices, "Surprise me", tip, ready) || (ready && idle && SURPRISE.pressed(&ctx)) {
+            self.surprise(session, &ctx);
+        }
+        ui.separator();
+        let mut taken = None;
+        if let Some(shown) = &mut self.shown {
+            ui.label(RichText::new(icon::text(Icon::Lock)).color(theme::palette(ui).weak));
+            for group in Group::ALL {
+                let mut locked = shown.gallery.is_locked(group);
+                let tip = "Children have it from one parent unchanged";
+                if ui.toggle_value(&mut locked, theme::capitalized(group.name())).on_hover_text(tip).changed()
+                {
+                    shown.gallery.lock(group, locked);
+                }
+            }
+            if !shown.gallery.favorites().is_empty() {
+                ui.menu_button(icon::label(Icon::Star, "Favorites"), |ui| {
+                    for item in shown.gallery.favorites() {
+                        if ui.button(shown.sitter.title(&item.genome)).clicked() {
+                            taken = Some(item.genome.clone());
+                        }
+                    }
+                });
+            }
+        }
+        if let (Some(variant), Some(shown)) = (taken, &self.shown)
+            && let Ok(mut portraits) = shown.sitter.portray(&[&variant])
+        {
+            take(portraits.remove(0).layers, session, edits);
+            return false;
+        }
+        true
+    }
+
+    fn start(&mut self, step: Step, ctx: &egui::Context) {
+        let Some(shown) = &self.shown else { return };
+        let (sitter, mut gallery) = (Arc::clone(&shown.sitter), shown.gallery.clone());
+        let work = move |_: &Task| {
+            match step {
+                Step::Breed => gallery.breed(&sitter)?,
+                Step::Back => {
+                    gallery.back();
+                }
+                Step::Restart(seed) => gallery.restart(seed, &sitter)?,
+                Step::Change(index) => gallery.mutate(index)?,
+            }
+            let portraits = sitter.portray(&gallery.variants())?;
+            Ok(Brought { shown: Shown { sitter, gallery, portraits }, stack: None })
+        };
+        self.work = Some(Job::start("Breeding", ctx, work));
+    }
+
+    /// Begins with a random one, another each time.
+    fn surprise(&mut self, session: &Session, ctx: &egui::Context) {
+        let Some(shown) = &self.shown else { return };
+        let (sitter, seed) =
+            (Arc::clone(&shown.sitter), self.seed ^ ((session.history.steps() as u64 + 1) << 32));
+        let work = move |_: &Task| Ok(surprise(seed, &sitter)?.1.layers);
+        self.surprising = Some(Job::start("A surprise", ctx, work));
+    }
+
+    /// The twelve, and what is done to them; false when one was taken.
+    fn cells(
+        &mut self,
+        ui: &mut Ui,
+        session: &Session,
+        look: Portrayal,
+        shared: &mut Shared<'_>,
+        edits: &mut Edits,
+    ) -> Result<bool, Error> {
+        let rect = ui.available_rect_before_wrap();
+        let Some(shown) = &mut self.shown else { return Ok(true) };
+        let count = shown.portraits.len();
+        let scale = ui.pixels_per_point();
+        let pixels = |x: f32| ((x * scale).round() as u32).max(1);
+        let canvas = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
+        let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, count, 0.9);
+        let cells = layout::grid(canvas, rows, columns, 2, count);
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        if self.wall.is_none() {
+            self.wall = Some(Wall::new(viewport::gpu_of(shared.gpu), shown, session)?);
+        }
+        let Some(wall) = &mut self.wall else { return Ok(true) };
+        wall.hang(shown);
+        wall.show(ui, shared, rect, &cells, &response, look)?;
+        let step = |right: isize, down: isize| right + down * columns as isize;
+        for (key, by) in [
+            (MARK_LEFT, step(-1, 0)),
+            (MARK_RIGHT, step(1, 0)),
+            (MARK_ABOVE, step(0, -1)),
+            (MARK_BELOW, step(0, 1)),
+        ] {
+            if key.pressed(ui.ctx()) {
+                self.marked =
+                    self.marked.checked_add_signed(by).filter(|next| *next < count).unwrap_or(self.marked);
+            }
+        }
+        let (mut taken, mut changed) = (None, None);
+        for (index, cell) in cells.iter().enumerate() {
+            let corner = rect.min + vec2(cell.x as f32, cell.y as f32) / scale;
+            let cell = egui::Rect::from_min_size(corner, vec2(cell.width as f32, cell.height as f32) / scale);
+            let response = ui.interact(cell, ui.scope_id().with(("caricature", index)), Sense::click());
+            if response.contains_pointer() && ui.input(|input| input.pointer.is_moving())
+                || response.gained_focus()
+            {
+                self.marked = index;
+            }
+            let pressed =
+                |key: crate::studio::shortcut::Shortcut| index == self.marked && key.pressed(ui.ctx());
+            let (gallery, sitter) = (&mut shown.gallery, &shown.sitter);
+            let Some(item) = gallery.generations().items().get(index).cloned() else { continue };
+            let favorite = gallery.is_favorite(item.id);
+            let title = format!("Caricature {}", index + 1);
+            response
+                .widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title));
+            let doing = sitter.title(&item.genome);
+            frame(ui, cell, index, (item.chosen, favorite, item.locked), index == self.marked, &doing);
+            let wish = |ui: &mut Ui, mark: Icon, name: &str| {
+                let clicked = ui.button(icon::label(mark, name)).clicked();
+                if clicked {
+                    ui.close();
+                }
+                clicked
+            };
+            let (mut takes, mut favors, mut locks, mut changes) = (
+                pressed(TAKE) || response.double_clicked(),
+                pressed(FAVORITE),
+                pressed(LOCK),
+                pressed(MUTATE),
+            );
+            response.context_menu(|ui| {
+                takes |= wish(ui, Icon::Check, "Take it: it becomes layers");
+                favors |= wish(ui, Icon::Star, if favorite { "No favorite any more" } else { "Favorite" });
+                locks |= wish(ui, Icon::Lock, if item.locked { "Unlock" } else { "Lock in its place" });
+                changes |= wish(ui, Icon::Dices, "Change a little");
+            });
+            if takes {
+                taken = Some(index);
+            } else if response.clicked() || pressed(CHOOSE) {
+                gallery.choose(index, !item.chosen)?;
+            }
+            if favors {
+                gallery.favor(index, !favorite)?;
+            }
+            if locks {
+                gallery.lock_place(index, !item.locked)?;
+            }
+            if changes {
+                changed = Some(index);
+            }
+        }
+        if let Some(portrait) = taken.and_then(|index| shown.portraits.get(index)) {
+            take(portrait.layers.clone(), session, edits);
+            return Ok(false);
+        }
+        if let Some(index) = changed.filter(|_| self.work.is_none()) {
+            self.start(Step::Change(index), ui.ctx());
+        }
+        Ok(true)
+    }
+}
+
+/// Adds the layers of a caricature on top, as one step of the history.
+fn take(layers: Vec<Layer>, session: &Session, edits: &mut Edits) {
+    let top = session.project().layers().len();
+    for (i, layer) in layers.into_iter().enumerate() {
+        edits.live(Action::Add { index: top + i, layer: Box::new(layer) });
+    }
+    edits.finish();
+}
+
+/// The edge of a cell with its marks; of the marked one also what it does.
+fn frame(
+    ui: &Ui,
+    cell: egui::Rect,
+    index: usize,
+    (chosen, favorite, locked): (bool, bool, bool),
+    marked: bool,
+    doing: &str,
+) {
+    let palette = theme::palette(ui);
+    let border = match (chosen, marked) {
+        (true, _) => Stroke::new(3.0, ACCENT),
+        (false, true) => Stroke::new(1.5, palette.weak),
+        (false, false) => Stroke::new(1.0, palette.weak.gamma_multiply(0.2)),
+    };
+    let painter = ui.painter().with_clip_rect(cell);
+    painter.rect_stroke(cell, 6.0, border, egui::StrokeKind::Inside);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let number = (index + 1).to_string();
+    painter.text(cell.right_top() + vec2(-9.0, 8.0), Align2::RIGHT_TOP, number, font.clone(), palette.weak);
+    let marks = [(chosen, Icon::CircleCheck), (favorite, Icon::Star), (locked, Icon::Lock)];
+    let marks: Vec<String> = marks.iter().filter(|mark| mark.0).map(|mark| icon::text(mark.1)).collect();
+    let large = egui::FontId::proportional(15.0);
+    painter.text(cell.left_top() + vec2(9.0, 8.0), Align2::LEFT_TOP, marks.join(" "), large, ACCENT);
+    if marked {
+        let text = painter.layout(doing.to_owned(), font, palette.weak, cell.width() - 18.0);
+        let at = cell.left_bottom() + vec2(9.0, -8.0 - text.size().y);
+        painter.galley(at, text, palette.weak);
+    }
+}

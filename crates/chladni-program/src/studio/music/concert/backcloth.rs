@@ -1,0 +1,44 @@
+//! The pictures around what dances, as the preferences name them: read beside the window, shown once they are there.
+
+use super::Concert;
+use crate::studio::job::Job;
+use crate::studio::room::Shared;
+use crate::work::{Error, Scenery};
+
+/// What is shown of them, and what is being read.
+#[derive(Default)]
+pub struct Backcloth {
+    named: [String; 2],
+    reading: Option<Job<Scenery>>,
+    scenery: Scenery,
+    /// Changes with the scenery.
+    version: u64,
+}
+
+impl Backcloth {
+    /// Follows the preferences.
+    pub fn follow(&mut self, shared: &mut Shared<'_>) {
+        let music = &shared.settings.music;
+        let named = [&music.picture, &music.panorama].map(String::clone);
+        if self.named != named {
+            self.named.clone_from(&named);
+            let [picture, panorama] = named;
+            let read = move |_: &_| Scenery::open(&picture, &panorama);
+            self.reading = Some(Job::start("Reading the pictures around the stage", &shared.ctx, read));
+        }
+        match self.reading.as_ref().and_then(Job::ended) {
+            None => return,
+            Some(Ok(scenery)) => (self.scenery, self.version) = (scenery, self.version + 1),
+            Some(Err(why)) => shared.notices.failed(why),
+        }
+        self.reading = None;
+    }
+}
+
+impl Concert {
+    /// Puts up what the preferences name, on the pane that is drawn.
+    pub(super) fn hang(&mut self) -> Result<(), Error> {
+        let Backcloth { scenery, version, .. } = &self.backcloth;
+        Ok(self.pane.viewport.surround(*version, scenery)?)
+    }
+}

@@ -1,0 +1,74 @@
+//! Pictures of one's own around what dances, from their files.
+
+use std::path::Path;
+
+use chladni_view::{Device, Panorama, Picture, Surroundings, ViewError};
+
+use super::Error;
+
+/// The endings of files that may stand behind a shape, and of those that may shine on it.
+pub const PICTURES: [&str; 3] = ["png", "jpg", "jpeg"];
+/// As [`PICTURES`].
+pub const PANORAMAS: [&str; 4] = ["hdr", "png", "jpg", "jpeg"];
+
+/// No such file is larger.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// What was read of them.
+#[derive(Clone, Debug, Default)]
+pub struct Scenery {
+    behind: Option<Picture>,
+    around: Option<Panorama>,
+}
+
+impl Scenery {
+    /// Reads the picture that stands behind and the panorama that shines; empty names are none.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is no such picture.
+    pub fn open(picture: &str, panorama: &str) -> Result<Self, Error> {
+        Ok(Self { behind: read(picture, Picture::decode)?, around: read(panorama, Panorama::decode)? })
+    }
+
+    /// For those who draw on `device`.
+    ///
+    /// # Errors
+    /// A picture that is too long for the device.
+    pub fn on(&self, device: impl Into<Device>) -> Result<Surroundings, ViewError> {
+        Surroundings::new(device, self.behind.as_ref(), self.around.as_ref())
+    }
+}
+
+fn read<T>(name: &str, decode: fn(&[u8]) -> Result<T, ViewError>) -> Result<Option<T>, Error> {
+    if name.is_empty() {
+        return Ok(None);
+    }
+    let unread = |why: std::io::Error| Error::Input(format!("{name}: {why}"));
+    let bytes = chladni_task::read_file(Path::new(name), MOST_BYTES).map_err(unread)?;
+    decode(&bytes).map(Some).map_err(|error| Error::Input(format!("{name}: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_picture_is_told_in_one_line_with_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+        std::fs::write(path("text.png"), "no picture").unwrap();
+        std::fs::write(path("square.png"), Picture::filled(8, 8, [9; 4]).to_png().unwrap()).unwrap();
+        std::fs::write(path("wide.png"), Picture::filled(16, 8, [90; 4]).to_png().unwrap()).unwrap();
+        let open = |picture: &str, panorama: &str| {
+            let named = |name: &str| if name.is_empty() { String::new() } else { path(name) };
+            Scenery::open(&named(picture), &named(panorama))
+        };
+        assert!(open("", "").is_ok() && open("square.png", "wide.png").is_ok());
+        for (picture, panorama) in [("text.png", ""), ("gone.png", ""), ("", "text.png"), ("", "square.png")]
+        {
+            let error = open(picture, panorama).unwrap_err();
+            let line = error.to_string();
+            assert!(line.contains(&path(picture.max(panorama))) && !line.contains('\n'), "{line}");
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! A shape ready to be caricatured by a gallery: its parts and its templates.
+
+use std::sync::Arc;
+
+use chladni_caricature::{
+    HEAD_PARTS, HeadParts, Limbs, MatchRequest, Painted, Sitter, SitterPart, Stack, Template,
+};
+use chladni_match::{MatchSettings, Method, match_shapes};
+use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
+
+use super::{Error, Watcher, matched};
+
+/// The sample that heads are matched with.
+const HEAD: &str = "template";
+/// A head fits it at least so well before anything is bent: heads of the test data have 0.16 to 0.24, a cow 0.30.
+const HEADLIKE: f64 = 0.27;
+/// The most parts that a variant stirs.
+const MOST_PARTS: usize = 12;
+/// Harmonics that the shape made smooth by itself keeps, coarse and fine.
+const SMOOTH: [usize; 2] = [8, 30];
+
+/// The shape of `stack`, whose file is `mesh`, with named parts where it is a head, else with its limbs. It is compared
+/// with an ellipsoid, with itself made smooth, with a plain head where it is one, and with the template that is `given`.
+/// Matching takes seconds to minutes; what `stack` has matched already is not matched again.
+///
+/// # Errors
+/// A template that cannot be matched, [`Error::Cancelled`].
+pub fn sitter(
+    mesh: &TriMesh,
+    stack: &mut Stack,
+    given: Option<(Template, MatchSettings)>,
+    watcher: &impl Watcher,
+) -> Result<Sitter, Error> {
+    let usual = MatchSettings::default;
+    let mut templates: Vec<(Template, MatchSettings)> = given.into_iter().collect();
+    let parts = match head(mesh, stack, watcher)? {
+        Some(parts) => {
+            templates.push((Template::Sample(HEAD.into()), usual()));
+            parts
+        }
+        None => limbs(stack, watcher)?,
+    };
+    templates.push((Template::Ellipsoid, usual()));
+    templates.extend(SMOOTH.map(|harmonics| (Template::LowPass(harmonics), usual())));
+    for (template, matching) in &templates {
+        let request = MatchRequest { template: template.clone(), matching: matching.clone() };
+        let own = !template.is_mesh()
+            && !matches!(template, Template::Ellipsoid | Template::Sphere | Template::Given(_));
+        if own || stack.matched(&request).is_some() {
+            continue;
+        }
+        let body = stack.body().clone();
+        let found = matched(&request, mesh, &body, watcher)?;
+        stack.install(request, Ok(found));
+    }
+    Ok(Sitter::new(stack, &templates, parts)?)
+}
+
+/// The named parts of a head; `None` of what is none.
+fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Option<Vec<SitterPart>>, Error> {
+    let Some(plain) = chladni_mesh::samples::sample(HEAD) else { return Ok(None) };
+    let rough = MatchSettings { method: Method::Icp, ..MatchSettings::default() };
+    let match_with = |settings: &MatchSettings| match_shapes(mesh, &plain, settings, watcher.task());
+    let pose = watcher.watch("looking for a head", |_| match_with(&rough));
+    watcher.task().check()?;
+    let headlike =
+        pose.is_ok_and(|pose| !pose.report.near_tie && pose.report.misfit.is_some_and(|m| m < HEADLIKE));
+    if !headlike {
+        return Ok(None);
+    }
+    let settings = MatchSettings::default();
+    let found = watcher.watch("finding the parts of the head", |_| match_with(&settings));
+    watcher.task().check()?;
+    let found = found.map_err(|error| Error::input(error.to_string()))?;
+    let parts = HeadParts::of_match(&found, &plain)?;
+    let body = stack.body().clone();
+    let request = MatchRequest { template: Template::Sample(HEAD.into()), matching: settings };
+    if stack.matched(&request).is_none() {
+        let matched = request.of_match(found, mesh, &body, &plain, watcher.task())?;
+        stack.install(request, Ok(matched));
+    }
+    let part = |name: &&str| {
+        let painted = parts.painted(&body.operator_vertex, &[(*name).to_owned()])?;
+        Ok(part((*name).to_owned(), painted))
+    };
+    let parts: Result<Vec<Option<SitterPart>>, Error> = HEAD_PARTS.iter().map(part).collect();
+    Ok(Some(parts?.into_iter().flatten().collect()))
+}
+
+/// What stands out of any shape, mirror images together, the largest first.
+fn limbs(stack: &Stack, watcher: &impl Watcher) -> Result<Vec<SitterPart>, Error> {
+    let body = stack.body();
+    let found = Limbs::of(body, Limbs::USUAL_LEVEL);
+    let search = MirrorSearch::of(&body.positions, &body.triangles);
+    let plane = search.map(|search| watcher.watch("looking for the mirror", |task| search.best(&[], task)));
+    let plane = plane.transpose()?.flatten().filter(|plane| plane.misfit <= MirrorPlane::TOLERANCE);
+    let twins = plane.map_or_else(|| vec![None; found.parts.len()], |plane| found.twins(&plane));
+    let mut parts = Vec::new();
+    for (i, twin) in twins.iter().enumerate().filter(|(i, twin)| twin.is_none_or(|twin| twin > *i)) {
+        let both: Vec<usize> = std::iter::once(i).chain(*twin).collect();
+        let kind = if found.parts[i].persistence > 0.0 { "part" } else { "trunk" };
+        let name = both.iter().map(usize::to_string).collect::<Vec<_>>().join("+");
+        parts.extend(part(format!("{kind} {name}"), found.painted(&both)));
+    }
+    parts.truncate(MOST_PARTS);
+    Ok(parts)
+}
+
+/// `None` where nothing is painted.
+fn part(name: String, painted: Painted) -> Option<SitterPart> {
+    let Painted::Vertices(painted) = painted else { return None };
+    painted.iter().any(|x| *x > 0.0).then(|| SitterPart { name, painted: Arc::clone(&painted) })
+}

@@ -1,0 +1,24 @@
+//! How long the name of a song is seen on stage after it has begun.
+
+use chladni_music::smooth;
+
+/// The size of its letters, and how far it is from the left and from the bottom, where 720 is the picture's height.
+pub const TITLE: [f32; 3] = [26.0, 32.0, 48.0];
+
+/// How opaque it is: in within a second, there for four, out within two.
+pub fn title_opacity(age_secs: f64) -> f32 {
+    smooth(age_secs.min(0.5 * (7.0 - age_secs)).clamp(0.0, 1.0) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::title_opacity;
+
+    #[test]
+    fn a_title_fades_in_and_out() {
+        assert_eq!([0.0, 1.0, 3.0, 5.0, 7.0, 60.0].map(title_opacity), [0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+        let steps = (0..700)
+            .map(|i| (title_opacity(f64::from(i + 1) * 0.01) - title_opacity(f64::from(i) * 0.01)).abs());
+        assert!(steps.fold(0.0, f32::max) < 0.02);
+    }
+}

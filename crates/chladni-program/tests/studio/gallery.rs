@@ -1,0 +1,48 @@
+//! The gallery of caricatures, by hand and by keys.
+
+use chladni_caricature::Project;
+use egui::Key;
+
+use crate::CTRL;
+use crate::driving;
+use crate::driving::person::Desk;
+
+#[test]
+fn caricatures_are_chosen_bred_and_taken_as_layers_in_one_step() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.press(Key::G);
+    person.wait_to_see("Caricature 12");
+    person.screenshot("studio-gallery.png");
+    person.click("Caricature 3");
+    person.wait_to_see("Breed 1");
+    person.press(Key::ArrowRight);
+    person.press(Key::C);
+    person.wait_to_see("Breed 2");
+    person.press(Key::F);
+    person.wait_to_see("Favorites");
+    person.click("Scales");
+    person.press(Key::Enter);
+    person.wait("the children", |window| {
+        !driving::shows(window, "Breeding") && driving::shows(window, "Breed")
+    });
+    assert!(!person.sees("Breed 2"));
+    person.press_with(CTRL, Key::Z);
+    person.wait_to_see("Breed 2");
+    person.press(Key::S);
+    person.wait_until_gone("Caricature 12");
+    desk.answers.add(desk.path("taken.chladni"));
+    person.press_with(CTRL, Key::S);
+    let layers = Project::load(&desk.path("taken.chladni")).unwrap().layers().len();
+    assert!((1..=3).contains(&layers), "{layers}");
+    person.press_with(CTRL, Key::Z);
+    person.press_with(CTRL, Key::S);
+    assert!(Project::load(&desk.path("taken.chladni")).unwrap().layers().is_empty());
+    person.press(Key::G);
+    person.wait_to_see("Caricature 12");
+    person.press(Key::R);
+    person.wait_until_gone("Caricature 12");
+    person.press_with(CTRL, Key::S);
+    assert!(!Project::load(&desk.path("taken.chladni")).unwrap().layers().is_empty());
+}
