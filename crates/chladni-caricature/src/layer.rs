@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use chladni_match::{Ellipsoid, MatchError, MatchSettings};
 use chladni_mesh::ShapeSource;
+use chladni_mesh::samples::portrait_sliders;
 use serde::{Deserialize, Serialize};
 
 use crate::{CaricatureError, Model, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
@@ -133,7 +134,12 @@ impl std::fmt::Display for GivenEllipsoid {
 impl Template {
     /// Whether one may replace the other while that is being matched.
     pub(crate) fn alike(&self, other: &Self) -> bool {
-        self == other || matches!((self, other), (Self::Given(_), Self::Given(_)))
+        let portrait = |template: &Self| match template {
+            Self::Sample(name) => portrait_sliders(name).is_some(),
+            _ => false,
+        };
+        let given = matches!((self, other), (Self::Given(_), Self::Given(_)));
+        self == other || given || (portrait(self) && portrait(other))
     }
 
     /// Whether it is a mesh that has to be matched with the shape.

@@ -47,6 +47,14 @@ pub enum MeshError {
     /// A name that no sample has.
     #[error("sample:{0}: there is no such sample; there are {list}", list = crate::samples::SAMPLES.join(", "))]
     NoSample(String),
+    /// A head whose sliders do not stand so.
+    #[error("sample:{name}: {why}")]
+    Sliders {
+        /// The sample as it was named.
+        name: String,
+        /// What is wrong with it.
+        why: String,
+    },
     /// An empty text where a file or a sample is to be named.
     #[error("no shape is named: write a path or sample:NAME")]
     NoName,

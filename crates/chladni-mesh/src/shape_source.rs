@@ -53,6 +53,9 @@ impl ShapeSource {
                 None => load_mesh(path),
             },
             Self::Sample(name) => {
+                if let Some(Err(why)) = samples::portrait_sliders(name) {
+                    return Err(MeshError::Sliders { name: name.clone(), why });
+                }
                 let mesh = samples::sample(name).ok_or_else(|| MeshError::NoSample(name.clone()))?;
                 Ok(Loaded { mesh, mended: Vec::new(), stored_positions: None })
             }

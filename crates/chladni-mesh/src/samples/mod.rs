@@ -8,10 +8,14 @@ mod instruments;
 mod jellyfish;
 mod octopus;
 mod plates;
+mod portrait;
 mod surface_nets;
 mod surfaces;
 
+use portrait::Face;
+
 pub(crate) use head::coarse_template;
+pub use portrait::{SLIDERS, portrait_name, portrait_sliders};
 pub use surfaces::{grid_square, icosphere, moebius, torus, uv_sphere};
 
 use crate::TriMesh;
@@ -24,7 +28,8 @@ pub const SAMPLES: [&str; 11] =
 /// `head`, a bald man of character, and `template`, a plain head in the same pose; `octopus`, `jellyfish`,
 /// `human` and `cat`; `bell` and `drum`; `ring`, a torus; and `plate` and `disc`, sheets that lie flat.
 /// All mirror x, look along +z and stand along y. The sheets have one border, the others are closed; the ring
-/// has a hole, the others have none.
+/// has a hole, the others have none. Besides these, `portrait`, a head of 50,000 vertices with [`SLIDERS`]:
+/// `portrait?jaw=0.5,nose=-1`.
 pub fn sample(name: &str) -> Option<TriMesh> {
     match name {
         "head" => Some(head::head()),
@@ -38,20 +43,20 @@ pub fn sample(name: &str) -> Option<TriMesh> {
         "jellyfish" => Some(jellyfish::jellyfish()),
         "human" => Some(human::human()),
         "cat" => Some(cat::cat()),
-        _ => None,
+        _ => portrait_sliders(name)?.ok().map(|values| Face::of(values).mesh()),
     }
 }
 
 /// The names of the parts of a head, in the order of their numbers in [`head_parts`].
 pub const HEAD_PARTS: [&str; 10] = head::PARTS;
 
-/// For each vertex of the sample `head` or `template` the part on which it lies, an index of [`HEAD_PARTS`]; `None` of
+/// For each vertex of the sample `head`, `template` or `portrait` the part on which it lies, an index of [`HEAD_PARTS`]; `None` of
 /// other samples. The forms that the heads are modelled of are the parts.
 pub fn head_parts(name: &str, mesh: &TriMesh) -> Option<Vec<u8>> {
     match name {
         "head" => Some(head::parts(mesh, true)),
         "template" => Some(head::parts(mesh, false)),
-        _ => None,
+        _ => portrait_sliders(name)?.ok().map(|values| Face::of(values).parts(mesh)),
     }
 }
 

@@ -260,11 +260,12 @@ fn tinted_button(ui: &mut Ui, mark: Icon, tip: &str, color: egui::Color32) -> eg
 }
 
 /// Templates that need no file; meshes are dropped on the window or chosen in the match panel.
-fn starting_points() -> [(&'static str, &'static str, Template); 6] {
+fn starting_points() -> [(&'static str, &'static str, Template); 7] {
     [
         ("Ellipsoid", "Against the ellipsoid that fits the shape", Template::Ellipsoid),
         ("Sphere", "Against the sphere that fits the shape", Template::Sphere),
         ("Plain head", "Against the sample head", Template::Sample("template".into())),
+        ("Head of sliders", "Against a head that is made by sliders", Template::Sample("portrait".into())),
         ("Own detail", "Against a smooth version of itself: its own detail grows", Template::LowPass(20)),
         ("Magnify all", "Against itself scaled down: all that is there grows", Template::Scaled(0.9)),
         ("Layers below", "Against the shape under all layers: all changes below grow", Template::Original),

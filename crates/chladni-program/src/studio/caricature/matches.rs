@@ -6,6 +6,7 @@ use egui::{RichText, Ui};
 
 use super::analytic;
 use super::edits::Edits;
+use super::head_sliders;
 use super::landmarks;
 use super::session::Session;
 use super::template_name::template_name;
@@ -67,6 +68,7 @@ fn template(
         ui.add_space(theme::GAP_SMALL);
     }
     analytic::show(ui, session, id, &layer.template, edits);
+    head_sliders::show(ui, id, &layer.template, edits);
     // A running match is shown in place of the report, so that the layout does not jump.
     if let Some(running) = session.running_match() {
         job::show_progress(ui, running);

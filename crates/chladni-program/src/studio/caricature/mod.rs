@@ -12,6 +12,7 @@ mod export;
 mod files;
 mod footer;
 mod gallery;
+mod head_sliders;
 mod heat;
 mod keyboard;
 mod landmarks;

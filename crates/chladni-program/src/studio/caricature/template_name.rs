@@ -1,6 +1,7 @@
 //! What a template is called in the window.
 
 use chladni_caricature::Template;
+use chladni_mesh::samples::portrait_sliders;
 
 /// What a template is called in the window.
 pub fn template_name(template: &Template) -> String {
@@ -8,6 +9,7 @@ pub fn template_name(template: &Template) -> String {
         Template::File(path) => path
             .file_name()
             .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned()),
+        Template::Sample(name) if portrait_sliders(name).is_some() => "head of sliders".into(),
         Template::Sample(name) => format!("sample {name}"),
         Template::Ellipsoid => "fitted ellipsoid".into(),
         Template::Sphere => "fitted sphere".into(),

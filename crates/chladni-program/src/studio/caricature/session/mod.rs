@@ -278,7 +278,7 @@ impl Session {
     fn own_path(&self) -> PathBuf {
         match (&self.path, &self.project().shape) {
             (Some(path), _) | (None, ShapeSource::File(path)) => path.clone(),
-            (None, ShapeSource::Sample(name)) => PathBuf::from(name),
+            (None, ShapeSource::Sample(name)) => PathBuf::from(name.split('?').next().unwrap_or(name)),
         }
     }
 
