@@ -62,13 +62,17 @@ mod tests {
         film(&Task::new()).unwrap();
         let mut files: Vec<_> = std::fs::read_dir(&path).unwrap().map(|file| file.unwrap().path()).collect();
         files.sort();
-        let widths: Vec<usize> = files
+        // From the contour on the left to that on the right.
+        let widths: Vec<u32> = files
             .iter()
             .map(|file| Picture::decode(&std::fs::read(file).unwrap()).unwrap())
-            .map(|picture| (0..96).filter(|x| picture.pixel(*x, 36).unwrap()[0] < 245).count())
+            .map(|picture| {
+                let inked: Vec<u32> = (0..96).filter(|x| picture.pixel(*x, 36).unwrap()[0] < 245).collect();
+                inked[inked.len() - 1] - inked[0]
+            })
             .collect();
         assert_eq!(widths.len(), 4);
-        assert!(widths[0].abs_diff(widths[2]) <= 12 && widths[1] > widths[0] + 10, "{widths:?}");
+        assert!(widths[0].abs_diff(widths[2]) <= 2 && widths[1] > widths[0] + 10, "{widths:?}");
         let task = Task::new();
         task.cancel();
         assert!(matches!(film(&task), Err(ViewError::Cancelled(_))));
