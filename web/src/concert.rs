@@ -210,7 +210,10 @@ impl Concert {
         let grains = self.sand.drawn();
         let small = stage.small.as_ref().filter(|_| items > 1);
         let topology = small.unwrap_or(&stage.topology);
-        let figure = |item| Figure { grains: grains.get(item).copied(), ..staged.figure(topology, &stage.buffers, item, &stage.rest) };
+        let figure = |item| Figure {
+            grains: grains.get(item).copied(),
+            ..staged.figure(topology, &stage.buffers, item, &stage.rest)
+        };
         let figures: Vec<Figure<'_>> = (0..items).map(figure).collect();
         let cells = staged.cells(&figures);
         stage.renderer.draw_finished(&stage.canvas, &cells, &staged.look.finish, at_secs)?;

@@ -27,7 +27,8 @@ fn median(mut times: Vec<f64>) -> f64 {
 /// Points that a fixed rule spreads: near the surface, or anywhere in the box around it.
 fn queries(positions: &[[f64; 3]], near: bool) -> Vec<[f64; 3]> {
     let low: [f64; 3] = std::array::from_fn(|c| positions.iter().map(|p| p[c]).fold(f64::INFINITY, f64::min));
-    let high: [f64; 3] = std::array::from_fn(|c| positions.iter().map(|p| p[c]).fold(-f64::INFINITY, f64::max));
+    let high: [f64; 3] =
+        std::array::from_fn(|c| positions.iter().map(|p| p[c]).fold(-f64::INFINITY, f64::max));
     let spread = |i: usize, c: usize| (i as f64 * [0.754_877_666, 0.569_840_290, 0.430_159_709][c]).fract();
     let at = |i: usize| {
         let vertex = positions[i * 7919 % positions.len()];
@@ -54,17 +55,28 @@ fn main() {
         trees = Some((tree, peer));
     }
     let (tree, peer) = trees.expect("at least one repeat");
-    println!("{} vertices, {} triangles; milliseconds, for {QUERIES} points where points are asked for.\n", positions.len(), triangles.len());
+    println!(
+        "{} vertices, {} triangles; milliseconds, for {QUERIES} points where points are asked for.\n",
+        positions.len(),
+        triangles.len()
+    );
     println!("| what | ours | parry | times |\n|---|---|---|---|");
     row("building", ours, theirs);
-    for (what, near) in [("closest, from within 1 % of the surface", true), ("closest, from anywhere in the box", false)] {
+    for (what, near) in
+        [("closest, from within 1 % of the surface", true), ("closest, from anywhere in the box", false)]
+    {
         let asked = queries(positions, near);
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
         for _ in 0..REPEATS {
             let a: Vec<f64> = timed(&mut ours, || {
-                asked.iter().map(|q| tree.closest(*q, f64::INFINITY).expect("a point").distance_squared.sqrt()).collect()
+                asked
+                    .iter()
+                    .map(|q| tree.closest(*q, f64::INFINITY).expect("a point").distance_squared.sqrt())
+                    .collect()
             });
-            let b: Vec<f64> = timed(&mut theirs, || asked.iter().map(|q| peer.distance_to_local_point(vector(q), false)).collect());
+            let b: Vec<f64> = timed(&mut theirs, || {
+                asked.iter().map(|q| peer.distance_to_local_point(vector(q), false)).collect()
+            });
             let apart = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-9, "the two disagree by {apart:e}");
         }

@@ -52,7 +52,8 @@ impl Concert {
             return Ok(self.act(Action::LeaveStage)?);
         }
         let at_secs = self.clock.at_secs();
-        let mut programme = Programme::new(&self.instrument, Vec::new(), at_secs)?.on_sheet(self.staging.is_flat());
+        let mut programme =
+            Programme::new(&self.instrument, Vec::new(), at_secs)?.on_sheet(self.staging.is_flat());
         let actions = programme.step(at_secs, true, &self.instrument);
         self.programme = Some(programme);
         for action in actions {
