@@ -249,7 +249,7 @@ impl<G: Genome> Gallery<G> {
         Ok(())
     }
 
-    /// The chosen items, at least so many.
+    /// The chosen items, at least this many.
     fn parents(&self, least: usize) -> Result<Vec<GalleryItem<G>>, BreedingError> {
         let parents: Vec<GalleryItem<G>> = self.items().iter().filter(|i| i.chosen).cloned().collect();
         if parents.len() < least { Err(BreedingError::NotEnoughParents(parents.len())) } else { Ok(parents) }

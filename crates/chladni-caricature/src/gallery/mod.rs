@@ -18,7 +18,7 @@ use crate::CaricatureError;
 pub const GALLERY_SIZE: usize = 12;
 /// Random variants among which the first gallery finds those that differ most.
 const FIRST: usize = 160;
-/// So many of these that differ are drawn, for each that is shown.
+/// How many that differ are drawn for each one that is shown.
 const DRAWN: usize = 3;
 /// What moves less, or loses more of its strength to its limit, is not shown first.
 const LEAST_MOVED: f64 = 0.02;

@@ -36,7 +36,7 @@ impl Titles {
                 shown.push((stretch.at_secs, name.clone()));
             }
         }
-        // What began before the film is told as it begins.
+        // What began before the film is named as it begins.
         let before = shown.partition_point(|(at_secs, _)| *at_secs <= start_secs);
         let mut shown = shown.split_off(before.saturating_sub(1));
         for (at_secs, name) in &mut shown {
