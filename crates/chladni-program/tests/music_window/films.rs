@@ -115,13 +115,16 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
         }
     }
     window.event(Event::PointerMoved(middle));
-    window.event(Event::MouseWheel {
-        unit: egui::MouseWheelUnit::Point,
-        delta: egui::vec2(0.0, 50.0),
-        phase: egui::TouchPhase::Move,
-        modifiers: Modifiers::NONE,
-        source: egui::MouseWheelSource::Wheel,
-    });
+    // In steps as small as those of a touchpad, which take effect at once.
+    for _ in 0..10 {
+        window.event(Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, 5.0),
+            phase: egui::TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+            source: egui::MouseWheelSource::Wheel,
+        });
+    }
     run_for(&mut window, 0.5);
     window.event(Event::PointerMoved(window.get_by_label("Dance 3").rect().center()));
     window.run_steps(2);
