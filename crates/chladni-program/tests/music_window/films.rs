@@ -129,6 +129,8 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
     window.event(Event::PointerMoved(window.get_by_label("Dance 3").rect().center()));
     window.run_steps(2);
     window.key_press(Key::S);
+    // Before the song is studied the camera follows what is heard; a film knows the song.
+    wait(&mut window, "the beats of the song", |_| trace.borrow().last().is_some_and(|frame| frame.is_known));
     run_for(&mut window, 1.2);
     window.key_press(Key::Space);
     // Until the wheel has run out, and the picture is drawn as finely as a film: on a busy machine there are few
