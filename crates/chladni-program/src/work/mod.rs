@@ -14,6 +14,7 @@ pub mod formats;
 mod frame_guard;
 mod hearing;
 mod lag;
+#[cfg(feature = "desktop")]
 pub mod mask;
 mod mood;
 mod opening_look;
