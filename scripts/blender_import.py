@@ -184,4 +184,5 @@ def bare(given, folder):
     return vertices(out)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -6,8 +6,6 @@
 
 import os
 import pathlib
-import re
-import subprocess
 import sys
 import tempfile
 
@@ -18,6 +16,8 @@ os.environ["BLENDER_USER_RESOURCES"] = FOLDER.name
 import bpy
 import numpy as np
 
+from blender_import import run, vertices
+
 ZIP, CHLADNI = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 HERE = pathlib.Path(FOLDER.name)
 LAYERS = ["--model", "distance", "--mu", "-2", "-k", "64"]
@@ -27,21 +27,6 @@ def check(name, is_so):
     if not is_so:
         sys.exit(f"FAILED: {name}")
     print(f"ok: {name}")
-
-
-def run(*words):
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
-    if done.returncode:
-        sys.exit(f"{' '.join(map(str, words))}: {done.stderr.strip()}")
-    return done.stdout
-
-
-def vertices(path):
-    """The vertices of a PLY that chladni wrote."""
-    head, body = path.read_bytes().split(b"end_header\n", 1)
-    count = int(re.search(rb"element vertex (\d+)", head)[1])
-    properties = re.search(rb"element vertex \d+\n((?:property double \w+\n)+)", head)[1].count(b"\n")
-    return np.frombuffer(body, "<f8", count * properties).reshape(count, -1)[:, :3]
 
 
 def places(data):

@@ -1,6 +1,8 @@
 //! Which format a file is in, by its name and by its content.
 
+use std::ffi::OsStr;
 use std::fmt;
+use std::path::Path;
 
 /// A mesh file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -48,6 +50,11 @@ impl Format {
             "mesh" => Self::Medit,
             _ => return None,
         })
+    }
+
+    /// The format that the ending of `path` promises.
+    pub fn of_path(path: &Path) -> Option<Self> {
+        path.extension().and_then(OsStr::to_str).and_then(Self::from_extension)
     }
 
     /// The format recognized by the first bytes. OBJ and text in general cannot be.

@@ -257,3 +257,16 @@ fn files_beside_come_into_the_glb_and_what_cannot_be_kept_is_refused() {
     let nowhere = add_morph_targets(Path::new("nowhere.glb"), &mesh, &[]);
     assert!(nowhere.is_err());
 }
+
+#[test]
+fn what_is_no_animation_stays_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut root, data) = rigged();
+    let odd = [json!(5), json!("turn"), json!({ "name": "empty" }), json!({ "channels": 7 })];
+    root["animations"].as_array_mut().unwrap().extend(odd.clone());
+    let path = folder.path().join("odd.glb");
+    std::fs::write(&path, glb(&root, &data)).unwrap();
+    let mesh = load_mesh(&path).unwrap().mesh;
+    let now = parsed(&add_morph_targets(&path, &mesh, &targets(&mesh)).unwrap());
+    assert_eq!(now.0["animations"].as_array().unwrap()[1..], odd);
+}

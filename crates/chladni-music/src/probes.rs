@@ -57,7 +57,7 @@ impl Probes {
                 }
             }
         }
-        spread(&body.positions, &mut vertices, COUNT.min(n));
+        chladni_mesh::surface::spread(&body.positions, &mut vertices, COUNT.min(n));
         let spots = vertices.len();
         let mut patches = Patch::among(body, PATCHES);
         let mut from = vec![0; patches.len()];
@@ -247,24 +247,6 @@ fn scale_group(coefficients: &mut Coefficients, group: &[u32], scale: f32) {
         match coefficients {
             Coefficients::Vector(c) => c[k as usize] = c[k as usize].map(|x| scale * x),
             Coefficients::Normal(c) => c[k as usize] *= scale,
-        }
-    }
-}
-
-/// Adds the vertex farthest from all chosen ones until there are `count`.
-fn spread(positions: &[[f64; 3]], chosen: &mut Vec<u32>, count: usize) {
-    let squared = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>();
-    let mut nearest: Vec<f64> = positions
-        .iter()
-        .map(|p| chosen.iter().map(|&c| squared(*p, positions[c as usize])).fold(f64::MAX, f64::min))
-        .collect();
-    while chosen.len() < count {
-        let Some(next) = (0..positions.len()).max_by(|&i, &j| nearest[i].total_cmp(&nearest[j])) else {
-            return;
-        };
-        chosen.push(next as u32);
-        for (d, p) in nearest.iter_mut().zip(positions) {
-            *d = d.min(squared(*p, positions[next]));
         }
     }
 }

@@ -237,11 +237,7 @@ fn in_gamut([lightness, a, b]: [f32; 3]) -> [u8; 3] {
     let inside = |rgb: &[f32; 3]| rgb.iter().all(|c| (-1e-4..=1.0001).contains(c));
     let at = |share: f32| linear_of([lightness, a * share, b * share]);
     let rgb = (0..=50).map(|i| at(1.0 - i as f32 / 50.0)).find(inside).unwrap_or(at(0.0));
-    rgb.map(|c| {
-        let c = c.clamp(0.0, 1.0);
-        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-        (encoded * 255.0).round() as u8
-    })
+    rgb.map(|c| (crate::style::encoded(c.clamp(0.0, 1.0)) * 255.0).round() as u8)
 }
 
 /// Linear-light sRGB of OKLab: Ottosson's matrices.

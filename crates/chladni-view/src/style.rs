@@ -1,11 +1,18 @@
 //! Materials, lights and backgrounds: a small studio.
 
+/// Linear light of an sRGB-encoded channel, both in [0, 1] (IEC 61966-2-1).
+pub(crate) fn decoded(c: f32) -> f32 {
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The inverse of [`decoded`].
+pub(crate) fn encoded(c: f32) -> f32 {
+    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
 /// A linear-light RGB colour of an sRGB one, each channel in [0, 1].
-pub(crate) fn linear([r, g, b]: [u8; 3]) -> [f32; 3] {
-    [r, g, b].map(|c| {
-        let c = f32::from(c) / 255.0;
-        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-    })
+pub(crate) fn linear(color: [u8; 3]) -> [f32; 3] {
+    color.map(|c| decoded(f32::from(c) / 255.0))
 }
 
 /// How a surface answers to light.

@@ -2,6 +2,7 @@
 
 use image::RgbaImage;
 
+use crate::style::{decoded, encoded};
 use crate::{Device, Picture, Skin, ViewError};
 
 /// What stands behind all cells of a renderer in the place of their backgrounds' colours, and what shines on their
@@ -67,8 +68,7 @@ impl Panorama {
         }
         let image = image.into_rgb32f();
         let bounded = |c: f32| if c > 0.0 { c.min(1e4) } else { 0.0 };
-        let linear = |c: f32| if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
-        let light = |c: f32| bounded(if is_linear { c } else { linear(c) });
+        let light = |c: f32| bounded(if is_linear { c } else { decoded(c) });
         let pixels: Vec<Light> = image.pixels().map(|pixel| pixel.0.map(light)).collect();
         Ok(Self::of(&Sphere { width: width as usize, height: height as usize, pixels }))
     }
@@ -162,11 +162,7 @@ impl Sphere {
     }
 
     fn encoded(&self) -> RgbaImage {
-        let number = |light: f32| {
-            let c = light / (1.0 + light);
-            let c = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-            (255.0 * c + 0.5) as u8
-        };
+        let number = |light: f32| (255.0 * encoded(light / (1.0 + light)) + 0.5) as u8;
         RgbaImage::from_fn(self.width as u32, self.height as u32, |x, y| {
             let [r, g, b] = self.pixels[y as usize * self.width + x as usize].map(number);
             image::Rgba([r, g, b, 255])

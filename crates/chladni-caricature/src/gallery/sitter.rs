@@ -5,6 +5,7 @@ use std::sync::Arc;
 use chladni_breeding::{Describe, Descriptor};
 use chladni_harmonics::Body;
 use chladni_match::MatchSettings;
+use chladni_mesh::surface::spread;
 use chladni_mesh::surface::vec3::{Vec3, add, distance, length, scaled, sub};
 use chladni_synth::{Coefficients, CpuSynthesizer, Item, Residual, SynthModel, Synthesizer, Term};
 use rayon::prelude::*;
@@ -396,20 +397,12 @@ impl Weights {
 impl Probes {
     /// Each is the vertex that is farthest from those before it.
     fn on(body: &Body, count: usize) -> Self {
-        let mut nearest = vec![f64::INFINITY; body.positions.len()];
-        let mut vertices: Vec<usize> = Vec::new();
-        let mut next = (0..nearest.len())
-            .max_by(|a, b| length(body.positions[*a]).total_cmp(&length(body.positions[*b])));
-        while let Some(v) = next.filter(|_| vertices.len() < count) {
-            vertices.push(v);
-            nearest
-                .par_iter_mut()
-                .zip(&body.positions)
-                .for_each(|(near, p)| *near = near.min(distance(*p, body.positions[v])));
-            next = (0..nearest.len())
-                .max_by(|a, b| nearest[*a].total_cmp(&nearest[*b]))
-                .filter(|v| nearest[*v] > 0.0);
-        }
+        let from_middle = |a: &u32| length(body.positions[*a as usize]);
+        let outermost =
+            (0..body.positions.len() as u32).max_by(|a, b| from_middle(a).total_cmp(&from_middle(b)));
+        let mut vertices: Vec<u32> = outermost.into_iter().collect();
+        spread(&body.positions, &mut vertices, count.min(body.positions.len()));
+        let vertices: Vec<usize> = vertices.into_iter().map(|v| v as usize).collect();
         let at = |k: usize| vertices.iter().map(move |v| body.basis.harmonic(k)[*v]);
         let harmonics = (0..body.basis.harmonics()).flat_map(|k| at(k).collect::<Vec<_>>()).collect();
         Self { vertices, harmonics }

@@ -132,8 +132,7 @@ pub fn read_named_mesh(name: &Path, bytes: &[u8], beside: &Beside<'_>) -> Result
     let extension = name.extension().and_then(|extension| extension.to_str());
     let format = Format::of(extension, bytes).map_err(MeshError::UnknownFormat)?;
     let mut loaded = read_mesh_beside(bytes, format, beside)?;
-    let promised = extension.and_then(Format::from_extension);
-    if promised.is_some_and(|promised| promised != format) {
+    if Format::of_path(name).is_some_and(|promised| promised != format) {
         loaded.mended.insert(0, Mended::Misnamed(format));
     }
     Ok(loaded)

@@ -7,6 +7,7 @@ mod adjacency;
 mod curvature;
 mod normals;
 mod point;
+mod spread;
 mod tree;
 pub mod vec3;
 mod walk;
@@ -20,6 +21,7 @@ pub use normals::{
     STAND_IN_NORMAL, corners, doubled_area_normal, total_area, vertex_normals, vertex_normals_around,
 };
 pub use point::{SurfacePoint, closest_on_triangle, mixed};
+pub use spread::spread;
 pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub use walk::Ground;
 pub use weld::{Weld, places, weld};

@@ -244,7 +244,8 @@ impl Patch<'_> {
     fn lengthen_animations(&mut self, nodes: &HashMap<usize, usize>) -> Result<(), MeshError> {
         let mut animations = std::mem::take(list(&mut self.document, "animations"));
         for animation in &mut animations {
-            let mut channels = std::mem::take(list(animation, "channels"));
+            let Some(Value::Array(channels)) = animation.get_mut("channels") else { continue };
+            let mut channels = std::mem::take(channels);
             for channel in &mut channels {
                 let node = channel["target"]["node"].as_u64().and_then(|node| nodes.get(&(node as usize)));
                 let (Some(before), Some("weights")) = (node, channel["target"]["path"].as_str()) else {

@@ -42,8 +42,8 @@ pub fn write_mesh(mesh: &TriMesh, format: Format) -> Result<Vec<u8>, MeshError> 
 /// Those of [`write_mesh`] and of the file system, each inside a [`MeshError::InFile`].
 pub fn save_mesh(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
     let save = || {
-        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-        let Some(format) = Format::from_extension(extension) else {
+        let Some(format) = Format::of_path(path) else {
+            let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
             let reason = format!("no mesh format is called '.{extension}' (written are obj, ply, stl, glb)");
             return Err(MeshError::UnknownFormat(reason));
         };

@@ -182,8 +182,8 @@ impl Caricature {
             let source = project.shape.clone();
             return save(&Sculpture { source, mesh, body, evaluation }, output, terminal);
         }
-        let (from, size) = self.portrait.camera(shape, &mesh, terminal)?;
-        self.gallery.sheet(&sitter, self.layer.seed(), (from, size), output, terminal)?;
+        let from = self.portrait.camera(shape, &mesh, None, None, terminal)?;
+        self.gallery.sheet(&sitter, self.layer.seed(), (from, self.portrait.size), output, terminal)?;
         terminal.wrote(output)
     }
 
@@ -321,7 +321,7 @@ fn one(
         terminal.wrote(path)?;
     }
     if let Some(path) = &turntable.turntable {
-        let from = portrait::viewpoint(portrait, &made, shape, kept, terminal)?;
+        let from = portrait.camera(shape, &made.sculpture.mesh, kept, made.stands, terminal)?;
         turntable.film(path, &made.sculpture, from, portrait.size, ink, terminal)?;
         terminal.wrote(path)?;
     }
@@ -359,8 +359,7 @@ fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
 
 /// The format of `path`, if it is one that results are written in.
 fn format_of(path: &Path) -> Result<Format, Error> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    match Format::from_extension(extension) {
+    match Format::of_path(path) {
         Some(format @ (Format::Obj | Format::Ply | Format::Stl | Format::Glb)) => Ok(format),
         _ => {
             Err(Error::input(format_args!("{}: results are written as obj, ply, stl or glb", path.display())))
@@ -402,10 +401,7 @@ fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
 fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let unreadable = |error| Error::input(format_args!("{}: {error}", folder.display()));
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
-    let is_mesh = |path: &PathBuf| {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-        path.is_file() && Format::from_extension(extension).is_some()
-    };
+    let is_mesh = |path: &PathBuf| path.is_file() && Format::of_path(path).is_some();
     let mut meshes: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_mesh).collect();
     meshes.sort();
     if meshes.is_empty() {

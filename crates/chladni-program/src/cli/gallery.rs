@@ -7,18 +7,18 @@ use chladni_caricature::{
     GALLERY_SIZE, Group, Layer, Portrait as Drawn, Sitter, Variant, VariantGallery, surprise,
 };
 use chladni_task::write_atomic;
-use chladni_view::{Camera, Picture};
+use chladni_view::Camera;
 
 use super::Terminal;
 use super::sheet::{self, Portrayed};
-use crate::work::Error;
+use crate::work::{Error, Lettering};
 
 /// Which caricatures of the gallery.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct GalleryOptions {
     /// Draw twelve caricatures that differ, numbered, on a sheet (-o sheet.png); TEMPLATE may be left out. --seed makes
     /// others.
-    #[arg(long, conflicts_with_all = ["recipe", "render", "part", "limb", "mask", "region"])]
+    #[arg(long, conflicts_with_all = ["recipe", "render", "turntable", "RegionOptions"])]
     pub gallery: bool,
     /// Breed on from these of the sheet, such as 3,7; once more from those of the next sheet.
     #[arg(long, value_name = "N,N…", requires = "gallery")]
@@ -93,17 +93,15 @@ impl GalleryOptions {
         for (number, (variant, drawn)) in (1..).zip(variants.iter().zip(&drawn)) {
             terminal.result(format_args!("{number:>2}  {}", described(sitter, variant, drawn)))?;
         }
-        let all: Vec<Portrayed> = drawn.into_iter().map(|drawn| Portrayed::of(drawn.positions)).collect();
-        let mut all = all.into_iter();
-        let rows: Vec<Vec<Portrayed>> = std::iter::from_fn(|| {
-            Some(all.by_ref().take(COLUMNS).collect::<Vec<_>>()).filter(|row| !row.is_empty())
-        })
-        .collect();
+        let mut panels = drawn.into_iter().map(|drawn| Portrayed::of(drawn.positions));
+        let rows: Vec<Vec<Portrayed>> =
+            (0..GALLERY_SIZE / COLUMNS).map(|_| panels.by_ref().take(COLUMNS).collect()).collect();
         let mut picture = sheet::draw(&terminal.device()?, &rows, &sitter.body().triangles, camera, size)?;
-        let cell = [size[0] / COLUMNS as u32, size[1] / (GALLERY_SIZE / COLUMNS) as u32];
-        for place in 0..GALLERY_SIZE as u32 {
-            let at = [place % COLUMNS as u32 * cell[0], place / COLUMNS as u32 * cell[1]];
-            write_number(&mut picture, place + 1, at, (cell[1] / 70).max(2));
+        for (number, (cell, _)) in (1..).zip(sheet::placed(&rows, camera, size)) {
+            let size_px = (cell.height as f32 / 9.0).max(12.0);
+            let [left, foot] = [cell.x as f32 + 0.3 * size_px, cell.y as f32 + size_px];
+            let lettering = Lettering::new(&u32::to_string(&number), size_px);
+            lettering.lay(&mut picture, [left as usize, foot as usize], [60, 60, 66], 1.0);
         }
         write_atomic(path, &picture.to_png()?).map_err(|error| Error::unwritten(path, error))
     }
@@ -131,32 +129,4 @@ fn described(sitter: &Sitter, variant: &Variant, drawn: &Drawn) -> String {
     };
     let mu = drawn.layers.first().map_or(0.0, |layer| layer.mu);
     format!("{}, μ = {mu:.2}{held}, {} triangles folded", sitter.title(variant), drawn.folded)
-}
-
-/// Digits of three by five dots, a row each, the highest bit at the left.
-const DIGITS: [[u8; 5]; 10] = [
-    [7, 5, 5, 5, 7],
-    [2, 6, 2, 2, 7],
-    [7, 1, 7, 4, 7],
-    [7, 1, 3, 1, 7],
-    [5, 5, 7, 1, 1],
-    [7, 4, 7, 1, 7],
-    [7, 4, 7, 5, 7],
-    [7, 1, 1, 2, 2],
-    [7, 5, 7, 5, 7],
-    [7, 5, 7, 1, 7],
-];
-
-/// Writes a number in the upper left corner of the cell at `at`, each dot `dot` pixels wide.
-fn write_number(picture: &mut Picture, number: u32, at: [u32; 2], dot: u32) {
-    let digits = number.to_string();
-    let black = Picture::filled(dot, dot, [60, 60, 66, 255]);
-    for (place, digit) in (0..).zip(digits.bytes()) {
-        let Some(rows) = DIGITS.get(usize::from(digit.wrapping_sub(b'0'))) else { continue };
-        for (y, row) in (0..).zip(rows) {
-            for x in (0..3).filter(|x| row >> (2 - x) & 1 == 1) {
-                picture.paste(&black, at[0] + (2 + 4 * place + x) * dot, at[1] + (2 + y) * dot);
-            }
-        }
-    }
 }

@@ -60,27 +60,6 @@ pub struct LayerOptions {
     infill: Option<f64>,
 }
 
-impl LayerOptions {
-    /// The seed of all that is random.
-    pub fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    /// How a template mesh is matched.
-    ///
-    /// # Errors
-    /// Landmarks that cannot be read.
-    pub fn matching(&self) -> Result<MatchSettings, Error> {
-        let mut matching =
-            MatchSettings { seed: self.seed, scaling: scaling(self.rigid), ..MatchSettings::default() };
-        matching.method = self.matching.unwrap_or(matching.method);
-        if let Some(path) = &self.landmarks {
-            matching.landmarks = load_landmarks(path)?;
-        }
-        Ok(matching)
-    }
-}
-
 /// What `--rigid` says.
 pub fn scaling(rigid: bool) -> Scaling {
     if rigid { Scaling::Rigid } else { Scaling::Free }
@@ -108,6 +87,25 @@ pub fn method(text: &str) -> Result<Method, String> {
 }
 
 impl LayerOptions {
+    /// The seed of all that is random.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// How a template mesh is matched.
+    ///
+    /// # Errors
+    /// Landmarks that cannot be read.
+    pub fn matching(&self) -> Result<MatchSettings, Error> {
+        let mut matching =
+            MatchSettings { seed: self.seed, scaling: scaling(self.rigid), ..MatchSettings::default() };
+        matching.method = self.matching.unwrap_or(matching.method);
+        if let Some(path) = &self.landmarks {
+            matching.landmarks = load_landmarks(path)?;
+        }
+        Ok(matching)
+    }
+
     /// The layer called `name` with these options where χ01 is `painted`, for `project`.
     pub fn layer(
         &self,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::Painted;
-use chladni_mesh::{TriMesh, weld};
+use chladni_mesh::TriMesh;
 
 use super::Terminal;
 use super::region::RegionOptions;
@@ -36,17 +36,8 @@ impl MaskCommand {
         check_file(&self.output)?;
         let (mesh, painted) =
             if is_project(&self.shape) { self.of_project(terminal)? } else { self.of_mesh(terminal)? };
-        let welded = weld(&mesh);
-        let values = painted.values(&welded.positions);
-        if values.len() != welded.positions.len() {
-            let (found, expected) = (values.len(), welded.positions.len());
-            let name = self.shape.display();
-            let why = format_args!("{name}: was painted on {found} vertices, the shape has {expected}");
-            return Err(Error::input(why));
-        }
-        mask::write(&self.output, &painted, &mesh, self.as_colors)?;
-        let inside = values.iter().filter(|x| **x > 0.0).count();
-        terminal.result(format_args!("{inside} of {} vertices", values.len()))?;
+        let masked = mask::write(&self.output, &painted, &mesh, self.as_colors)?;
+        terminal.result(format_args!("{} of {} vertices", masked.inside, masked.vertices))?;
         terminal.wrote(&self.output)
     }
 
@@ -59,8 +50,7 @@ impl MaskCommand {
             return Err(Error::input(format_args!("say which region of the shape: by {ways}")));
         }
         let mesh = source::mesh(&self.shape, terminal)?;
-        let painted =
-            self.region.painted(&self.shape.display().to_string(), || Ok(mesh.clone()), terminal)?;
+        let painted = self.region.painted(&self.shape.display().to_string(), || Ok(&mesh), terminal)?;
         Ok((mesh, painted))
     }
 

@@ -35,7 +35,8 @@ impl Default for Portrait {
 }
 
 impl Portrait {
-    /// From where the shape called `name` is seen, and how large the picture is.
+    /// From where the shape called `name` is seen; `kept` is how its project says that it stands, `matched` how
+    /// the template does that it was matched with.
     ///
     /// # Errors
     /// As [`Stance::of`].
@@ -43,11 +44,13 @@ impl Portrait {
         &self,
         name: &str,
         mesh: &TriMesh,
+        kept: Option<Orientation>,
+        matched: Option<Orientation>,
         terminal: &Terminal,
-    ) -> Result<(Camera, [u32; 2]), Error> {
-        let stands = Stance::from(self.stance).of(name, mesh, None, None, terminal)?;
+    ) -> Result<Camera, Error> {
+        let stands = Stance::from(self.stance).of(name, mesh, kept, matched, terminal)?;
         let [yaw_rad, pitch_rad] = self.view.map(f32::to_radians);
-        Ok((Camera { yaw_rad, pitch_rad, stands, ..Camera::default() }, self.size))
+        Ok(Camera { yaw_rad, pitch_rad, stands, ..Camera::default() })
     }
 
     /// Checks, before any work, that it can be drawn.
@@ -69,20 +72,6 @@ fn pixels(text: &str) -> Result<[u32; 2], String> {
     parsed.filter(within).ok_or_else(|| "write it as WIDTHxHEIGHT in pixels, 16 to 16384 each".into())
 }
 
-/// Where the viewer stands who looks at a shape called `name`; `kept` is how its project says that it stands.
-pub fn viewpoint(
-    portrait: &Portrait,
-    made: &Made,
-    name: &str,
-    kept: Option<Orientation>,
-    terminal: &Terminal,
-) -> Result<Camera, Error> {
-    let Portrait { view: [yaw, pitch], stance, .. } = *portrait;
-    let stands = Stance::from(stance).of(name, &made.sculpture.mesh, kept, made.stands, terminal)?;
-    let (yaw_rad, pitch_rad) = (yaw.to_radians(), pitch.to_radians());
-    Ok(Camera { yaw_rad, pitch_rad, stands, ..Camera::default() })
-}
-
 /// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks
 /// for none. The shape is called `name`; `kept` is how its project says that it stands.
 pub fn render(
@@ -96,7 +85,8 @@ pub fn render(
     kept: Option<Orientation>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let (from, size) = (viewpoint(portrait, made, name, kept, terminal)?, portrait.size);
+    let from = portrait.camera(name, &made.sculpture.mesh, kept, made.stands, terminal)?;
+    let size = portrait.size;
     let rows = if sheet.show.is_empty() && sheet.sweep.is_empty() {
         None
     } else {

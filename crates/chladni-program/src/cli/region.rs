@@ -1,5 +1,6 @@
 //! Where a layer acts: the ways in which commands say it.
 
+use std::borrow::Borrow;
 use std::path::PathBuf;
 
 use chladni_caricature::{Curved, HEAD_PARTS, Limbs, Painted, Sphere};
@@ -51,11 +52,11 @@ impl RegionOptions {
         !lists || self.curved.is_some() || self.mask.is_some()
     }
 
-    /// χ01 on the shape that is called `name`; `mesh` reads it where it is needed.
-    pub fn painted(
+    /// χ01 on the shape that is called `name`; `mesh` gets it where it is needed.
+    pub fn painted<M: Borrow<TriMesh>>(
         &self,
         name: &str,
-        mesh: impl FnOnce() -> Result<TriMesh, Error>,
+        mesh: impl FnOnce() -> Result<M, Error>,
         terminal: &Terminal,
     ) -> Result<Painted, Error> {
         if !self.region.is_empty() {
@@ -65,17 +66,18 @@ impl RegionOptions {
             return Ok(Painted::Everywhere);
         }
         let mesh = mesh()?;
+        let mesh = mesh.borrow();
         if let Some(path) = &self.mask {
-            return mask::read(path, self.mask_channel.as_deref(), &mesh);
+            return mask::read(path, self.mask_channel.as_deref(), mesh);
         }
         if !self.limb.is_empty() {
-            return limbs::region((name, &mesh), self.level, &self.limb, terminal);
+            return limbs::region((name, mesh), self.level, &self.limb, terminal);
         }
-        let welded = weld(&mesh);
+        let welded = weld(mesh);
         if let Some(curved) = &self.curved {
             return Ok(curved.painted(&welded.positions, &welded.triangles));
         }
-        let found = parts::found(name, &mesh, terminal)?;
+        let found = parts::found(name, mesh, terminal)?;
         Ok(found.painted(&welded.operator_vertex, &self.part)?)
     }
 }

@@ -169,7 +169,8 @@ fn draw(
     }));
     let request = PictureRequest { shapes: &shapes, width: 1280, height: 960, from, style: Style::default() };
     // The flags stand above the shape: room for them, too.
-    let (mut camera, cells) = (from, layout::grid(Rect::of_size(1280, 960), 3, 4, 0, shapes.len()));
+    let area = Rect::of_size(request.width, request.height);
+    let (mut camera, cells) = (from, layout::grid(area, 3, 4, 0, shapes.len()));
     let raised = positions.iter().copied().chain([flag_at]);
     camera.fit(raised, cells.first().map_or(1.0, Rect::aspect), 0.9);
     let placed: Vec<_> = cells.into_iter().map(|cell| (cell, camera)).collect();

@@ -31,6 +31,7 @@ pub fn show(ctx: &egui::Context, open: &mut bool, room: &'static str, keys: &'st
     columns.extend(parts.map(|(part, lines)| (if part == 0 { room } else { "" }, lines.to_vec())));
     let size = ctx.content_rect().size() - egui::vec2(40.0, 60.0);
     egui::Window::new("Keyboard and mouse")
+        .order(egui::Order::Foreground)
         .open(open)
         .collapsible(false)
         .resizable(false)

@@ -387,14 +387,13 @@ impl Hearing {
             }
         };
         let (bank, harmony) = (&mut self.resonators, &mut self.harmony);
-        let bands_hz = ear.bands_hz().to_vec();
         let after_secs = ear.at_after(stretch.song_secs_at(at_secs), |hop| match hop {
             Hop::Beginning => {
                 *harmony = Harmony::default();
                 bank.iter_mut().for_each(Resonators::still);
             }
-            Hop::Heard(spectrum) => {
-                harmony.hear(&spectrum.mid, &bands_hz, SongSpectrum::HOP_SECS);
+            Hop::Heard(spectrum, bands_hz) => {
+                harmony.hear(&spectrum.mid, bands_hz, SongSpectrum::HOP_SECS);
                 bank.iter_mut().for_each(|bank| bank.hear(&bands_of(spectrum), SongSpectrum::HOP_SECS));
             }
         });

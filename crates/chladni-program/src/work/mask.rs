@@ -16,12 +16,17 @@ pub const READ: [&str; 6] = ["npy", "npz", "ply", "obj", "off", "glb"];
 /// What they are written as.
 pub const WRITTEN: [&str; 5] = ["npy", "npz", "ply", "obj", "glb"];
 
-fn refused(path: &Path, why: impl std::fmt::Display) -> Error {
-    Error::input(format_args!("{}: {why}", path.display()))
+/// How much of a shape a mask takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Masked {
+    /// Vertices above 0.
+    pub inside: usize,
+    /// All.
+    pub vertices: usize,
 }
 
-fn format_of(path: &Path) -> Option<Format> {
-    path.extension().and_then(|ending| ending.to_str()).and_then(Format::from_extension)
+fn refused(path: &Path, why: impl std::fmt::Display) -> Error {
+    Error::input(format_args!("{}: {why}", path.display()))
 }
 
 /// χ01 from the file at `path`, for `mesh`: of an array, of the array `channel` of an archive, or of the attribute or
@@ -30,7 +35,7 @@ fn format_of(path: &Path) -> Option<Format> {
 /// # Errors
 /// [`Error::Input`] where that is not there, has another number of values, or one outside [0, 1].
 pub fn read(path: &Path, channel: Option<&str>, mesh: &TriMesh) -> Result<Painted, Error> {
-    let values = match format_of(path) {
+    let values = match Format::of_path(path) {
         Some(format) => {
             let loaded = ShapeSource::named(path).load(None)?;
             let misnamed = |mended: &Mended| match mended {
@@ -81,21 +86,29 @@ fn painted(values: Vec<f64>, mesh: &TriMesh) -> Result<Painted, String> {
 /// uses a vertex.
 ///
 /// # Errors
-/// [`Error::Input`] for another ending, [`Error::Unwritten`] and [`Error::Unsaved`] with the file's name.
-pub fn write(path: &Path, painted: &Painted, mesh: &TriMesh, as_colors: bool) -> Result<(), Error> {
+/// [`Error::Input`] for another ending, or a region that was painted on another number of vertices;
+/// [`Error::Unwritten`] and [`Error::Unsaved`] with the file's name.
+pub fn write(path: &Path, painted: &Painted, mesh: &TriMesh, as_colors: bool) -> Result<Masked, Error> {
     check(path)?;
     let welded = weld(mesh);
     let values = painted.values(&welded.positions);
+    let vertices = welded.positions.len();
+    if values.len() != vertices {
+        let found = values.len();
+        let why = format_args!("the region was painted on {found} vertices, the shape has {vertices}");
+        return Err(Error::input(why));
+    }
+    let masked = Masked { inside: values.iter().filter(|x| **x > 0.0).count(), vertices };
     let of = |vertex: &Option<u32>| vertex.and_then(|v| values.get(v as usize)).copied().unwrap_or(0.0);
     let values: Vec<f32> = welded.operator_vertex.iter().map(of).collect();
-    let Some(format) = format_of(path) else {
+    let Some(format) = Format::of_path(path) else {
         let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
         let written = if is_archive {
             write_npz(path, |npz| npz.array(MASK, &[values.len() as u64], values.iter().copied()))
         } else {
             write_npy(path, &values)
         };
-        return written.map_err(|error| Error::unwritten(path, error));
+        return written.map(|()| masked).map_err(|error| Error::unwritten(path, error));
     };
     let values: Vec<f64> = values.into_iter().map(f64::from).collect();
     let mut mesh = mesh.clone();
@@ -105,7 +118,7 @@ pub fn write(path: &Path, painted: &Painted, mesh: &TriMesh, as_colors: bool) ->
         mesh.appearance.attributes.retain(|attribute| attribute.name != MASK);
         mesh.appearance.attributes.push(Attribute { name: MASK.into(), values });
     }
-    save_mesh(&mesh, path).map_err(Error::unsaved)
+    save_mesh(&mesh, path).map(|()| masked).map_err(Error::unsaved)
 }
 
 /// Whether a mask can be written at a path of that name.

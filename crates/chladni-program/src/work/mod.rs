@@ -15,6 +15,8 @@ mod frame_guard;
 mod hearing;
 mod lag;
 #[cfg(feature = "desktop")]
+mod lettering;
+#[cfg(feature = "desktop")]
 pub mod mask;
 mod mood;
 mod opening_look;
@@ -43,6 +45,8 @@ pub use files::{refer, resolve};
 pub use frame_guard::FrameGuard;
 pub use hearing::{Heard, Hearing, KnownSong, bands_of, bar_lines, read_beats, spectrum_settings};
 pub use lag::Lag;
+#[cfg(feature = "desktop")]
+pub use lettering::Lettering;
 pub use opening_look::{opening_looks, opening_view};
 pub use own_look::OwnLook;
 pub use piece::{Piece, Share};

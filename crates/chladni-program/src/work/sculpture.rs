@@ -107,7 +107,7 @@ impl Sculpture {
     /// # Errors
     /// [`Error::Unsaved`] or [`Error::Unwritten`], with the file's name.
     pub fn save(&self, path: &Path) -> Result<Option<Warning>, Error> {
-        if format_of(path) == Some(Format::Glb) {
+        if Format::of_path(path) == Some(Format::Glb) {
             let (bytes, warning) = self.glb().map_err(|error| Error::unwritten(path, error))?;
             write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
             return Ok(warning);
@@ -123,7 +123,7 @@ impl Sculpture {
             targets.map(|(name, displacements)| MorphTarget { name, displacements }).collect();
         let mut warning = None;
         if let ShapeSource::File(source) = &self.source
-            && matches!(format_of(source), Some(Format::Glb | Format::Gltf))
+            && matches!(Format::of_path(source), Some(Format::Glb | Format::Gltf))
         {
             match add_morph_targets(source, &self.mesh, &targets) {
                 Ok(bytes) => return Ok((bytes, None)),
@@ -135,8 +135,4 @@ impl Sculpture {
         }
         Ok((write_glb(&self.mesh, &targets)?, warning))
     }
-}
-
-fn format_of(path: &Path) -> Option<Format> {
-    path.extension().and_then(|ending| ending.to_str()).and_then(Format::from_extension)
 }

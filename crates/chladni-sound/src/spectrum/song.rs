@@ -17,8 +17,8 @@ const WARM_HOPS: i64 = 512;
 pub enum Hop<'a> {
     /// Everything heard before is to be forgotten.
     Beginning,
-    /// The next spectrum, [`SongSpectrum::HOP_SECS`] after the one before.
-    Heard(&'a Spectrum),
+    /// The next spectrum, [`SongSpectrum::HOP_SECS`] after the one before, and the middles of its bands, Hz.
+    Heard(&'a Spectrum, &'a [f32]),
 }
 
 /// The spectrum at any time of a stretch of a song, level and decay included.
@@ -95,7 +95,7 @@ impl SongSpectrum {
         }
         while self.hop < hop + 1 {
             self.step();
-            hops(Hop::Heard(&self.after));
+            hops(Hop::Heard(&self.after, self.analyser.bands_hz()));
         }
         let weight = (secs * HOPS_PER_SEC - hop as f64).clamp(0.0, 1.0) as f32;
         self.now.clone_from(&self.before);

@@ -15,11 +15,13 @@ use crate::uniforms::CellUniform;
 #[derive(Debug, Default)]
 pub(super) struct Backdrop {
     of: Option<Painted>,
+    /// The picture that was laid, held so that no other can be taken for it.
+    behind: Option<Arc<Pyramid>>,
     pixels: Vec<u8>,
 }
 
-/// All that a background depends on; of a picture only where it lies.
-type Painted = (Rect, [[f32; 4]; 6], [f32; 2], [[f32; 4]; 4], Option<usize>);
+/// All that a background depends on but a picture.
+type Painted = (Rect, [[f32; 4]; 6], [f32; 2], [[f32; 4]; 4]);
 
 impl Backdrop {
     /// Paints the cell's background, unless it is there.
@@ -35,18 +37,19 @@ impl Backdrop {
         let [.., left, right] = cell.wings;
         let colors = [center, corner, floor, cell.floor_plane, x_axis, z_axis];
         let of = match behind {
-            None => (rect, colors, [left, right], cell.projection, None),
-            // It stays as it is, whatever light there is.
-            Some(picture) => {
-                let only = [[center[3]; 4]; 6];
-                (rect, only, [0.0; 2], [[0.0; 4]; 4], Some(Arc::as_ptr(picture).addr()))
-            }
+            None => (rect, colors, [left, right], cell.projection),
+            // A picture stays as it is, whatever light there is.
+            Some(_) => (rect, [[center[3]; 4]; 6], [0.0; 2], [[0.0; 4]; 4]),
         };
-        if self.of == Some(of) {
+        let is_same = match (behind, &self.behind) {
+            (Some(picture), Some(laid)) => Arc::ptr_eq(picture, laid),
+            (picture, laid) => picture.is_none() && laid.is_none(),
+        };
+        if is_same && self.of == Some(of) {
             return;
         }
         let (width, height) = (rect.width as usize, rect.height as usize);
-        self.of = Some(of);
+        (self.of, self.behind) = (Some(of), behind.cloned());
         self.pixels.resize(4 * width * height, 0);
         let rows = self.pixels.par_chunks_mut(4 * width).enumerate();
         match behind {

@@ -122,6 +122,5 @@ fn save(layer: LayerId, session: &Session, shared: &mut Shared<'_>) -> Result<()
 /// Of the shape's file; samples have neither colors nor attributes.
 fn format(session: &Session) -> Format {
     let ShapeSource::File(path) = &session.project().shape else { return Format::Ply };
-    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-    Format::from_extension(ending).unwrap_or(Format::Ply)
+    Format::of_path(path).unwrap_or(Format::Ply)
 }

@@ -99,7 +99,9 @@ impl Filming {
     pub fn show_form(&mut self, ctx: &egui::Context, window: [u32; 2], show_secs: f64) -> bool {
         let Some(form) = &mut self.form else { return false };
         let (mut film, mut open) = (false, true);
-        let dialog = egui::Window::new("Film").collapsible(false).resizable(false);
+        // Over messages that were there before it, under those that it brings.
+        let dialog =
+            egui::Window::new("Film").order(egui::Order::Foreground).collapsible(false).resizable(false);
         dialog.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).open(&mut open).show(ctx, |ui| {
             form.show(ui, window, show_secs);
             ui.add_space(theme::GAP);

@@ -3,7 +3,6 @@
 mod animation;
 mod beginning;
 mod deformed;
-mod lettering;
 mod performance;
 mod record;
 mod report;

@@ -6,7 +6,7 @@ use chladni_music::{BeatReading, Stretch};
 use chladni_sound::SongReader;
 use chladni_view::Picture;
 
-use super::lettering::Lettering;
+use crate::work::Lettering;
 use crate::work::source::TUNE;
 use crate::work::titles::{TITLE, title_opacity};
 

@@ -7,12 +7,13 @@ use chladni_caricature::{
 };
 use chladni_harmonics::Body;
 use chladni_task::Task;
-use chladni_view::{Rect, layout};
+use chladni_view::layout;
 use egui::{Align2, Color32, RichText, Sense, Stroke, Ui, vec2};
 
 use super::edits::Edits;
 use super::look::Portrayal;
 use super::session::Session;
+use super::stage;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job::{self, Job};
 use crate::studio::keys::breeding::{
@@ -58,7 +59,7 @@ struct Brought {
 pub struct GalleryView {
     body: Arc<Body>,
     work: Option<Job<Brought>>,
-    surprising: Option<Job<Vec<Layer>>>,
+    taking: Option<Job<Vec<Layer>>>,
     shown: Option<Shown>,
     wall: Option<Wall>,
     marked: usize,
@@ -84,7 +85,7 @@ impl GalleryView {
         Self {
             body,
             work: Some(Job::start("Preparing the gallery", ctx, work)),
-            surprising: None,
+            taking: None,
             shown: None,
             wall: None,
             marked: 0,
@@ -123,8 +124,8 @@ impl GalleryView {
                 Err(why) => return Err(why),
             }
         }
-        if let Some(layers) = self.surprising.as_ref().and_then(Job::ended) {
-            self.surprising = None;
+        if let Some(layers) = self.taking.as_ref().and_then(Job::ended) {
+            self.taking = None;
             take(layers?, session, edits);
             return Ok(false);
         }
@@ -134,23 +135,22 @@ impl GalleryView {
         if let Some(work) = &self.work {
             egui::Panel::bottom("gallery work").resizable(false).show(ui, |ui| job::show_progress(ui, work));
         }
-        let mut stays = true;
         egui::Panel::top("gallery bar").resizable(false).show(ui, |ui| {
-            ui.horizontal_wrapped(|ui| stays = self.bar(ui, session, edits));
+            ui.horizontal_wrapped(|ui| self.bar(ui, session));
         });
         if self.shown.is_none() {
             ui.centered_and_justified(|ui| {
                 ui.label("Twelve caricatures appear here: click those that you like, then breed.")
             });
-            return Ok(stays);
+            return Ok(true);
         }
-        Ok(self.cells(ui, session, look, shared, edits)? && stays)
+        self.cells(ui, session, look, shared, edits)
     }
 
-    /// The buttons above; false when one leaves the gallery.
-    fn bar(&mut self, ui: &mut Ui, session: &Session, edits: &mut Edits) -> bool {
+    /// The buttons above.
+    fn bar(&mut self, ui: &mut Ui, session: &Session) {
         let ctx = ui.ctx().clone();
-        let idle = self.work.is_none() && self.surprising.is_none();
+        let idle = self.work.is_none() && self.taking.is_none();
         let (chosen, first) = self.shown.as_ref().map_or((0, true), |shown| {
             let generations = shown.gallery.generations();
             let chosen = generations.items().iter().filter(|item| item.chosen).count();
@@ -204,13 +204,11 @@ impl GalleryView {
                 });
             }
         }
-        if let (Some(variant), Some(shown)) = (taken, &self.shown)
-            && let Ok(mut portraits) = shown.sitter.portray(&[&variant])
-        {
-            take(portraits.remove(0).layers, session, edits);
-            return false;
+        if let (Some(variant), Some(shown)) = (taken, &self.shown) {
+            let sitter = Arc::clone(&shown.sitter);
+            let work = move |_: &Task| Ok(sitter.portray(&[&variant])?.remove(0).layers);
+            self.taking = Some(Job::start("A favorite", &ctx, work));
         }
-        true
     }
 
     fn start(&mut self, step: Step, ctx: &egui::Context) {
@@ -237,7 +235,7 @@ impl GalleryView {
         let (sitter, seed) =
             (Arc::clone(&shown.sitter), self.seed ^ ((session.history.steps() as u64 + 1) << 32));
         let work = move |_: &Task| Ok(surprise(seed, &sitter)?.1.layers);
-        self.surprising = Some(Job::start("A surprise", ctx, work));
+        self.taking = Some(Job::start("A surprise", ctx, work));
     }
 
     /// The twelve, and what is done to them; false when one was taken.
@@ -253,8 +251,7 @@ impl GalleryView {
         let Some(shown) = &mut self.shown else { return Ok(true) };
         let count = shown.portraits.len();
         let scale = ui.pixels_per_point();
-        let pixels = |x: f32| ((x * scale).round() as u32).max(1);
-        let canvas = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
+        let canvas = stage::canvas(ui, rect);
         let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, count, 0.9);
         let cells = layout::grid(canvas, rows, columns, 2, count);
         let response = ui.allocate_rect(rect, Sense::click_and_drag());

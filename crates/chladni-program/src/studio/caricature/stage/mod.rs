@@ -399,7 +399,7 @@ fn tints(values: &[f32], tint: [u8; 3], material: chladni_view::Material) -> Vec
 }
 
 /// The pixels of `rect`.
-fn canvas(ui: &Ui, rect: egui::Rect) -> Rect {
+pub fn canvas(ui: &Ui, rect: egui::Rect) -> Rect {
     let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
     Rect::of_size(pixels(rect.width()), pixels(rect.height()))
 }
