@@ -1,8 +1,7 @@
 //! A beat that is given rather than heard: by MIDI clock, by OSC or by a hand.
 
-use std::collections::VecDeque;
-
 use crate::clock::{ClockMessage, TICKS_PER_QUARTER};
+use crate::pulses::Pulses;
 use crate::{BarLine, Beat};
 
 /// Quarters in a bar, as MIDI clock does not tell.
@@ -11,52 +10,6 @@ const QUARTERS_PER_BAR: f64 = 4.0;
 const TEMPI_BPM: std::ops::RangeInclusive<f64> = 20.0..=400.0;
 /// The tempo may be halved and doubled so often.
 const MOST_OCTAVES: i32 = 3;
-
-/// Times of pulses that should be evenly spaced, and the straight line through the last of them.
-#[derive(Clone, Debug, PartialEq)]
-struct Pulses {
-    secs: VecDeque<f64>,
-    /// So many are kept, and so many are needed.
-    most: usize,
-    least: usize,
-    /// A longer gap begins anew.
-    longest_gap_secs: f64,
-}
-
-impl Pulses {
-    fn new(most: usize, least: usize, longest_gap_secs: f64) -> Self {
-        Self { secs: VecDeque::with_capacity(most), most, least, longest_gap_secs }
-    }
-
-    /// Takes one; true where it begins anew after a gap.
-    fn add(&mut self, secs: f64) -> bool {
-        let gap = self.secs.back().map(|last| secs - last);
-        let anew = gap.is_some_and(|gap| !(0.0..=self.longest_gap_secs).contains(&gap));
-        if anew {
-            self.secs.clear();
-        }
-        if self.secs.len() == self.most {
-            self.secs.pop_front();
-        }
-        self.secs.push_back(secs);
-        anew
-    }
-
-    /// When the last pulse should have come, and the time between two: least squares.
-    fn line(&self) -> Option<(f64, f64)> {
-        let count = self.secs.len();
-        let last = *self.secs.back().filter(|_| count >= self.least.max(2))?;
-        // Numbered from the last one backward, so that nothing large is subtracted.
-        let at = |i: usize| (i as f64 - (count - 1) as f64, self.secs[i] - last);
-        let n = count as f64;
-        let (mean_x, mean_y) = (0..count).map(at).fold((0.0, 0.0), |(x, y), (i, t)| (x + i / n, y + t / n));
-        let (xx, xy) = (0..count).map(at).fold((0.0, 0.0), |(xx, xy), (i, t)| {
-            (xx + (i - mean_x) * (i - mean_x), xy + (i - mean_x) * (t - mean_y))
-        });
-        let gap = xy / xx;
-        Some((last + mean_y - gap * mean_x, gap))
-    }
-}
 
 /// Quarters go by evenly: so many at one time, and so many a second.
 #[derive(Clone, Copy, Debug, PartialEq)]

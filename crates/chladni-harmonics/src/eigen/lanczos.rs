@@ -3,8 +3,9 @@
 use chladni_task::Task;
 
 use super::krylov::{Krylov, subtract_projections};
+use super::orthonormal::{Dependence, orthonormalize};
 use super::problem::{Problem, Profile};
-use super::tall::{BLOCK, Dependence, Small, orthonormalize};
+use super::tall::{BLOCK, Small};
 use super::window::{Pairs, Stopped, Window};
 use crate::ldlt::{Factor, Row, Workspace};
 use crate::platform::Instant;

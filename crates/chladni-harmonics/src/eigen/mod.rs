@@ -10,6 +10,7 @@ mod join;
 mod krylov;
 mod lanczos;
 mod metric;
+mod orthonormal;
 mod plan;
 mod polish;
 mod problem;

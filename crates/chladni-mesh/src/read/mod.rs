@@ -5,6 +5,7 @@ mod draft;
 pub(crate) mod gltf;
 pub(crate) mod gltf_buffers;
 pub(crate) mod gltf_json;
+pub(crate) mod gltf_matrix;
 mod medit;
 mod mtl;
 mod obj;

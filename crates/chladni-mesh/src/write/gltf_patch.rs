@@ -8,9 +8,10 @@ use serde_json::{Value, json};
 
 use super::glb::{Glb, container, smooth_normals};
 use super::{MorphTarget, narrowed};
-use crate::read::gltf::{Matrix, Placed, glb_chunks, read_placed};
+use crate::read::gltf::{Placed, glb_chunks, read_placed};
 use crate::read::gltf_buffers::Buffers;
 use crate::read::gltf_json::Root;
+use crate::read::gltf_matrix::Matrix;
 use crate::read::{MOST_BYTES, beside};
 use crate::surface::places;
 use crate::surface::vec3::{Vec3, add, cross, dot, length, scaled, sub};

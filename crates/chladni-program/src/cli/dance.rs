@@ -1,16 +1,16 @@
 //! `chladni dance MESH SONG`: what can be asked for, and the film that is meant by it.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use chladni_music::{
     Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, Show, Switch, Timbre, setting,
 };
 use chladni_synth::Backend;
 use chladni_view::film::RawFormat;
-use chladni_view::{Answer, Background, FrameRate, Lights, Look, Material, Palette, Samples};
+use chladni_view::{Answer, Background, Lights, Look, Material, Palette, Samples};
 
 use super::Terminal;
+use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
 use crate::work::{Error, Piece, Watcher, resolve};
@@ -359,56 +359,6 @@ fn parse_timbre(name: &str) -> Result<Ring, String> {
     }
 }
 
-/// Width and height.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-}
-
-impl FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number = |t: &str| t.parse::<u32>().ok().filter(|n| (1..=16_384).contains(n));
-        let (width, height) = text.split_once(['x', 'X']).ok_or("expected WIDTHxHEIGHT, such as 1280x720")?;
-        match (number(width), number(height)) {
-            (Some(width), Some(height)) => Ok(Self { width, height }),
-            _ => Err("width and height are whole numbers from 1 to 16384".into()),
-        }
-    }
-}
-
-/// Frames per second.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fps(pub FrameRate);
-
-impl FromStr for Fps {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || "expected frames per second from 1 to 240, such as 30, 29.97 or 30000/1001".to_owned();
-        let rate = |numerator: u32, denominator: u32| FrameRate { numerator, denominator };
-        let rate = if let Some((n, d)) = text.split_once('/') {
-            rate(n.parse().map_err(|_| wrong())?, d.parse().map_err(|_| wrong())?)
-        } else if let Ok(whole) = text.parse::<u32>() {
-            rate(whole, 1)
-        } else {
-            let fps: f64 = text.parse().map_err(|_| wrong())?;
-            let ntsc = (fps.ceil() - fps / 0.999_000_999).abs() < 0.01;
-            if ntsc {
-                rate(1000 * fps.ceil() as u32, 1001)
-            } else {
-                rate((fps * 1000.0).round() as u32, 1000)
-            }
-        };
-        let fps = f64::from(rate.numerator) / f64::from(rate.denominator.max(1));
-        if rate.denominator > 0 && (1.0..=240.0).contains(&fps) { Ok(Self(rate)) } else { Err(wrong()) }
-    }
-}
-
 fn parse_backend(text: &str) -> Result<Backend, String> {
     match text {
         "auto" => Ok(Backend::Auto),
@@ -452,22 +402,5 @@ fn in_file(path: &Path, error: chladni_music::MusicError) -> Error {
         // It names the file itself.
         chladni_music::MusicError::File { .. } => error.into(),
         error => Error::from(error).of(path.display()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rates_and_sizes() {
-        let fps = |t: &str| t.parse::<Fps>().map(|f| (f.0.numerator, f.0.denominator));
-        assert_eq!(fps("30"), Ok((30, 1)));
-        assert_eq!(fps("29.97"), Ok((30000, 1001)));
-        assert_eq!(fps("23.976"), Ok((24000, 1001)));
-        assert_eq!(fps("12.5"), Ok((12500, 1000)));
-        assert!(fps("0").is_err() && fps("1/0").is_err() && fps("-3").is_err() && fps("nan").is_err());
-        assert_eq!("640x360".parse(), Ok(Size { width: 640, height: 360 }));
-        assert!("640".parse::<Size>().is_err() && "0x5".parse::<Size>().is_err());
     }
 }

@@ -7,6 +7,7 @@ mod choose_file;
 mod controls;
 mod dance;
 mod demo;
+mod frames;
 mod gallery;
 mod info;
 mod ink;

@@ -4,13 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use chladni_music::{
-    Bands, BarLine, Beat, BeatReading, Director, Framing, Harmony, Parameter, Parameters, Resonators,
-    Ringing, Stretch, Switch, Timbre, smooth,
+    Bands, BarLine, Beat, Director, Framing, Harmony, Parameters, Resonators, Ringing, Stretch, smooth,
 };
-use chladni_sound::{
-    Bar, Beats, ENERGY_RATE_HZ, FrontEnd, Hop, Section, Song, SongSpectrum, SoundError, Spectrum,
-    SpectrumSettings,
-};
+use chladni_sound::{Beats, Hop, Song, SongSpectrum, SoundError, Spectrum, SpectrumSettings};
+
+use super::bars::bar_lines;
+use super::tuning::Tuning;
 
 /// A jump within a song, or to another one, fades over this time.
 const FADE_SECS: f64 = 0.3;
@@ -86,77 +85,6 @@ struct Fade {
     harmony: Harmony,
     beat: Beat,
     since_secs: f64,
-}
-
-/// The knobs that the ear has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Tuning {
-    bands: usize,
-    decay: f32,
-    side_gain: f32,
-    front_end: FrontEnd,
-    /// Of the resonators: none where they are off.
-    timbre: Option<Timbre>,
-}
-
-impl Tuning {
-    fn of(parameters: &Parameters) -> Self {
-        Self {
-            bands: parameters.get(Parameter::Bands).round() as usize,
-            decay: parameters.get(Parameter::Decay),
-            side_gain: parameters.get(Parameter::SideGain),
-            front_end: if parameters.is_on(Switch::LogBands) { FrontEnd::LogBands } else { FrontEnd::Linear },
-            // Tuning and stretch choose among the oscillators; they do not change them.
-            timbre: Timbre::of(parameters).map(|timbre| Timbre { tuning_hz: 1.0, stretch: 0.0, ..timbre }),
-        }
-    }
-
-    fn settings(self, rate_hz: u32) -> SpectrumSettings {
-        let Self { bands, decay, side_gain, front_end, .. } = self;
-        SpectrumSettings { bands, decay, side_gain, front_end, ..SpectrumSettings::new(rate_hz) }
-    }
-}
-
-/// The settings of an analyzer of sound at `rate_hz`.
-pub fn spectrum_settings(rate_hz: u32, parameters: &Parameters) -> SpectrumSettings {
-    Tuning::of(parameters).settings(rate_hz)
-}
-
-/// Beats as a person wants them read.
-pub fn read_beats(beats: &Beats, reading: BeatReading) -> Beats {
-    let factor = 2f64.powi(reading.octave);
-    Beats {
-        tempo_bpm: factor * beats.tempo_bpm,
-        beats_secs: reading.of(&beats.beats_secs),
-        confidence: beats.confidence,
-        other_octaves_bpm: beats.other_octaves_bpm.map(|bpm| factor * bpm),
-        // A bar stays one, however its beats are counted.
-        bars: beats
-            .bars
-            .iter()
-            .map(|bar| Bar { at_secs: bar.at_secs + reading.shift_secs, ..*bar })
-            .collect(),
-        sections: beats
-            .sections
-            .iter()
-            .map(|section| Section { at_secs: section.at_secs + reading.shift_secs, ..*section })
-            .collect(),
-        energy: beats.energy.clone(),
-    }
-}
-
-/// The bars of a song, as a director gets them.
-pub fn bar_lines(beats: &Beats) -> impl Iterator<Item = BarLine> {
-    let bars = &beats.bars;
-    bars.iter().enumerate().map(move |(i, bar)| {
-        let next = bars.get(i + 1).map(|next| next.at_secs - bar.at_secs);
-        let beat_secs = if beats.tempo_bpm > 0.0 { 60.0 / beats.tempo_bpm } else { 0.5 };
-        let secs = next.unwrap_or(f64::from(bar.beats) * beat_secs);
-        let middle = ((bar.at_secs + 0.5 * secs) * ENERGY_RATE_HZ).round().max(0.0) as usize;
-        let energy = beats.energy.get(middle).or(beats.energy.last()).copied().unwrap_or(0.5);
-        let begins_section = beats.sections.iter().any(|section| section.at_secs == bar.at_secs);
-        BarLine { at_secs: bar.at_secs, secs, energy, begins_section }
-    })
 }
 
 /// A spectrum as the instrument takes it, without what rings.
@@ -421,6 +349,7 @@ impl Fade {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_music::Parameter;
     use chladni_sound::{sample_tune, sample_tune_beats_secs};
 
     fn known() -> KnownSong {

@@ -2,6 +2,7 @@
 //! caricature, a dance and a film. It depends neither on a window nor on a command line, and prints nothing:
 //! it reports to a [`Watcher`].
 
+mod bars;
 pub mod body;
 mod cast;
 mod clock;
@@ -36,14 +37,16 @@ mod template;
 mod theatre;
 #[cfg(feature = "desktop")]
 mod titles;
+mod tuning;
 mod watcher;
 
+pub use bars::{bar_lines, read_beats};
 pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
 pub use error::{Error, Warning};
 pub use files::{refer, resolve};
 pub use frame_guard::FrameGuard;
-pub use hearing::{Heard, Hearing, KnownSong, bands_of, bar_lines, read_beats, spectrum_settings};
+pub use hearing::{Heard, Hearing, KnownSong, bands_of};
 pub use lag::Lag;
 #[cfg(feature = "desktop")]
 pub use lettering::Lettering;
@@ -63,6 +66,7 @@ pub use theatre::{
 };
 #[cfg(feature = "desktop")]
 pub use titles::{TITLE, title_opacity};
+pub use tuning::spectrum_settings;
 pub use watcher::{Aside, Watcher};
 
 /// The default K, in the window and on the command line.

@@ -6,6 +6,7 @@ mod opus;
 mod reader;
 mod resample;
 mod song;
+mod track;
 mod wav;
 
 pub use reader::SongReader;

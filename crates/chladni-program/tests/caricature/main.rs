@@ -1,0 +1,343 @@
+//! `chladni caricature` and `chladni project`, run as a user would.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a panic is how a test fails, and a skipped one says so"
+)]
+
+#[path = "../archive/mod.rs"]
+mod archive;
+mod pictures;
+mod projects;
+mod regions;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use chladni_harmonics::npz::write_npz;
+use chladni_mesh::{TriMesh, load_mesh, samples, save_mesh};
+
+/// A folder with a lumpy shape, `shape.obj`.
+struct Desk(tempfile::TempDir);
+
+impl Desk {
+    fn new() -> Self {
+        let desk = Self(tempfile::tempdir().unwrap());
+        save_mesh(&lump(1.0), &desk.path("shape.obj")).unwrap();
+        desk
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn mesh(&self, name: &str) -> TriMesh {
+        load_mesh(&self.path(name)).unwrap().mesh
+    }
+
+    fn run(&self, line: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_chladni"))
+            .args(line.split_whitespace())
+            .current_dir(self.0.path())
+            .env("CHLADNI_CACHE", self.path("cache"))
+            .output()
+            .unwrap()
+    }
+
+    /// Runs a line that must succeed; what it printed.
+    fn ok(&self, line: &str) -> String {
+        let output = self.run(line);
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs a line that must fail with exit code 2; what it said.
+    fn refused(&self, line: &str) -> String {
+        let output = self.run(line);
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        String::from_utf8(output.stderr).unwrap()
+    }
+}
+
+fn lump(size: f64) -> TriMesh {
+    let mut mesh = samples::icosphere(3);
+    for p in &mut mesh.positions {
+        let [x, y, z] = *p;
+        let r = size * (3.0 + 0.6 * (3.0 * x).sin() + 0.4 * y * z);
+        *p = [size * 10.0 + r * x, r * y, 0.7 * r * z];
+    }
+    mesh
+}
+
+fn largest(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn mu_zero_writes_the_shape_itself_and_others_do_not() {
+    let desk = Desk::new();
+    let shape = desk.mesh("shape.obj");
+    for model in ["coordinate", "normal", "distance"] {
+        let line = |mu: f64| {
+            format!("caricature shape.obj ellipsoid -o out.ply --harmonics 32 --model {model} --mu {mu}")
+        };
+        desk.ok(&line(0.0));
+        assert_eq!(desk.mesh("out.ply").positions, shape.positions);
+        desk.ok(&line(-1.5));
+        let moved = desk.mesh("out.ply");
+        assert!(largest(&moved.positions, &shape.positions) > 0.1);
+        assert_eq!(moved.triangles, shape.triangles);
+    }
+}
+
+#[test]
+fn the_shape_scaled_down_is_scaled_up_and_a_region_stays_where_it_is() {
+    let desk = Desk::new();
+    let shape = desk.mesh("shape.obj").positions;
+    desk.ok("caricature shape.obj self:scale=0.5 -o big.obj --harmonics 16 --mu -1");
+    let big = desk.mesh("big.obj").positions;
+    let edge = |p: &[[f64; 3]]| largest(&[p[0]], &[p[1]]);
+    assert!((edge(&big) / edge(&shape) - 1.5).abs() < 1e-9);
+    let region = "--region 13,0,0,2 --cutoff 40";
+    desk.ok(&format!("caricature shape.obj self:scale=0.5 -o part.obj --harmonics 64 --mu -1 {region}"));
+    let part = desk.mesh("part.obj").positions;
+    let moved = |i: usize| largest(&[part[i]], &[shape[i]]);
+    let outermost = |side: f64| {
+        (0..part.len()).max_by(|a, b| (side * shape[*a][0]).total_cmp(&(side * shape[*b][0]))).unwrap()
+    };
+    let (inside, outside) = (moved(outermost(1.0)), moved(outermost(-1.0)));
+    assert!(inside > 20.0 * outside, "{inside} {outside}");
+}
+
+#[test]
+fn a_given_sphere_is_reached_and_one_seed_serves_matches_and_layers() {
+    let desk = Desk::new();
+    desk.ok("caricature shape.obj sphere:1,2,3,5 -o ball.ply --harmonics 16 --mu 1");
+    for p in desk.mesh("ball.ply").positions {
+        let radius = ((p[0] - 1.0).powi(2) + (p[1] - 2.0).powi(2) + (p[2] - 3.0).powi(2)).sqrt();
+        assert!((radius - 5.0).abs() < 1e-5, "{radius}");
+    }
+    desk.ok("match shape.obj --method ellipsoid:1,2,3,5,4,3,10,20,30");
+    let seed = |command: &str| {
+        let help = desk.ok(&format!("{command} --help"));
+        let at = help.split("--seed").nth(1).and_then(|rest| rest.split("[default: ").nth(1)).unwrap();
+        at.split(']').next().unwrap().to_owned()
+    };
+    assert_eq!(seed("match"), seed("caricature"));
+    assert_eq!(seed("match"), seed("project add-layer"));
+}
+
+#[test]
+fn a_recipe_is_applied_to_a_folder() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 32");
+    desk.ok("project add-layer p.chladni --template self:scale=0.8 --mu -1 --region 13,0,0,2");
+    std::fs::create_dir(desk.path("many")).unwrap();
+    save_mesh(&lump(1.0), &desk.path("many/a.obj")).unwrap();
+    save_mesh(&lump(7.0), &desk.path("many/b.ply")).unwrap();
+    desk.ok("caricature --recipe p.chladni --batch many -o out");
+    let (a, b) = (desk.mesh("out/a.obj").positions, desk.mesh("out/b.ply").positions);
+    let scaled: Vec<[f64; 3]> = a.iter().map(|p| p.map(|c| 7.0 * c)).collect();
+    assert!(largest(&scaled, &b) < 1e-3, "the region moved along with the frame");
+    assert!(largest(&a, &lump(1.0).positions) > 0.05);
+    std::fs::write(desk.path("many/c.obj"), "v 1 2").unwrap();
+    let said = desk.refused("caricature --recipe p.chladni --batch many -o out2");
+    assert!(said.contains("c.obj") && said.contains("1 of 3"), "{said}");
+    assert!(desk.path("out2/b.ply").exists() && !desk.path("out2/c.obj").exists());
+}
+
+#[test]
+fn a_batch_gives_every_mesh_a_file_of_its_own_and_replaces_none() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    std::fs::create_dir(desk.path("many")).unwrap();
+    for name in ["head.v1.obj", "head.v2.obj"] {
+        save_mesh(&lump(1.0), &desk.path("many").join(name)).unwrap();
+    }
+    let written = desk.ok("caricature --recipe p.chladni --batch many -o out");
+    for name in ["head.v1.obj", "head.v2.obj"] {
+        assert!(desk.path("out").join(name).exists(), "{written}");
+    }
+    // Both would be written as PLY.
+    for (name, text) in [("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), ("a.ply", "")] {
+        std::fs::write(desk.path("many").join(name), text).unwrap();
+    }
+    let said = desk.refused("caricature --recipe p.chladni --batch many -o out2");
+    assert!(said.contains("a.off") && said.contains("a.ply"), "{said}");
+    assert!(!desk.path("out2").exists());
+    std::fs::remove_file(desk.path("many/a.ply")).unwrap();
+    let before = std::fs::read(desk.path("many/head.v1.obj")).unwrap();
+    let said = desk.refused("caricature --recipe p.chladni --batch many -o ./many");
+    assert!(said.contains("many"), "{said}");
+    assert_eq!(std::fs::read(desk.path("many/head.v1.obj")).unwrap(), before);
+}
+
+#[test]
+fn pieces_of_a_batch_are_all_of_it_and_what_is_there_stays() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    std::fs::create_dir(desk.path("many")).unwrap();
+    let names = ["a.obj", "b.ply", "c.obj"];
+    for (size, name) in names.iter().enumerate() {
+        save_mesh(&lump(1.0 + size as f64), &desk.path("many").join(name)).unwrap();
+    }
+    let list: String =
+        names.iter().map(|name| format!("{}\n\n", desk.path("many").join(name).display())).collect();
+    std::fs::write(desk.path("list.txt"), list).unwrap();
+    desk.ok("caricature --recipe p.chladni --batch many -o whole");
+    desk.ok("caricature --recipe p.chladni --batch list.txt -o out --piece 1/2");
+    let made = |name: &str| desk.path("out").join(name).exists();
+    assert!(made("a.obj") && !made("b.ply") && !made("c.obj"));
+    std::fs::write(desk.path("out/b.ply"), "kept").unwrap();
+    desk.ok("caricature --recipe p.chladni --batch list.txt -o out --piece 2/2 --resume");
+    assert_eq!(std::fs::read(desk.path("out/b.ply")).unwrap(), b"kept");
+    for name in ["a.obj", "c.obj"] {
+        let read = |folder: &str| std::fs::read(desk.path(folder).join(name)).unwrap();
+        assert!(read("out") == read("whole"), "{name}");
+    }
+    std::fs::write(desk.path("empty.txt"), "\n").unwrap();
+    assert!(desk.refused("caricature --recipe p.chladni --batch empty.txt -o out").contains("lists no mesh"));
+    assert!(desk.refused("caricature --recipe p.chladni --batch absent -o out").contains("absent"));
+}
+
+#[test]
+fn bad_arguments_are_told_apart() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o good.chladni --harmonics 16");
+    std::fs::write(desk.path("junk.chladni"), "format_version = 2\nshape = 3").unwrap();
+    std::fs::write(desk.path("noise.chladni"), b"\xff\xfe\x00").unwrap();
+    std::fs::create_dir_all(desk.path("folder.obj")).unwrap();
+    for (line, expected) in [
+        ("caricature shape.obj ellipsoid -o out.xyz", "out.xyz"),
+        ("caricature absent.obj ellipsoid -o out.obj", "absent.obj"),
+        ("caricature shape.obj absent.obj -o out.obj", "absent.obj"),
+        ("caricature shape.obj self:loud=3 -o out.obj", "self:loud=3"),
+        ("caricature sample:nobody ellipsoid -o out.obj", "nobody"),
+        ("caricature shape.obj ellipsoid -o out.obj --mu 1e9", "μ"),
+        ("caricature shape.obj ellipsoid -o out.obj --model loud", "loud"),
+        ("caricature shape.obj ellipsoid -o out.obj --region 1,2,3", "x,y,z,radius"),
+        ("caricature shape.obj ellipsoid -o out.obj --scale-curve 0:9", "scale curve"),
+        ("caricature shape.obj ellipsoid -o out.obj --scale-curve 0:1,0.4:2,1:0", "percent of the size"),
+        ("caricature shape.obj ellipsoid -o out.obj --cutoff 0", "cut-off"),
+        ("caricature shape.obj ellipsoid -o out.obj --infill 2", "the infill"),
+        ("caricature shape.obj sphere:0,0,0 -o out.obj", "sphere:x,y,z,radius"),
+        ("match shape.obj --method ellipsoid:0,0,0,1,1,-1", "positive and finite"),
+        ("match shape.obj --method sphere --rigid", "--rigid"),
+        ("caricature shape.obj ellipsoid -o out.obj --harmonics 0", "harmonics"),
+        ("caricature --recipe absent.chladni -o out.obj", "absent.chladni"),
+        ("caricature --recipe junk.chladni -o out.obj", "junk.chladni"),
+        ("caricature --recipe good.chladni --mu -2 -o out.obj", "--mu"),
+        ("caricature shape.obj ellipsoid -o nowhere/out.obj", "nowhere/out.obj: its folder does not exist"),
+        ("caricature shape.obj ellipsoid -o folder.obj", "is a folder"),
+        ("caricature shape.obj ellipsoid -o out.obj --render out.jpg", "out.jpg: a picture ends in .png"),
+        ("basis shape.obj --ranks 2", "belong to --engine slepc"),
+        ("basis shape.obj --engine slepc --ranks 0", "0 ranks: from 1 to"),
+        ("basis shape.obj --engine slepc --ranks 99999", "99999 ranks: from 1 to"),
+        ("basis shape.obj --engine slepc --ranks 4 --groups 3", "3 equal groups"),
+        ("basis shape.obj --engine slepc --hosts absent.txt", "absent.txt"),
+        ("basis shape.obj --engine slepc --threads 2", "--threads is for"),
+        ("basis shape.obj -o nowhere/b.npz", "its folder does not exist"),
+        ("match shape.obj shape.obj --method sphere", "neither a template"),
+        ("match shape.obj shape.obj --render out.jpg", ".png"),
+        ("spectrum sample:tune --render out.jpg", ".png"),
+        ("symmetry shape.obj --render nowhere/out.png", "its folder does not exist"),
+        ("dance shape.obj sample:tune -o nowhere/out.gif", "its folder does not exist"),
+        ("dance shape.obj sample:tune", "--output <FILM>|--frames <DIR>|--coefficients <C.npz>"),
+        (
+            "dance shape.obj sample:tune -o out.gif --lights moon",
+            "expected one of studio, soft, dramatic, stage",
+        ),
+        ("dance shape.obj sample:tune -o out.gif --gain 99 -k 9", "[0, 20]"),
+        ("project", "a subcommand is missing"),
+        ("project new shape.obj -o p.txt", ".chladni"),
+        ("project show junk.chladni", "junk.chladni"),
+        ("project show noise.chladni", "noise.chladni: is no text, so it is not a Chladni project"),
+    ] {
+        let said = desk.refused(line);
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+    let left: Vec<_> = std::fs::read_dir(desk.0.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| name != "out.obj" && name != "p.txt"), "{left:?}");
+}
+
+#[test]
+fn a_region_beside_the_shape_is_told() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj ellipsoid --harmonics 16 -o out.obj --region";
+    let beside = desk.run(&format!("{line} 0,0,0,0.1"));
+    let message = String::from_utf8(beside.stderr).unwrap();
+    assert!(beside.status.success() && message.contains("its region holds no vertex"), "{message}");
+    let on_it = desk.run(&format!("{line} 10,0,0,20"));
+    assert!(!String::from_utf8(on_it.stderr).unwrap().contains("its region"));
+}
+
+#[test]
+fn a_shape_with_few_vertices_dances_with_the_harmonics_it_has() {
+    let desk = Desk::new();
+    save_mesh(&samples::icosphere(0), &desk.path("few.obj")).unwrap();
+    let dance = desk.run("dance few.obj sample:tune --coefficients c.npz --duration 0.1");
+    let message = String::from_utf8(dance.stderr).unwrap();
+    assert!(dance.status.success() && message.contains("12 harmonics instead of 512"), "{message}");
+}
+
+#[test]
+fn paper_mode_takes_the_plain_laplacian_and_the_papers_settings() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj --paper --harmonics 40 -o p.chladni");
+    desk.ok("project add-layer p.chladni --template ellipsoid --model distance --region 13,0,0,2");
+    let text = std::fs::read_to_string(desk.path("p.chladni")).unwrap();
+    for line in ["laplacian = \"cotangent\"", "mu = -8.0", "roll_off = \"sharp\"", "clamp = false"] {
+        assert!(text.contains(line), "{line} in {text}");
+    }
+    let shown = desk.ok("project show p.chladni --json");
+    assert!(shown.contains("\"laplacian\": \"cotangent\""), "{shown}");
+    // One switch on the command does the same as the project.
+    let line = "caricature shape.obj ellipsoid --harmonics 40 --model distance --region 13,0,0,2";
+    desk.ok("caricature --recipe p.chladni -o recipe.ply");
+    desk.ok(&format!("{line} --paper -o switch.ply"));
+    assert_eq!(desk.mesh("recipe.ply").positions, desk.mesh("switch.ply").positions);
+    // The operator is another one, not only the settings: of obtuse triangles it has other harmonics.
+    let mut slanted = desk.mesh("shape.obj");
+    slanted.positions.iter_mut().for_each(|p| p[0] += 3.0 * p[1]);
+    save_mesh(&slanted, &desk.path("slanted.obj")).unwrap();
+    let line = "caricature slanted.obj ellipsoid --harmonics 40 --model distance --mu -2";
+    desk.ok(&format!("{line} --paper -o paper.ply"));
+    desk.ok(&format!("{line} -o usual.ply"));
+    assert!(largest(&desk.mesh("paper.ply").positions, &desk.mesh("usual.ply").positions) > 1e-3);
+    // What cannot have it is refused at once, with the place.
+    let fan = TriMesh {
+        positions: vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.5, 0.8, 0.5], [-0.5, -0.8, 0.5]],
+        triangles: vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]],
+        ..TriMesh::default()
+    };
+    save_mesh(&fan, &desk.path("fan.obj")).unwrap();
+    for line in [
+        "caricature fan.obj ellipsoid --paper -o x.ply",
+        "project new fan.obj --paper -o x.chladni",
+        "basis fan.obj --paper -k 3",
+        "symmetry fan.obj --paper -k 3",
+        "dance fan.obj sample:tune --paper -k 3 --duration 1 --coefficients c.npz",
+    ] {
+        let said = desk.refused(line);
+        assert!(said.contains("3 triangles meet at the edge of vertices 0 and 1"), "{line}: {said}");
+    }
+    desk.ok("basis fan.obj -k 3");
+}
+
+#[test]
+fn a_difference_moves_onto_another_shape() {
+    let desk = Desk::new();
+    desk.ok("caricature shape.obj ellipsoid -k 64 --mu -0.3 -o much.obj");
+    save_mesh(&lump(2.0), &desk.path("large.obj")).unwrap();
+    desk.ok("transfer shape.obj much.obj large.obj --match same -o out.obj");
+    let (out, much) = (desk.mesh("out.obj").positions, desk.mesh("much.obj").positions);
+    // As large as the target, twice the shape.
+    assert!(out.iter().zip(&much).all(|(a, b)| (0..3).all(|i| (a[i] - 2.0 * b[i]).abs() < 1e-3)));
+    desk.ok("transfer shape.obj much.obj large.obj --match same --amount 0 -o still.obj");
+    assert_eq!(desk.mesh("still.obj").positions, desk.mesh("large.obj").positions);
+    desk.refused("transfer shape.obj much.obj large.obj --amount inf -o out.obj");
+}

@@ -1,0 +1,148 @@
+//! Pictures, drawings and sheets.
+
+use super::*;
+
+/// The picture that `line` writes.
+fn drawn(desk: &Desk, line: &str) -> chladni_view::Picture {
+    let output = desk.run(&format!("{line} --render out.png"));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{line}: {said}");
+    chladni_view::Picture::decode(&std::fs::read(desk.path("out.png")).unwrap()).unwrap()
+}
+
+fn is_red([r, g, b, _]: [u8; 4]) -> bool {
+    r > 90 && u16::from(r) > 2 * u16::from(g.max(b))
+}
+
+/// Rows and columns of the left half that something red covers.
+fn covered(picture: &chladni_view::Picture) -> [usize; 2] {
+    let half = picture.width / 2;
+    let red = |x: u32, y: u32| is_red(picture.pixel(x, y).unwrap());
+    let rows = (0..picture.height).filter(|y| (0..half).any(|x| red(x, *y))).count();
+    let columns = (0..half).filter(|x| (0..picture.height).any(|y| red(*x, y))).count();
+    [rows, columns]
+}
+
+#[test]
+fn a_picture_keeps_colours_stands_as_told_and_uses_its_format() {
+    let desk = Desk::new();
+    // Thin, long along z, and red.
+    let mut stick = samples::icosphere(3);
+    for p in &mut stick.positions {
+        *p = [0.4 * p[0], 0.3 * p[1], 3.0 * p[2] + 0.3 * p[0] * p[0]];
+    }
+    stick.appearance.colors = Some(vec![[0.8, 0.02, 0.02, 1.0]; stick.positions.len()]);
+    save_mesh(&stick, &desk.path("stick.ply")).unwrap();
+    let line = "caricature stick.ply self:scale=0.9 -k 8 -o out.ply --view 0,0 --size 640x480";
+    let upright = drawn(&desk, &format!("{line} --up z"));
+    let [rows, columns] = covered(&upright);
+    assert!(rows > 380 && columns < 120, "{rows} rows, {columns} columns");
+    let red = (0..640).flat_map(|x| (0..480).map(move |y| (x, y)));
+    let red = red.filter(|(x, y)| is_red(upright.pixel(*x, *y).unwrap())).count();
+    assert!(red > 5000, "{red} red pixels");
+    let exported = std::fs::read(desk.path("out.ply")).unwrap();
+
+    // It lies, so that the format's width is used: above each other.
+    let lying = drawn(&desk, &format!("{line} --up y --front x"));
+    let [rows, columns] = covered(&lying);
+    assert!(rows < 400 && columns > 250, "{rows} rows, {columns} columns");
+    assert_eq!(std::fs::read(desk.path("out.ply")).unwrap(), exported, "files keep their axes");
+
+    let refused = desk.refused(&format!("{line} --up y --front -y --render out.png"));
+    assert!(refused.contains("--up y and --front -y lie on one line"), "{refused}");
+    assert!(desk.refused(&format!("{line} --up w")).contains("is no direction"));
+}
+
+#[test]
+fn a_picture_shows_the_panels_asked_for_in_a_row_for_each_mu() {
+    let desk = Desk::new();
+    desk.ok(
+        "caricature shape.obj ellipsoid -o out.ply --harmonics 32 --region 13,0,0,2 --render p.png --size 600x200 \
+         --show painted,region,coordinate,normal,distance,rest --sweep=-0.3,-3",
+    );
+    let bytes = std::fs::read(desk.path("p.png")).unwrap();
+    let picture = chladni_view::Picture::decode(&bytes).unwrap();
+    assert_eq!((picture.width, picture.height), (600, 200));
+    let panel = |row: u32, column: u32| -> Vec<[u8; 4]> {
+        let pixels = (0..100).flat_map(|y| (0..100).map(move |x| (x, y)));
+        pixels.map(|(x, y)| picture.pixel(100 * column + x, 100 * row + y).unwrap()).collect()
+    };
+    // χ01 and χ lie on the shape, which μ does not change; the results differ, from row to row and
+    // from model to model.
+    for column in 0..2 {
+        assert!(panel(0, column) == panel(1, column));
+    }
+    for column in 2..6 {
+        assert!(panel(0, column) != panel(1, column));
+    }
+    for (a, b) in [(0, 1), (2, 3), (3, 4), (2, 4)] {
+        assert!(panel(1, a) != panel(1, b));
+    }
+    // The shape at rest is there as black dots.
+    let black = |panel: Vec<[u8; 4]>| panel.iter().filter(|p| p[..3].iter().all(|c| *c < 40)).count();
+    assert!(black(panel(1, 5)) > black(panel(1, 2)) + 30);
+}
+
+#[test]
+fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj ellipsoid -o out.ply -k 32 --mu -1 --size 320x160";
+    let read = |name: &str| std::fs::read(desk.path(name)).unwrap();
+    desk.ok(&format!("{line} --render both.svg"));
+    let svg = String::from_utf8(read("both.svg")).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.contains("width=\"320\"") && svg.contains("<g id=\"contours\""));
+    desk.ok(&format!("{line} --render again.svg --ink"));
+    assert_eq!(read("again.svg"), read("both.svg"));
+    desk.ok(&format!("{line} --render ink.png --ink --ink-colors #800000,#ffffff --ink-hatching 0"));
+    let picture = chladni_view::Picture::decode(&read("ink.png")).unwrap();
+    assert_eq!((picture.width, picture.height, picture.pixel(0, 0)), (320, 160, Some([255; 4])));
+    // Nothing but shades between the ink and the paper, and both of them.
+    assert!(picture.rgba.chunks(4).all(|p| p[1] == p[2] && p[0] >= p[1]));
+    assert!(picture.rgba.chunks(4).any(|p| p[1] < 60));
+    desk.ok(&format!("{line} --render tones.svg --ink-tones 3"));
+    let tones = String::from_utf8(read("tones.svg")).unwrap();
+    assert!(tones.contains("<g id=\"tones\"") && !svg.contains("tones"));
+    // Before and after, three tones each, of which the lightest is the paper.
+    assert_eq!(tones.matches("evenodd").count(), 4);
+    desk.ok(&format!("{line} --turntable turn.gif --turn-secs 0.2 --ink-tones 2"));
+    desk.ok("caricature shape.obj ellipsoid -k 32 --turntable plain.gif --turn-secs 0.1 --size 64x64");
+    assert!(read("turn.gif").starts_with(b"GIF89a") && read("plain.gif").starts_with(b"GIF89a"));
+    // Before and after have lines of one width, or of widths that follow the exaggeration.
+    desk.ok(&format!("{line} --render wide.svg --show after,coordinate --ink-exaggeration"));
+    assert_ne!(read("wide.svg"), read("both.svg"));
+    for (options, said) in [
+        ("--render x.svg --show painted", "ink draws shapes alone"),
+        ("--render x.svg --ink-colors red,blue", "write two colors"),
+        ("--render x.png --ink-hatching 2", "from 0 to 1"),
+        ("--render x.jpg", "a picture ends in .png or .svg"),
+        ("--render x.svg --ink-tones 5", "5"),
+        ("--turntable x.jpg", "film"),
+        ("--ink", "--render"),
+    ] {
+        let message = desk.refused(&format!("{line} {options}"));
+        assert!(message.contains(said), "{options}: {message}");
+        assert!(!desk.path("x.svg").exists());
+    }
+}
+
+#[test]
+fn a_gallery_is_drawn_bred_and_one_of_it_becomes_a_mesh() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj --gallery -k 48 --seed 3 --size 320x240";
+    let first = desk.ok(&format!("{line} -o first.png"));
+    assert_eq!(first.lines().count(), 13, "{first}");
+    assert_eq!(first, desk.ok(&format!("{line} -o other.png")).replace("other", "first"));
+    let bred = desk.ok(&format!("{line} --choose 2,5 --lock model -o bred.png"));
+    assert_ne!(first.lines().next(), bred.lines().next());
+    for name in ["first.png", "bred.png"] {
+        let picture = chladni_view::Picture::decode(&std::fs::read(desk.path(name)).unwrap()).unwrap();
+        assert_eq!((picture.width, picture.height), (320, 240));
+    }
+    let single = desk.ok(&format!("{line} --choose 2,5 --lock model --variant 7 -o seventh.ply"));
+    assert!(bred.contains(single.lines().next().unwrap()), "{single}");
+    assert!(largest(&desk.mesh("seventh.ply").positions, &desk.mesh("shape.obj").positions) > 0.01);
+    desk.ok(&format!("{line} --surprise -o surprise.glb"));
+    assert!(desk.refused(&format!("{line} --choose 13 -o x.png")).contains("from 1 to 12"));
+    assert!(desk.refused(&format!("{line} -o x.obj")).contains(".png"));
+    assert!(desk.refused(&format!("{line} --lock nose -o x.png")).contains("templates"));
+}

@@ -1,0 +1,128 @@
+//! Projects: made, moved, shown, exported.
+
+use super::*;
+
+#[test]
+fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 48");
+    let nose = "--model normal --mu -0.8 --name nose --region 12,0,0,2";
+    desk.ok(&format!("project add-layer p.chladni --template ellipsoid {nose}"));
+    let detail = "--mu -2 --scale-curve 200%:0,90%:2,45%:1,d:0 --rigid --seed 3 --infill 0.5";
+    desk.ok(&format!("project add-layer p.chladni --template self:lowpass=12 {detail}"));
+    let shown = desk.ok("project show p.chladni --json");
+    let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
+    assert_eq!(shown["layers"][0]["name"], "nose");
+    assert_eq!(shown["layers"][0]["region"], "spheres");
+    assert_eq!(shown["layers"][1]["template"], "self:lowpass=12");
+    assert_eq!(shown["layers"][1]["scale_curve"]["points"][1], serde_json::json!([0.9, 2.0]));
+    let matching = &shown["layers"][1]["match"];
+    assert_eq!((&matching["scaling"], &matching["seed"]), (&"rigid".into(), &3.into()));
+    assert_eq!((&shown["layers"][0]["infill"], &shown["layers"][1]["infill"]), (&1.0.into(), &0.5.into()));
+    assert!(desk.ok("project show p.chladni").contains("2. self:lowpass=12"));
+
+    desk.ok("caricature --recipe p.chladni -o out.glb");
+    desk.ok("caricature --recipe p.chladni -o out.ply");
+    let rest = desk.mesh("shape.obj").positions;
+    let result = desk.mesh("out.ply").positions;
+    let (names, mut sum) = morph_sum(&desk.path("out.glb"), rest.len());
+    assert_eq!(names, ["nose", "self:lowpass=12"]);
+    sum.iter_mut().flatten().zip(rest.iter().flatten()).for_each(|(s, x)| *s += x);
+    assert!(largest(&sum, &result) < 1e-5, "{}", largest(&sum, &result));
+}
+
+/// A template is named from where the person stands, and kept relative to the project: whoever
+/// reads the project, from wherever, and after its folder has moved, finds the same file.
+#[test]
+fn a_project_finds_its_files_from_anywhere_and_after_a_move() {
+    let desk = Desk::new();
+    std::fs::create_dir_all(desk.path("work/heads")).unwrap();
+    save_mesh(&lump(1.0), &desk.path("work/shape.obj")).unwrap();
+    let mut template = lump(1.0);
+    template.positions.iter_mut().for_each(|p| p[1] *= 1.3);
+    save_mesh(&template, &desk.path("work/heads/template.obj")).unwrap();
+    // Another file of the same name where a path taken from the wrong folder would lead.
+    std::fs::create_dir(desk.path("heads")).unwrap();
+    save_mesh(&samples::icosphere(1), &desk.path("heads/template.obj")).unwrap();
+
+    desk.ok("project new work/shape.obj -o work/p.chladni --harmonics 32");
+    desk.ok("project add-layer work/p.chladni --template work/heads/template.obj --match same --mu -0.5");
+    let text = std::fs::read_to_string(desk.path("work/p.chladni")).unwrap();
+    assert!(text.contains("\"shape.obj\"") && text.contains("\"heads/template.obj\""), "{text}");
+    desk.refused("project add-layer work/p.chladni --template template.obj");
+    desk.ok("caricature --recipe work/p.chladni -o here.ply");
+    let dance = "sample:tune -o film.gif --duration 0.1 --size 32x32 --harmonics 32";
+    desk.ok(&format!("dance work/p.chladni {dance}"));
+
+    std::fs::rename(desk.path("work"), desk.path("moved")).unwrap();
+    desk.ok("caricature --recipe moved/p.chladni -o there.ply");
+    assert_eq!(desk.mesh("here.ply").positions, desk.mesh("there.ply").positions);
+    assert!(largest(&desk.mesh("here.ply").positions, &desk.mesh("shape.obj").positions) > 0.1);
+    std::fs::remove_file(desk.path("film.gif")).unwrap();
+    desk.ok(&format!("dance moved/p.chladni {dance}"));
+}
+
+/// The names of a GLB's morph targets and the sum of their displacements.
+fn morph_sum(path: &Path, vertices: usize) -> (Vec<String>, Vec<[f64; 3]>) {
+    let bytes = std::fs::read(path).unwrap();
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    let json_len = word(12);
+    let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + json_len]).unwrap();
+    let binary = 20 + json_len + 8;
+    let mesh = &json["meshes"][0];
+    assert_eq!(json["meshes"].as_array().unwrap().len(), 1);
+    let names = mesh["extras"]["targetNames"].as_array().unwrap();
+    let names = names.iter().map(|n| n.as_str().unwrap().to_owned()).collect();
+    let mut sum = vec![[0.0; 3]; vertices];
+    for target in mesh["primitives"][0]["targets"].as_array().unwrap() {
+        let accessor = &json["accessors"][target["POSITION"].as_u64().unwrap() as usize];
+        let view = &json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+        let offset = |v: &serde_json::Value| v["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let start = binary + offset(accessor) + offset(view);
+        for (v, s) in sum.iter_mut().enumerate() {
+            for (i, s) in s.iter_mut().enumerate() {
+                *s += f64::from(f32::from_bits(word(start + 12 * v + 4 * i) as u32));
+            }
+        }
+    }
+    (names, sum)
+}
+
+#[test]
+fn a_project_is_not_started_over_another() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni -k 16");
+    desk.ok("project add-layer p.chladni --template sphere");
+    assert!(desk.refused("project new shape.obj -o p.chladni").contains("exists already"));
+    assert!(desk.ok("project show p.chladni").contains("sphere"));
+}
+
+#[test]
+fn a_project_remembers_which_way_is_up() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o a.chladni -k 8 --up z --front -y");
+    let text = std::fs::read_to_string(desk.path("a.chladni")).unwrap();
+    assert!(text.contains("stands = \"up z, front -y\""), "{text}");
+    let project = chladni_caricature::Project::load(&desk.path("a.chladni")).unwrap();
+    assert_eq!(project.stands, Some(chladni_mesh::Orientation::Z_UP));
+    desk.ok("project new shape.obj -o b.chladni -k 8");
+    assert_eq!(chladni_caricature::Project::load(&desk.path("b.chladni")).unwrap().stands, None);
+    std::fs::write(desk.path("c.chladni"), text.replace("up z, front -y", "up z, front z")).unwrap();
+    assert!(desk.refused("project show c.chladni").contains("is no direction"));
+}
+
+#[test]
+fn a_project_that_keeps_triangles_says_how_much_it_keeps() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj self:lowpass=6 -k 64 --mu -14 -o";
+    let plain = desk.ok(&format!("{line} plain.ply"));
+    assert!(!plain.contains("keeps") && !plain.contains(" 0 triangles folded"), "{plain}");
+    let kept = desk.ok(&format!("{line} kept.ply --keep-triangles"));
+    assert!(kept.contains("% of its movement"), "{kept}");
+    assert_ne!(desk.mesh("plain.ply").positions, desk.mesh("kept.ply").positions);
+    desk.ok("project new shape.obj -k 64 -o p.chladni --keep-triangles");
+    desk.ok("project add-layer p.chladni --template self:lowpass=6 --mu -14");
+    assert!(desk.ok("project show p.chladni").contains("keeps triangles"));
+    desk.ok("caricature --recipe p.chladni -o again.ply");
+    assert_eq!(desk.mesh("again.ply").positions, desk.mesh("kept.ply").positions);
+}

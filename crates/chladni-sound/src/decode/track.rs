@@ -1,0 +1,140 @@
+//! What a file holds before the first sound: its track, its decoder, and why it may have none.
+
+use std::io::{self, Read, SeekFrom};
+use std::sync::LazyLock;
+
+use symphonia::core::codecs::audio::{
+    AudioCodecId, AudioCodecParameters, AudioDecoder, AudioDecoderOptions, well_known,
+};
+use symphonia::core::codecs::registry::CodecRegistry;
+use symphonia::core::errors::Error as CodecError;
+use symphonia::core::formats::{FormatReader, Track, TrackType};
+use symphonia::core::io::MediaSource;
+use symphonia::core::units::TimeBase;
+
+use super::mp4_edits::Audible;
+use super::opus::{self, OpusDecoder};
+use crate::SoundError;
+
+/// Every MP3 decoder has this delay in frames (ISO/IEC 11172-3: polyphase filters and overlap). A LAME tag
+/// states the encoder's share as well; without one only this much is certain, and what is left before the
+/// sound is the encoder's own delay, 576 frames for LAME.
+const MP3_DECODER_DELAY: u64 = 529;
+
+static CODECS: LazyLock<CodecRegistry> = LazyLock::new(|| {
+    let mut codecs = CodecRegistry::new();
+    symphonia::default::register_enabled_codecs(&mut codecs);
+    codecs.register_audio_decoder::<OpusDecoder>();
+    codecs
+});
+
+/// The sound track of a file, ready to be decoded.
+pub(super) struct OpenedTrack {
+    /// The audible part of the decoded frames, as far as the track states it.
+    pub audible: Audible,
+    pub track_id: u32,
+    pub time_base: Option<TimeBase>,
+    pub frames: Option<u64>,
+    pub decoder: Box<dyn AudioDecoder>,
+}
+
+/// Of what `format` plays by default.
+pub(super) fn open_track(name: &str, format: &dyn FormatReader) -> Result<OpenedTrack, SoundError> {
+    let no_track = || SoundError::Unrecognised {
+        name: name.to_owned(),
+        reason: format!("a {} file without a sound track", format.format_info().long_name),
+    };
+    let track: &Track = format.default_track(TrackType::Audio).ok_or_else(no_track)?;
+    let params = track.codec_params.as_ref().and_then(|p| p.audio()).ok_or_else(no_track)?;
+    if let Some(rate_hz) = params.sample_rate {
+        crate::check_rate(name, rate_hz)?;
+    }
+    let decoder = CODECS.make_audio_decoder(params, &AudioDecoderOptions::default()).map_err(|error| {
+        SoundError::UnsupportedCodec {
+            name: name.to_owned(),
+            codec: codec_name(params.codec).unwrap_or_else(|| error.to_string()),
+            advice: CONVERT,
+        }
+    })?;
+    Ok(OpenedTrack {
+        audible: audible_of(track, params),
+        track_id: track.id,
+        time_base: track.time_base,
+        frames: track.num_frames,
+        decoder,
+    })
+}
+
+fn audible_of(track: &Track, params: &AudioCodecParameters) -> Audible {
+    let delay = track.delay.map(u64::from);
+    match params.codec {
+        well_known::CODEC_ID_MP3 if delay.unwrap_or(0) == 0 => {
+            Audible { skip: MP3_DECODER_DELAY, frames: None }
+        }
+        // The demuxers leave an Opus encoder's lead-in to the decoder, which leaves it to us. Only
+        // Ogg states it for the track and counts it in the track's frames.
+        well_known::CODEC_ID_OPUS => {
+            let skip = delay.or_else(|| opus::lead_in_frames(params)).unwrap_or(0);
+            let frames = track.num_frames.filter(|_| delay.is_some());
+            Audible { skip, frames: frames.map(|frames| frames.saturating_sub(skip)) }
+        }
+        _ => Audible { skip: 0, frames: None },
+    }
+}
+
+const CONVERT: &str = "convert it to FLAC, WAV, MP3, M4A (AAC-LC), Ogg Vorbis or Opus";
+
+fn codec_name(id: AudioCodecId) -> Option<String> {
+    use well_known as known;
+    let names = [
+        (known::CODEC_ID_SPEEX, "Speex"),
+        (known::CODEC_ID_MP1, "MPEG layer I"),
+        (known::CODEC_ID_MP2, "MPEG layer II"),
+        (known::CODEC_ID_AC3, "AC-3"),
+        (known::CODEC_ID_EAC3, "E-AC-3"),
+        (known::CODEC_ID_DCA, "DTS"),
+        (known::CODEC_ID_WMA, "Windows Media"),
+        (known::CODEC_ID_WAVPACK, "WavPack"),
+    ];
+    names.iter().find(|(known, _)| *known == id).map(|(_, name)| (*name).to_owned())
+}
+
+/// Looks at the first bytes of an unreadable source, to say what kind of file it is.
+pub(super) fn look_at_start(name: &str, source: &mut dyn MediaSource) -> Result<Vec<u8>, SoundError> {
+    let mut start = Vec::new();
+    (&mut *source)
+        .take(4096)
+        .read_to_end(&mut start)
+        .map_err(|error| SoundError::Read { name: name.to_owned(), source: error })?;
+    if start.is_empty() {
+        return Err(SoundError::Empty { name: name.to_owned() });
+    }
+    rewind(name, source)?;
+    Ok(start)
+}
+
+/// Back to the first byte.
+pub(super) fn rewind(name: &str, source: &mut dyn MediaSource) -> Result<(), SoundError> {
+    source
+        .seek(SeekFrom::Start(0))
+        .map(|_| ())
+        .map_err(|error| SoundError::Read { name: name.to_owned(), source: error })
+}
+
+/// What to say of a file that begins with `start` and cannot be opened.
+pub(super) fn unrecognised(name: &str, start: &[u8], error: &CodecError) -> SoundError {
+    let holds = |mark: &[u8]| start.windows(mark.len()).any(|window| window == mark);
+    for (mark, codec) in [(&b"OpusHead"[..], "Opus"), (b"Speex   ", "Speex"), (b"wvpk", "WavPack")] {
+        if holds(mark) {
+            let codec = codec.to_owned();
+            return SoundError::UnsupportedCodec { name: name.to_owned(), codec, advice: CONVERT };
+        }
+    }
+    let reason = match error {
+        CodecError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            "it ends before any sound".to_owned()
+        }
+        other => other.to_string(),
+    };
+    SoundError::Unrecognised { name: name.to_owned(), reason }
+}
