@@ -69,6 +69,18 @@ fn the_small_good_files_are_good() {
 }
 
 #[test]
+fn an_odd_name_of_an_attribute_is_written_as_it_was_read() {
+    // A vertical tab separates no words in PLY, though Unicode counts it as white space.
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+         property float m\u{b}ask\nelement face 1\nproperty list uchar int vertex_index\nend_header\n\
+         0 0 0 .25\n1 0 0 .5\n0 1 0 1\n3 0 1 2\n";
+    let mesh = read_mesh(ply.as_bytes(), Format::Ply).unwrap().mesh;
+    let again = read_mesh(&write_mesh(&mesh, Format::Ply).unwrap(), Format::Ply).unwrap().mesh;
+    assert_eq!(again.appearance.attributes, mesh.appearance.attributes);
+    assert_eq!(again.appearance.attributes[0].name, "m\u{b}ask");
+}
+
+#[test]
 fn every_truncation_of_a_good_file_is_an_error_or_a_mesh() {
     for (format, bytes) in good_files() {
         for length in 0..bytes.len() {

@@ -88,7 +88,7 @@ fn check(mesh: &TriMesh) -> Result<(), String> {
         if values.len() != n {
             return Err(format!("it has not one '{name}' per vertex"));
         }
-        if name.is_empty() || name.contains(char::is_whitespace) {
+        if name.is_empty() || name.contains(|c: char| c.is_ascii_whitespace()) {
             return Err(format!("the name of its attribute '{name}' is not one word"));
         }
     }

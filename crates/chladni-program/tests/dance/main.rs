@@ -1,12 +1,16 @@
 //! `chladni dance` and `chladni symmetry` as a script runs them.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+#[path = "../archive/mod.rs"]
 mod archive;
+mod strobing;
 
 use std::path::Path;
 
 use chladni_mesh::{load_mesh, samples, save_mesh};
 use chladni_sound::{Song, WavSample, write_wav};
+
+use strobing::{ball, luminances, strobe, strobing_film};
 
 fn run(arguments: &[&str]) -> u8 {
     chladni_program::cli::run(["chladni", "--quiet"].iter().chain(arguments))
@@ -207,85 +211,6 @@ fn bad_input_is_refused_with_code_2() {
         assert_eq!(run(arguments), 2, "{arguments:?}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-}
-
-/// Four seconds of noise, five times a second on for 80 ms: the spectrum's window lies in silence between.
-fn strobe(path: &Path) {
-    let rate_hz = 44_100;
-    let mut state = 1u32;
-    let left: Vec<f32> = (0..4 * rate_hz as usize)
-        .map(|n| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let noise = state as f32 / u32::MAX as f32 * 1.8 - 0.9;
-            if n * 5 % rate_hz as usize * 5 < 2 * rate_hz as usize { noise } else { 0.0 }
-        })
-        .collect();
-    write_wav(path, &Song { rate_hz, right: left.clone(), left }, WavSample::Int16).unwrap();
-}
-
-/// Mean relative luminance (WCAG 2.3.1) of each PNG of a folder, in order.
-fn luminances(folder: &Path) -> Vec<f32> {
-    let mut frames: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    frames.retain(|path| path.extension().is_some_and(|e| e == "png"));
-    frames.sort();
-    let linear = |byte: u8| {
-        let c = f32::from(byte) / 255.0;
-        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-    };
-    let mean = |path: &std::path::PathBuf| {
-        let picture = chladni_view::Picture::decode(&std::fs::read(path).unwrap()).unwrap();
-        let pixels = picture.rgba.chunks_exact(4);
-        let count = pixels.len() as f32;
-        pixels.map(|p| 0.2126 * linear(p[0]) + 0.7152 * linear(p[1]) + 0.0722 * linear(p[2])).sum::<f32>()
-            / count
-    };
-    frames.iter().map(mean).collect()
-}
-
-/// A ball: it grows and shrinks as a whole, and is drawn quickly.
-fn ball(path: &Path) {
-    save_mesh(&samples::icosphere(3), path).unwrap();
-}
-
-/// Films a dark ball on white that the strobe blows up as far as it goes; 30 frames a second.
-fn strobing_film(folder: &Path, name: &str, more: &[&str]) -> std::path::PathBuf {
-    let [mesh, wav, session, out] =
-        ["ball.obj", "strobe.wav", "session.toml", name].map(|name| folder.join(name));
-    ball(&mesh);
-    strobe(&wav);
-    // All sound goes to the harmonics that widen the ball and that heighten it, without decay.
-    let action = |text: &str| format!("[[actions]]\nat_secs = 0.0\nat_beat = 0.0\n{text}\n");
-    let mapping =
-        "{ transfer = [0.0435, 0.087, 0.1305], amplification = [1.0], stereo_mu = 0.0, gain = 1.0 }";
-    let wild: String = [
-        format!("do = \"load\"\nitem = 0\nname = \"strobe\"\nmapping = {mapping}"),
-        "do = \"perform\"\nitem = 0".into(),
-        "do = \"set\"\nparameter = \"decay\"\nvalue = 0.0".into(),
-        "do = \"set\"\nparameter = \"limit\"\nvalue = 0.5".into(),
-        "do = \"set\"\nparameter = \"gain\"\nvalue = 8.0".into(),
-    ]
-    .map(|text| action(&text))
-    .concat();
-    std::fs::write(&session, format!("format_version = 1\nseed = 5\nsize = 6\n{wild}")).unwrap();
-    let [mesh, wav, session, frames] = [&mesh, &wav, &session, &out].map(|path| path.to_str().unwrap());
-    let look = ["--size", "64x64", "--material", "dark", "--lights", "studio", "--background", "white"];
-    let fixed = ["dance", mesh, wav, "-k", "24", "--session", session, "--frames", frames];
-    assert_eq!(run(&[&fixed[..], &look, more].concat()), 0);
-    out
-}
-
-#[test]
-fn a_strobing_song_never_flashes_more_than_three_times_a_second() {
-    let folder = tempfile::tempdir().unwrap();
-    let flashes = |name: &str, more: &[&str]| {
-        let shown = luminances(&strobing_film(folder.path(), name, more));
-        assert_eq!(shown.len(), 120);
-        let times_secs: Vec<f64> = (0..120).map(|i| f64::from(i) / 30.0).collect();
-        chladni_music::most_flashes_per_second(&times_secs, &shown)
-    };
-    let (free, limited) = (flashes("free", &["--allow-flashes"]), flashes("limited", &[]));
-    assert!(free > chladni_music::MAX_FLASHES, "the song does not strobe: {free}");
-    assert!(limited <= chladni_music::MAX_FLASHES, "{limited} flashes a second, {free} without the limit");
 }
 
 #[test]

@@ -1,0 +1,159 @@
+//! Presets and shows in files.
+
+use super::*;
+
+#[test]
+fn a_preset_brings_its_form_and_knobs_and_an_old_one_says_that_it_has_none() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let mut made = Instrument::new(3, 6, shape.clone()).unwrap();
+    let now = Moment::default();
+    made.apply(now, Action::SetForm { form: Form::Modal }).unwrap();
+    made.apply(now, Action::Set { parameter: chladni_music::Parameter::Decay, value: 0.9 }).unwrap();
+    made.apply(now, Action::Set { parameter: chladni_music::Parameter::TurnRad, value: 2.0 }).unwrap();
+    let preset = Preset::of(&made, &made.gallery().items()[2], vec![]);
+    let preset = Preset::from_text(&preset.to_text().unwrap()).unwrap();
+    assert_eq!(preset.caution(), None);
+    let mut other = Instrument::new(4, 6, shape).unwrap();
+    let turn = other.parameters().get(chladni_music::Parameter::TurnRad);
+    other.apply(now, Action::Take { item: 5, preset: Box::new(preset.clone()) }).unwrap();
+    assert_eq!(other.gallery().items()[5].genome, preset.mapping);
+    assert_eq!(other.parameters().form, Form::Modal);
+    assert_eq!(other.parameters().get(chladni_music::Parameter::Decay), 0.9);
+    // The beat's turn is of the stage, not of the dance.
+    assert_eq!(other.parameters().get(chladni_music::Parameter::TurnRad), turn);
+    let old = "format_version = 1\nname = \"x\"\nseed = 1\n[mapping]\ntransfer = [0.5]\namplification = [0.5]\nstereo_mu = 0.0\ngain = 1.0\n";
+    let old = Preset::from_text(old).unwrap();
+    assert!(old.caution().unwrap().contains("version 1") && old.settings.is_empty());
+    assert_eq!(old.mapping_on(other.shape()), old.mapping);
+}
+
+#[test]
+fn what_was_kept_before_anything_resonated_does_not_resonate() {
+    let show = Show::from_text("format_version = 2\nseed = 5\nsize = 6\n").unwrap();
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    assert!(!show.begin(shape.clone()).unwrap().parameters().is_on(Switch::Resonate));
+    let made = Instrument::new(3, 6, shape).unwrap();
+    assert!(made.parameters().is_on(Switch::Resonate));
+    let text = Preset::of(&made, &made.gallery().items()[0], vec![]).to_text().unwrap();
+    assert!(Preset::from_text(&text).unwrap().settings.switches[&Switch::Resonate]);
+    let old = text.replace("resonate = true\n", "").replace("format_version = 3", "format_version = 2");
+    assert!(!Preset::from_text(&old).unwrap().settings.switches[&Switch::Resonate]);
+}
+
+#[test]
+fn a_session_of_version_1_opens_as_a_show_with_the_knobs_of_then() {
+    let text = "format_version = 1\nsong = \"old.ogg\"\nseed = 5\nsize = 6\n[[actions]]\nat_secs = 0.5\n\
+                at_beat = 1.0\ndo = \"set\"\nparameter = \"gain\"\nvalue = 2.5\n";
+    let show = Show::from_text(text).unwrap();
+    assert!(show.caution().is_some());
+    assert_eq!(show.songs[0].path, "old.ogg");
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let instrument = show.replay(shape.clone()).unwrap();
+    assert_eq!(instrument.parameters().form, Form::Filter);
+    assert_eq!(instrument.parameters().get(chladni_music::Parameter::Gain), 2.5);
+    assert_eq!(instrument.parameters().get(chladni_music::Parameter::Limit), 0.18);
+    // Saved again it is of this version, and the same.
+    let again = Show::from_text(&Show::of(&instrument).to_text().unwrap()).unwrap();
+    assert!(again.caution().is_none());
+    assert_eq!(again.replay(shape).unwrap(), instrument);
+    for (bad, why) in [
+        ("heard = [{ at_secs = 2.0, song = 1, playing = true }]", "no song 1"),
+        ("heard = [{ at_secs = 2.0, playing = true }, { at_secs = 1.0, playing = true }]", "in order"),
+        ("duration_secs = nan", "times"),
+        ("viewpoint = { distance = 0.0 }", "viewpoint"),
+    ] {
+        let text = format!("format_version = 2\nseed = 5\nsize = 6\n{bad}\n");
+        assert!(Show::from_text(&text).unwrap_err().to_string().contains(why), "{bad}");
+    }
+}
+
+fn coefficients_of(items: &[Item]) -> Vec<u32> {
+    let mut bits = Vec::new();
+    for term in items.iter().flat_map(|item| &item.terms) {
+        match &term.coefficients {
+            chladni_synth::Coefficients::Vector(c) => bits.extend(c.iter().flatten().map(|x| x.to_bits())),
+            chladni_synth::Coefficients::Normal(c) => bits.extend(c.iter().map(|x| x.to_bits())),
+        }
+    }
+    bits
+}
+
+#[test]
+fn a_session_replays_bit_for_bit_through_its_file() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let mut live = Instrument::new(77, 6, shape.clone()).unwrap();
+    let script = [
+        Action::Choose { item: 0, on: true },
+        Action::Choose { item: 4, on: true },
+        Action::Breed,
+        Action::Mutate { item: 2, amount: 0.15 },
+        Action::Favorite { item: 2, on: true },
+        Action::Rename { item: 2, name: "waves \"é\"".into() },
+        Action::SetForm { form: Form::HalfMask },
+        Action::Set { parameter: chladni_music::Parameter::Gain, value: 1.7 },
+        Action::GoTo { generation: 1 },
+        Action::Perform { item: 5 },
+    ];
+    for (i, action) in script.into_iter().enumerate() {
+        let at_secs = 0.1 + 0.3 * i as f64;
+        live.apply(Moment { at_secs, at_beat: 2.0 * at_secs }, action).unwrap();
+    }
+    assert!(live.apply(Moment::default(), Action::Lock { item: 9, on: true }).is_err());
+    let text = Show::of(&live).to_text().unwrap();
+    let replayed = Show::from_text(&text).unwrap().replay(shape.clone()).unwrap();
+    assert_eq!(live, replayed);
+    // Shows of before have the word in another spelling.
+    let older = text.replace("favorite", "favourite");
+    assert!(older != text && Show::from_text(&older).unwrap().replay(shape).unwrap() == live);
+
+    let song = sample_tune();
+    let dance = |instrument: &Instrument| {
+        let mut analyser = SpectrumAnalyser::new(SpectrumSettings::new(song.rate_hz)).unwrap();
+        let mut ensemble = Ensemble::new(octopus().dancer.clone());
+        let window = analyser.window_frames();
+        let mut bits = Vec::new();
+        for frame in 0..10 {
+            let from = 40_000 + frame * 2000;
+            let s =
+                analyser.analyse(&song.left[from..from + window], &song.right[from..from + window], 0.045);
+            let bands = Bands {
+                left: &s.left,
+                right: &s.right,
+                mid: &s.mid,
+                side: &s.side,
+                side_gain: s.side_gain,
+                ringing: None,
+            };
+            let beat = Beat { count: 6.0 + frame as f64 * 0.1, confidence: 1.0 };
+            bits.extend(coefficients_of(ensemble.play(instrument, &bands, beat).unwrap()));
+        }
+        bits
+    };
+    let bits = dance(&live);
+    assert!(bits.iter().any(|b| *b != 0));
+    assert_eq!(bits, dance(&replayed));
+}
+
+#[test]
+fn files_of_newer_versions_and_of_nonsense_are_refused() {
+    assert!(Show::from_text("format_version = 99").unwrap_err().to_string().contains("99"));
+    assert!(Preset::from_text("name = 3").is_err());
+    let text = "format_version = 1\nname = \"x\"\nseed = 1\n[mapping]\ntransfer = [2.0]\namplification = [0.5]\nstereo_mu = 0.0\ngain = 1.0\n";
+    assert!(Preset::from_text(text).unwrap_err().to_string().contains("transfer"));
+}
+
+#[test]
+fn a_long_evening_is_read_again_and_what_never_ends_is_refused() {
+    let path = std::env::temp_dir().join(format!("chladni-evening-{}.toml", std::process::id()));
+    // More than 16 MiB: a knob that is turned 60 times a second for almost an hour.
+    let turn = "[[actions]]\nat_secs = 0.0\nat_beat = 0.0\ndo = \"set\"\nparameter = \"gain\"\nvalue = 1.5\n";
+    let text = format!("format_version = 1\nseed = 5\nsize = 6\n{}", turn.repeat((17 << 20) / turn.len()));
+    std::fs::write(&path, &text).unwrap();
+    assert!(Show::load(&path).unwrap().actions.len() > 190_000);
+    std::fs::write(&path, text.repeat(4)).unwrap();
+    assert!(Show::load(&path).unwrap_err().to_string().contains("larger than the 64 MiB"));
+    std::fs::remove_file(&path).unwrap();
+    if cfg!(target_os = "linux") {
+        assert!(Preset::load(std::path::Path::new("/dev/zero")).is_err());
+    }
+}

@@ -1,0 +1,210 @@
+//! Files that are empty, cut short, absurd or endless.
+
+use super::*;
+
+#[test]
+fn empty_files_say_so() {
+    for name in ["empty.wav", "empty.ogg"] {
+        let Some(path) = shared(&format!("audio/{name}")) else { return };
+        let error = Song::open(&path).expect_err(name);
+        assert!(matches!(error, SoundError::Empty { .. }), "{name}: {error}");
+    }
+    // This one holds a single frame of padding; silence or a refusal are both right.
+    if let Some(path) = shared("audio/empty.mp3")
+        && let Ok(song) = Song::open(&path)
+    {
+        assert!(song.frames() <= 2 * 1152);
+    }
+    assert!(matches!(read_bytes("nothing", Vec::new()), Err(SoundError::Empty { .. })));
+    assert!(matches!(
+        read_bytes("text.ogg", b"this is no music at all".repeat(50)),
+        Err(SoundError::Unrecognised { .. })
+    ));
+    assert!(matches!(Song::open(Path::new("/")), Err(SoundError::Read { .. })));
+    assert!(matches!(Song::open(Path::new("no/such/file")), Err(SoundError::Read { .. })));
+}
+
+#[test]
+fn truncated_files_play_as_far_as_they_go() {
+    for name in ["dubstep.wav", "dubstep.flac", "dubstep.mp3", "dubstep.ogg"] {
+        let Some(path) = shared(&format!("audio/{name}")) else { return };
+        let bytes = std::fs::read(&path).unwrap();
+        let whole = read_bytes(name, bytes.clone()).unwrap();
+        let half = read_bytes(name, bytes[..bytes.len() / 2].to_vec()).unwrap();
+        let share = half.frames() as f64 / whole.frames() as f64;
+        assert!((0.3..0.7).contains(&share), "{name}: {share}");
+        let same = half.left.iter().zip(&whole.left).take(half.frames() / 2).all(|(a, b)| a == b);
+        assert!(same, "{name}");
+        // What is missing is said, as far as the file lets it be known.
+        let mut holed = bytes.clone();
+        holed[bytes.len() / 2..bytes.len() / 2 + 400].fill(0x55);
+        let half = bytes[..bytes.len() / 2].to_vec();
+        let checked = name.ends_with("flac") || name.ends_with("ogg");
+        for (bytes, damaged) in [(bytes.clone(), false), (half, !name.ends_with("mp3")), (holed, checked)] {
+            let mut reader = SongReader::from_bytes(name, bytes).unwrap();
+            Song::read(&mut reader, &SongOptions::default(), &Task::new()).unwrap();
+            assert_eq!(reader.damage().is_some(), damaged, "{name}: {:?}", reader.damage());
+        }
+        for keep in [1, 3, 12, 40, 44, 60, 200] {
+            // Too short for any sound: an error or a few samples, never a panic.
+            if let Ok(song) = read_bytes(name, bytes[..keep].to_vec()) {
+                assert!(song.frames() < 5000);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_name_of_a_file_does_not_matter() {
+    let bytes = wav_bytes(&chirp(8_000), WavSample::Int16).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("really-a-wav.mp3");
+    std::fs::write(&path, bytes).unwrap();
+    assert_eq!(Song::open(&path).unwrap().rate_hz, 8_000);
+}
+
+/// A WAV header with these numbers and a little sound behind it.
+fn wav_header(rate_hz: u32, channels: u16, data_bytes: u32) -> Vec<u8> {
+    let mut bytes = wav_bytes(&chirp(8_000), WavSample::Int16).unwrap();
+    bytes[22..24].copy_from_slice(&channels.to_le_bytes());
+    bytes[24..28].copy_from_slice(&rate_hz.to_le_bytes());
+    bytes[28..32].copy_from_slice(&rate_hz.wrapping_mul(2 * u32::from(channels)).to_le_bytes());
+    bytes[32..34].copy_from_slice(&channels.wrapping_mul(2).to_le_bytes());
+    bytes[4..8].copy_from_slice(&data_bytes.saturating_add(36).to_le_bytes());
+    bytes[40..44].copy_from_slice(&data_bytes.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn absurd_headers_are_errors() {
+    for (rate_hz, channels) in [(0, 2), (1, 2), (u32::MAX, 2), (44_100, 0), (44_100, u16::MAX)] {
+        let error = read_bytes("absurd.wav", wav_header(rate_hz, channels, 4000));
+        assert!(error.is_err(), "{rate_hz} Hz, {channels} channels");
+    }
+}
+
+#[test]
+fn a_header_that_promises_hours_takes_no_memory() {
+    // Two and a half hours of 48 kHz stereo promised, two seconds there.
+    let song = read_bytes("promise.wav", wav_header(48_000, 2, u32::MAX - 64)).unwrap();
+    assert_eq!(song.frames(), 16_000);
+    assert!(song.left.capacity() < 100_000);
+}
+
+#[test]
+fn a_song_beyond_the_memory_allowed_is_refused() {
+    let bytes = wav_bytes(&chirp(44_100), WavSample::Int16).unwrap();
+    let options = SongOptions { max_bytes: 8 * 44_100, ..SongOptions::default() };
+    let read = |options: &SongOptions| {
+        Song::read(&mut SongReader::from_bytes("long.wav", bytes.clone()).unwrap(), options, &Task::new())
+    };
+    assert!(matches!(read(&options), Err(SoundError::TooLong { .. })));
+    let part = SongOptions { start_secs: 0.5, duration_secs: Some(0.25), ..options };
+    let song = read(&part).unwrap();
+    assert_eq!(song.frames(), 11_025);
+    assert!((song.left[0] - chirp(44_100).left[22_050]).abs() < 1e-4);
+    let resampled = read(&SongOptions { rate_hz: Some(48_000), ..SongOptions::default() }).unwrap();
+    assert_eq!((resampled.rate_hz, resampled.frames()), (48_000, 96_000));
+}
+
+/// A hundred hours of silence at 8 kHz, mono, in half a megabyte of FLAC: each frame says "65535 times 0".
+fn hundred_hours_of_flac() -> Vec<u8> {
+    const BLOCK: u64 = 65_535;
+    let total = 100 * 3600 * 8000_u64;
+    let crc = |bytes: &[u8], width: u32, polynomial: u32| {
+        bytes.iter().fold(0_u32, |crc, &byte| {
+            (0..8).fold(crc ^ (u32::from(byte) << (width - 8)), |crc, _| {
+                let carry = (crc >> (width - 1)) & 1;
+                ((crc << 1) ^ (carry * polynomial)) & ((1 << width) - 1)
+            })
+        })
+    };
+    let mut bytes = b"fLaC\x80\0\0\x22\xff\xff\xff\xff\0\0\0\0\0\0".to_vec();
+    // Rate, channels − 1, bits − 1 and the number of samples, in 20, 3, 5 and 36 bits.
+    bytes.extend(((8000_u64 << 44) | (7 << 36) | total).to_be_bytes());
+    bytes.extend([0; 16]);
+    for n in 0..(total / BLOCK) as u32 {
+        let mut frame = vec![0xff, 0xf8, 0x74, 0x02];
+        frame.extend(char::from_u32(n).unwrap_or('\0').to_string().bytes());
+        frame.extend((BLOCK as u16 - 1).to_be_bytes());
+        frame.push(crc(&frame, 8, 0x07) as u8);
+        frame.extend([0, 0]);
+        let check = crc(&frame, 16, 0x8005) as u16;
+        frame.extend(check.to_be_bytes());
+        bytes.extend(frame);
+    }
+    bytes
+}
+
+#[test]
+fn a_hundred_hours_of_silence_stream_and_are_not_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let wav = folder.path().join("long.wav");
+    let mut header = wav_header(8000, 1, 2_880_000_000);
+    header.truncate(44);
+    std::fs::write(&wav, header).unwrap();
+    // Nothing but its length is on the disk.
+    std::fs::File::options().write(true).open(&wav).unwrap().set_len(44 + 2_880_000_000).unwrap();
+    let flac = hundred_hours_of_flac();
+    assert!(flac.len() < 1 << 20);
+    let open: [&dyn Fn() -> SongReader; 2] =
+        [&|| SongReader::open(&wav).unwrap(), &|| SongReader::from_bytes("long.flac", flac.clone()).unwrap()];
+    for open in open {
+        let mut reader = open();
+        let hours = reader.total_frames().unwrap() as f64 / 8000.0 / 3600.0;
+        assert!((49.9..100.1).contains(&hours), "{hours}");
+        // Far into it, no more than a packet is in memory.
+        let far = reader.total_frames().unwrap() - 100_000;
+        reader.seek(far).unwrap();
+        let mut frames = 0;
+        while let Some(block) = reader.next_block().unwrap() {
+            assert!(block.len() <= 2 * 65_535 && block.iter().all(|x| x.abs() < 0.01));
+            frames += block.len() as u64 / 2;
+        }
+        assert!(frames.abs_diff(100_000) <= 65_535, "{frames}");
+        let options = SongOptions { max_bytes: 1 << 24, ..SongOptions::default() };
+        let error = Song::read(&mut open(), &options, &Task::new()).unwrap_err();
+        assert!(matches!(error, SoundError::TooLong { .. }), "{error}");
+    }
+}
+
+mod any_bytes {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn starts() -> impl Strategy<Value = Vec<u8>> {
+        let folder = shared("audio");
+        let mut starts: Vec<Vec<u8>> = vec![Vec::new(), wav_header(44_100, 2, 4000)];
+        if let Some(folder) = folder {
+            for name in ["dubstep.flac", "dubstep.mp3", "dubstep.ogg"] {
+                let bytes = std::fs::read(folder.join(name)).expect("the file is listed");
+                starts.push(bytes[..bytes.len().min(30_000)].to_vec());
+            }
+        }
+        proptest::sample::select(starts)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn never_panic(
+            start in starts(),
+            noise in proptest::collection::vec(any::<u8>(), 0..400),
+            flips in proptest::collection::vec((any::<u16>(), any::<u8>()), 0..40),
+        ) {
+            let mut bytes = start;
+            bytes.extend(noise);
+            let len = bytes.len();
+            for (at, value) in flips {
+                if let Some(byte) = bytes.get_mut(usize::from(at) % len.max(1)) {
+                    *byte = value;
+                }
+            }
+            if let Ok(song) = read_bytes("noise", bytes) {
+                prop_assert!(song.frames() < 100_000_000);
+                prop_assert!(song.left.iter().all(|x| x.is_finite()));
+            }
+        }
+    }
+}
