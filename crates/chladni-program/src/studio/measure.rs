@@ -69,6 +69,8 @@ pub struct FrameReport {
     pub frames: usize,
     /// The middle one of all pauses between frames.
     pub median_frame_secs: f64,
+    /// The same of each quarter of the time, one after the other.
+    pub median_quarters_secs: [f64; 4],
     /// The longest pause between frames.
     pub longest_frame_secs: f64,
     /// How far the song moved on from the first frame to the last.
@@ -112,15 +114,23 @@ impl Measure {
     pub fn report(&self) -> Option<FrameReport> {
         let [first, .., last] = self.frames[..] else { return None };
         let mut pauses: Vec<f64> = self.frames.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
-        pauses.sort_by(f64::total_cmp);
+        let secs = last.0 - first.0;
+        let quarter = |q: usize| {
+            let bounds = [q, q + 1].map(|q| first.0 + 0.25 * q as f64 * secs);
+            let frames = bounds.map(|bound| self.frames.partition_point(|frame| frame.0 < bound));
+            median(&mut pauses[frames[0].min(pauses.len())..frames[1].min(pauses.len())].to_vec())
+        };
+        let median_quarters_secs = std::array::from_fn(quarter);
+        let median_frame_secs = median(&mut pauses);
         let offsets: Vec<f64> =
             self.frames.iter().filter_map(|(at, position)| Some((*position)? - at)).collect();
         let mean = offsets.iter().sum::<f64>() / offsets.len().max(1) as f64;
         let drift = offsets.iter().map(|offset| (offset - mean).abs()).fold(0.0, f64::max);
         Some(FrameReport {
-            secs: last.0 - first.0,
+            secs,
             frames: self.frames.len(),
-            median_frame_secs: pauses[pauses.len() / 2],
+            median_frame_secs,
+            median_quarters_secs,
             longest_frame_secs: pauses.last().copied().unwrap_or(0.0),
             song_secs: last.1.zip(first.1).map(|(last, first)| last - first),
             largest_drift_secs: (!offsets.is_empty()).then_some(drift),
@@ -128,6 +138,12 @@ impl Measure {
             stage: self.stage,
         })
     }
+}
+
+/// The middle one, of which there are as many below as above; sorts `values`, and is 0 of none.
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -151,6 +167,9 @@ mod tests {
         assert_eq!((report.frames, report.underruns), (5, 2));
         assert!((report.secs - 1.0).abs() < 1e-9 && (report.longest_frame_secs - 0.5).abs() < 1e-9);
         assert!((report.median_frame_secs - 0.3).abs() < 1e-9);
+        for (found, exact) in report.median_quarters_secs.iter().zip([0.3, 0.1, 0.5, 0.0]) {
+            assert!((found - exact).abs() < 1e-9, "{:?}", report.median_quarters_secs);
+        }
         assert!((report.largest_drift_secs.unwrap() - 0.016).abs() < 1e-9);
         assert!((report.song_secs.unwrap() - 1.0).abs() < 1e-9);
     }
