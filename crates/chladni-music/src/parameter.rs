@@ -1,12 +1,10 @@
 //! Every knob and switch of the instrument, by name and range: what a slider, a MIDI
 //! controller or an OSC message turns.
 
-use std::collections::BTreeMap;
-
 use chladni_synth::FrameSettings;
 use serde::{Deserialize, Serialize};
 
-use crate::{Choir, Form, MusicError, Playing, Timbre};
+use crate::{Choir, Form, MusicError, Playing, Settings, Timbre};
 
 /// A number that can be turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -331,79 +329,6 @@ impl Parameters {
         settings.knobs.iter().try_for_each(|(&knob, &value)| self.set(knob, value))?;
         settings.switches.iter().for_each(|(&switch, &on)| self.switch(switch, on));
         Ok(())
-    }
-}
-
-/// Values for some or all of the knobs and switches, as presets and shows store them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Settings {
-    /// Filter, modal or half-mask.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub form: Option<Form>,
-    /// Which harmonics may sound.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub choir: Option<Choir>,
-    /// Harmonics in use; 0 is all.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub harmonics: Option<u32>,
-    /// By their names.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub knobs: BTreeMap<Parameter, f32>,
-    /// By their names.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub switches: BTreeMap<Switch, bool>,
-}
-
-impl Settings {
-    /// Whether nothing is named.
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
-
-    /// The initial settings of sessions and presets of version 1.
-    pub(crate) fn of_version_1() -> Self {
-        use Parameter as P;
-        let knobs = [
-            (P::Decay, 0.5),
-            (P::SideGain, 10.0),
-            (P::Bands, 128.0),
-            (P::Gain, 1.0),
-            (P::Calibration, 0.08),
-            (P::Limit, 0.18),
-            (P::Detail, 1.0),
-            (P::NormalBlending, 0.0),
-            (P::TransitionBeats, 4.0),
-            (P::BeatsPerStep, 16.0),
-            (P::TurnRad, 0.35),
-            (P::LightSwingRad, 0.9),
-            (P::LightPulse, 0.15),
-        ];
-        let on = [Switch::BeatTurns, Switch::BeatLights, Switch::FlashLimit, Switch::LogBands, Switch::OwnMu];
-        Self {
-            form: Some(Form::Filter),
-            choir: Some(Choir::All),
-            harmonics: None,
-            knobs: knobs.into(),
-            switches: Switch::ALL.into_iter().map(|switch| (switch, on.contains(&switch))).collect(),
-        }
-    }
-
-    /// A show that does not say so has a camera that stands still.
-    pub(crate) fn of_a_show(mut self) -> Self {
-        self.switches.entry(Switch::Camera).or_insert(false);
-        self
-    }
-
-    /// Before version 3 nothing resonated.
-    pub(crate) fn of_version_2(mut self) -> Self {
-        self.switches.entry(Switch::Resonate).or_insert(false);
-        self
-    }
-
-    pub(crate) fn validate(&self) -> Result<(), MusicError> {
-        let mut tried = Parameters::default();
-        self.knobs.iter().try_for_each(|(&knob, &value)| tried.set(knob, value))
     }
 }
 

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
+use super::decoding::Decoding;
 use super::handle::{PlayerSettings, Repeat, Shared};
 use super::output::Output;
 use super::queue::{Playlist, Stretch};
 use crate::history::{Frame, History};
-use crate::{SongReader, SoundError, StereoResampler};
 
 /// How far ahead of the device the ring is filled.
 const AHEAD_SECS: f64 = 0.4;
@@ -61,16 +61,6 @@ pub(super) enum Command {
     Repeat(Repeat),
     Device(Option<String>),
     Quit,
-}
-
-/// A song being written into the ring.
-struct Decoding {
-    reader: SongReader,
-    resampler: StereoResampler,
-    /// Interleaved samples at the device's rate, and how many of them are in the ring.
-    ready: Vec<f32>,
-    used: usize,
-    ended: bool,
 }
 
 pub(super) struct Engine {
@@ -393,35 +383,5 @@ impl Engine {
     fn tell(&self, event: PlayerEvent) {
         // There may be no receiver.
         let _ = self.events.send(event);
-    }
-}
-
-impl Decoding {
-    fn open(path: &std::path::Path, secs: f64, rate_hz: u32) -> Result<Self, SoundError> {
-        let mut reader = SongReader::open(path)?;
-        let resampler = StereoResampler::new(reader.rate_hz(), rate_hz)?;
-        if secs > 0.0 {
-            reader.seek((secs * f64::from(reader.rate_hz())).round() as u64)?;
-        }
-        Ok(Self { reader, resampler, ready: Vec::new(), used: 0, ended: false })
-    }
-
-    /// Makes sure that some frames are ready; false at the end of the song.
-    fn refill(&mut self) -> Result<bool, SoundError> {
-        while self.used >= self.ready.len() {
-            self.ready.clear();
-            self.used = 0;
-            if self.ended {
-                return Ok(false);
-            }
-            match self.reader.next_block()? {
-                Some(block) => self.resampler.process(block, &mut self.ready)?,
-                None => {
-                    self.ended = true;
-                    self.resampler.finish(&mut self.ready)?;
-                }
-            }
-        }
-        Ok(true)
     }
 }

@@ -2,6 +2,7 @@
 //! heard.
 
 mod clock;
+mod decoding;
 mod engine;
 mod handle;
 mod output;

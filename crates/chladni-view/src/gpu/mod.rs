@@ -8,6 +8,7 @@ mod memory;
 mod pipelines;
 mod renderer;
 mod sharing;
+mod uniforms;
 
 use std::sync::{Arc, OnceLock};
 

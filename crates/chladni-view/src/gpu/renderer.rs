@@ -1,7 +1,5 @@
 //! Drawing on a graphics device.
 
-use std::sync::Arc;
-
 use bytemuck::{Pod, Zeroable};
 
 use super::canvas::Canvas;
@@ -9,6 +7,7 @@ use super::finishing::Finishing;
 use super::grains::GrainBuffer;
 use super::images::Images;
 use super::pipelines::{Coat, Kind, Layouts, MARKER_BYTES, Part, Pipelines, Side};
+use super::uniforms::Uniforms;
 use crate::uniforms::{
     CellUniform, FigureUniform, casts_shadows, cell_uniform, check_cell, check_figure, figure_uniform,
     key_light_view,
@@ -374,74 +373,6 @@ fn item_bytes(figure: &Figure<'_>, item: usize) -> std::ops::Range<u64> {
     let bytes = (figure.buffers.vertices * 12) as u64;
     let start = item as u64 * bytes;
     start..start + bytes
-}
-
-/// Many values of one uniform, distinguished by their dynamic offset.
-struct Uniforms<T> {
-    label: &'static str,
-    bytes: Vec<u8>,
-    stride: usize,
-    buffer: wgpu::Buffer,
-    group: wgpu::BindGroup,
-    kind: std::marker::PhantomData<Arc<T>>,
-}
-
-impl<T: Pod> Uniforms<T> {
-    fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, label: &'static str) -> Self {
-        let alignment = device.limits().min_uniform_buffer_offset_alignment as usize;
-        let stride = size_of::<T>().next_multiple_of(alignment);
-        let (buffer, group) = Self::room(device, layout, label, 16 * stride);
-        Self { label, bytes: Vec::new(), stride, buffer, group, kind: std::marker::PhantomData }
-    }
-
-    fn room(
-        device: &wgpu::Device,
-        layout: &wgpu::BindGroupLayout,
-        label: &str,
-        bytes: usize,
-    ) -> (wgpu::Buffer, wgpu::BindGroup) {
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: bytes as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(label),
-            layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: &buffer,
-                    offset: 0,
-                    size: wgpu::BufferSize::new(size_of::<T>() as u64),
-                }),
-            }],
-        });
-        (buffer, group)
-    }
-
-    fn clear(&mut self) {
-        self.bytes.clear();
-    }
-
-    fn push(&mut self, value: &T) {
-        let start = self.bytes.len();
-        self.bytes.extend_from_slice(bytemuck::bytes_of(value));
-        self.bytes.resize(start + self.stride, 0);
-    }
-
-    fn offset(&self, index: usize) -> u32 {
-        (index * self.stride) as u32
-    }
-
-    fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, layout: &wgpu::BindGroupLayout) {
-        if self.buffer.size() < self.bytes.len() as u64 {
-            let bytes = self.bytes.len().next_power_of_two();
-            (self.buffer, self.group) = Self::room(device, layout, self.label, bytes);
-        }
-        queue.write_buffer(&self.buffer, 0, &self.bytes);
-    }
 }
 
 fn marker_buffer(device: &wgpu::Device, count: u64) -> wgpu::Buffer {
