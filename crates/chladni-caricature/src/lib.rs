@@ -48,6 +48,7 @@ mod crossing;
 mod curved;
 mod difference;
 mod error;
+mod evaluation;
 mod exaggeration;
 mod fold;
 mod gallery;
@@ -80,6 +81,7 @@ pub use crossing::Crossings;
 pub use curved::{Bend, Curved};
 pub use difference::{Amplitudes, Base, Difference, Model, Psi, Target};
 pub use error::CaricatureError;
+pub use evaluation::{EvaluatedLayer, Evaluation, LayerState};
 pub use exaggeration::{Field, Signals};
 pub use fold::{flipped_triangles, furthest};
 pub use gallery::{
@@ -98,7 +100,7 @@ pub use project::{Action, DEFAULT_HARMONICS, Project, Property};
 pub use recovery::{Recovered, Recovery};
 pub use region::{Painted, Region, RollOff, Smoothing, Sphere};
 pub use scale_curve::ScaleCurve;
-pub use stack::{EvaluatedLayer, Evaluation, LayerState, Stack};
+pub use stack::Stack;
 pub use surface::Surface;
 pub use wavelength::{parse_wavelength, size, usual_wavelength, wavelengths};
 

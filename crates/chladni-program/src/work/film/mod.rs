@@ -3,42 +3,35 @@
 mod animation;
 mod beginning;
 mod deformed;
+mod output;
 mod performance;
 mod record;
 mod report;
 mod songs;
 mod titles;
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use chladni_music::{BeatReading, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
 use chladni_sound::{WavSample, write_wav};
-use chladni_synth::Backend;
-use chladni_view::film::{RawFormat, frame_path};
-use chladni_view::{Draw, Film as Reel, FilmFormat, FilmSettings, FrameRate, Look, Samples, ffmpeg_is_there};
+use chladni_view::{Film as Reel, FilmFormat, FilmSettings, Look};
 
 use super::body::laplacian;
 use super::dancer::{Dancing, classes};
-use super::outputs::check_file;
 use super::{
-    Cast, Error, HARMONICS, Hearing, Piece, Scenery, Stance, Warning, Watcher, first_looks, look_named,
+    Cast, Error, HARMONICS, Hearing, Scenery, Stance, Warning, Watcher, first_looks, look_named,
     opening_looks, opening_view,
 };
 use animation::Animation;
 pub use animation::Approximation;
 pub use beginning::Beginning;
 pub use deformed::Deformed;
+pub use output::{Output, TARGETS};
 use performance::{Done, Means, Performance};
 pub use report::{Report, Seconds};
 use songs::Songs;
 use titles::Titles;
-
-/// Morph targets of an animation unless said.
-pub const TARGETS: usize = 48;
-/// The largest number of them: more than programs can show in one mesh.
-const MOST_TARGETS: usize = 1024;
 
 /// A film that is wanted.
 pub struct Film {
@@ -74,47 +67,6 @@ pub struct Film {
     pub duration_secs: Option<f64>,
     /// What is written of it.
     pub output: Output,
-}
-
-/// What is written, and how it is drawn.
-#[derive(Clone, Debug)]
-pub struct Output {
-    /// The film's file or folder; none is drawn without.
-    pub film: Option<PathBuf>,
-    /// Only these frames are made, exactly those of the whole film; an MP4 of them has no sound.
-    pub piece: Option<Piece>,
-    /// Frames that are in the folder already stay as they are.
-    pub resume: bool,
-    /// The film's frames go to standard output as they are, silent.
-    pub pipe: Option<RawFormat>,
-    /// Where the shape goes with its movement, as a GLB file with morph targets; its sound lies beside it.
-    pub animation: Option<PathBuf>,
-    /// The largest number of morph targets.
-    pub targets: usize,
-    /// It is a folder of pictures, with the sound beside them.
-    pub is_folder: bool,
-    /// Where the coefficients of every frame go.
-    pub coefficients: Option<PathBuf>,
-    /// Where the mapping of each item of the gallery goes, as presets.
-    pub presets: Option<PathBuf>,
-    /// The shape at rest is shown, too, as dots.
-    pub shows_rest: bool,
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Frames a second.
-    pub rate: FrameRate,
-    /// Who draws.
-    pub draw: Draw,
-    /// Of each pixel; what suits the device unless said.
-    pub samples: Option<Samples>,
-    /// Who deforms.
-    pub synthesis: Backend,
-    /// More than three a second.
-    pub allow_flashes: bool,
-    /// Songs are named as they begin, as on stage.
-    pub titles: bool,
 }
 
 impl Film {
@@ -332,92 +284,6 @@ impl Film {
             return Err(Error::input("start must not be negative and the duration must be positive"));
         }
         Ok(())
-    }
-}
-
-impl Output {
-    /// To one file: an animation where it ends in .glb, else a film in HD, 30 frames a second, drawn by
-    /// whatever device there is.
-    pub fn to(path: PathBuf) -> Self {
-        match path.extension() {
-            Some(ending) if ending.eq_ignore_ascii_case("glb") => {
-                Self { animation: Some(path), ..Self::nowhere() }
-            }
-            _ => Self { film: Some(path), ..Self::nowhere() },
-        }
-    }
-
-    /// No file at all.
-    pub fn nowhere() -> Self {
-        Self {
-            film: None,
-            piece: None,
-            resume: false,
-            pipe: None,
-            is_folder: false,
-            animation: None,
-            targets: TARGETS,
-            coefficients: None,
-            presets: None,
-            shows_rest: false,
-            width: 1280,
-            height: 720,
-            rate: FrameRate::per_second(30),
-            draw: Draw::Auto,
-            samples: None,
-            synthesis: Backend::Auto,
-            allow_flashes: false,
-            titles: false,
-        }
-    }
-
-    /// The frames that are to be made of `total`; none where all are there already.
-    fn range(&self, total: u64) -> Result<Range<u64>, Error> {
-        let Range { start, end } = match &self.piece {
-            None => 0..total,
-            Some(piece) => piece
-                .frames(total)
-                .ok_or_else(|| Error::Input(format!("--piece: the film has {total} frames")))?,
-        };
-        let folder = self.film.as_deref().filter(|_| self.is_folder && self.resume);
-        let is_there = |frame: &u64| folder.is_some_and(|folder| frame_path(folder, *frame).is_file());
-        Ok((start..end).find(|frame| !is_there(frame)).unwrap_or(end)..end)
-    }
-
-    /// Checks, before any work, that it can be written.
-    fn check(&self) -> Result<(), Error> {
-        if self.piece.is_some() && self.animation.is_some() {
-            return Err(Error::input("--piece: a GLB holds the whole dance"));
-        }
-        if let Some(path) = self.film.as_deref().filter(|_| !self.is_folder) {
-            let format = FilmFormat::of(path).map_err(Error::input)?;
-            if format == FilmFormat::Frames {
-                let path = path.display();
-                return Err(Error::Input(format!(
-                    "{path}: a film ends in .mp4, .gif or .png; for a folder use --frames"
-                )));
-            }
-            if format == FilmFormat::Gif && self.piece.is_some() {
-                return Err(Error::input(
-                    "--piece: a GIF has one palette for all frames: use --frames, -o -, or .mp4",
-                ));
-            }
-            if format == FilmFormat::Mp4 && !ffmpeg_is_there() {
-                return Err(Error::input(
-                    "an MP4 needs ffmpeg, which is not on the PATH: install it, write a .gif or .png, or use \
-                     --frames DIR for PNG frames and a WAV",
-                ));
-            }
-            check_file(path)?;
-        }
-        if let Some(path) = &self.animation {
-            if !(1..=MOST_TARGETS).contains(&self.targets) {
-                let why = format!("--targets {}: from 1 to {MOST_TARGETS} are possible", self.targets);
-                return Err(Error::Input(why));
-            }
-            check_file(path)?;
-        }
-        self.coefficients.as_deref().map_or(Ok(()), check_file)
     }
 }
 
