@@ -485,6 +485,22 @@ fn paper_mode_takes_the_plain_laplacian_and_the_papers_settings() {
 }
 
 #[test]
+fn a_picture_may_show_the_template_as_a_ghost() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj ellipsoid --harmonics 32 --mu -1 --render p.png --size 400x200";
+    desk.ok(&format!("{line} --show after,ghost"));
+    let picture = chladni_view::Picture::decode(&std::fs::read(desk.path("p.png")).unwrap()).unwrap();
+    // The ghost is bluish: red gives way to blue, where the shape was warm clay.
+    let warm = |column: u32| {
+        let pixels = (0..200).flat_map(|y| (0..200).map(move |x| (200 * column + x, y)));
+        pixels.map(|(x, y)| picture.pixel(x, y).unwrap()).filter(|p| p[0] > p[2] + 25).count()
+    };
+    assert!(warm(0) > 4000 && warm(1) < warm(0) / 2, "{} {}", warm(0), warm(1));
+    let said = desk.refused("caricature shape.obj ellipsoid --harmonics 32 --render p.svg --show ghost");
+    assert!(said.contains("ghost"), "{said}");
+}
+
+#[test]
 fn a_picture_shows_the_panels_asked_for_in_a_row_for_each_mu() {
     let desk = Desk::new();
     desk.ok(
@@ -542,6 +558,29 @@ fn a_difference_moves_onto_another_shape() {
     desk.ok("transfer shape.obj much.obj large.obj --match same --amount 0 -o still.obj");
     assert_eq!(desk.mesh("still.obj").positions, desk.mesh("large.obj").positions);
     desk.refused("transfer shape.obj much.obj large.obj --amount inf -o out.obj");
+}
+
+#[test]
+fn shapes_are_averaged_on_the_triangles_of_the_first() {
+    let desk = Desk::new();
+    let shape = desk.mesh("shape.obj");
+    let larger = TriMesh { positions: lump(2.0).positions, ..shape.clone() };
+    save_mesh(&larger, &desk.path("large.ply")).unwrap();
+    // In one unit the mean of a shape and its double is half as large again about their mean center; else it is the shape.
+    desk.ok("mean shape.obj large.ply --match same -o mean.ply");
+    assert!(largest(&desk.mesh("mean.ply").positions, &shape.positions) < 1e-5);
+    desk.ok("mean shape.obj large.ply large.ply --match same --rigid -o mean.ply");
+    let mean = desk.mesh("mean.ply");
+    let extent = |mesh: &TriMesh| {
+        let y = || mesh.positions.iter().map(|p| p[1]);
+        y().fold(f64::MIN, f64::max) - y().fold(f64::MAX, f64::min)
+    };
+    assert!((extent(&mean) / extent(&shape) - 5.0 / 3.0).abs() < 1e-4);
+    assert_eq!(mean.triangles, shape.triangles);
+    assert!(desk.refused("mean shape.obj large.ply --match map -o mean.ply").contains("landmarks"));
+    desk.refused("mean shape.obj -o mean.ply");
+    let said = desk.refused("mean shape.obj sample:ring --match same -o mean.ply");
+    assert!(said.contains("sample:ring") && said.contains("connectivity"), "{said}");
 }
 
 #[test]
