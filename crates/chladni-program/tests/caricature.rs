@@ -566,7 +566,7 @@ fn shapes_are_averaged_on_the_triangles_of_the_first() {
     let shape = desk.mesh("shape.obj");
     let larger = TriMesh { positions: lump(2.0).positions, ..shape.clone() };
     save_mesh(&larger, &desk.path("large.ply")).unwrap();
-    // In one unit the mean of a shape and its double is half as large again about their mean center; else it is the shape.
+    // Fitted in size, a shape and its double are the same; in one unit the mean of 1, 2 and 2 is 5/3.
     desk.ok("mean shape.obj large.ply --match same -o mean.ply");
     assert!(largest(&desk.mesh("mean.ply").positions, &shape.positions) < 1e-5);
     desk.ok("mean shape.obj large.ply large.ply --match same --rigid -o mean.ply");
