@@ -28,6 +28,9 @@ pub struct PictureShape<'a> {
     pub image: Option<(&'a Picture, &'a [[f32; 2]])>,
     /// Landmarks.
     pub markers: &'a [Marker],
+    /// Where the same vertices lie on another shape, which is drawn over this one as a ghost. Cameras that are fitted to the
+    /// shapes make no room for it.
+    pub ghost: Option<&'a [[f32; 3]]>,
 }
 
 /// How a picture looks.
@@ -145,21 +148,26 @@ fn draw(
     loaded: &[Loaded],
     placed: &[(Rect, Camera)],
 ) -> Result<(), ViewError> {
-    let figures: Vec<Figure<'_>> = loaded
+    let figures: Vec<Vec<Figure<'_>>> = loaded
         .iter()
-        .map(|shape| Figure {
-            material: request.style.material,
-            paint: shape.paint(),
-            wire: request.style.wire,
-            ..Figure::new(&shape.topology, &shape.buffers, 0)
+        .map(|shape| {
+            let figure = Figure {
+                material: request.style.material,
+                paint: shape.paint(),
+                wire: request.style.wire,
+                ..Figure::new(&shape.topology, &shape.buffers, 0)
+            };
+            let ghost = shape.has_ghost.then(|| Figure { item: 1, ..figure }.ghost());
+            std::iter::once(figure).chain(ghost).collect()
         })
         .collect();
     let area = Rect::of_size(request.width, request.height);
     let (background, lights) = (request.style.background, request.style.lights);
-    let shown = placed.iter().map(|(cell, _)| *cell).zip(&figures);
+    let shown = placed.iter().map(|(cell, _)| *cell).zip(figures.iter().flat_map(|f| f.first()));
     let mut cells = Cell::gallery(area, background, request.from, lights, shown);
-    for ((cell, shape), (_, camera)) in cells.iter_mut().skip(1).zip(request.shapes).zip(placed) {
-        (cell.markers, cell.camera) = (shape.markers, *camera);
+    let drawn = request.shapes.iter().zip(&figures).zip(placed);
+    for (cell, ((shape, figures), (_, camera))) in cells.iter_mut().skip(1).zip(drawn) {
+        (cell.markers, cell.camera, cell.figures) = (shape.markers, *camera, figures);
     }
     renderer.draw(canvas, &cells)?;
     Ok(())
@@ -169,6 +177,8 @@ struct Loaded {
     topology: Topology,
     buffers: ItemBuffers,
     paint: Painted,
+    /// It is the second item.
+    has_ghost: bool,
 }
 
 enum Painted {
@@ -185,7 +195,10 @@ impl Loaded {
             Some((_, corner_uvs)) => Topology::with_uvs(on, vertices, shape.triangles, corner_uvs)?,
             None => Topology::new(on, vertices, shape.triangles)?,
         };
-        let buffers = ItemBuffers::new(on, vertices, 1);
+        let buffers = ItemBuffers::new(on, vertices, 1 + usize::from(shape.ghost.is_some()));
+        if let Some(ghost) = shape.ghost {
+            buffers.write(on, 1, ghost, &smooth_normals(ghost, shape.triangles))?;
+        }
         match shape.normals {
             Some(normals) => buffers.write(on, 0, shape.positions, normals)?,
             None => {
@@ -208,7 +221,7 @@ impl Loaded {
         } else {
             Painted::Bare
         };
-        Ok(Self { topology, buffers, paint })
+        Ok(Self { topology, buffers, paint, has_ghost: shape.ghost.is_some() })
     }
 
     fn paint(&self) -> Paint<'_> {

@@ -112,6 +112,20 @@ impl<'a> Figure<'a> {
             grains: None,
         }
     }
+
+    /// The same as a bluish ghost of itself, to be listed last.
+    pub fn ghost(self) -> Self {
+        let material = Material { color: [92, 146, 205], ..Material::CLAY };
+        Self {
+            material,
+            paint: Paint::Material,
+            opacity: 0.34,
+            wire: None,
+            brush: None,
+            grains: None,
+            ..self
+        }
+    }
 }
 
 /// A disc that faces the viewer: a landmark. Behind the surface it shows through faintly.

@@ -10,7 +10,7 @@ mod shapes;
 use chladni_view::{
     Background, BrushRing, Camera, Canvas, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material,
     Paint, Picture, PictureRequest, PictureShape, Rect, Renderer, Samples, Scale, Skin, Style, Topology,
-    VertexPaint, View, ViewError, Wire, render_picture, render_picture_with, smooth_normals,
+    VertexPaint, View, ViewError, Wire, render_picture, render_picture_with, render_placed, smooth_normals,
 };
 use shapes::{gpu, sphere};
 
@@ -151,6 +151,31 @@ fn a_heat_map_shows_the_colours_of_its_legend() {
             assert!(found <= legend + 12.0 && found >= 0.7 * legend - 12.0, "{found} {legend} at {x}");
         }
     }
+}
+
+#[test]
+fn a_ghost_is_seen_through() {
+    let (positions, triangles) = sphere(24);
+    let ghost: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| 2.0 * x)).collect();
+    let mut camera = Camera::looking(View::Front);
+    camera.fit(ghost.iter().copied(), 1.0, 0.9);
+    let alone = PictureShape { positions: &positions, triangles: &triangles, ..Default::default() };
+    let haunted = PictureShape { ghost: Some(&ghost), ..alone };
+    let Some(gpu) = gpu() else { return };
+    let drawn = |shape| {
+        let style = Style { background: Background::TRANSPARENT, ..Style::default() };
+        let request = PictureRequest { shapes: &[shape], width: 100, height: 100, from: camera, style };
+        let placed = [(Rect::of_size(100, 100), camera)];
+        render_placed(&mut Renderer::new(&gpu), &request, &placed).unwrap()
+    };
+    let (before, after) = (drawn(alone), drawn(haunted));
+    let at = |picture: &Picture, x| picture.pixel(x, 50).unwrap();
+    // Beyond both, on the ghost alone, and on both: there the shape is still what is seen most.
+    assert_eq!([at(&before, 1)[3], at(&after, 1)[3], at(&before, 15)[3]], [0; 3]);
+    assert!((60..230).contains(&at(&after, 15)[3]), "{:?}", at(&after, 15));
+    let (bare, covered) = (at(&before, 50), at(&after, 50));
+    assert_eq!((bare[3], covered[3]), (255, 255));
+    assert!(covered[0] < bare[0] && covered[0] > 90, "{bare:?} {covered:?}");
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod layer_options;
 mod limbs;
 mod mask;
 mod match_shapes;
+mod mean;
 mod open;
 mod parts;
 mod portrait;
@@ -62,6 +63,7 @@ enum Command {
     Project(project::ProjectCommand),
     Dance(Box<dance::Dance>),
     Match(match_shapes::MatchShapes),
+    Mean(mean::Mean),
     Transfer(transfer::TransferCommand),
     Parts(parts::Parts),
     Mask(mask::MaskCommand),
@@ -148,6 +150,7 @@ impl Command {
             Self::ChooseFile(command) => command.run(terminal),
             Self::Basis(args) => args.run(terminal),
             Self::Match(command) => command.run(terminal),
+            Self::Mean(command) => command.run(terminal),
             Self::Transfer(command) => command.run(terminal),
             Self::Parts(command) => command.run(terminal),
             Self::Mask(command) => command.run(terminal),

@@ -131,8 +131,10 @@ fn inked<'a>(
     placed: Vec<(Rect, Camera)>,
     rest: &[[f64; 3]],
 ) -> Result<Vec<Inked<'a>>, Error> {
-    if panels.iter().any(|panel| panel.shares.is_some() || !panel.dots.is_empty()) {
-        return Err(Error::input("ink draws shapes alone: leave out the panels rest, painted and region"));
+    if panels.iter().any(|panel| panel.shares.is_some() || panel.ghost.is_some() || !panel.dots.is_empty()) {
+        return Err(Error::input(
+            "ink draws shapes alone: leave out the panels rest, ghost, painted and region",
+        ));
     }
     let far = |(a, b): (&[f32; 3], &[f64; 3])| {
         let [x, y, z] = std::array::from_fn(|i| f64::from(a[i]) - b[i]);
@@ -189,6 +191,12 @@ fn panel_of(
         Panel::Rest => {
             let dots = dots(original.iter().map(|p| p.map(|c| c as f32)));
             vec![Portrayed { dots, ..Portrayed::plain(result) }]
+        }
+        Panel::Ghost => {
+            // A layer that is off has no template.
+            let difference = evaluation.layers.last().and_then(|layer| layer.difference.as_ref());
+            let ghost = difference.map(|difference| Portrayed::plain(&difference.target.points).positions);
+            vec![Portrayed { ghost, ..Portrayed::plain(result) }]
         }
         Panel::Steps => {
             let acting = evaluation.layers.iter().filter(|layer| layer.displacement.is_some());

@@ -28,6 +28,8 @@ pub enum Panel {
     After,
     /// The result, and the shape as dots.
     Rest,
+    /// The result, and over it the template of the top layer as a translucent ghost.
+    Ghost,
     /// The shape, and the result of each layer on the ones below: a panel each.
     Steps,
     /// The top layer in the coordinate model.
@@ -48,6 +50,8 @@ pub struct Portrayed {
     /// A share from 0 to 1 of each vertex, drawn as a heat map.
     pub shares: Option<Vec<f32>>,
     pub dots: Vec<Marker>,
+    /// Where its vertices lie on the template.
+    pub ghost: Option<Vec<[f32; 3]>>,
 }
 
 impl Portrayed {
@@ -58,7 +62,7 @@ impl Portrayed {
 
     /// The same in single precision.
     pub fn of(positions: Vec<[f32; 3]>) -> Self {
-        Self { positions, shares: None, dots: Vec::new() }
+        Self { positions, shares: None, dots: Vec::new(), ghost: None }
     }
 }
 
@@ -66,7 +70,10 @@ impl Portrayed {
 pub fn placed(rows: &[Vec<Portrayed>], mut camera: Camera, [width, height]: [u32; 2]) -> Vec<(Rect, Camera)> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;
     let (cell_width, cell_height) = ((width / columns).max(1), (height / rows.len().max(1) as u32).max(1));
-    let all = rows.iter().flatten().flat_map(|panel| panel.positions.iter().copied());
+    let all = rows
+        .iter()
+        .flatten()
+        .flat_map(|panel| panel.positions.iter().chain(panel.ghost.iter().flatten()).copied());
     camera.fit(all, cell_width as f32 / cell_height as f32, 0.92);
     let cell = |row: u32, column: u32| Rect {
         x: column * cell_width,
@@ -97,6 +104,7 @@ pub fn draw(
             triangles,
             values: panel.shares.as_deref().map(|shares| (shares, scale)),
             markers: &panel.dots,
+            ghost: panel.ghost.as_deref(),
             ..PictureShape::default()
         };
         let request = PictureRequest {

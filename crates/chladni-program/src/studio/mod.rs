@@ -3,6 +3,7 @@
 //! Rooms read their engines' state and emit actions; only the engines change state.
 
 mod awake;
+mod card;
 mod caricature;
 mod choose;
 mod closing;

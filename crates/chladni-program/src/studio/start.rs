@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use chladni_mesh::samples::SAMPLES;
-use egui::{Align, Align2, Layout, RichText, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2, vec2};
+use egui::{Align, Layout, RichText, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2, vec2};
 
+use super::card::card;
 use super::icon::{self, Icon};
 use super::keys::start::OPEN;
 use super::{Studio, theme};
@@ -16,8 +17,6 @@ const COLUMN: f32 = 704.0;
 const CARD: Vec2 = vec2(164.0, 138.0);
 /// The card of a sample: six stand in a row.
 const SAMPLE_CARD: Vec2 = vec2(104.0, 98.0);
-/// Height of the name below a picture.
-const NAME: f32 = 30.0;
 
 /// What was clicked: a room, and what to open in it.
 type Choice = (usize, Vec<PathBuf>);
@@ -81,7 +80,9 @@ impl Studio {
             ui.spacing_mut().item_spacing = Vec2::splat(theme::GAP_LARGE);
             for name in SAMPLES {
                 let picture = self.pictures.of_sample(ui.ctx(), name);
-                if card(ui, SAMPLE_CARD, picture.as_ref(), Icon::Box, &theme::capitalized(name)).clicked() {
+                if card(ui, SAMPLE_CARD, picture.as_ref(), Icon::Box, "Open", &theme::capitalized(name))
+                    .clicked()
+                {
                     chosen = Some((0, vec![sample_path(name)]));
                 }
             }
@@ -113,8 +114,8 @@ impl Studio {
             let picture = self.pictures.of_file(ui.ctx(), &path);
             let room = self.rooms.iter().position(|room| room.claims(&path)).unwrap_or(0);
             let mark = self.rooms.get(room).map_or(Icon::File, |room| room.icon());
-            let clicked =
-                card(ui, CARD, picture.as_ref(), mark, &name).on_hover_text(path.display().to_string());
+            let clicked = card(ui, CARD, picture.as_ref(), mark, "Open", &name)
+                .on_hover_text(path.display().to_string());
             if clicked.clicked() {
                 if path.exists() {
                     chosen = Some((room, vec![path]));
@@ -149,37 +150,4 @@ fn room_card(ui: &mut Ui, width: f32, mark: Icon, name: &str, invitation: &str) 
     });
     inside.add(egui::Label::new(RichText::new(invitation).color(palette.weak)).wrap().selectable(false));
     response.clicked()
-}
-
-/// A picture over a name.
-fn card(
-    ui: &mut Ui,
-    size: Vec2,
-    picture: Option<&egui::TextureHandle>,
-    mark: Icon,
-    name: &str,
-) -> egui::Response {
-    let palette = theme::palette(ui);
-    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Open {name}")));
-    let line = if response.hovered() { palette.accent } else { palette.line };
-    let painter = ui.painter();
-    painter.rect(rect, 8.0, palette.card, Stroke::new(1.0, line), StrokeKind::Inside);
-    let frame = egui::Rect::from_min_size(rect.min, vec2(rect.width(), size.y - NAME)).shrink(1.0);
-    painter.rect_filled(frame, egui::CornerRadius { nw: 7, ne: 7, sw: 0, se: 0 }, palette.stage);
-    match picture {
-        Some(picture) => {
-            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            painter.image(picture.id(), frame, whole, egui::Color32::WHITE);
-        }
-        None => {
-            let font = egui::FontId::proportional(30.0);
-            painter.text(frame.center(), Align2::CENTER_CENTER, icon::text(mark), font, palette.line);
-        }
-    }
-    let below = egui::Rect::from_min_max(frame.left_bottom(), rect.max).shrink2(vec2(10.0, 3.0));
-    let mut line =
-        ui.new_child(UiBuilder::new().max_rect(below).layout(Layout::left_to_right(Align::Center)));
-    line.add(egui::Label::new(name).truncate().selectable(false));
-    response
 }

@@ -341,3 +341,26 @@ fn a_difference_moves_onto_another_shape() {
     assert_eq!(desk.mesh("still.obj").positions, desk.mesh("large.obj").positions);
     desk.refused("transfer shape.obj much.obj large.obj --amount inf -o out.obj");
 }
+
+#[test]
+fn shapes_are_averaged_on_the_triangles_of_the_first() {
+    let desk = Desk::new();
+    let shape = desk.mesh("shape.obj");
+    let larger = TriMesh { positions: lump(2.0).positions, ..shape.clone() };
+    save_mesh(&larger, &desk.path("large.ply")).unwrap();
+    // Fitted in size, a shape and its double are the same; in one unit the mean of 1, 2 and 2 is 5/3.
+    desk.ok("mean shape.obj large.ply --match same -o mean.ply");
+    assert!(largest(&desk.mesh("mean.ply").positions, &shape.positions) < 1e-5);
+    desk.ok("mean shape.obj large.ply large.ply --match same --rigid -o mean.ply");
+    let mean = desk.mesh("mean.ply");
+    let extent = |mesh: &TriMesh| {
+        let y = || mesh.positions.iter().map(|p| p[1]);
+        y().fold(f64::MIN, f64::max) - y().fold(f64::MAX, f64::min)
+    };
+    assert!((extent(&mean) / extent(&shape) - 5.0 / 3.0).abs() < 1e-4);
+    assert_eq!(mean.triangles, shape.triangles);
+    assert!(desk.refused("mean shape.obj large.ply --match map -o mean.ply").contains("landmarks"));
+    desk.refused("mean shape.obj -o mean.ply");
+    let said = desk.refused("mean shape.obj sample:ring --match same -o mean.ply");
+    assert!(said.contains("sample:ring") && said.contains("connectivity"), "{said}");
+}

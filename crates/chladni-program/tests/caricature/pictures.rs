@@ -146,3 +146,19 @@ fn a_gallery_is_drawn_bred_and_one_of_it_becomes_a_mesh() {
     assert!(desk.refused(&format!("{line} -o x.obj")).contains(".png"));
     assert!(desk.refused(&format!("{line} --lock nose -o x.png")).contains("templates"));
 }
+
+#[test]
+fn a_picture_may_show_the_template_as_a_ghost() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj ellipsoid --harmonics 32 --mu -1 --render p.png --size 400x200";
+    desk.ok(&format!("{line} --show after,ghost"));
+    let picture = chladni_view::Picture::decode(&std::fs::read(desk.path("p.png")).unwrap()).unwrap();
+    // The ghost is bluish: red gives way to blue, where the shape was warm clay.
+    let warm = |column: u32| {
+        let pixels = (0..200).flat_map(|y| (0..200).map(move |x| (200 * column + x, y)));
+        pixels.map(|(x, y)| picture.pixel(x, y).unwrap()).filter(|p| p[0] > p[2] + 25).count()
+    };
+    assert!(warm(0) > 4000 && warm(1) < warm(0) / 2, "{} {}", warm(0), warm(1));
+    let said = desk.refused("caricature shape.obj ellipsoid --harmonics 32 --render p.svg --show ghost");
+    assert!(said.contains("ghost"), "{said}");
+}

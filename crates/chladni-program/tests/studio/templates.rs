@@ -63,6 +63,37 @@ fn ellipsoids_are_given_by_numbers_and_all_is_magnified_against_oneself_scaled_o
     person.screenshot("studio-magnify.png");
 }
 
+#[test]
+fn a_template_is_taken_from_the_shelf_by_its_picture() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    // Without a layer it becomes one; then it takes the place of that one's template.
+    person.click_button("Shelf");
+    person.wait("the first picture", |window| driving::shows(window, "Compare with Ring"));
+    person.click("Compare with Ring");
+    person.wait("the match", |window| !driving::shows(window, "Matching"));
+    let layers = saved(&desk, &mut person);
+    assert_eq!((layers.len(), &layers[0].name[..]), (1, "Ring"));
+    assert_eq!(layers[0].template, Template::Sample("ring".into()));
+    person.click_button("Shelf");
+    person.screenshot("studio-shelf.png");
+    person.click("Compare with Bell");
+    person.wait("the match", |window| !driving::shows(window, "Matching"));
+    let layers = saved(&desk, &mut person);
+    assert_eq!(layers.len(), 1);
+    assert_eq!(layers[0].template, Template::Sample("bell".into()));
+    // Its ghost is bluish, and gone when it is sent away.
+    let mut haunt = || {
+        person.click("Ghost of the template");
+        person.0.run_steps(4);
+        person.0.render().unwrap().pixels().filter(|p| p[2] > p[0].saturating_add(15)).count()
+    };
+    let (with, without, again) = (haunt(), haunt(), haunt());
+    assert!(with > without + 2000 && again > without + 2000, "{with} {without} {again}");
+    person.screenshot("studio-ghost.png");
+}
+
 /// Gives the slider called `name` a value, as assistive technology does.
 fn fill_slider(person: &mut Person, name: &str, value: f64) {
     person.0.get_by_role_and_label(egui::accesskit::Role::Slider, name).set_value_accesskit(value);

@@ -120,6 +120,11 @@ pub(super) fn update_stage(
             stage.set_figure(stage::MODELS + index, &single(positions), &normals)?;
         }
     }
+    let evaluated = &session.evaluation.layers;
+    let haunting = evaluated.iter().find(|layer| look.ghost && Some(layer.id) == session.selected);
+    let template = haunting.and_then(|layer| layer.difference.as_ref());
+    let ghost = template.map(|difference| single(&difference.target.points));
+    stage.set_ghost(ghost.as_deref())?;
     stage.set_coating(heat.coating(session), look).map_err(Error::from)
 }
 

@@ -24,6 +24,8 @@ pub struct Portrayal {
     pub show: Show,
     /// Edges of triangles.
     pub wire: bool,
+    /// The template of the selected layer over the figures, translucent.
+    pub ghost: bool,
     /// A drawing in ink instead of material and light.
     pub ink: bool,
     /// Light in ink as flat tones instead of hatching.
@@ -36,7 +38,15 @@ pub struct Portrayal {
 
 impl Default for Portrayal {
     fn default() -> Self {
-        Self { show: Show::Result, wire: false, ink: false, tones: false, material: 0, lights: 0 }
+        Self {
+            show: Show::Result,
+            wire: false,
+            ghost: false,
+            ink: false,
+            tones: false,
+            material: 0,
+            lights: 0,
+        }
     }
 }
 

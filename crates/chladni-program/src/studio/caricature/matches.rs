@@ -1,6 +1,6 @@
 //! The match panel: which template the selected layer uses, how well it fits, and how to help it.
 
-use chladni_caricature::{Action, Layer, LayerId, MatchRequest, Matched, Property, Template};
+use chladni_caricature::{Action, Layer, LayerId, MatchRequest, Matched, Project, Property, Template};
 use chladni_match::{Method, Scaling};
 use egui::{RichText, Ui};
 
@@ -9,6 +9,7 @@ use super::edits::Edits;
 use super::head_sliders;
 use super::landmarks;
 use super::session::Session;
+use super::shelf;
 use super::template_name::template_name;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job;
@@ -29,9 +30,18 @@ pub fn show(
 ) -> bool {
     let Some((id, layer)) = session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))
     else {
+        theme::section(ui, "Template", |ui| first(ui, session.project(), edits, shared));
         return false;
     };
     theme::section(ui, "Template", |ui| template(ui, session, id, &layer, picking, edits, shared))
+}
+
+/// Where no layer is selected, what is taken from the shelf becomes one.
+fn first(ui: &mut Ui, project: &Project, edits: &mut Edits, shared: &mut Shared<'_>) {
+    if let Some((name, template)) = shelf::show(ui, shared) {
+        let layer = Box::new(project.new_layer(name, template));
+        edits.once(Action::Add { index: project.layers().len(), layer });
+    }
 }
 
 fn template(
@@ -44,13 +54,18 @@ fn template(
     shared: &mut Shared<'_>,
 ) -> bool {
     ui.horizontal(|ui| {
-        ui.add(egui::Label::new(template_name(&layer.template)).truncate());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.button(icon::text(Icon::FolderOpen)).on_hover_text("Use another mesh as template").clicked()
                 && let Some(path) = shared.chooser.open(&[("Meshes", &MESHES)])
             {
                 edits.once(Action::Set { layer: id, to: Property::Template(Template::File(path)) });
             }
+            if let Some((_, template)) = shelf::show(ui, shared) {
+                edits.once(Action::Set { layer: id, to: Property::Template(template) });
+            }
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.add(egui::Label::new(template_name(&layer.template)).truncate());
+            });
         });
     });
     if let Some(why) = session.selected_failure().map(str::to_owned) {

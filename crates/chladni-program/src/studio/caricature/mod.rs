@@ -28,6 +28,7 @@ mod preview;
 mod recover;
 mod rehearsal;
 mod session;
+mod shelf;
 mod shot;
 mod stage;
 mod template_name;

@@ -88,6 +88,9 @@ impl CaricatureRoom {
 
     fn look_menus(&mut self, ui: &mut Ui) {
         ui.toggle_value(&mut self.look.wire, icon::text(Icon::Grid3x3)).on_hover_text(WIRE.tooltip(ui.ctx()));
+        let ghost = ui.toggle_value(&mut self.look.ghost, icon::text(Icon::Ghost));
+        let tip = "The template of the selected layer over the shape, as a ghost; ink does not draw it";
+        self.stale |= ghost.accessible_name("Ghost of the template").on_hover_text(tip).changed();
         let (mut quantity, mut harmonic, mut map) =
             (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
         let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);

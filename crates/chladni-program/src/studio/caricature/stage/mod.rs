@@ -27,14 +27,16 @@ use crate::studio::keys;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::{Error, OwnLook};
 
-/// Figures that the stage holds room for: the result, the three models, and the original.
-pub const FIGURES: usize = 5;
+/// Figures that the stage holds room for: the result, the three models, the original, and the ghost.
+pub const FIGURES: usize = 6;
 /// The result of the whole stack.
 pub const RESULT: usize = 0;
 /// The first of the three models of the selected layer.
 pub const MODELS: usize = 1;
 /// The shape as it was loaded.
 pub const ORIGINAL: usize = 4;
+/// The template of the selected layer, drawn over the others.
+const GHOST: usize = 5;
 
 /// What gives the figures their color.
 #[derive(Debug)]
@@ -87,6 +89,8 @@ pub struct Stage {
     poses: Vec<Pose>,
     /// How often each figure was replaced.
     changes: Vec<u64>,
+    /// There is a template to be seen as a ghost.
+    haunted: bool,
     inked: InkedStage,
     triangles: Arc<[[u32; 3]]>,
     pick: Option<(usize, PickTree)>,
@@ -145,6 +149,7 @@ impl Stage {
             own_look,
             poses: vec![(positions.to_vec(), normals.clone()); FIGURES],
             changes: vec![0; FIGURES],
+            haunted: false,
             inked: InkedStage::default(),
             triangles: triangles.into(),
             pick: None,
@@ -186,6 +191,17 @@ impl Stage {
             self.pick = None;
         }
         self.grown = true;
+        self.viewport.invalidate();
+        Ok(())
+    }
+
+    /// Shows a template over all figures, translucent; `positions` are where its vertices lie on it.
+    pub fn set_ghost(&mut self, positions: Option<&[[f32; 3]]>) -> Result<(), ViewError> {
+        self.haunted = positions.is_some();
+        if let Some(positions) = positions {
+            let normals = chladni_view::smooth_normals(positions, &self.triangles);
+            return self.set_figure(GHOST, positions, &normals);
+        }
         self.viewport.invalidate();
         Ok(())
     }
@@ -367,11 +383,13 @@ impl Stage {
         cells: &[Rect],
         markers: &[Marker],
     ) -> Result<(), ViewError> {
-        let drawn: Vec<[Figure<'_>; 1]> = figures
+        let haunted = self.haunted && look.ghost;
+        let ghost = haunted.then(|| Figure::new(&self.topology, &self.buffers, GHOST).ghost());
+        let drawn: Vec<Vec<Figure<'_>>> = figures
             .iter()
             .map(|item| {
                 let figure = look.figure(&self.topology, &self.buffers, *item, self.coat.paint());
-                [Figure { brush: Some(&self.ring), ..figure }]
+                [Figure { brush: Some(&self.ring), ..figure }].into_iter().chain(ghost).collect()
             })
             .collect();
         let (background, lights) = (backdrop(ui), look.lights());
