@@ -270,3 +270,61 @@ fn what_is_no_animation_stays_as_it_is() {
     let now = parsed(&add_morph_targets(&path, &mesh, &targets(&mesh)).unwrap());
     assert_eq!(now.0["animations"].as_array().unwrap()[1..], odd);
 }
+
+/// Paths of all values of a document.
+fn pointers(value: &Value, at: &str, all: &mut Vec<String>) {
+    all.push(at.into());
+    match value {
+        Value::Array(list) => (0..).zip(list).for_each(|(i, v)| pointers(v, &format!("{at}/{i}"), all)),
+        Value::Object(map) => map.iter().for_each(|(name, v)| pointers(v, &format!("{at}/{name}"), all)),
+        _ => {}
+    }
+}
+
+/// Each value of the document in turn becomes another: what can still be read is written, or refused.
+#[test]
+fn a_damaged_document_is_refused_or_written_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rigged.glb");
+    let (mut root, data) = rigged();
+    root["images"] = json!([{ "uri": "data:image/png;base64,AAAA" }]);
+    // A view that nothing uses, in a buffer behind the first.
+    root["buffers"].as_array_mut().unwrap().push(json!({ "byteLength": 3, "uri": "data:;base64,AAAA" }));
+    root["bufferViews"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "buffer": 1, "byteOffset": 0, "byteLength": 3 }));
+    let mut all = Vec::new();
+    pointers(&root, "", &mut all);
+    let others = [
+        json!(null),
+        json!([]),
+        json!({}),
+        json!(-1),
+        json!(7),
+        json!(u64::MAX),
+        json!("turn"),
+        json!([0, 0, 0, 0]),
+    ];
+    let (mut written, mut refused) = (0, 0);
+    for pointer in &all {
+        let was = root.pointer(pointer).unwrap();
+        // An object as the list of its values, in any order that a reader may take.
+        let values = was.as_object().map(|map| json!(map.values().collect::<Vec<_>>()));
+        let backward = was.as_object().map(|map| json!(map.values().rev().collect::<Vec<_>>()));
+        for other in others.iter().cloned().chain(values).chain(backward) {
+            let mut damaged = root.clone();
+            *damaged.pointer_mut(pointer).unwrap() = other;
+            std::fs::write(&path, glb(&damaged, &data)).unwrap();
+            let Ok(loaded) = load_mesh(&path) else { continue };
+            match add_morph_targets(&path, &loaded.mesh, &targets(&loaded.mesh)) {
+                Ok(bytes) => {
+                    assert_eq!(read_mesh(&bytes, Format::Glb).unwrap().mesh.positions, loaded.mesh.positions);
+                    written += 1;
+                }
+                Err(_) => refused += 1,
+            }
+        }
+    }
+    assert!(written > 100 && refused > 10, "{written} written, {refused} refused");
+}

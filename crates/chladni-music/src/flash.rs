@@ -28,13 +28,14 @@ pub fn most_flashes_per_second(times_secs: &[f64], luminances: &[f32]) -> usize 
         .unwrap_or(0)
 }
 
-/// The limiter counts changes from here: the luminance it gets may be the mean of a sample of the pixels.
-const GUARDED_STEP: f32 = 0.88 * FLASH_STEP;
-const GUARDED_DARK: f32 = FLASH_DARK + 0.02;
+/// What limits flashes counts changes from this share of a step: what it gets may be the mean of a sample of the pixels.
+pub(crate) const GUARDED: f32 = 0.88;
+const GUARDED_STEP: f32 = GUARDED * FLASH_STEP;
+pub(crate) const GUARDED_DARK: f32 = FLASH_DARK + 0.02;
 
 /// Finds opposing changes of at least a step.
 #[derive(Clone, Copy, Debug)]
-struct Swings {
+pub(crate) struct Swings {
     step: f32,
     /// The darker of the two lies below this.
     dark: f32,
@@ -45,12 +46,12 @@ struct Swings {
 }
 
 impl Swings {
-    fn of(step: f32, dark: f32) -> Self {
+    pub(crate) fn of(step: f32, dark: f32) -> Self {
         Self { step, dark, range: None, direction: 0 }
     }
 
     /// Which change a value would make: a rise (+1), a fall (−1) or none.
-    fn change(&self, value: f32) -> i8 {
+    pub(crate) fn change(&self, value: f32) -> i8 {
         let Some((low, high)) = self.range else { return 0 };
         if self.direction <= 0 && value - low >= self.step && low < self.dark {
             1
@@ -64,6 +65,12 @@ impl Swings {
     /// Takes the value; returns whether it completes an opposing change.
     fn push(&mut self, value: f32) -> bool {
         let change = self.change(value);
+        self.take(value, change);
+        change != 0
+    }
+
+    /// Takes the value as what [`change`](Self::change) said, or as none.
+    pub(crate) fn take(&mut self, value: f32, change: i8) {
         self.range = match self.range {
             Some((low, high)) if change == 0 => Some((low.min(value), high.max(value))),
             _ => Some((value, value)),
@@ -71,7 +78,6 @@ impl Swings {
         if change != 0 {
             self.direction = change;
         }
-        change != 0
     }
 }
 

@@ -37,8 +37,10 @@ mod director;
 mod ensemble;
 mod error;
 mod flash;
+mod flash_area;
 mod gallery;
 mod harmony;
+mod histogram;
 mod instrument;
 mod mapping;
 mod osc;
@@ -85,6 +87,7 @@ pub use error::MusicError;
 pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
 pub use gallery::{Gallery, GalleryItem, GalleryShape};
 pub use harmony::Harmony;
+pub use histogram::Histogram;
 pub use instrument::{Action, Instrument, LoggedAction, Moment};
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
 pub use osc::{LONGEST_OSC_PACKET, OscMessage};
@@ -106,7 +109,7 @@ pub use target::{Cue, Kind, Target, Which, controls_page, osc_cue, setting};
 pub use tempo::Tempo;
 pub use text_file::FORMAT_VERSION;
 pub use touch::{Control, Touch};
-pub use veil::{FlashCount, FlashGuard, Histogram, Veil};
+pub use veil::{FlashCount, FlashGuard, Veil};
 pub use voice::{Driver, Voice, VoiceSettings, Voices};
 
 /// The examples of README.md, compiled.

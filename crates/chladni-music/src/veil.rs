@@ -1,51 +1,8 @@
 //! The last look at a picture: a veil toward black or white where it would flash.
 
+use crate::flash_area::{Places, Signal};
+use crate::histogram::Histogram;
 use crate::{FlashLimiter, most_flashes_per_second};
-
-/// How often each sRGB-encoded value occurs in a picture, per channel.
-///
-/// It gives the mean relative luminance (WCAG) under any [`Veil`] without reading the pixels again.
-#[derive(Clone, Debug)]
-pub struct Histogram {
-    counts: [[u32; 256]; 3],
-    linear: [f32; 256],
-}
-
-impl Default for Histogram {
-    fn default() -> Self {
-        let linear = std::array::from_fn(|byte| {
-            let c = byte as f32 / 255.0;
-            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-        });
-        Self { counts: [[0; 256]; 3], linear }
-    }
-}
-
-impl Histogram {
-    /// Forgets all pixels.
-    pub fn clear(&mut self) {
-        self.counts = [[0; 256]; 3];
-    }
-
-    /// Counts a pixel.
-    pub fn add(&mut self, rgb: [u8; 3]) {
-        for (counts, value) in self.counts.iter_mut().zip(rgb) {
-            counts[usize::from(value)] += 1;
-        }
-    }
-
-    /// Mean relative luminance in [0, 1] behind `veil`; 0 without pixels.
-    pub fn luminance(&self, veil: Veil) -> f32 {
-        let pixels: u64 = self.counts[0].iter().map(|&count| u64::from(count)).sum();
-        let mut sum = 0.0f64;
-        for value in 0..=255u8 {
-            let count = |channel: usize| f64::from(self.counts[channel][usize::from(value)]);
-            let weighted = 0.2126 * count(0) + 0.7152 * count(1) + 0.0722 * count(2);
-            sum += weighted * f64::from(self.linear[usize::from(veil.over(value))]);
-        }
-        (sum / pixels.max(1) as f64) as f32
-    }
-}
 
 /// A film of black or white over the whole picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,6 +17,11 @@ pub enum Veil {
 }
 
 impl Veil {
+    /// Black of this opacity, or nothing.
+    fn black(opacity: u8) -> Self {
+        if opacity == 0 { Self::Clear } else { Self::Black(opacity) }
+    }
+
     /// An sRGB-encoded value under the veil; blended on the encoded values, as windows do.
     pub fn over(self, value: u8) -> u8 {
         let mix = |opacity: u8, with: u32| {
@@ -74,46 +36,79 @@ impl Veil {
     }
 }
 
-/// Keeps the pictures of a film or a window from flashing more than three times a second.
+/// Keeps the pictures of a film or a window from flashing more than three times a second: in their mean luminance and, in
+/// luminance or saturated red, in more than a quarter of their area.
 ///
 /// ```
 /// use chladni_music::{FlashGuard, Histogram, Veil};
 ///
 /// let (mut guard, mut picture) = (FlashGuard::default(), Histogram::default());
-/// picture.add([0, 0, 0]);
+/// picture.add([0, 0], [1, 1], [0, 0, 0]);
 /// assert_eq!(guard.veil(0.0, &picture), Veil::Clear);
 /// // White a frame later is more than is let through at once.
 /// picture.clear();
-/// picture.add([255, 255, 255]);
+/// picture.add([0, 0], [1, 1], [255, 255, 255]);
 /// assert!(matches!(guard.veil(1.0 / 60.0, &picture), Veil::Black(_)));
 /// ```
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct FlashGuard {
     limiter: FlashLimiter,
+    places: [Places; 2],
+    /// How black places made it, and when.
+    held: Option<(f64, u8)>,
 }
 
+impl Default for FlashGuard {
+    fn default() -> Self {
+        let places = [Signal::Luminance, Signal::Red].map(Places::guarding);
+        Self { limiter: FlashLimiter::default(), places, held: None }
+    }
+}
+
+/// Black because of a part of the picture goes within this time.
+const LIFT_SECS: f64 = 1.0;
+
 impl FlashGuard {
-    /// The thinnest veil with which the picture may be shown at `time_secs`, which must not fall
-    /// from call to call. Allocates nothing.
+    /// The veil with which the picture may be shown at `time_secs`, which must not fall from call to call. It is no
+    /// denser than flashes need, but black that parts of the picture needed goes only within a second. Allocates
+    /// nothing, except where more changes fall into a second than ever before.
     pub fn veil(&mut self, time_secs: f64, picture: &Histogram) -> Veil {
-        let wanted = picture.luminance(Veil::Clear);
-        let allowed = self.limiter.allowed(time_secs, wanted);
-        let (mut veil, mut shown) = (Veil::Clear, wanted);
-        if allowed != wanted {
-            let kind = if allowed < wanted { Veil::Black } else { Veil::White };
-            // The luminance falls or rises steadily with the opacity.
-            let (mut thin, mut dense) = (0u8, 255u8);
-            while thin < dense {
-                let middle = thin + (dense - thin) / 2;
-                let there = picture.luminance(kind(middle));
-                let enough = if allowed < wanted { there <= allowed } else { there >= allowed };
-                if enough { dense = middle } else { thin = middle + 1 }
-            }
-            veil = kind(dense);
-            shown = picture.luminance(veil);
-        }
-        self.limiter.show(time_secs, shown);
+        self.places.iter_mut().for_each(|places| places.forget(time_secs));
+        let least = self.least(time_secs, picture);
+        self.held = Some((time_secs, least));
+        let veil = self.mean_veil(time_secs, picture, least);
+        self.limiter.show(time_secs, picture.luminance(veil));
+        self.places.iter_mut().for_each(|places| places.show(time_secs, picture, veil));
         veil
+    }
+
+    /// How black parts of the picture need it.
+    fn least(&self, time_secs: f64, picture: &Histogram) -> u8 {
+        let kept = self.held.map_or(0.0, |(since_secs, opacity)| {
+            f64::from(opacity) - 255.0 * (time_secs - since_secs).max(0.0) / LIFT_SECS
+        });
+        thinnest(kept.max(0.0).ceil() as u8, |opacity| !self.would_flash(picture, Veil::black(opacity)))
+    }
+
+    /// What the mean needs, at least as black as `least`. Where parts need black, the mean may fall at once.
+    fn mean_veil(&self, time_secs: f64, picture: &Histogram, least: u8) -> Veil {
+        let clearest = Veil::black(least);
+        let wanted = picture.luminance(clearest);
+        let allowed = self.limiter.allowed(time_secs, wanted);
+        // The luminance falls or rises steadily with the opacity.
+        if allowed < wanted {
+            Veil::black(thinnest(least, |opacity| picture.luminance(Veil::black(opacity)) <= allowed))
+        } else if allowed > wanted && least == 0 {
+            let white =
+                Veil::White(thinnest(0, |opacity| picture.luminance(Veil::White(opacity)) >= allowed));
+            if self.would_flash(picture, white) { clearest } else { white }
+        } else {
+            clearest
+        }
+    }
+
+    fn would_flash(&self, picture: &Histogram, veil: Veil) -> bool {
+        self.places.iter().any(|places| places.would_flash(picture, veil))
     }
 
     /// Whether a change that no veil can soften, such as panels of the window appearing, may happen now. If
@@ -123,23 +118,50 @@ impl FlashGuard {
     }
 }
 
-/// The luminances that were shown, to count flashes afterwards.
-#[derive(Clone, Debug, Default)]
+/// The lowest opacity, not below `least`, that is `enough`, as all above it are; 255 where none is.
+fn thinnest(least: u8, enough: impl Fn(u8) -> bool) -> u8 {
+    if enough(least) {
+        return least;
+    }
+    let (mut thin, mut dense) = (least, 255u8);
+    while thin < dense {
+        let middle = thin + (dense - thin) / 2;
+        if enough(middle) { dense = middle } else { thin = middle + 1 }
+    }
+    dense
+}
+
+/// Counts flashes of what was shown: of the mean luminance, and of luminance and saturated red in more than a quarter of
+/// the area.
+#[derive(Clone, Debug)]
 pub struct FlashCount {
     times_secs: Vec<f64>,
     luminances: Vec<f32>,
+    places: [Places; 2],
+    most_in_places: usize,
+}
+
+impl Default for FlashCount {
+    fn default() -> Self {
+        let places = [Signal::Luminance, Signal::Red].map(Places::counting);
+        Self { times_secs: Vec::new(), luminances: Vec::new(), places, most_in_places: 0 }
+    }
 }
 
 impl FlashCount {
-    /// Records the mean luminance shown at `time_secs`.
-    pub fn note(&mut self, time_secs: f64, luminance: f32) {
+    /// Notes what was shown at `time_secs`: `picture` behind `veil`.
+    pub fn note(&mut self, time_secs: f64, picture: &Histogram, veil: Veil) {
         self.times_secs.push(time_secs);
-        self.luminances.push(luminance);
+        self.luminances.push(picture.luminance(veil));
+        for places in &mut self.places {
+            places.show(time_secs, picture, veil);
+            self.most_in_places = self.most_in_places.max(places.flashes(picture.cells()));
+        }
     }
 
     /// Flashes in the worst second.
     pub fn most_per_second(&self) -> usize {
-        most_flashes_per_second(&self.times_secs, &self.luminances)
+        most_flashes_per_second(&self.times_secs, &self.luminances).max(self.most_in_places)
     }
 }
 
@@ -150,7 +172,7 @@ mod tests {
 
     fn flat(value: u8) -> Histogram {
         let mut picture = Histogram::default();
-        picture.add([value; 3]);
+        picture.add([0, 0], [1, 1], [value; 3]);
         picture
     }
 
@@ -159,7 +181,7 @@ mod tests {
         for (i, &level) in levels.iter().enumerate() {
             let (time_secs, picture) = (i as f64 / rate, flat(level));
             let veil = if guarded { guard.veil(time_secs, &picture) } else { Veil::Clear };
-            count.note(time_secs, picture.luminance(veil));
+            count.note(time_secs, &picture, veil);
         }
         (count.most_per_second(), count.luminances)
     }

@@ -66,7 +66,8 @@ impl Evening {
     fn luminance(&mut self) -> f32 {
         let picture = self.window.render().unwrap();
         let mut histogram = Histogram::default();
-        picture.pixels().for_each(|pixel| histogram.add([pixel[0], pixel[1], pixel[2]]));
+        let pixels = picture.pixels();
+        pixels.for_each(|pixel| histogram.add([0, 0], [1, 1], [pixel[0], pixel[1], pixel[2]]));
         histogram.luminance(Veil::Clear)
     }
 

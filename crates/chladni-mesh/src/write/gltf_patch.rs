@@ -63,6 +63,9 @@ fn patched(
     let parse = |error: serde_json::Error| malformed(crate::error::Fault::part("JSON", error.to_string()));
     let root: Root = serde_json::from_slice(json).map_err(parse)?;
     let document: Value = serde_json::from_slice(json).map_err(parse)?;
+    if !has_objects(&document) {
+        return Err(unwritable("it has a list where an object belongs"));
+    }
     let compressed = |name: &&str| {
         name.contains("draco") || name.contains("meshopt") || name.contains("animation_pointer")
     };
@@ -77,6 +80,16 @@ fn patched(
         patch.add(&placed)?;
     }
     patch.finish()
+}
+
+/// Whether all that is written to is an object: the reader takes lists of an object's values, too.
+fn has_objects(document: &Value) -> bool {
+    let objects = |list: &Value| list.as_array().into_iter().flatten().all(Value::is_object);
+    document.is_object()
+        && ["buffers", "bufferViews", "images", "meshes", "nodes"]
+            .iter()
+            .all(|name| objects(&document[*name]))
+        && document["meshes"].as_array().into_iter().flatten().all(|mesh| objects(&mesh["primitives"]))
 }
 
 /// A document in the making. New data goes behind that of its buffers.
@@ -114,7 +127,7 @@ impl Patch<'_> {
             let start = starts.get(known.buffer).copied().unwrap_or(0);
             if known.buffer > 0 || start > 0 {
                 view["buffer"] = json!(0);
-                view["byteOffset"] = json!(start + known.byte_offset);
+                view["byteOffset"] = json!(start.saturating_add(known.byte_offset));
             }
         }
         for (i, image) in self.root.images.iter().enumerate() {

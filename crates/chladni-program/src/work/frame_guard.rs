@@ -6,7 +6,7 @@ use chladni_view::Picture;
 /// The approximate number of pixels of a frame that are examined.
 const PIXELS: usize = 100_000;
 
-/// Keeps the mean relative luminance of the frames within what is safe.
+/// Keeps flashes of the frames within what is safe.
 pub struct FrameGuard {
     guard: Option<FlashGuard>,
     histogram: Histogram,
@@ -31,8 +31,10 @@ impl FrameGuard {
         self.histogram.clear();
         let pixels = picture.rgba.as_chunks().0;
         let step = step(pixels.len(), picture.width as usize);
-        for [r, g, b, _] in pixels.iter().step_by(step) {
-            self.histogram.add([*r, *g, *b]);
+        let size = [picture.width, picture.height];
+        let places = (0u32..).step_by(step).map(|i| [i % size[0], i / size[0]]);
+        for ([r, g, b, _], at) in pixels.iter().step_by(step).zip(places) {
+            self.histogram.add(at, size, [*r, *g, *b]);
         }
         let veil = match &mut self.guard {
             Some(guard) => guard.veil(time_secs, &self.histogram),
@@ -47,7 +49,7 @@ impl FrameGuard {
             }
             self.damped += 1;
         }
-        self.shown.note(time_secs, self.histogram.luminance(veil));
+        self.shown.note(time_secs, &self.histogram, veil);
     }
 
     /// How many frames were changed.

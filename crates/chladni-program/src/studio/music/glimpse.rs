@@ -26,6 +26,7 @@ pub struct Glimpse {
 /// Rows on their way.
 struct Coming {
     width: u32,
+    rows: u32,
     stride: u32,
     behind: Color32,
     /// Whether they are there, once that is known.
@@ -71,7 +72,7 @@ impl Glimpse {
         buffer.map_async(wgpu::MapMode::Read, .., move |mapped| {
             let _ = answer.set(mapped.is_ok());
         });
-        self.coming = Some(Coming { width, stride, behind, arrived });
+        self.coming = Some(Coming { width, rows, stride, behind, arrived });
         self.buffer = Some(buffer);
     }
 
@@ -93,14 +94,17 @@ impl Glimpse {
         self.histogram.clear();
         {
             let bytes = buffer.get_mapped_range(..).map_err(Error::other)?;
-            for row in bytes.chunks_exact(coming.stride as usize) {
-                for &[r, g, b, a] in row[..4 * coming.width as usize].as_chunks().0.iter().step_by(STEP) {
+            let size = [coming.width, coming.rows];
+            for (row, y) in bytes.chunks_exact(coming.stride as usize).zip(0..) {
+                let pixels = row[..4 * coming.width as usize].as_chunks().0;
+                for (&[r, g, b, a], x) in pixels.iter().zip(0..).step_by(STEP) {
                     // The canvas holds colors times their opacity.
                     let over = |own: u8, behind: u8| {
                         own.saturating_add((u32::from(255 - a) * u32::from(behind) / 255) as u8)
                     };
                     let behind = coming.behind;
-                    self.histogram.add([over(r, behind.r()), over(g, behind.g()), over(b, behind.b())]);
+                    let rgb = [over(r, behind.r()), over(g, behind.g()), over(b, behind.b())];
+                    self.histogram.add([x, y], size, rgb);
                 }
             }
         }

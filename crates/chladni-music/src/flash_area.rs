@@ -1,0 +1,131 @@
+//! Where a picture flashes, cell by cell: in relative luminance and in saturated red (WCAG 2.3.1, ITU-R BT.1702).
+
+use std::collections::VecDeque;
+
+use crate::flash::{GUARDED, GUARDED_DARK, Swings};
+use crate::histogram::CELLS;
+use crate::{FLASH_DARK, FLASH_STEP, Histogram, MAX_FLASHES, Veil};
+
+/// A saturated red has at least this share of its light in red.
+const RED_SHARE: f32 = 0.8;
+/// The change of (R − G − B) · 320 that counts; negatives count as 0.
+const RED_STEP: f32 = 20.0;
+/// Cells that flash together may be one of so many; ITU-R BT.1702 and WCAG say a quarter.
+const PART: usize = 4;
+
+/// What flashes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Signal {
+    Luminance,
+    Red,
+}
+
+/// One signal of all cells, and which cells changed within the last second.
+///
+/// It notes all changes, or only rises. Rises and falls of a cell alternate, so that a cell with at most three rises in
+/// any second has at most seven changes in it: three flashes, which are pairs. A denser black veil lowers all cells,
+/// so it makes no rises, and under black nothing rises: limiting rises can always be done.
+#[derive(Clone, Debug)]
+pub(crate) struct Places {
+    signal: Signal,
+    /// From here on a red is saturated.
+    red_share: f32,
+    swings: Vec<Swings>,
+    /// Whether a cell was saturated red since its last change.
+    was_red: Vec<bool>,
+    rises_only: bool,
+    recent: VecDeque<(f64, u16)>,
+    counts: Vec<u16>,
+}
+
+impl Places {
+    /// Notes all changes of a signal, exactly as defined.
+    pub(crate) fn counting(signal: Signal) -> Self {
+        let swings = match signal {
+            Signal::Luminance => Swings::of(FLASH_STEP, FLASH_DARK),
+            Signal::Red => Swings::of(RED_STEP, f32::INFINITY),
+        };
+        Self {
+            signal,
+            red_share: RED_SHARE,
+            swings: vec![swings; CELLS],
+            was_red: vec![false; CELLS],
+            rises_only: false,
+            recent: VecDeque::with_capacity(4 * CELLS),
+            counts: vec![0; CELLS],
+        }
+    }
+
+    /// Notes the rises of a signal, from somewhat less than what counts.
+    pub(crate) fn guarding(signal: Signal) -> Self {
+        let swings = match signal {
+            Signal::Luminance => Swings::of(GUARDED * FLASH_STEP, GUARDED_DARK),
+            Signal::Red => Swings::of(GUARDED * RED_STEP, f32::INFINITY),
+        };
+        let exact = Self::counting(signal);
+        Self { red_share: RED_SHARE - 0.02, swings: vec![swings; CELLS], rises_only: true, ..exact }
+    }
+
+    /// Forgets what was more than a second before `time_secs`.
+    pub(crate) fn forget(&mut self, time_secs: f64) {
+        while let Some((_, cell)) = self.recent.pop_front_if(|(at_secs, _)| time_secs - *at_secs > 1.0) {
+            self.counts[usize::from(cell)] -= 1;
+        }
+    }
+
+    /// Takes what is shown at `time_secs`: `picture` behind `veil`.
+    pub(crate) fn show(&mut self, time_secs: f64, picture: &Histogram, veil: Veil) {
+        self.forget(time_secs);
+        for cell in 0..CELLS {
+            let Some(color) = picture.color(cell, veil) else { continue };
+            let (value, is_red) = self.read(color);
+            let change = self.change(cell, value, is_red);
+            self.swings[cell].take(value, change);
+            self.was_red[cell] = is_red || change == 0 && self.was_red[cell];
+            if change > 0 || change < 0 && !self.rises_only {
+                self.recent.push_back((time_secs, cell as u16));
+                self.counts[cell] += 1;
+            }
+        }
+    }
+
+    /// Whether more than a quarter of the cells would have risen more than three times within a second if `picture`
+    /// were shown now behind `veil`.
+    pub(crate) fn would_flash(&self, picture: &Histogram, veil: Veil) -> bool {
+        let rises_too_often = |cell: usize| {
+            let rises = usize::from(self.counts[cell]);
+            rises > MAX_FLASHES
+                || rises == MAX_FLASHES
+                    && picture.color(cell, veil).is_some_and(|color| {
+                        let (value, is_red) = self.read(color);
+                        self.change(cell, value, is_red) > 0
+                    })
+        };
+        PART * (0..CELLS).filter(|&cell| rises_too_often(cell)).count() > picture.cells()
+    }
+
+    /// Flashes that more than a quarter of `cells` cells had within the last second, each.
+    pub(crate) fn flashes(&self, cells: usize) -> usize {
+        let have = |flashes: usize| {
+            PART * self.counts.iter().filter(|&&changes| usize::from(changes) >= 2 * flashes).count() > cells
+        };
+        (1..).take_while(|&flashes| have(flashes)).last().unwrap_or(0)
+    }
+
+    /// The signal of a linear color, and whether the color is a saturated red.
+    fn read(&self, [r, g, b]: [f32; 3]) -> (f32, bool) {
+        match self.signal {
+            Signal::Luminance => (0.2126 * r + 0.7152 * g + 0.0722 * b, false),
+            Signal::Red => (320.0 * (r - g - b).max(0.0), r > 0.0 && r >= self.red_share * (r + g + b)),
+        }
+    }
+
+    /// Which change it would be: of red only one to or from a saturated red.
+    fn change(&self, cell: usize, value: f32, is_red: bool) -> i8 {
+        let counts = self.signal == Signal::Luminance || is_red || self.was_red[cell];
+        if counts { self.swings[cell].change(value) } else { 0 }
+    }
+}
+
+#[cfg(test)]
+mod tests;

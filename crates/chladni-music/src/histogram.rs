@@ -1,0 +1,100 @@
+//! What is known of a picture that may flash: how often each value occurs, and the mean color of each cell.
+
+use crate::Veil;
+
+/// Cells of a picture, across and down; at a distance at which it fills 40° a cell is a degree wide.
+const COLUMNS: usize = 48;
+const ROWS: usize = 32;
+/// All cells.
+pub(crate) const CELLS: usize = COLUMNS * ROWS;
+
+/// How often each sRGB-encoded value occurs in a picture, per channel, and the mean color of each of 48 × 32 cells.
+///
+/// It gives the mean relative luminance (WCAG) and the colors of cells under any [`Veil`] without reading the pixels
+/// again.
+#[derive(Clone, Debug)]
+pub struct Histogram {
+    counts: [[u32; 256]; 3],
+    linear: [f32; 256],
+    cells: Vec<Cell>,
+}
+
+/// Sum of the linear colors of a cell, and its pixels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cell {
+    light: [f32; 3],
+    pixels: f32,
+}
+
+impl Default for Histogram {
+    fn default() -> Self {
+        let linear = std::array::from_fn(|byte| decoded(byte as f32 / 255.0));
+        Self { counts: [[0; 256]; 3], linear, cells: vec![Cell::default(); CELLS] }
+    }
+}
+
+impl Histogram {
+    /// Forgets all pixels.
+    pub fn clear(&mut self) {
+        self.counts = [[0; 256]; 3];
+        self.cells.fill(Cell::default());
+    }
+
+    /// Counts the pixel in column and row `at` of a picture of `size` columns and rows.
+    #[inline]
+    pub fn add(&mut self, at: [u32; 2], size: [u32; 2], rgb: [u8; 3]) {
+        for (counts, value) in self.counts.iter_mut().zip(rgb) {
+            counts[usize::from(value)] += 1;
+        }
+        let [column, row] = [(0, COLUMNS), (1, ROWS)].map(|(axis, cells)| {
+            let cell = (at[axis] as f32 + 0.5) * (cells as f32 / size[axis].max(1) as f32);
+            (cell as usize).min(cells - 1)
+        });
+        let cell = &mut self.cells[row * COLUMNS + column];
+        for (light, value) in cell.light.iter_mut().zip(rgb) {
+            *light += self.linear[usize::from(value)];
+        }
+        cell.pixels += 1.0;
+    }
+
+    /// Mean relative luminance in [0, 1] behind `veil`; 0 without pixels.
+    pub fn luminance(&self, veil: Veil) -> f32 {
+        let pixels: u64 = self.counts[0].iter().map(|&count| u64::from(count)).sum();
+        let mut sum = 0.0f64;
+        for value in 0..=255u8 {
+            let count = |channel: usize| f64::from(self.counts[channel][usize::from(value)]);
+            let weighted = 0.2126 * count(0) + 0.7152 * count(1) + 0.0722 * count(2);
+            sum += weighted * f64::from(self.linear[usize::from(veil.over(value))]);
+        }
+        (sum / pixels.max(1) as f64) as f32
+    }
+
+    /// How many cells have pixels.
+    pub(crate) fn cells(&self) -> usize {
+        self.cells.iter().filter(|cell| cell.pixels > 0.0).count()
+    }
+
+    /// Mean linear color of a cell that has pixels, behind `veil`: exact where the veil is clear or the cell of one color.
+    pub(crate) fn color(&self, cell: usize, veil: Veil) -> Option<[f32; 3]> {
+        let Cell { light, pixels } = *self.cells.get(cell).filter(|cell| cell.pixels > 0.0)?;
+        let (opacity, to) = match veil {
+            Veil::Clear => return Some(light.map(|sum| sum / pixels)),
+            Veil::Black(opacity) => (f32::from(opacity) / 255.0, 0.0),
+            Veil::White(opacity) => (f32::from(opacity) / 255.0, 1.0),
+        };
+        Some(light.map(|sum| {
+            let clear = encoded(sum / pixels);
+            decoded(clear + opacity * (to - clear))
+        }))
+    }
+}
+
+/// Linear light of an sRGB-encoded value, both in [0, 1].
+fn decoded(value: f32) -> f32 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The inverse of [`decoded`].
+fn encoded(light: f32) -> f32 {
+    if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
