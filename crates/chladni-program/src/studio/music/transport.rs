@@ -140,8 +140,11 @@ fn breeding(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let (least, least_words) = if suggests { (1, "one") } else { (2, "two") };
     let tip = format!("{}: click at least {least_words} that you like", BREED.tooltip(ui.ctx()));
     suggesting(ui, suggests, wishes);
+    if concert.is_judging() {
+        ui.spinner();
+    }
     if ui
-        .add_enabled(chosen >= least, button)
+        .add_enabled(chosen >= least && !concert.is_judging(), button)
         .on_hover_text(tip.clone())
         .on_disabled_hover_text(tip)
         .clicked()
@@ -156,7 +159,7 @@ fn suggesting(ui: &mut Ui, on: bool, wishes: &mut Vec<Wish>) {
                what was chosen.";
     let button = egui::Button::selectable(on, icon::text(Icon::Sparkles));
     let response = ui.add(button).on_hover_text(tip);
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, "Suggest"));
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, "Suggest children"));
     if response.clicked() {
         wishes.push(Wish::Do(Action::Switch { switch: Switch::Suggest, on: !on }));
     }

@@ -26,7 +26,7 @@ use house::House;
 use pane::Pane;
 use piloted::Piloted;
 use standing::{Hand, camera_at, navigate, touches};
-use suggesting::Recent;
+use suggesting::{Judging, Recent};
 
 use super::close_up::{self, Draft};
 use super::coarse::{self, Detail};
@@ -92,6 +92,7 @@ pub struct Concert {
     draft: Option<Draft>,
     tried_out: Option<(Mapping, Settings)>,
     recent: Recent,
+    judging: Judging,
     harmonics: Harmonics,
     pace: Pace,
     voice_names: Vec<String>,
@@ -149,6 +150,7 @@ impl Concert {
             draft: None,
             tried_out: None,
             recent: Recent::default(),
+            judging: Judging::default(),
             harmonics: Harmonics::new(body, symmetry),
             pace: Pace::default(),
             voice_names,
@@ -220,10 +222,10 @@ impl Concert {
         if curtain && limited && !self.pane.guard.may_step(self.seconds) {
             return Err(Error::input("The stage was held back: more would be a flash too many in a second."));
         }
-        let action = match action {
-            Action::Breed if self.instrument.parameters().is_on(Switch::Suggest) => self.suggested()?,
-            action => action,
-        };
+        if action == Action::Breed && self.instrument.parameters().is_on(Switch::Suggest) {
+            self.judging.want();
+            return Ok(());
+        }
         self.instrument.apply(self.moment, action)?;
         if curtain || opens {
             self.end_piloting()?;
@@ -326,6 +328,7 @@ impl Concert {
             self.count_beats(|at_secs| listening.beats_at(at_secs))?;
         }
         self.follow_bars(&listening.new_bars())?;
+        self.judge(ui.ctx())?;
         let (sand, ensemble, instrument) = (&mut self.sand, &mut self.ensemble, &self.instrument);
         let before = |hearing: &mut _, at_secs| sand.follow(hearing, ensemble, instrument, at_secs);
         let heard = listening.hear(self.seconds, instrument.parameters(), before)?;

@@ -1,8 +1,11 @@
 //! Suggested children: judged by what was heard last.
 
-use chladni_music::{Action, Bands, Describer, Moments, suggest};
+use std::sync::Arc;
+
+use chladni_music::{Action, Bands, Describer, Gallery, Moments, suggest};
 
 use super::Concert;
+use crate::studio::job::Job;
 use crate::work::Error;
 
 /// Between two moments that are remembered.
@@ -30,12 +33,55 @@ impl Recent {
     }
 }
 
+/// Candidates that are judged beside the frames.
+#[derive(Default)]
+pub struct Judging {
+    wanted: bool,
+    /// Of this gallery.
+    running: Option<(Arc<Gallery>, Job<Vec<u16>>)>,
+}
+
+impl Judging {
+    /// Children are wanted, as soon as they are judged.
+    pub fn want(&mut self) {
+        self.wanted = true;
+    }
+}
+
 impl Concert {
-    /// Breeding, with the children that are most worth looking at.
-    pub(super) fn suggested(&self) -> Result<Action, Error> {
-        let playing = self.instrument.parameters().playing();
-        let moments = self.recent.moments(self.instrument.shape().bands);
-        let describer = Describer::new(self.ensemble.dancer().clone(), playing, moments)?;
-        Ok(Action::BreedFrom { candidates: suggest(self.instrument.gallery(), &describer)? })
+    /// Whether children were asked for that are still being judged.
+    pub fn is_judging(&self) -> bool {
+        self.judging.wanted
+    }
+
+    /// Has candidates judged where children are wanted; breeds the best once that is done. What is chosen meanwhile
+    /// counts: then it begins again. Where nothing is chosen any more there are none.
+    pub(super) fn judge(&mut self, ctx: &egui::Context) -> Result<(), Error> {
+        if !self.judging.wanted {
+            return Ok(());
+        }
+        let of_now = |(gallery, _): &(Arc<Gallery>, Job<Vec<u16>>)| **gallery == *self.instrument.gallery();
+        if !self.judging.running.as_ref().is_some_and(of_now) {
+            let began = self.judging.running.is_some();
+            if began && !self.instrument.gallery().items().iter().any(|item| item.chosen) {
+                self.judging = Judging::default();
+                return Ok(());
+            }
+            let gallery = Arc::new(self.instrument.gallery().clone());
+            let judged = gallery.clone();
+            let playing = self.instrument.parameters().playing();
+            let moments = self.recent.moments(self.instrument.shape().bands);
+            let dancer = self.ensemble.dancer().clone();
+            let job = Job::start("Suggesting", ctx, move |_| {
+                let describer = Describer::new(dancer, playing, moments)?;
+                Ok(suggest(&judged, &describer)?)
+            });
+            self.judging.running = Some((gallery, job));
+        }
+        let Some(judged) = self.judging.running.as_ref().and_then(|(_, job)| job.ended()) else {
+            return Ok(());
+        };
+        self.judging = Judging::default();
+        self.act(Action::BreedFrom { candidates: judged? })
     }
 }
