@@ -6,25 +6,11 @@
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
-for program in Xvfb pulseaudio pactl parec sox; do
-  command -v "$program" > /dev/null || { echo "$program is missing" >&2; exit 1; }
-done
-[ -n "${CHLADNI:-}" ] || cargo build --release --quiet -p chladni-program
-chladni=${CHLADNI:-${CARGO_TARGET_DIR:-target}/release/chladni}
-folder=$(mktemp -d)
-pids=()
-trap 'kill "${pids[@]}" 2>/dev/null; wait 2>/dev/null; rm -rf "$folder"' EXIT
+needs=parec screen=1320x820
+. bench/stage/hall.sh
 
 # A song without a pause: noise that swells, longer than it is listened to.
 sox -n -r 44100 -c 2 "$folder/song.wav" synth $((seconds + 30)) pinknoise tremolo 2 40 gain -6
-
-unset WAYLAND_DISPLAY
-. bench/null_sink.sh
-Xvfb -displayfd 3 -screen 0 1320x820x24 3> "$folder/display" 2> /dev/null &
-pids+=($!)
-until [ -s "$folder/display" ]; do sleep 0.1; done
-DISPLAY=:$(cat "$folder/display")
-export DISPLAY
 
 parec --device=null.monitor --raw --format=s16le --rate=48000 --channels=2 > "$folder/heard.raw" &
 pids+=($!)

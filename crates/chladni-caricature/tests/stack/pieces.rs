@@ -2,20 +2,29 @@
 
 use super::*;
 
+/// So many copies of `mesh`, whose vertices go where `placed` says by the number of the copy.
+fn copies(
+    mesh: &chladni_mesh::TriMesh,
+    count: u32,
+    placed: impl Fn(u32, &[f64; 3]) -> [f64; 3] + Copy,
+) -> chladni_mesh::TriMesh {
+    let n = mesh.positions.len() as u32;
+    chladni_mesh::TriMesh {
+        positions: (0..count).flat_map(|i| mesh.positions.iter().map(move |p| placed(i, p))).collect(),
+        triangles: (0..count)
+            .flat_map(|i| mesh.triangles.iter().map(move |t| t.map(|v| v + i * n)))
+            .collect(),
+        ..Default::default()
+    }
+}
+
 /// Six balls side by side. Of different sizes: harmonics of equal balls are mixtures over all of them.
 fn balls(ball: &chladni_mesh::TriMesh) -> chladni_mesh::TriMesh {
-    let (n, pieces) = (ball.positions.len() as u32, 6_u32);
     let placed = |i: u32, p: &[f64; 3]| {
         let size = 1.0 + 0.1 * f64::from(i);
         [size * p[0] + 4.0 * f64::from(i), size * p[1], size * p[2]]
     };
-    chladni_mesh::TriMesh {
-        positions: (0..pieces).flat_map(|i| ball.positions.iter().map(move |p| placed(i, p))).collect(),
-        triangles: (0..pieces)
-            .flat_map(|i| ball.triangles.iter().map(move |t| t.map(|v| v + i * n)))
-            .collect(),
-        ..Default::default()
-    }
+    copies(ball, 6, placed)
 }
 
 #[test]
@@ -81,14 +90,7 @@ fn uneven(pieces: u32) -> chladni_mesh::TriMesh {
         let size = 1.0 - 0.4 * f64::from(i);
         [size * r * x + 2.2 * f64::from(i), 0.8 * size * r * y, 1.2 * size * r * z]
     };
-    let n = ball.positions.len() as u32;
-    chladni_mesh::TriMesh {
-        positions: (0..pieces).flat_map(|i| ball.positions.iter().map(move |p| placed(i, p))).collect(),
-        triangles: (0..pieces)
-            .flat_map(|i| ball.triangles.iter().map(move |t| t.map(|v| v + i * n)))
-            .collect(),
-        ..Default::default()
-    }
+    copies(&ball, pieces, placed)
 }
 
 /// A constant has a place and no shape: on triangles of unlike size, on a layer that starts from the result

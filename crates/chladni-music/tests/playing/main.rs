@@ -13,7 +13,7 @@ use chladni_music::{
     Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Parameters,
     Player, Playing, Preset, Resonators, Show, Switch, Symmetry, Timbre, repertoire,
 };
-use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
+use chladni_sound::{Spectrum, SpectrumAnalyser, SpectrumSettings, sample_tune};
 use chladni_synth::{Item, displacements_f64};
 use chladni_task::Task;
 
@@ -47,6 +47,17 @@ fn head() -> &'static Ready {
 
 fn only(band: usize) -> Vec<f32> {
     (0..BANDS).map(|b| f32::from(u8::from(b == band))).collect()
+}
+
+fn bands_of(spectrum: &Spectrum) -> Bands<'_> {
+    Bands {
+        left: &spectrum.left,
+        right: &spectrum.right,
+        mid: &spectrum.mid,
+        side: &spectrum.side,
+        side_gain: spectrum.side_gain,
+        ringing: None,
+    }
 }
 
 fn displacements(ready: &Ready, mapping: &Mapping, bands: &Bands<'_>, playing: Playing) -> Vec<[f64; 3]> {
@@ -86,14 +97,7 @@ fn energies(ready: &Ready, form: Form, tone_hz: f32, left: f32, right: f32) -> [
     };
     let (left, right) = (tone(left), tone(right));
     let s = analyser.analyse(&left, &right, 1.0);
-    let bands = Bands {
-        left: &s.left,
-        right: &s.right,
-        mid: &s.mid,
-        side: &s.side,
-        side_gain: s.side_gain,
-        ringing: None,
-    };
+    let bands = bands_of(s);
     let d = displacements(ready, &mapping, &bands, Playing { form, ..Playing::default() });
     let mut energy = [0.0; 2];
     for ((d, x), a) in d.iter().zip(&ready.body.positions).zip(&ready.body.basis.mass) {

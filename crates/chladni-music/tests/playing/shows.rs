@@ -116,14 +116,7 @@ fn a_session_replays_bit_for_bit_through_its_file() {
             let from = 40_000 + frame * 2000;
             let s =
                 analyser.analyse(&song.left[from..from + window], &song.right[from..from + window], 0.045);
-            let bands = Bands {
-                left: &s.left,
-                right: &s.right,
-                mid: &s.mid,
-                side: &s.side,
-                side_gain: s.side_gain,
-                ringing: None,
-            };
+            let bands = bands_of(s);
             let beat = Beat { count: 6.0 + frame as f64 * 0.1, confidence: 1.0 };
             bits.extend(coefficients_of(ensemble.play(instrument, &bands, beat).unwrap()));
         }

@@ -113,15 +113,17 @@ impl Measure {
     /// The report; `None` where there were too few frames.
     pub fn report(&self) -> Option<FrameReport> {
         let [first, .., last] = self.frames[..] else { return None };
-        let mut pauses: Vec<f64> = self.frames.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
         let secs = last.0 - first.0;
-        let quarter = |q: usize| {
-            let bounds = [q, q + 1].map(|q| first.0 + 0.25 * q as f64 * secs);
-            let frames = bounds.map(|bound| self.frames.partition_point(|frame| frame.0 < bound));
-            median(&mut pauses[frames[0].min(pauses.len())..frames[1].min(pauses.len())].to_vec())
-        };
-        let median_quarters_secs = std::array::from_fn(quarter);
-        let median_frame_secs = median(&mut pauses);
+        // Each pause belongs to the quarter in which it begins.
+        let quarter_of = |at: f64| ((4.0 * (at - first.0) / secs) as usize).min(3);
+        let mut pauses: Vec<f64> = Vec::with_capacity(self.frames.len());
+        let mut of_quarters: [Vec<f64>; 4] = Default::default();
+        for pair in self.frames.windows(2) {
+            let pause = pair[1].0 - pair[0].0;
+            pauses.push(pause);
+            of_quarters[quarter_of(pair[0].0)].push(pause);
+        }
+        let longest_frame_secs = pauses.iter().copied().fold(0.0, f64::max);
         let offsets: Vec<f64> =
             self.frames.iter().filter_map(|(at, position)| Some((*position)? - at)).collect();
         let mean = offsets.iter().sum::<f64>() / offsets.len().max(1) as f64;
@@ -129,9 +131,9 @@ impl Measure {
         Some(FrameReport {
             secs,
             frames: self.frames.len(),
-            median_frame_secs,
-            median_quarters_secs,
-            longest_frame_secs: pauses.last().copied().unwrap_or(0.0),
+            median_frame_secs: median(pauses),
+            median_quarters_secs: of_quarters.map(median),
+            longest_frame_secs,
             song_secs: last.1.zip(first.1).map(|(last, first)| last - first),
             largest_drift_secs: (!offsets.is_empty()).then_some(drift),
             underruns: self.underruns,
@@ -140,8 +142,8 @@ impl Measure {
     }
 }
 
-/// The middle one, of which there are as many below as above; sorts `values`, and is 0 of none.
-fn median(values: &mut [f64]) -> f64 {
+/// The middle one, of which there are as many below as above; 0 of none.
+fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

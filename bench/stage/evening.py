@@ -1,0 +1,171 @@
+"""An evening on stage, for bench/stage/hour: plays it for so many seconds with the program and in the folder given,
+and writes the section of BENCHMARKS.md."""
+
+import json
+import os
+import random
+import re
+import socket
+import statistics
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "bench"))
+from section import machine, write_section  # noqa: E402
+
+MESSAGES_PER_HOUR = 2000
+PORT = 47_110
+SAMPLE_SECS = 5.0
+# What would stop the show, or needs a person to go on.
+LEFT_OUT = {"play", "hold-tempo"}
+
+
+def controls():
+    """Each address with a function that makes a random argument, from the page that the program prints."""
+    page = (ROOT / "docs" / "controls.md").read_text()
+    found = []
+    for address, values in re.findall(r"^\| `(/chladni/[a-z-]+)` \| ([^|]*) \|", page, re.MULTILINE):
+        if address.rsplit("/", 1)[1] in LEFT_OUT:
+            continue
+        span = re.match(r"(-?[\d.]+) to ([\d.]+)", values)
+        if span:
+            low, high = map(float, span.groups())
+            found.append((address, lambda r, low=low, high=high: r.uniform(low, high)))
+        elif values.startswith("0 or 1"):
+            found.append((address, lambda r: float(r.random() < 0.5)))
+        elif values.startswith("none"):
+            found.append((address, lambda _: None))
+        elif "," in values:
+            names = [name.strip() for name in values.split(",")]
+            found.append((address, lambda r, names=names: r.choice(names)))
+        else:
+            found.append((address, lambda r: float(r.randint(1, 12))))
+    return found
+
+
+def packet(address, argument):
+    """One OSC message."""
+
+    def text(words):
+        raw = words.encode() + b"\0"
+        return raw + b"\0" * (-len(raw) % 4)
+
+    if argument is None:
+        return text(address) + text(",")
+    if isinstance(argument, str):
+        return text(address) + text(",s") + text(argument)
+    return text(address) + text(",f") + struct.pack(">f", argument)
+
+
+def plug():
+    """A sound device appears."""
+    load = ["pactl", "load-module", "module-null-sink", "sink_name=null", "norewinds=1", "rate=48000"]
+    subprocess.run(load, capture_output=True)
+
+
+def unplug():
+    """It is taken away."""
+    subprocess.run(["pactl", "unload-module", "module-null-sink"], capture_output=True)
+
+
+def resize(width, height):
+    """Gives the window another size."""
+    find = ["xdotool", "search", "--onlyvisible", "--name", "Chladni"]
+    for window in subprocess.run(find, capture_output=True, text=True).stdout.split()[:1]:
+        subprocess.run(["xdotool", "windowsize", window, str(width), str(height)])
+
+
+def standing(pid):
+    """Resident megabytes, open files and threads of a process."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    number = lambda name: int(re.search(rf"^{name}:\s+(\d+)", status, re.MULTILINE).group(1))  # noqa: E731
+    return number("VmRSS") / 1024, len(os.listdir(f"/proc/{pid}/fd")), number("Threads")
+
+
+def evening(folder, chladni, secs):
+    """Runs the show; the program's own report, and what was seen from outside."""
+    songs = []
+    for index, kind in enumerate(["pinknoise tremolo 2 40", "pluck C3 tremolo 1 60", "brownnoise tremolo 3 70"]):
+        songs.append(folder / f"song{index}.wav")
+        subprocess.run(["sox", "-n", "-r", "44100", "-c", "2", songs[-1], "synth", "150", *kind.split(), "gain", "-6"], check=True)
+    command = [chladni, "open", *map(str, songs), "--measure", str(secs)]
+    with open(folder / "report.json", "wb") as report, open(folder / "errors", "wb") as errors:
+        program = subprocess.Popen(command, stdout=report, stderr=errors)
+    hand, table, rng = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), controls(), random.Random(2012)
+    gap_secs = 3600.0 / MESSAGES_PER_HOUR
+    began = time.monotonic()
+    samples, sent, resized, unplugged = [], 0, 0, 0
+    next_sample, next_song, next_size, next_loss, plug_at = 0.0, 60.0, 45.0, 240.0, None
+    while program.poll() is None:
+        now = time.monotonic() - began
+        if now >= sent * gap_secs:
+            address, argument = rng.choice(table)
+            hand.sendto(packet(address, argument(rng)), ("127.0.0.1", PORT))
+            sent += 1
+        if now >= next_sample:
+            try:
+                samples.append((now, *standing(program.pid)))
+            except (FileNotFoundError, AttributeError):
+                break
+            next_sample += SAMPLE_SECS
+        if now >= next_song:
+            hand.sendto(packet("/chladni/song", float(rng.randint(1, len(songs)))), ("127.0.0.1", PORT))
+            next_song += rng.uniform(40.0, 100.0)
+        if now >= next_size:
+            resize(rng.randint(900, 1500), rng.randint(620, 950))
+            resized, next_size = resized + 1, next_size + rng.uniform(30.0, 90.0)
+        if now >= next_loss:
+            unplug()
+            unplugged, plug_at, next_loss = unplugged + 1, now + 4.0, next_loss + 300.0
+        if plug_at is not None and now >= plug_at:
+            plug()
+            plug_at = None
+        time.sleep(0.05)
+    if program.wait():
+        sys.exit((folder / "errors").read_text())
+    report = json.loads((folder / "report.json").read_text())
+    report.update(messages=sent, resized=resized, unplugged=unplugged, samples=len(samples))
+    for index, name in enumerate(["resident_mb", "open_files", "threads"], start=1):
+        # Once all is loaded and has been seen: from a sixth of the time on.
+        later = [sample[index] for sample in samples[len(samples) // 6 :]]
+        tenth = max(len(later) // 10, 1)
+        report[name] = {
+            "early": statistics.median(later[:tenth]),
+            "late": statistics.median(later[-tenth:]),
+            "most": max(later),
+        }
+    return report
+
+
+def main():
+    chladni, folder, minutes = sys.argv[1], Path(sys.argv[2]), float(sys.argv[3])
+    (folder / "chladni").mkdir()
+    (folder / "chladni" / "settings.toml").write_text(f"[music]\nosc_port = {PORT}\n")
+    report = evening(folder, chladni, 60.0 * minutes)
+    print(json.dumps(report))
+    grown = lambda name: f"{report[name]['early']:,.0f} → {report[name]['late']:,.0f} (most {report[name]['most']:,.0f})"  # noqa: E731
+    write_section(
+        "hour",
+        f"""## An hour on stage
+
+{machine()}; Xvfb, drawn by the processor unless a card is there, sound into a PulseAudio null sink. Early is the first tenth of the time after a warm-up of a sixth, late the last. Made by `bench/stage/hour {minutes:g}`.
+
+| what | measured |
+|---|---|
+| time | {report["secs"] / 60:.1f} min |
+| control messages, window resizes, sound devices lost | {report["messages"]}, {report["resized"]}, {report["unplugged"]} |
+| resident memory, MB | {grown("resident_mb")} |
+| open files | {grown("open_files")} |
+| threads | {grown("threads")} |
+| frames | {report["frames"]:,} ({report["frames"] / report["secs"]:.1f} a second) |
+| pause between two frames, median of each quarter of the time | {", ".join(f"{1e3 * s:.0f}" for s in report["median_quarters_secs"])} ms |
+| longest | {report["longest_frame_secs"]:.3f} s |
+| times the device had nothing to play | {report["underruns"]} |""",
+    )
+
+
+main()
