@@ -144,10 +144,14 @@ impl Ringing {
     }
 }
 
+/// How many pieces of sound wait at most before the oscillators go through them together.
+const WAITING: usize = 32;
+
 /// The bank of oscillators.
 ///
 /// Sound comes in as pieces of constant level, each solved exactly: [`hear`](Self::hear) begins one, and
-/// [`ring`](Self::ring) gives the oscillators at a time within it.
+/// [`ring`](Self::ring) gives the oscillators at a time within it. Pieces are solved together, tone by tone, when
+/// somebody asks: the state of a tone is then read from memory once for all of them.
 #[derive(Clone, Debug)]
 pub struct Resonators {
     damping: f32,
@@ -157,18 +161,25 @@ pub struct Resonators {
     /// s ω of each tone: what a rise of 1 adds to q̇.
     strokes: [f32; TONES],
     signals: [Row; SIGNALS],
-    step: Step,
+    /// Pieces of sound that were heard and not yet solved, each of which began when the one before it had
+    /// lasted as long as `piece`.
+    waiting: usize,
+    piece: Step,
+    /// From the beginning of the current piece to now.
+    within: Step,
     now: Ringing,
 }
 
 /// The oscillators of one signal.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct Row {
-    /// f of the current piece.
-    level: Vec<f32>,
-    /// q and q̇ at its beginning.
+    /// q and q̇ at the beginning of the last piece that was solved.
     q: Vec<f32>,
     speed: Vec<f32>,
+    /// f of that piece and of those that wait: rows of bands.
+    levels: Vec<f32>,
+    /// What strikes at the beginning of each that waits.
+    rises: Vec<f32>,
 }
 
 /// The exact solution over one time step, for each tone: with y = q − h f, y(t) = a y + b ẏ and ẏ(t) = c y +
@@ -183,6 +194,19 @@ impl Step {
     fn of(secs: f32, damping: f32) -> Self {
         Self { secs, tones: std::array::from_fn(|tone| exact(secs, tone_hz(tone), damping)) }
     }
+
+    fn set(&mut self, secs: f32, damping: f32) {
+        if self.secs != secs {
+            *self = Self::of(secs, damping);
+        }
+    }
+}
+
+/// What dies away comes to rest before its numbers lose their leading digit: with such numbers processors are some
+/// fifty times slower, and each pause of a song would be full of them.
+#[inline]
+fn audible(x: f32) -> f32 {
+    if x.abs() < 1e-18 { 0.0 } else { x }
 }
 
 /// a, b, c and d of one oscillator, underdamped (ζ < 1) or not.
@@ -206,7 +230,12 @@ impl Resonators {
     /// A bank at rest for `bands` bands.
     pub fn new(timbre: &Timbre, bands: usize) -> Self {
         let silence = vec![0.0; TONES * bands];
-        let row = Row { level: vec![0.0; bands], q: silence.clone(), speed: silence.clone() };
+        let row = Row {
+            q: silence.clone(),
+            speed: silence.clone(),
+            levels: vec![0.0; (WAITING + 1) * bands],
+            rises: vec![0.0; WAITING * bands],
+        };
         Self {
             damping: timbre.damping,
             strike: timbre.strike,
@@ -214,7 +243,9 @@ impl Resonators {
             bands,
             strokes: std::array::from_fn(|tone| timbre.strike * std::f32::consts::TAU * tone_hz(tone)),
             signals: std::array::from_fn(|_| row.clone()),
-            step: Step::of(0.0, timbre.damping),
+            waiting: 0,
+            piece: Step::of(0.0, timbre.damping),
+            within: Step::of(0.0, timbre.damping),
             now: Ringing { bands, q: std::array::from_fn(|_| silence.clone()) },
         }
     }
@@ -231,8 +262,9 @@ impl Resonators {
 
     /// Brings all to rest.
     pub fn still(&mut self) {
+        self.waiting = 0;
         for row in &mut self.signals {
-            [&mut row.level, &mut row.q, &mut row.speed].into_iter().for_each(|values| values.fill(0.0));
+            [&mut row.levels, &mut row.q, &mut row.speed].into_iter().for_each(|values| values.fill(0.0));
         }
         self.now.q.iter_mut().for_each(|q| q.fill(0.0));
     }
@@ -243,39 +275,32 @@ impl Resonators {
         if bands.mid.len() != self.bands {
             return;
         }
-        self.tune(lasted_secs);
+        if self.waiting == WAITING || self.piece.secs != lasted_secs {
+            self.solve();
+        }
+        self.piece.set(lasted_secs, self.damping);
         let mix = StereoMix::new(0.0, bands, false);
         for (number, row) in self.signals.iter_mut().enumerate() {
-            row.go_on(&self.step, self.hold);
-            for band in 0..self.bands {
-                let level = match number {
-                    0 => bands.left[band],
-                    1 => bands.right[band],
-                    2 => bands.mid[band],
-                    3 => bands.side[band],
-                    _ => mix.swing(bands, band),
-                };
-                // The side has a sign: a growing magnitude strikes, a falling one does not.
-                let grown = level.abs() - row.level[band].abs();
-                let rise = if grown > 0.0 { level.signum() * grown } else { 0.0 };
-                row.level[band] = level;
-                if rise != 0.0 {
-                    for (tone, stroke) in self.strokes.iter().enumerate() {
-                        row.speed[tone * self.bands + band] += stroke * rise;
-                    }
-                }
-            }
+            row.hear(self.waiting, self.bands, |band| match number {
+                0 => bands.left[band],
+                1 => bands.right[band],
+                2 => bands.mid[band],
+                3 => bands.side[band],
+                _ => mix.swing(bands, band),
+            });
         }
+        self.waiting += 1;
     }
 
     /// The oscillators `after_secs` into the current piece of sound.
     pub fn ring(&mut self, after_secs: f32) -> &Ringing {
-        self.tune(after_secs);
+        self.solve();
+        self.within.set(after_secs, self.damping);
         for (row, out) in self.signals.iter().zip(&mut self.now.q) {
-            for (tone, &[a, b, ..]) in self.step.tones.iter().enumerate() {
+            for (tone, &[a, b, ..]) in self.within.tones.iter().enumerate() {
                 let of = tone * self.bands..(tone + 1) * self.bands;
                 let (q, speed) = (&row.q[of.clone()], &row.speed[of.clone()]);
-                for (((out, q), speed), level) in out[of].iter_mut().zip(q).zip(speed).zip(&row.level) {
+                for (((out, q), speed), level) in out[of].iter_mut().zip(q).zip(speed).zip(&row.levels) {
                     let held = self.hold * level;
                     *out = held + a * (q - held) + b * speed;
                 }
@@ -284,31 +309,52 @@ impl Resonators {
         &self.now
     }
 
+    /// Brings the oscillators to the beginning of the current piece.
+    fn solve(&mut self) {
+        for row in &mut self.signals {
+            row.solve(self.waiting, &self.piece, self.hold, &self.strokes);
+        }
+        self.waiting = 0;
+    }
+
     /// What [`ring`](Self::ring) gave last.
     pub fn ringing(&self) -> &Ringing {
         &self.now
     }
-
-    fn tune(&mut self, secs: f32) {
-        if self.step.secs != secs {
-            self.step = Step::of(secs, self.damping);
-        }
-    }
 }
 
 impl Row {
-    fn go_on(&mut self, step: &Step, hold: f32) {
-        let bands = self.level.len();
-        for (tone, &[a, b, c, d]) in step.tones.iter().enumerate() {
-            let of = tone * bands..(tone + 1) * bands;
-            let (q, speed) = (&mut self.q[of.clone()], &mut self.speed[of]);
-            for ((q, speed), level) in q.iter_mut().zip(speed).zip(&self.level) {
-                let held = hold * level;
-                let (y, rate) = (*q - held, *speed);
-                *q = held + a * y + b * rate;
-                *speed = c * y + d * rate;
+    /// Takes in the piece after `waiting` others.
+    fn hear(&mut self, waiting: usize, bands: usize, level: impl Fn(usize) -> f32) {
+        let (before, after) = self.levels[waiting * bands..].split_at_mut(bands);
+        let rises = &mut self.rises[waiting * bands..];
+        for (band, ((before, after), rise)) in before.iter().zip(after).zip(rises).enumerate() {
+            *after = level(band);
+            // The side has a sign: a growing magnitude strikes, a falling one does not.
+            let grown = after.abs() - before.abs();
+            *rise = if grown > 0.0 { after.signum() * grown } else { 0.0 };
+        }
+    }
+
+    /// Goes to the beginning of the last of `waiting` pieces.
+    fn solve(&mut self, waiting: usize, piece: &Step, hold: f32, strokes: &[f32; TONES]) {
+        let bands = self.levels.len() / (WAITING + 1);
+        if waiting == 0 || bands == 0 {
+            return;
+        }
+        let tones = self.q.chunks_exact_mut(bands).zip(self.speed.chunks_exact_mut(bands));
+        for (((q, speed), &[a, b, c, d]), stroke) in tones.zip(&piece.tones).zip(strokes) {
+            let pieces = self.levels.chunks_exact(bands).zip(self.rises.chunks_exact(bands));
+            for (levels, rises) in pieces.take(waiting) {
+                for (((q, speed), level), rise) in q.iter_mut().zip(&mut *speed).zip(levels).zip(rises) {
+                    let held = hold * level;
+                    let (y, rate) = (*q - held, *speed);
+                    *q = audible(held + a * y + b * rate);
+                    *speed = audible(c * y + d * rate + stroke * rise);
+                }
             }
         }
+        self.levels.copy_within(waiting * bands..(waiting + 1) * bands, 0);
     }
 }
 
@@ -364,15 +410,16 @@ mod tests {
         let quarter = 0.25 / tone_hz(tone);
         let swing = bank.ring(quarter).at(Signal::Left, tone as u8, 0);
         assert!((swing / (0.7 * (-0.02 * std::f32::consts::FRAC_PI_2).exp()) - 1.0).abs() < 1e-3, "{swing}");
-        let energy = |bank: &Resonators| {
+        let energy = |bank: &mut Resonators| {
+            bank.solve();
             let omega = std::f32::consts::TAU * tone_hz(tone);
             let row = &bank.signals[0];
             (omega * row.q[tone]).powi(2) + row.speed[tone].powi(2)
         };
-        let mut before = energy(&bank);
+        let mut before = energy(&mut bank);
         for _ in 0..500 {
             bank.hear(&mono(&[1.0]), 1.0 / 128.0);
-            let now = energy(&bank);
+            let now = energy(&mut bank);
             assert!(now < before);
             before = now;
         }
@@ -402,6 +449,19 @@ mod tests {
         assert_eq!(run(60), run(24));
         assert_eq!(run(60), run(30));
         assert!(run(60)[3].q[0].iter().any(|q| q.abs() > 0.1));
+    }
+
+    #[test]
+    fn all_comes_to_rest_in_silence() {
+        for (_, timbre) in Timbre::NAMED {
+            let mut bank = Resonators::new(&timbre, 2);
+            bank.hear(&mono(&[1.0, 0.3]), 0.0);
+            // The slowest tone of the bell rings for minutes.
+            for _ in 0..128 * 600 {
+                bank.hear(&mono(&[0.0; 2]), 1.0 / 128.0);
+            }
+            assert!(bank.ring(0.001).q.iter().flatten().all(|q| *q == 0.0), "{timbre:?}");
+        }
     }
 
     #[test]
