@@ -9,9 +9,9 @@ mod measured;
 use std::time::Instant;
 
 use chladni_view::{
-    Answer, Camera, Canvas, Cell, Curve, Device, Draw, Figure, Finish, Floor, ItemBuffers, Lights, Look,
-    Material, NodalLines, Paint, Picture, Rect, Renderer, RestShape, Samples, Topology, View, ViewError,
-    layout, smooth_normals,
+    Answer, Background, Camera, Canvas, Cell, Curve, Device, Draw, Figure, Finish, Floor, ItemBuffers,
+    Lights, Look, Material, NodalLines, Paint, Picture, Rect, Renderer, RestShape, Samples, Topology, View,
+    ViewError, layout, smooth_normals,
 };
 use measured::{bumpy, cpu_ms};
 
@@ -78,6 +78,15 @@ fn measure(device: &Device, scene: &Scene, look: &Look) -> Result<(Vec<f64>, f64
     Ok((times, cpu, canvas.read(device)?))
 }
 
+/// What a frame of a scene consists of at least: its vertices, triangles, and pixels that show a surface.
+fn counts(device: &Device, scene: &Scene) -> Result<[usize; 3], ViewError> {
+    let look = Look { background: Background::TRANSPARENT, ..bare(0.0) };
+    let (.., picture) = measure(device, scene, &look)?;
+    let (positions, triangles) = bumpy(scene.vertices);
+    let shaded = picture.rgba.chunks_exact(4).filter(|pixel| pixel[3] > 0).count();
+    Ok([scene.items * positions.len(), scene.items * triangles.len(), shaded])
+}
+
 /// Clay under the lights of the stage.
 fn bare(shadow: f32) -> Look {
     Look { material: Material::CLAY, lights: Lights { shadow, ..Lights::STAGE }, ..Look::PLAIN }
@@ -117,6 +126,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{}", device.description());
     }
     let columns: Vec<&str> = devices.iter().map(|_| "ms a frame").collect();
+    for scene in &SCENES {
+        let [vertices, triangles, pixels] = counts(&devices[0], scene)?;
+        let [width, height] = scene.size;
+        let name = scene.name;
+        println!(
+            "counts: {name}, {vertices} vertices, {triangles} triangles, {pixels} of {width}x{height} pixels"
+        );
+    }
     println!("| scene | with | {} |", columns.join(" | "));
     let plain = [("no shadow", bare(0.0)), ("shadow", bare(0.7))];
     let of = |scene| plain.map(|(what, look)| (scene, what, look));
