@@ -351,46 +351,48 @@ enum Ring {
     As(Timbre),
 }
 
-fn parse_timbre(name: &str) -> Result<Ring, String> {
+fn parse_timbre(name: &str) -> Result<Ring, Error> {
     let known = || Timbre::NAMED.map(|(name, _)| name).join(", ");
     match name {
         "none" => Ok(Ring::Not),
-        name => Timbre::named(name).map(Ring::As).ok_or_else(|| format!("there are none, {}", known())),
+        name => Timbre::named(name)
+            .map(Ring::As)
+            .ok_or_else(|| Error::input(format!("expected none, {}", known()))),
     }
 }
 
-fn parse_backend(text: &str) -> Result<Backend, String> {
+fn parse_backend(text: &str) -> Result<Backend, Error> {
     match text {
         "auto" => Ok(Backend::Auto),
         "cpu" => Ok(Backend::Cpu),
         "gpu" => Ok(Backend::Gpu),
-        _ => Err("expected auto, cpu or gpu".into()),
+        _ => Err(Error::input("expected auto, cpu or gpu")),
     }
 }
 
-fn parse_form(text: &str) -> Result<Form, String> {
+fn parse_form(text: &str) -> Result<Form, Error> {
     match text {
         "filter" => Ok(Form::Filter),
         "modal" => Ok(Form::Modal),
         "half-mask" => Ok(Form::HalfMask),
-        _ => Err("expected filter, modal or half-mask".into()),
+        _ => Err(Error::input("expected filter, modal or half-mask")),
     }
 }
 
-fn parse_choir(text: &str) -> Result<Choir, String> {
+fn parse_choir(text: &str) -> Result<Choir, Error> {
     match text {
         "all" => Ok(Choir::All),
         "symmetric" => Ok(Choir::Symmetric),
         "antisymmetric" => Ok(Choir::Antisymmetric),
-        _ => Err("expected all, symmetric or antisymmetric".into()),
+        _ => Err(Error::input("expected all, symmetric or antisymmetric")),
     }
 }
 
 fn named<T: Send + Sync + Clone + 'static>(
     find: fn(&str) -> Option<T>,
     known: String,
-) -> impl Fn(&str) -> Result<T, String> + Clone {
-    move |name| find(name).ok_or_else(|| format!("expected one of {known}"))
+) -> impl Fn(&str) -> Result<T, Error> + Clone {
+    move |name| find(name).ok_or_else(|| Error::input(format!("expected one of {known}")))
 }
 
 fn names<T>(presets: &[(&str, T)]) -> String {

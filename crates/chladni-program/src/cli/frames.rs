@@ -4,6 +4,8 @@ use std::str::FromStr;
 
 use chladni_view::FrameRate;
 
+use crate::work::Error;
+
 /// Width and height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
@@ -14,14 +16,16 @@ pub struct Size {
 }
 
 impl FromStr for Size {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let number = |t: &str| t.parse::<u32>().ok().filter(|n| (1..=16_384).contains(n));
-        let (width, height) = text.split_once(['x', 'X']).ok_or("expected WIDTHxHEIGHT, such as 1280x720")?;
+        let (width, height) = text
+            .split_once(['x', 'X'])
+            .ok_or_else(|| Error::input("expected WIDTHxHEIGHT, such as 1280x720"))?;
         match (number(width), number(height)) {
             (Some(width), Some(height)) => Ok(Self { width, height }),
-            _ => Err("width and height are whole numbers from 1 to 16384".into()),
+            _ => Err(Error::input("width and height are whole numbers from 1 to 16384")),
         }
     }
 }
@@ -31,10 +35,11 @@ impl FromStr for Size {
 pub struct Fps(pub FrameRate);
 
 impl FromStr for Fps {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || "expected frames per second from 1 to 240, such as 30, 29.97 or 30000/1001".to_owned();
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let wrong =
+            || Error::input("expected frames per second from 1 to 240, such as 30, 29.97 or 30000/1001");
         let rate = |numerator: u32, denominator: u32| FrameRate { numerator, denominator };
         let rate = if let Some((n, d)) = text.split_once('/') {
             rate(n.parse().map_err(|_| wrong())?, d.parse().map_err(|_| wrong())?)
@@ -60,13 +65,13 @@ mod tests {
 
     #[test]
     fn rates_and_sizes() {
-        let fps = |t: &str| t.parse::<Fps>().map(|f| (f.0.numerator, f.0.denominator));
-        assert_eq!(fps("30"), Ok((30, 1)));
-        assert_eq!(fps("29.97"), Ok((30000, 1001)));
-        assert_eq!(fps("23.976"), Ok((24000, 1001)));
-        assert_eq!(fps("12.5"), Ok((12500, 1000)));
-        assert!(fps("0").is_err() && fps("1/0").is_err() && fps("-3").is_err() && fps("nan").is_err());
-        assert_eq!("640x360".parse(), Ok(Size { width: 640, height: 360 }));
+        let fps = |t: &str| t.parse::<Fps>().ok().map(|f| (f.0.numerator, f.0.denominator));
+        assert_eq!(fps("30"), Some((30, 1)));
+        assert_eq!(fps("29.97"), Some((30000, 1001)));
+        assert_eq!(fps("23.976"), Some((24000, 1001)));
+        assert_eq!(fps("12.5"), Some((12500, 1000)));
+        assert!(["0", "1/0", "-3", "nan"].into_iter().all(|wrong| fps(wrong).is_none()));
+        assert_eq!("640x360".parse::<Size>().unwrap(), Size { width: 640, height: 360 });
         assert!("640".parse::<Size>().is_err() && "0x5".parse::<Size>().is_err());
     }
 }

@@ -39,16 +39,16 @@ pub struct GalleryOptions {
 struct Chosen(Vec<usize>);
 
 impl FromStr for Chosen {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         text.split(',').map(|one| number(one.trim())).collect::<Result<_, _>>().map(Self)
     }
 }
 
-fn number(text: &str) -> Result<usize, String> {
+fn number(text: &str) -> Result<usize, Error> {
     let parsed = text.parse().ok().filter(|n| (1..=GALLERY_SIZE).contains(n));
-    parsed.ok_or_else(|| format!("must be a number from 1 to {GALLERY_SIZE}"))
+    parsed.ok_or_else(|| Error::input(format!("must be a number from 1 to {GALLERY_SIZE}")))
 }
 
 impl GalleryOptions {

@@ -36,31 +36,31 @@ pub struct InkOptions {
     ink_exaggeration: bool,
 }
 
-fn within(text: &str, high: f64) -> Result<f64, String> {
+fn within(text: &str, high: f64) -> Result<f64, Error> {
     let parsed = text.parse().ok().filter(|x| (0.0..=high).contains(x));
-    parsed.ok_or_else(|| format!("must be a number from 0 to {high}"))
+    parsed.ok_or_else(|| Error::input(format!("must be a number from 0 to {high}")))
 }
 
-fn detail(text: &str) -> Result<f64, String> {
+fn detail(text: &str) -> Result<f64, Error> {
     within(text, 10.0)
 }
 
-fn share(text: &str) -> Result<f64, String> {
+fn share(text: &str) -> Result<f64, Error> {
     within(text, 1.0)
 }
 
-fn smoothing(text: &str) -> Result<f64, String> {
+fn smoothing(text: &str) -> Result<f64, Error> {
     within(text, 0.1)
 }
 
-fn colors(text: &str) -> Result<[[u8; 3]; 2], String> {
+fn colors(text: &str) -> Result<[[u8; 3]; 2], Error> {
     let color = |text: &str| {
         let digits = text.trim().strip_prefix('#').filter(|d| d.len() == 6 && d.is_ascii())?;
         let channel = |i: usize| u8::from_str_radix(digits.get(2 * i..2 * i + 2)?, 16).ok();
         Some([channel(0)?, channel(1)?, channel(2)?])
     };
     let parsed = text.split_once(',').and_then(|(ink, paper)| Some([color(ink)?, color(paper)?]));
-    parsed.ok_or_else(|| "write two colors, ink and paper, such as #1c1917,#faf7f0".into())
+    parsed.ok_or_else(|| Error::input("write two colors, ink and paper, such as #1c1917,#faf7f0"))
 }
 
 /// A shape to be drawn in ink.

@@ -65,25 +65,26 @@ pub fn scaling(rigid: bool) -> Scaling {
     if rigid { Scaling::Rigid } else { Scaling::Free }
 }
 
-fn cutoff(text: &str) -> Result<f64, String> {
+fn cutoff(text: &str) -> Result<f64, Error> {
     let harmonics = || text.parse::<u32>().ok().filter(|n| *n > 0);
     let wavelength = parse_wavelength(text).or_else(|| harmonics().map(|n| usual_wavelength(n.into())));
-    wavelength.ok_or_else(|| "the cut-off must be a wavelength such as 32%, or a number of harmonics".into())
+    wavelength
+        .ok_or_else(|| Error::input("the cut-off must be a wavelength such as 32%, or a number of harmonics"))
 }
 
-fn roll_off(text: &str) -> Result<RollOff, String> {
+fn roll_off(text: &str) -> Result<RollOff, Error> {
     match text {
         // What older command lines say.
         "heat" | "gaussian" => Ok(RollOff::Heat),
         "sharp" => Ok(RollOff::Sharp),
-        _ => Err("must be heat or sharp".into()),
+        _ => Err(Error::input("must be heat or sharp")),
     }
 }
 
 /// What `--match` says.
-pub fn method(text: &str) -> Result<Method, String> {
+pub fn method(text: &str) -> Result<Method, Error> {
     serde_json::from_value(serde_json::Value::String(text.to_owned()))
-        .map_err(|error| error.to_string().replace("variant", "method"))
+        .map_err(|error| Error::input(error.to_string().replace("variant", "method")))
 }
 
 impl LayerOptions {

@@ -65,10 +65,10 @@ enum How {
 }
 
 impl FromStr for How {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number = |n: &str| format!("“{n}” is not a number");
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let number = |n: &str| Error::input(format!("“{n}” is not a number"));
         Ok(match text {
             "same" => Self::Mesh(Method::Same),
             "icp" => Self::Mesh(Method::Icp),
@@ -77,17 +77,17 @@ impl FromStr for How {
             "ellipsoid" => Self::Ellipsoid,
             "sphere" => Self::Sphere,
             _ if text.starts_with("sphere:") || text.starts_with("ellipsoid:") => {
-                let given: GivenEllipsoid =
-                    text.parse().map_err(|e: chladni_caricature::CaricatureError| e.to_string())?;
-                Self::Given(given.ellipsoid().map_err(|error| error.to_string())?)
+                let given: GivenEllipsoid = text.parse()?;
+                Self::Given(given.ellipsoid()?)
             }
             _ => match text.strip_prefix("self:").and_then(|rest| rest.split_once('=')) {
                 Some(("scale", s)) => Self::SelfScaled(s.parse().map_err(|_| number(s))?),
                 Some(("lowpass", k)) => Self::SelfLowPassed(k.parse().map_err(|_| number(k))?),
                 _ => {
-                    return Err("expected same, icp, fit, map, ellipsoid, sphere, sphere:x,y,z,radius, self:scale=S or \
-                                self:lowpass=K"
-                        .into());
+                    return Err(Error::input(
+                        "expected same, icp, fit, map, ellipsoid, sphere, sphere:x,y,z,radius, self:scale=S or \
+                         self:lowpass=K",
+                    ));
                 }
             },
         })

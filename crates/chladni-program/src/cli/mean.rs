@@ -33,9 +33,9 @@ pub struct Mean {
 }
 
 /// A method that needs no landmarks: they would be other pairs for each shape.
-fn without_landmarks(text: &str) -> Result<Method, String> {
+fn without_landmarks(text: &str) -> Result<Method, Error> {
     match method(text)? {
-        Method::Map => Err("map needs landmarks: the mean takes same, icp or fit".into()),
+        Method::Map => Err(Error::input("map needs landmarks: the mean takes same, icp or fit")),
         method => Ok(method),
     }
 }

@@ -34,9 +34,9 @@ pub struct Parts {
 }
 
 /// A level of [`Limbs`](chladni_caricature::Limbs).
-pub fn level(text: &str) -> Result<f64, String> {
+pub fn level(text: &str) -> Result<f64, Error> {
     let parsed = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
-    parsed.ok_or_else(|| "must be a number from 0 to 1".into())
+    parsed.ok_or_else(|| Error::input("must be a number from 0 to 1"))
 }
 
 /// What is printed of a part.

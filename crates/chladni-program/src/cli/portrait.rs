@@ -59,17 +59,17 @@ impl Portrait {
     }
 }
 
-fn angles(text: &str) -> Result<[f32; 2], String> {
+fn angles(text: &str) -> Result<[f32; 2], Error> {
     let parsed =
         text.split_once(',').and_then(|(y, p)| Some([y.trim().parse().ok()?, p.trim().parse().ok()?]));
     let within = |a: &[f32; 2]| a[0].abs() <= 360.0 && a[1].abs() <= 90.0;
-    parsed.filter(within).ok_or_else(|| "write it as yaw,pitch in degrees, such as 30,10".into())
+    parsed.filter(within).ok_or_else(|| Error::input("write it as yaw,pitch in degrees, such as 30,10"))
 }
 
-fn pixels(text: &str) -> Result<[u32; 2], String> {
+fn pixels(text: &str) -> Result<[u32; 2], Error> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let within = |s: &[u32; 2]| s.iter().all(|s| (16..=16_384).contains(s));
-    parsed.filter(within).ok_or_else(|| "write it as WIDTHxHEIGHT in pixels, 16 to 16384 each".into())
+    parsed.filter(within).ok_or_else(|| Error::input("write it as WIDTHxHEIGHT in pixels, 16 to 16384 each"))
 }
 
 /// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks

@@ -40,9 +40,9 @@ pub struct RegionOptions {
     mask_channel: Option<String>,
 }
 
-fn part(text: &str) -> Result<String, String> {
+fn part(text: &str) -> Result<String, Error> {
     let known = HEAD_PARTS.contains(&text).then(|| text.to_owned());
-    known.ok_or_else(|| format!("must be one of {}", HEAD_PARTS.join(", ")))
+    known.ok_or_else(|| Error::input(format!("must be one of {}", HEAD_PARTS.join(", "))))
 }
 
 impl RegionOptions {

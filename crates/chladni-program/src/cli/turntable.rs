@@ -22,9 +22,9 @@ pub struct TurntableOptions {
     turn_secs: f64,
 }
 
-fn secs(text: &str) -> Result<f64, String> {
+fn secs(text: &str) -> Result<f64, Error> {
     let parsed = text.parse().ok().filter(|x| (0.1..=120.0).contains(x));
-    parsed.ok_or_else(|| "must be a number of seconds from 0.1 to 120".into())
+    parsed.ok_or_else(|| Error::input("must be a number of seconds from 0.1 to 120"))
 }
 
 const FRAMES_A_SECOND: u32 = 25;

@@ -41,8 +41,9 @@ fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
     assert!(handover.reason().is_some());
     drop(window);
     let (mut window, _) = open_with_device(opening(), size);
-    window.run_steps(2);
-    assert!(shows(&window, "The graphics device was lost") && shows(&window, "2 / 2"));
+    wait(&mut window, "the gallery as it was", |w| {
+        shows(w, "The graphics device was lost") && shows(w, "2 / 2")
+    });
     assert!(is_chosen(&window, "Dance 5"));
     window.run_steps(10);
     screenshot(&mut window, "lost-device-music.png");
