@@ -68,7 +68,7 @@ impl HeatGeodesics {
     /// Infinite where no way leads: on other pieces, and for vertices that no triangle uses.
     ///
     /// # Errors
-    /// No source at all, a source that is no vertex of the surface, and a surface that is more than about 1,200
+    /// No source at all, a source that is not a vertex of the surface, and a surface that is more than about 1,200
     /// edges across for a step of 1 ([`HarmonicsError::TooFar`]).
     pub fn distances(&self, sources: &[usize]) -> Result<Vec<f64>, HarmonicsError> {
         let sources = sources.iter().map(|v| self.on_surface(*v)).collect::<Result<Vec<usize>, _>>()?;

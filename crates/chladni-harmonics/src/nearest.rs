@@ -29,7 +29,7 @@ pub(crate) struct PointTree {
     boxes: Vec<[Row; 2]>,
 }
 
-/// Points `first .. end`; of a node that is no leaf, the first half is the next node's and the rest that of `above`.
+/// Points `first .. end`; of a node with children, the first half is the next node's and the rest that of `above`.
 struct Node {
     first: usize,
     end: usize,

@@ -60,7 +60,7 @@ impl Domain {
 /// sides and the third (Sharp & Crane 2020, §4.5); 1e-5 is usual.
 ///
 /// # Errors
-/// As [`Operator::of`], and a `mollify` that is no share.
+/// As [`Operator::of`], and a `mollify` outside [0, 1].
 pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, Vec<f64>), HarmonicsError> {
     check_mesh(mesh)?;
     if !(0.0..=1.0).contains(&mollify) {

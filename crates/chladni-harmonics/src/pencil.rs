@@ -33,7 +33,7 @@ impl<'a> Pencil<'a> {
     /// S, N×N, and the N values of M's diagonal.
     ///
     /// # Errors
-    /// [`HarmonicsError::BadPencil`] where S is no symmetric matrix with all of its diagonal stored
+    /// [`HarmonicsError::BadPencil`] where S is not a symmetric matrix with all of its diagonal stored
     /// ([`SymmetricSparse::from_entries`] makes one), where M has another size or a value that is not positive, or
     /// where anything is not finite.
     pub fn new(stiffness: &'a SymmetricSparse, mass: &'a [f64]) -> Result<Self, HarmonicsError> {
@@ -106,7 +106,7 @@ impl ConsistentPencil {
     /// S and M, both N×N.
     ///
     /// # Errors
-    /// [`HarmonicsError::BadPencil`] where S or M is no symmetric matrix with all of its diagonal stored, where the
+    /// [`HarmonicsError::BadPencil`] where S or M is not a symmetric matrix with all of its diagonal stored, where the
     /// two differ in size, or where the diagonal of M is not positive. That M is positive definite is found out by
     /// [`solve`](Self::solve).
     pub fn new(stiffness: &SymmetricSparse, mass: &SymmetricSparse) -> Result<Self, HarmonicsError> {

@@ -14,7 +14,7 @@ use crate::surface::UnitSurface;
 const ROUNDS: usize = 40;
 /// Sweeps over the vertices of a round.
 const SWEEPS: usize = 4;
-/// Rings of vertices around a fold that move with it: one more every so many rounds.
+/// Rings of vertices around a fold that move with it: one more each time this many rounds have passed.
 const ROUNDS_PER_RING: usize = 6;
 
 /// Whether a triangle looks away from `up`, the sum of the template's normals at its corners.

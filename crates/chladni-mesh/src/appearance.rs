@@ -82,13 +82,13 @@ pub struct Texture {
     pub bytes: Arc<[u8]>,
 }
 
-/// Linear light of an sRGB-encoded channel, both in [0, 1].
-pub(crate) fn linear_from_srgb(s: f64) -> f64 {
+/// Linear light of an sRGB-encoded channel, both in [0, 1] (IEC 61966-2-1).
+pub fn linear_from_srgb(s: f64) -> f64 {
     if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
 }
 
 /// The inverse of [`linear_from_srgb`].
-pub(crate) fn srgb_from_linear(l: f64) -> f64 {
+pub fn srgb_from_linear(l: f64) -> f64 {
     if l <= 0.0031308 { l * 12.92 } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 }
 }
 

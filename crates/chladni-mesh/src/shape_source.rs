@@ -45,7 +45,7 @@ impl ShapeSource {
     /// Reads the file, whose relative path starts from `folder`, or makes the sample.
     ///
     /// # Errors
-    /// A file that cannot be read as a mesh, a name that is no sample's.
+    /// A file that cannot be read as a mesh, or a name that no sample has.
     pub fn load(&self, folder: Option<&Path>) -> Result<Loaded, MeshError> {
         match self {
             Self::File(path) => match folder {

@@ -14,7 +14,7 @@ pub enum ClockMessage {
     Continue,
     /// The song stops; ticks that still come tell the tempo.
     Stop,
-    /// The next tick falls so many quarters after the beginning of the song.
+    /// When the next tick falls, in quarters after the beginning of the song.
     Position {
         /// At least 0.
         quarters: f64,

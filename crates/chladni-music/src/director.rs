@@ -66,7 +66,7 @@ const CALM: f32 = 0.35;
 const LIVELY: f32 = 0.65;
 /// No shot is planned shorter than this.
 const SHORTEST_SECS: f64 = 3.6;
-/// In a calm passage a shot lasts at most so many bars.
+/// The most bars that a shot lasts in a calm passage.
 const LONGEST_CALM_BARS: u32 = 24;
 /// Shots that are remembered, besides those that are being seen.
 const REMEMBERED: usize = 2;

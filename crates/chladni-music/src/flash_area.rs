@@ -10,7 +10,7 @@ use crate::{FLASH_DARK, FLASH_STEP, Histogram, MAX_FLASHES, Veil};
 const RED_SHARE: f32 = 0.8;
 /// The change of (R − G − B) · 320 that counts; negatives count as 0.
 const RED_STEP: f32 = 20.0;
-/// Cells that flash together may be one of so many; ITU-R BT.1702 and WCAG say a quarter.
+/// Cells that flash together may be one in this many; ITU-R BT.1702 and WCAG say a quarter.
 const PART: usize = 4;
 
 /// What flashes.

@@ -2,7 +2,7 @@
 
 use std::f32::consts::TAU;
 
-/// What is lower is no note of a chord but a beat, and what is higher hardly has a name.
+/// Lower sounds are beats rather than notes of a chord, and higher ones have hardly a name.
 const NOTES_HZ: [f32; 2] = [110.0, 2_400.0];
 /// How long the place takes to follow a chord that is sure, to a third.
 const FOLLOW_SECS: f32 = 0.5;

@@ -1,5 +1,7 @@
 //! What is known of a picture that may flash: how often each value occurs, and the mean color of each cell.
 
+use chladni_mesh::{linear_from_srgb, srgb_from_linear};
+
 use crate::Veil;
 
 /// Cells of a picture, across and down; at a distance at which it fills 40° a cell is a degree wide.
@@ -28,7 +30,7 @@ struct Cell {
 
 impl Default for Histogram {
     fn default() -> Self {
-        let linear = std::array::from_fn(|byte| decoded(byte as f32 / 255.0));
+        let linear = std::array::from_fn(|byte| linear_from_srgb(byte as f64 / 255.0) as f32);
         Self { counts: [[0; 256]; 3], linear, cells: vec![Cell::default(); CELLS] }
     }
 }
@@ -79,22 +81,12 @@ impl Histogram {
         let Cell { light, pixels } = *self.cells.get(cell).filter(|cell| cell.pixels > 0.0)?;
         let (opacity, to) = match veil {
             Veil::Clear => return Some(light.map(|sum| sum / pixels)),
-            Veil::Black(opacity) => (f32::from(opacity) / 255.0, 0.0),
-            Veil::White(opacity) => (f32::from(opacity) / 255.0, 1.0),
+            Veil::Black(opacity) => (f64::from(opacity) / 255.0, 0.0),
+            Veil::White(opacity) => (f64::from(opacity) / 255.0, 1.0),
         };
         Some(light.map(|sum| {
-            let clear = encoded(sum / pixels);
-            decoded(clear + opacity * (to - clear))
+            let clear = srgb_from_linear(f64::from(sum / pixels));
+            linear_from_srgb(clear + opacity * (to - clear)) as f32
         }))
     }
-}
-
-/// Linear light of an sRGB-encoded value, both in [0, 1].
-fn decoded(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-}
-
-/// The inverse of [`decoded`].
-fn encoded(light: f32) -> f32 {
-    if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }

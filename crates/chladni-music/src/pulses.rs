@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pulses {
     pub(crate) secs: VecDeque<f64>,
-    /// So many are kept, and so many are needed.
+    /// At most this many are kept, and at least `least` are needed.
     most: usize,
     least: usize,
     /// A longer gap begins anew.

@@ -28,7 +28,7 @@ pub const HIGHEST_HZ: f32 = 12.0;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timbre {
-    /// ζ in [0.01, 2]: from 1 on there is no overshoot.
+    /// ζ in [0.01, 2]: from 1 on nothing overshoots.
     pub damping: f32,
     /// The frequency of the slowest harmonic, in Hz.
     pub tuning_hz: f32,

@@ -25,7 +25,7 @@ use crate::symmetry::first_waving;
 /// Time between two steps of the sand.
 pub const SAND_STEP_SECS: f64 = 1.0 / 60.0;
 
-/// A grain hops at every so many steps, its neighbors at others.
+/// Steps from one hop of a grain to its next; its neighbors hop at others.
 const HOP_STEPS: u64 = 3;
 /// The energy of a harmonic is its mean over about this time.
 const MEMORY_SECS: f32 = 0.2;
@@ -126,7 +126,7 @@ pub struct Sand {
 }
 
 impl Sand {
-    /// Pours so many grains evenly on the surface; none where it has no area.
+    /// Pours the given number of grains evenly on the surface; none where it has no area.
     pub fn pour(tray: Arc<Tray>, grains: usize, seed: u64) -> Self {
         let vertices = tray.basis.vertices();
         let place = |i: usize| {

@@ -6,12 +6,12 @@ use crate::{BarLine, Beat};
 
 /// Quarters in a bar, as MIDI clock does not tell.
 const QUARTERS_PER_BAR: f64 = 4.0;
-/// What is slower or faster than this is no tempo, in beats a minute.
+/// The slowest and the fastest tempo, in beats a minute.
 const TEMPI_BPM: std::ops::RangeInclusive<f64> = 20.0..=400.0;
 /// The tempo may be halved and doubled so often.
 const MOST_OCTAVES: i32 = 3;
 
-/// Quarters go by evenly: so many at one time, and so many a second.
+/// Quarters that go by evenly: their count at one time, and how many go by a second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Grid {
     quarters: f64,
@@ -253,7 +253,7 @@ impl Tempo {
             }
             (None, None) => {}
         }
-        // Another place in the bar is no step of the beat.
+        // A move to another place in the bar does not step the beat.
         self.origin -= (moved * self.beats_per_quarter()).round();
     }
 

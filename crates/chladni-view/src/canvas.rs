@@ -19,7 +19,7 @@ impl Canvas {
         Self::with_samples(on, width, height, Samples::Four)
     }
 
-    /// As [`new`](Self::new), with so many samples a pixel. The processor takes four
+    /// As [`new`](Self::new), with the given number of samples a pixel. The processor takes four
     /// whatever is asked for: its edges cost little. [`samples`](Self::samples) says which it is.
     ///
     /// # Errors

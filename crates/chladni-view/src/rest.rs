@@ -31,7 +31,7 @@ pub fn bends(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<f32> {
     means.into_iter().map(|mean| share(mean).clamp(-1.0, 1.0) as f32).collect()
 }
 
-/// Passes of smoothing: noise of a scan is no fold.
+/// Passes of smoothing, which keep the noise of a scan from counting as folds.
 const SMOOTHED: usize = 4;
 
 /// The rest of N vertices, for [`Paint::Answer`](crate::Paint::Answer).

@@ -63,7 +63,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// Any, for a sitter of so many parts and templates: two to four parts stand out, one or two give way.
+    /// Any, for a sitter with these numbers of parts and templates: two to four parts stand out, one or two give way.
     pub fn random(parts: usize, templates: usize, rng: &mut ChaCha8Rng) -> Self {
         let mut some = |count: usize| -> Vec<f32> { (0..count).map(|_| rng.random()).collect() };
         let strength = some(2).into_iter().map(|x| 0.45 + 0.55 * x).collect();

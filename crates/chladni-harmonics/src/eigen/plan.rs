@@ -80,7 +80,7 @@ pub(super) fn plan(
         .collect())
 }
 
-/// How many slices so many pairs are found in.
+/// How many slices the pairs are found in.
 pub(super) fn slices(pairs: usize) -> usize {
     let slices = pairs.div_ceil(PER_SLICE).max(1);
     if slices > 2 { slices.next_multiple_of(4) } else { slices }

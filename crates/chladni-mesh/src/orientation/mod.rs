@@ -84,7 +84,7 @@ impl Orientation {
     /// z is up and −y comes toward the viewer: Blender, CAD, most scanners.
     pub const Z_UP: Self = Self { up: [0.0, 0.0, 1.0], front: [0.0, -1.0, 0.0] };
 
-    /// `None` where the two are nearly parallel, or one is no direction. `up` is kept, `front` made
+    /// `None` where the two are nearly parallel, or either has no direction. `up` is kept, `front` made
     /// perpendicular to it.
     pub fn new(up: [f64; 3], front: [f64; 3]) -> Option<Self> {
         let up = unit(up);

@@ -260,7 +260,7 @@ fn relaxed(
 fn on_surface(field: &impl Fn(Vec3) -> f64, mut p: Vec3, cell: f64) -> Vec3 {
     for _ in 0..3 {
         let g = gradient(field, p, 0.05 * cell);
-        // Where the field is no true distance a full step may overshoot.
+        // Where the field is not a true distance, a full step may overshoot.
         let slope = length(g).max(0.1);
         p = sub(p, scaled(unit(g), (field(p) / slope).clamp(-0.5 * cell, 0.5 * cell)));
     }

@@ -78,7 +78,7 @@ impl Ground {
         Self { areas: areas.collect(), tiles }
     }
 
-    /// Whether there is no triangle with an area to stand on.
+    /// Whether every triangle lacks an area to stand on.
     pub fn is_empty(&self) -> bool {
         self.areas.last().is_none_or(|total| *total <= 0.0)
     }

@@ -254,7 +254,7 @@ impl Patch<'_> {
         names.extend(self.targets.iter().map(|target| json!(target.name)));
     }
 
-    /// Animations of the weights of `nodes`, which had so many targets before, hold the new ones at 0.
+    /// Animations of the weights of `nodes` hold the new targets at 0; the value of each is its count of targets before.
     fn lengthen_animations(&mut self, nodes: &HashMap<usize, usize>) -> Result<(), MeshError> {
         let mut animations = std::mem::take(list(&mut self.document, "animations"));
         for animation in &mut animations {

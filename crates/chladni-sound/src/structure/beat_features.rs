@@ -3,7 +3,7 @@
 use super::frame::{CLASSES, FRAME_RATE_HZ, Frame, OCTAVES};
 use crate::{ONSET_RATE_HZ, Onset};
 
-/// A beat is heard in so many parts.
+/// The parts that a beat is heard in.
 const PARTS: usize = 4;
 
 /// What is heard from one beat to the next.
@@ -58,7 +58,7 @@ impl BeatFeatures {
     }
 }
 
-/// A change of harmony is looked for between so many beats on either side: as long as bars may be.
+/// Beats on either side between which a change of harmony is looked for: as long as bars may be.
 pub(super) const CONTEXT: usize = 4;
 
 /// What speaks for a bar that begins between `before` and `after`, the beats around it, nearest first: another

@@ -27,7 +27,7 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 ///
 /// # Errors
 /// Errors of creating, writing or renaming the file, or of `write`. A full disk and one that may not be written are reported
-/// with what to do; what is no file, such as a device, is not replaced. Where only the folder cannot be flushed, the new file is in its place.
+/// with what to do; what is not a regular file, such as a device, is not replaced. Where only the folder cannot be flushed, the new file is in its place.
 pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,

@@ -43,7 +43,7 @@ enum Message {
 }
 
 impl LiveFilm {
-    /// Begins one of `width`×`height` pixels and so many frames a second, with sound at `sound_hz`.
+    /// Begins one of `width`×`height` pixels at the given frame rate, with sound at `sound_hz`.
     ///
     /// # Errors
     /// [`ViewError::NoFfmpeg`], [`ViewError::Film`] for settings that no film has, [`ViewError::File`] where nothing

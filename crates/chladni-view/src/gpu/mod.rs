@@ -48,7 +48,7 @@ impl Gpu {
         Self::open(&adapter)
     }
 
-    /// As [`headless`](Self::headless), where the fastest adapter is no software; `None` where it is, or
+    /// As [`headless`](Self::headless), where the fastest adapter is hardware; `None` where it is software, or
     /// where there is none.
     pub(crate) fn card() -> Result<Option<Self>, ViewError> {
         let Ok(adapter) = pollster::block_on(Self::adapter(&Self::instance())) else { return Ok(None) };
