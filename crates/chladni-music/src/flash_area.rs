@@ -66,6 +66,12 @@ impl Places {
         Self { red_share: RED_SHARE - 0.02, swings: vec![swings; CELLS], rises_only: true, ..exact }
     }
 
+    /// Notes the rises of a signal, exactly as defined. One that counts may come later than the smaller one that
+    /// [`guarding`](Self::guarding) notes, and so fall into another second.
+    pub(crate) fn rising(signal: Signal) -> Self {
+        Self { rises_only: true, ..Self::counting(signal) }
+    }
+
     /// Forgets what was more than a second before `time_secs`.
     pub(crate) fn forget(&mut self, time_secs: f64) {
         while let Some((_, cell)) = self.recent.pop_front_if(|(at_secs, _)| time_secs - *at_secs > 1.0) {

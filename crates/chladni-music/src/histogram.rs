@@ -79,14 +79,13 @@ impl Histogram {
     /// Mean linear color of a cell that has pixels, behind `veil`: exact where the veil is clear or the cell of one color.
     pub(crate) fn color(&self, cell: usize, veil: Veil) -> Option<[f32; 3]> {
         let Cell { light, pixels } = *self.cells.get(cell).filter(|cell| cell.pixels > 0.0)?;
-        let (opacity, to) = match veil {
-            Veil::Clear => return Some(light.map(|sum| sum / pixels)),
-            Veil::Black(opacity) => (f64::from(opacity) / 255.0, 0.0),
-            Veil::White(opacity) => (f64::from(opacity) / 255.0, 1.0),
-        };
+        if veil == Veil::Clear {
+            return Some(light.map(|sum| sum / pixels));
+        }
+        // Rounded as what is shown is: a veil just dense enough must not lose by it what it gains.
         Some(light.map(|sum| {
-            let clear = srgb_from_linear(f64::from(sum / pixels));
-            linear_from_srgb(clear + opacity * (to - clear)) as f32
+            let clear = (255.0 * srgb_from_linear(f64::from(sum / pixels))).round() as u8;
+            self.linear[usize::from(veil.over(clear))]
         }))
     }
 }

@@ -53,14 +53,16 @@ impl Veil {
 #[derive(Clone, Debug)]
 pub struct FlashGuard {
     limiter: FlashLimiter,
-    places: [Places; 2],
+    places: [Places; 4],
     /// How black places made it, and when.
     held: Option<(f64, u8)>,
 }
 
 impl Default for FlashGuard {
     fn default() -> Self {
-        let places = [Signal::Luminance, Signal::Red].map(Places::guarding);
+        let [luminance, red] = [Signal::Luminance, Signal::Red].map(Places::guarding);
+        let [exact_luminance, exact_red] = [Signal::Luminance, Signal::Red].map(Places::rising);
+        let places = [luminance, red, exact_luminance, exact_red];
         Self { limiter: FlashLimiter::default(), places, held: None }
     }
 }
