@@ -1,21 +1,27 @@
 //! Chladni in a browser: the engines and the program's own `work`, as a page calls them.
 //!
-//! Two halves meet here. A worker makes shapes and songs ready ([`prepare`], [`decode`]), which takes seconds;
-//! the page holds a [`Concert`] and asks it for one picture after the other. What the first hands to the second
-//! is a [`Parcel`](parcel::Parcel). Neither has a formula of its own.
+//! Two halves meet here. A worker makes shapes and songs ready ([`prepare`], [`decode`]) and solves and matches what is
+//! caricatured ([`solve`]), which takes seconds; the page holds a [`Concert`] or a [`Sitting`] and asks it for one
+//! picture after the other. What a worker hands to a concert is a [`Parcel`](parcel::Parcel). Neither half has a formula
+//! of its own.
 
 use std::path::Path;
 
 mod coarse;
 mod concert;
 mod decode;
+mod numbers;
 mod parcel;
 mod prepare;
+mod reporter;
+mod sitting;
+mod solve;
 
 use chladni_program::work::formats;
 pub use concert::Concert;
 pub use decode::{DecodedSong, decode};
 pub use prepare::prepare;
+pub use sitting::Sitting;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]

@@ -11,6 +11,8 @@ use chladni_mesh::{Frame, Orientation};
 use chladni_music::Class;
 use serde::{Deserialize, Serialize};
 
+use crate::numbers::{Damaged, numbers, take};
+
 /// A body with all that a concert needs to know of it.
 pub struct Parcel {
     /// As the command line calls it.
@@ -36,18 +38,6 @@ struct Head {
     units: Vec<f64>,
     certificate: Certificate,
 }
-
-/// Why bytes are no parcel.
-#[derive(Debug)]
-pub struct Damaged(String);
-
-impl std::fmt::Display for Damaged {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "a body that was made ready before cannot be read: {}", self.0)
-    }
-}
-
-impl std::error::Error for Damaged {}
 
 impl Parcel {
     /// The length of the head in four bytes, the head as JSON, then positions, areas, triangles and harmonics,
@@ -113,22 +103,4 @@ impl Parcel {
         };
         Ok(Self { name: head.name, body, classes: head.classes, stands: head.stands })
     }
-}
-
-fn take<'a>(rest: &mut &'a [u8], count: usize) -> Result<&'a [u8], Damaged> {
-    let (taken, after) =
-        rest.split_at_checked(count).ok_or_else(|| Damaged(format!("it ends {count} bytes too early")))?;
-    *rest = after;
-    Ok(taken)
-}
-
-/// `rows` times `columns` numbers of B bytes.
-fn numbers<const B: usize, T>(
-    rest: &mut &[u8],
-    rows: usize,
-    columns: usize,
-    number: impl Fn([u8; B]) -> T,
-) -> Result<Vec<T>, Damaged> {
-    let count = rows.checked_mul(columns * B).ok_or_else(|| Damaged("it is too large".into()))?;
-    Ok(take(rest, count)?.as_chunks::<B>().0.iter().map(|bytes| number(*bytes)).collect())
 }

@@ -8,12 +8,13 @@ use chladni_match::{
 };
 use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_task::Task;
+use serde::{Deserialize, Serialize};
 
 use crate::{Base, CaricatureError, Layer, Target, Template};
 use chladni_mesh::surface::vec3::{Vec3, add, scaled};
 
 /// A template that has to be matched with the shape, once, however many layers use it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MatchRequest {
     /// The template.
     pub template: Template,
@@ -22,7 +23,7 @@ pub struct MatchRequest {
 }
 
 /// A matched template. It does not depend on the harmonics, so it survives a change of their number.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Matched {
     /// x^r on the N operator vertices, working frame.
     pub points: Vec<Vec3>,

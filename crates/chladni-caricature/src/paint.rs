@@ -86,6 +86,19 @@ impl PaintEdit {
     }
 }
 
+impl PaintEdit {
+    /// A click on the parts `taken`, where each vertex lies in one of the parts `of`: they become the region, or, with
+    /// `besides`, are added to it; `erase` takes them away.
+    pub fn taking(taken: &[usize], of: &[u32], besides: bool, erase: bool) -> Self {
+        let belongs = |part: &u32| taken.contains(&(*part as usize));
+        if erase || besides {
+            let vertices = (0..).zip(of).filter(|(_, part)| belongs(part)).map(|(v, _)| v).collect();
+            return Self::Dab(Dab { vertices, intensity: 1.0, erase });
+        }
+        Self::Set(Painted::Vertices(of.iter().map(|part| f32::from(u8::from(belongs(part)))).collect()))
+    }
+}
+
 impl Dab {
     /// A press of the brush that covers what `reach` shows.
     pub fn of(reach: &Reach, intensity: f32, erase: bool) -> Self {

@@ -314,11 +314,11 @@ fn folder_of(path: &Path) -> PathBuf {
 
 /// `file` as it is written into a project in `folder`: relative, with forward slashes.
 fn relative_text(file: &Path, folder: &Path) -> Result<String, String> {
-    let relative = relative(file, folder).unwrap_or_else(|| file.to_owned());
+    let relative = relative(file, folder).unwrap_or_else(|| tidy(file));
     let parts = relative.iter().map(|part| part.to_str());
     let parts: Option<Vec<&str>> = parts.collect();
     let parts = parts.ok_or_else(|| format!("{}: its name is not valid Unicode", file.display()))?;
-    let text = if relative.is_absolute() { relative.display().to_string() } else { parts.join("/") };
+    let text = if relative.has_root() { relative.display().to_string() } else { parts.join("/") };
     // A file may be called like a template.
     let is_file = matches!(text.parse(), Ok(Template::File(_)));
     Ok(if is_file { text } else { format!("./{text}") })
@@ -326,13 +326,17 @@ fn relative_text(file: &Path, folder: &Path) -> Result<String, String> {
 
 /// `file` of a project in `folder` as an absolute path, without asking the file system.
 fn resolved(file: &Path, folder: &Path) -> PathBuf {
-    let joined = folder.join(file);
-    std::path::absolute(&joined).map_or(joined, |path| tidy(&path))
+    tidy(&whole(&folder.join(file)))
+}
+
+/// `path` from the root on. In a page there are no folders, so that it stays as it was written.
+fn whole(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// The way from `folder` to `file`; `None` where there is none, as between two drives.
 fn relative(file: &Path, folder: &Path) -> Option<PathBuf> {
-    let (file, folder) = (tidy(&std::path::absolute(file).ok()?), tidy(&std::path::absolute(folder).ok()?));
+    let (file, folder) = (tidy(&whole(file)), tidy(&whole(folder)));
     let (file, folder): (Vec<_>, Vec<_>) = (file.components().collect(), folder.components().collect());
     let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
     if shared == 0 {
@@ -342,12 +346,14 @@ fn relative(file: &Path, folder: &Path) -> Option<PathBuf> {
     Some(up.chain(file[shared..].iter().copied()).collect())
 }
 
-/// Removes `.` and `..` from an absolute path without asking the file system.
+/// Removes `.` and `..` from a path without asking the file system; what leads out of a relative one stays.
 fn tidy(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {
         match part {
-            Component::ParentDir => {
+            Component::ParentDir
+                if out.has_root() || matches!(out.components().next_back(), Some(Component::Normal(_))) =>
+            {
                 out.pop();
             }
             Component::CurDir => {}
@@ -369,5 +375,18 @@ mod tests {
         assert_eq!(text("head.obj", "."), "head.obj");
         assert_eq!(text("/a/ellipsoid", "/a"), "./ellipsoid");
         assert_eq!(text("/a/self:scale=2", "/a"), "./self:scale=2");
+    }
+
+    /// What stays of a path where nothing says in which folder the program runs, as in a page.
+    #[test]
+    fn a_path_that_cannot_be_made_whole_is_only_tidied() {
+        for (written, tidied) in [
+            ("./head.obj", "head.obj"),
+            ("./../a/head.obj", "../a/head.obj"),
+            ("a/../../b", "../b"),
+            ("/..", "/"),
+        ] {
+            assert_eq!(tidy(Path::new(written)), Path::new(tidied));
+        }
     }
 }

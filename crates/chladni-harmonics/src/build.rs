@@ -10,8 +10,8 @@ use crate::eigen::{self, Solved};
 use crate::operator::Domain;
 use crate::platform::{HAS_THREADS, Instant};
 use crate::{
-    Basis, BasisCache, BasisSettings, Body, BuildReport, ConsistentPencil, Eigenpairs, HarmonicsError,
-    Operator, Pencil,
+    Basis, BasisCache, BasisSettings, Body, BuildReport, Certificate, ConsistentPencil, Eigenpairs,
+    HarmonicsError, Laplacian, Operator, Pencil,
 };
 
 impl Body {
@@ -57,6 +57,47 @@ impl Body {
         let settings = BasisSettings { laplacian: operator.laplacian, ..*settings };
         built(mesh, Some(operator), &settings, cache, task)
     }
+
+    /// The welded shape of `mesh` without harmonics, K = 0: for work that needs none, such as matching.
+    ///
+    /// # Errors
+    /// A mesh without usable triangles.
+    pub fn unsolved(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
+        let domain = Domain::of(mesh)?;
+        let basis = Basis {
+            eigenvalues: Vec::new(),
+            vectors: Vec::new(),
+            mass: vec![1.0; domain.positions.len()],
+            // Of no pairs, all is true.
+            certificate: Certificate {
+                laplacian: Laplacian::default(),
+                inertia_counts_match: true,
+                max_relative_residual: 0.0,
+                max_orthogonality_error: 0.0,
+            },
+        };
+        Ok(assembled(mesh, domain, basis))
+    }
+
+    /// The shape of `mesh` with harmonics that were solved for elsewhere, such as in the worker of a page.
+    ///
+    /// # Errors
+    /// A mesh without usable triangles, or a basis of another number of vertices.
+    pub fn of_basis(mesh: &TriMesh, basis: Basis) -> Result<Self, HarmonicsError> {
+        let domain = Domain::of(mesh)?;
+        let vertices = domain.positions.len();
+        let fits = basis.mass.len() == vertices && basis.vectors.len() == vertices * basis.eigenvalues.len();
+        if !fits {
+            return Err(HarmonicsError::OtherShape { harmonics_of: basis.mass.len(), vertices });
+        }
+        Ok(assembled(mesh, domain, basis))
+    }
+}
+
+fn assembled(mesh: &TriMesh, domain: Domain, basis: Basis) -> Body {
+    let triangles = file_triangles(mesh, &domain.operator_vertex);
+    let Domain { frame, positions, operator_vertex, .. } = domain;
+    Body { frame, positions, triangles, operator_vertex, basis: Arc::new(basis) }
 }
 
 impl Pencil<'_> {
@@ -141,9 +182,7 @@ fn built(
         }
     };
     report.seconds.total = start.elapsed().as_secs_f64();
-    let triangles = file_triangles(mesh, &domain.operator_vertex);
-    let Domain { frame, positions, operator_vertex, .. } = domain;
-    Ok((Body { frame, positions, triangles, operator_vertex, basis: Arc::new(basis) }, report))
+    Ok((assembled(mesh, domain, basis), report))
 }
 
 fn solved(
@@ -199,4 +238,24 @@ pub(crate) fn file_triangles(mesh: &TriMesh, operator_vertex: &[Option<u32>]) ->
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::samples::icosphere;
+
+    use super::*;
+
+    #[test]
+    fn harmonics_solved_elsewhere_make_the_same_body_and_those_of_another_shape_none() {
+        let (mesh, task) = (icosphere(2), Task::new());
+        let solved = Body::build(&mesh, &BasisSettings::new(9), &task).unwrap();
+        let made = Body::of_basis(&mesh, Basis::clone(&solved.basis)).unwrap();
+        assert_eq!((&made.positions, &made.triangles), (&solved.positions, &solved.triangles));
+        assert_eq!((made.frame, made.operator_vertex), (solved.frame, solved.operator_vertex));
+        let bare = Body::unsolved(&mesh).unwrap();
+        assert_eq!((bare.positions, bare.basis.harmonics()), (made.positions, 0));
+        let other = Body::of_basis(&icosphere(1), Basis::clone(&solved.basis)).unwrap_err();
+        assert_eq!(other, HarmonicsError::OtherShape { harmonics_of: 162, vertices: 42 });
+    }
 }

@@ -69,6 +69,14 @@ pub enum HarmonicsError {
         /// Which check failed and where.
         reason: String,
     },
+    /// Harmonics that were solved for another shape.
+    #[error("the harmonics are those of a shape of {harmonics_of} vertices, and this one has {vertices}")]
+    OtherShape {
+        /// N of the shape that they were solved for.
+        harmonics_of: usize,
+        /// N of the mesh.
+        vertices: usize,
+    },
     /// S and M are not what a solver can take.
     #[error("not a symmetric pencil: {reason}")]
     BadPencil {

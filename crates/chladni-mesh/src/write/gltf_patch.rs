@@ -15,7 +15,7 @@ use crate::read::gltf_matrix::Matrix;
 use crate::read::{MOST_BYTES, beside};
 use crate::surface::places;
 use crate::surface::vec3::{Vec3, add, cross, dot, length, scaled, sub};
-use crate::{Format, MeshError, TriMesh};
+use crate::{Format, MeshError, TriMesh, nothing_beside};
 
 const FORMAT: Format = Format::Glb;
 
@@ -39,6 +39,18 @@ pub fn add_morph_targets(
     let bytes = read_file(source, MOST_BYTES).map_err(MeshError::Io)?;
     let folder = source.parent().unwrap_or(Path::new(""));
     patched(&bytes, &|name| beside::read_within(folder, name, MOST_BYTES), mesh, targets)
+}
+
+/// The same for a file that is in memory, beside which there is nothing.
+///
+/// # Errors
+/// As [`add_morph_targets`].
+pub fn add_morph_targets_in(
+    bytes: &[u8],
+    mesh: &TriMesh,
+    targets: &[MorphTarget],
+) -> Result<Vec<u8>, MeshError> {
+    patched(bytes, &nothing_beside, mesh, targets)
 }
 
 fn patched(

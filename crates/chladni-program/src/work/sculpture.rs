@@ -6,8 +6,8 @@ use std::sync::Arc;
 use chladni_caricature::{Evaluation, LayerState, Project, Stack};
 use chladni_harmonics::Body;
 use chladni_mesh::{
-    Format, MeshError, MorphTarget, Orientation, ShapeSource, TriMesh, add_morph_targets, save_mesh,
-    write_glb,
+    Format, MeshError, MorphTarget, Orientation, ShapeSource, TriMesh, add_morph_targets,
+    add_morph_targets_in, save_mesh, write_glb, write_mesh,
 };
 use chladni_task::write_atomic;
 
@@ -108,16 +108,31 @@ impl Sculpture {
     /// [`Error::Unsaved`] or [`Error::Unwritten`], with the file's name.
     pub fn save(&self, path: &Path) -> Result<Option<Warning>, Error> {
         if Format::of_path(path) == Some(Format::Glb) {
-            let (bytes, warning) = self.glb().map_err(|error| Error::unwritten(path, error))?;
+            let (bytes, warning) = self.glb(None).map_err(|error| Error::unwritten(path, error))?;
             write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
             return Ok(warning);
         }
-        let positions = self.evaluation.file_positions(&self.body, &self.mesh.positions);
-        let result = TriMesh { positions, ..TriMesh::clone(&self.mesh) };
-        save_mesh(&result, path).map(|()| None).map_err(Error::unsaved)
+        save_mesh(&self.result(), path).map(|()| None).map_err(Error::unsaved)
     }
 
-    fn glb(&self) -> Result<(Vec<u8>, Option<Warning>), MeshError> {
+    /// The same in memory, as a file of `format`. `file` is what the shape was read from, where it comes from a file.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] for what the format cannot hold.
+    pub fn to_bytes(&self, format: Format, file: Option<&[u8]>) -> Result<(Vec<u8>, Option<Warning>), Error> {
+        if format == Format::Glb {
+            return Ok(self.glb(file)?);
+        }
+        Ok((write_mesh(&self.result(), format)?, None))
+    }
+
+    fn result(&self) -> TriMesh {
+        let positions = self.evaluation.file_positions(&self.body, &self.mesh.positions);
+        TriMesh { positions, ..TriMesh::clone(&self.mesh) }
+    }
+
+    /// `file` is what the shape was read from, where that is in memory.
+    fn glb(&self, file: Option<&[u8]>) -> Result<(Vec<u8>, Option<Warning>), MeshError> {
         let targets = self.evaluation.morph_targets(&self.body).into_iter();
         let targets: Vec<MorphTarget> =
             targets.map(|(name, displacements)| MorphTarget { name, displacements }).collect();
@@ -125,7 +140,11 @@ impl Sculpture {
         if let ShapeSource::File(source) = &self.source
             && matches!(Format::of_path(source), Some(Format::Glb | Format::Gltf))
         {
-            match add_morph_targets(source, &self.mesh, &targets) {
+            let added = match file {
+                Some(bytes) => add_morph_targets_in(bytes, &self.mesh, &targets),
+                None => add_morph_targets(source, &self.mesh, &targets),
+            };
+            match added {
                 Ok(bytes) => return Ok((bytes, None)),
                 Err(why) => {
                     let lost = "rigs, animations, normals and sliders that it had are left out of the GLB";

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use chladni_caricature::{
     HEAD_PARTS, HeadParts, Limbs, MatchRequest, Painted, Sitter, SitterPart, Stack, Template,
 };
-use chladni_match::{MatchSettings, Method, match_shapes};
+use chladni_match::{Match, MatchSettings, Method, match_shapes};
 use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
 
 use super::{Error, Watcher, matched};
@@ -56,8 +56,15 @@ pub fn sitter(
     Ok(Sitter::new(stack, &templates, parts)?)
 }
 
-/// The named parts of a head; `None` of what is none.
-fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Option<Vec<SitterPart>>, Error> {
+/// The named parts of the head `mesh`, its match with the plain head and that one; `None` of what is no head. Takes
+/// seconds.
+///
+/// # Errors
+/// A head that cannot be matched, [`Error::Cancelled`].
+pub fn head_parts(
+    mesh: &TriMesh,
+    watcher: &impl Watcher,
+) -> Result<Option<(HeadParts, Match, TriMesh)>, Error> {
     let Some(plain) = chladni_mesh::samples::sample(HEAD) else { return Ok(None) };
     let rough = MatchSettings { method: Method::Icp, ..MatchSettings::default() };
     let match_with = |settings: &MatchSettings| match_shapes(mesh, &plain, settings, watcher.task());
@@ -68,13 +75,18 @@ fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Opt
     if !headlike {
         return Ok(None);
     }
-    let settings = MatchSettings::default();
-    let found = watcher.watch("finding the parts of the head", |_| match_with(&settings));
+    let found = watcher.watch("finding the parts of the head", |_| match_with(&MatchSettings::default()));
     watcher.task().check()?;
     let found = found.map_err(|error| Error::input(error.to_string()))?;
-    let parts = HeadParts::of_match(&found, &plain)?;
+    Ok(Some((HeadParts::of_match(&found, &plain)?, found, plain)))
+}
+
+/// The named parts of a head; `None` of what is none.
+fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Option<Vec<SitterPart>>, Error> {
+    let Some((parts, found, plain)) = head_parts(mesh, watcher)? else { return Ok(None) };
     let body = stack.body().clone();
-    let request = MatchRequest { template: Template::Sample(HEAD.into()), matching: settings };
+    let request =
+        MatchRequest { template: Template::Sample(HEAD.into()), matching: MatchSettings::default() };
     if stack.matched(&request).is_none() {
         let matched = request.of_match(found, mesh, &body, &plain, watcher.task())?;
         stack.install(request, Ok(matched));

@@ -63,11 +63,22 @@ pub fn mesh(name: impl AsRef<Path>, watcher: &impl Watcher) -> Result<TriMesh, E
 /// # Errors
 /// [`Error::Caricature`] with the file's name.
 pub fn project(path: &Path, watcher: &impl Watcher) -> Result<Project, Error> {
-    let project = Project::load(path)?;
+    Ok(aged(path, Project::load(path)?, watcher))
+}
+
+/// The project in the `text` of a file called `name`; warns where it was made by an older program.
+///
+/// # Errors
+/// [`Error::Caricature`] with the name.
+pub fn project_in(name: &Path, text: &str, watcher: &impl Watcher) -> Result<Project, Error> {
+    Ok(aged(name, Project::from_text(text, name)?.0, watcher))
+}
+
+fn aged(path: &Path, project: Project, watcher: &impl Watcher) -> Project {
     if let Some(message) = project.taken_over() {
         watcher.warn(Warning::of(path.display(), message));
     }
-    Ok(project)
+    project
 }
 
 /// Reads a stretch of a song, or of `sample:tune`; warns of damage.

@@ -32,7 +32,21 @@ pub fn matched(
 ) -> Result<Matched, CaricatureError> {
     let template = template_mesh(&request.template, watcher)
         .map_err(|error| CaricatureError::Unmatched(error.to_string()))?;
-    let found = watcher.watch("matching", |task| request.run(mesh, body, template.as_ref(), task))?;
+    matched_with(request, mesh, body, template.as_ref(), watcher)
+}
+
+/// The same where the mesh of the template was read already; `None` where it is none.
+///
+/// # Errors
+/// As [`matched`].
+pub fn matched_with(
+    request: &MatchRequest,
+    mesh: &TriMesh,
+    body: &Body,
+    template: Option<&TriMesh>,
+    watcher: &impl Watcher,
+) -> Result<Matched, CaricatureError> {
+    let found = watcher.watch("matching", |task| request.run(mesh, body, template, task))?;
     for message in found.report.iter().flat_map(|report| &report.warnings) {
         watcher.warn(Warning::of(&request.template, message));
     }

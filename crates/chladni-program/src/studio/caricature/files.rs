@@ -21,8 +21,8 @@ use crate::studio::job::Job;
 use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
 use crate::studio::theme;
-use crate::work::Error;
 use crate::work::formats::{MESHES, PROJECT, is_project};
+use crate::work::{Error, layer_against};
 
 /// `path` named like a project, else it could not be opened again: `igea 1.2` has an extension,
 /// but not ours.
@@ -140,10 +140,8 @@ impl CaricatureRoom {
     /// Lays a mesh beside the shape: a new layer against it.
     pub(super) fn add_template(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
         let Some(session) = &mut self.session else { return };
-        let name =
-            path.file_stem().map_or_else(|| "Template".into(), |stem| stem.to_string_lossy().into_owned());
         let index = session.project().layers().len();
-        let layer = Box::new(session.project().new_layer(name, Template::File(path)));
+        let layer = Box::new(layer_against(session.project(), path));
         match session.apply(vec![Edit::Once(Action::Add { index, layer })]) {
             Ok(changed) => self.stale |= changed,
             Err(why) => shared.notices.failed(why),

@@ -6,6 +6,7 @@ use chladni_view::{ColorMap, Scale};
 use super::curve::Spectrum;
 use super::session::Session;
 use super::stage::Coating;
+use crate::work::with_pointed;
 
 /// A quantity drawn on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -146,7 +147,11 @@ impl Heat {
         };
         match self.values(shown, session) {
             Some((values, _)) if matches!(shown, Quantity::Painted | Quantity::Region) => {
-                Coating::Region(self.with_pointed(values))
+                let pointed = self.pointed.as_deref();
+                Coating::Region(match pointed {
+                    Some(pointed) => with_pointed(&values, pointed),
+                    None => values,
+                })
             }
             Some((values, _)) if matches!(shown, Quantity::Folds | Quantity::Crossings) => {
                 Coating::Marks(values)
@@ -155,16 +160,6 @@ impl Heat {
             None if self.quantity == Quantity::Own => Coating::Own,
             None => Coating::Material,
         }
-    }
-
-    /// A region with the part under the pointer, fainter. A region that is everywhere would hide it.
-    fn with_pointed(&self, region: Vec<f32>) -> Vec<f32> {
-        let Some(pointed) = &self.pointed else { return region };
-        let everywhere = region.iter().all(|x| *x == 1.0);
-        let both = |(region, pointed): (&f32, &f32)| {
-            if everywhere { 0.6 * pointed } else { region.max(0.6 * pointed) }
-        };
-        region.iter().zip(pointed).map(both).collect()
     }
 
     /// One value per operator vertex and their scale; `None` where the material is shown or the

@@ -1,6 +1,6 @@
 //! The stack of layers: names, eyes, solo, order. The topmost layer is the topmost row.
 
-use chladni_caricature::{Action, Layer, LayerId, Project, Property, Template};
+use chladni_caricature::{Action, Layer, LayerId, Project, Property};
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
@@ -8,6 +8,7 @@ use super::thumbnails::Thumbnails;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{ADD_MESH, DELETE, DUPLICATE, HIDE, SOLO};
 use crate::studio::theme;
+use crate::work::STARTING_POINTS;
 
 /// Side of a layer's picture, points.
 const THUMBNAIL: f32 = 38.0;
@@ -204,10 +205,9 @@ impl LayerList {
                 ui.close();
             }
             ui.separator();
-            for (name, tip, template) in starting_points() {
-                if ui.button(name).on_hover_text(tip).clicked() {
-                    let name = format!("{name} {}", project.layers().len() + 1);
-                    let layer = Box::new(project.new_layer(name, template));
+            for point in STARTING_POINTS {
+                if ui.button(point.name).on_hover_text(point.tip).clicked() {
+                    let layer = Box::new(point.layer(project));
                     edits.once(Action::Add { index: project.layers().len(), layer });
                     ui.close();
                 }
@@ -257,17 +257,4 @@ fn tinted_button(ui: &mut Ui, mark: Icon, tip: &str, color: egui::Color32) -> eg
     let response = ui.add(egui::Button::new(RichText::new(icon::text(mark)).color(color)).frame(false));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, tip));
     response.on_hover_text(tip)
-}
-
-/// Templates that need no file; meshes are dropped on the window or chosen in the match panel.
-fn starting_points() -> [(&'static str, &'static str, Template); 7] {
-    [
-        ("Ellipsoid", "Against the ellipsoid that fits the shape", Template::Ellipsoid),
-        ("Sphere", "Against the sphere that fits the shape", Template::Sphere),
-        ("Plain head", "Against the sample head", Template::Sample("template".into())),
-        ("Head of sliders", "Against a head that is made by sliders", Template::Sample("portrait".into())),
-        ("Own detail", "Against a smooth version of itself: its own detail grows", Template::LowPass(20)),
-        ("Magnify all", "Against itself scaled down: all that is there grows", Template::Scaled(0.9)),
-        ("Layers below", "Against the shape under all layers: all changes below grow", Template::Original),
-    ]
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{Action, Dab, LayerId, Limbs, PaintEdit};
+use chladni_caricature::{Action, LayerId, Limbs, PaintEdit};
 use chladni_mesh::MirrorPlane;
 use egui::{Modifiers, Slider, Ui};
 
@@ -78,13 +78,7 @@ impl LimbTool {
         if self.pointed.is_empty() {
             return;
         }
-        let edit = if erase || modifiers.shift {
-            let belongs = |part: &u32| self.pointed.contains(&(*part as usize));
-            let vertices = (0..).zip(&limbs.part).filter(|(_, part)| belongs(part)).map(|(v, _)| v).collect();
-            PaintEdit::Dab(Dab { vertices, intensity: 1.0, erase })
-        } else {
-            PaintEdit::Set(limbs.painted(&self.pointed))
-        };
+        let edit = PaintEdit::taking(&self.pointed, &limbs.part, modifiers.shift, erase);
         edits.once(Action::Paint { layer, edit });
     }
 }
@@ -112,7 +106,7 @@ impl KnownLimbs {
 mod tests {
     use super::super::edits::Edit;
     use super::*;
-    use chladni_caricature::{Layer, Limb, Painted, Project, ShapeSource, Template};
+    use chladni_caricature::{Dab, Layer, Limb, Painted, Project, ShapeSource, Template};
 
     #[test]
     fn a_click_takes_a_part_alone_shift_adds_it_and_erasing_takes_it_away() {

@@ -25,7 +25,7 @@ use super::overlay::{backdrop, show_legend, show_names};
 use super::shot::{Coat, Pose, Shot};
 use crate::studio::keys;
 use crate::studio::viewport::{self, Viewport};
-use crate::work::{Error, OwnLook};
+use crate::work::{Error, MARKED, OwnLook, PAINTED, RING, tints};
 
 /// Figures that the stage holds room for: the result, the three models, the original, and the ghost.
 pub const FIGURES: usize = 6;
@@ -52,13 +52,6 @@ pub enum Coating {
     /// Places on the material to look at: 0 is bare, 1 is marked.
     Marks(Vec<f32>),
 }
-
-/// Color of painted places, sRGB: distinct from clay with any color vision.
-const PAINTED: [u8; 3] = [52, 122, 190];
-/// What the brush's ring looks like, sRGB.
-const RING: [u8; 3] = [236, 170, 70];
-/// What marked places look like, sRGB.
-const MARKED: [u8; 3] = [214, 40, 30];
 
 /// The result of drawing the stage.
 pub struct StageResponse {
@@ -402,18 +395,6 @@ impl Stage {
                 .collect()
         })
     }
-}
-
-/// The material's color where `values` are 0, `tint` where they are 1; linear light.
-fn tints(values: &[f32], tint: [u8; 3], material: chladni_view::Material) -> Vec<[u8; 4]> {
-    let linear = |c: u8| (f32::from(c) / 255.0).powf(2.2);
-    let (bare, painted) = (material.color.map(linear), tint.map(linear));
-    let mixed = |share: &f32| {
-        let share = share.clamp(0.0, 1.0) * 0.85;
-        let channel = |i: usize| ((bare[i] + (painted[i] - bare[i]) * share) * 255.0).round() as u8;
-        [channel(0), channel(1), channel(2), 255]
-    };
-    values.iter().map(mixed).collect()
 }
 
 /// The pixels of `rect`.

@@ -1,0 +1,47 @@
+//! New layers: against templates that need no file, and against a mesh.
+
+use std::path::PathBuf;
+
+use chladni_caricature::{Layer, Project, Template};
+
+/// A template that needs no file.
+#[derive(Clone, Copy, Debug)]
+pub struct StartingPoint {
+    /// What it is called, and its layers, with a number.
+    pub name: &'static str,
+    /// What it compares the shape with.
+    pub tip: &'static str,
+    template: fn() -> Template,
+}
+
+/// All of them, in the order of menus.
+pub const STARTING_POINTS: [StartingPoint; 7] = [
+    point("Ellipsoid", "Against the ellipsoid that fits the shape", || Template::Ellipsoid),
+    point("Sphere", "Against the sphere that fits the shape", || Template::Sphere),
+    point("Plain head", "Against the sample head", || Template::Sample("template".into())),
+    point("Head of sliders", "Against a head that is made by sliders", || {
+        Template::Sample("portrait".into())
+    }),
+    point("Own detail", "Against a smooth version of itself: its own detail grows", || Template::LowPass(20)),
+    point("Magnify all", "Against itself scaled down: all that is there grows", || Template::Scaled(0.9)),
+    point("Layers below", "Against the shape under all layers: all changes below grow", || {
+        Template::Original
+    }),
+];
+
+const fn point(name: &'static str, tip: &'static str, template: fn() -> Template) -> StartingPoint {
+    StartingPoint { name, tip, template }
+}
+
+impl StartingPoint {
+    /// A layer of `project` against it, to be put on top.
+    pub fn layer(&self, project: &Project) -> Layer {
+        project.new_layer(format!("{} {}", self.name, project.layers().len() + 1), (self.template)())
+    }
+}
+
+/// A layer of `project` against the mesh at `path`, to be put on top.
+pub fn layer_against(project: &Project, path: PathBuf) -> Layer {
+    let name = path.file_stem().map_or_else(|| "Template".into(), |stem| stem.to_string_lossy().into_owned());
+    project.new_layer(name, Template::File(path))
+}

@@ -1,0 +1,148 @@
+//! One shape that is exaggerated: the caricature room without a window. The page says what is done to it and how large
+//! its picture is, and gets the pixels.
+
+mod doings;
+mod files;
+mod matches;
+mod parts;
+mod pointing;
+mod stage;
+mod state;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use chladni_caricature::{Evaluation, History, LayerId, Project, ShapeSource, Stack};
+use chladni_harmonics::Body;
+use chladni_mesh::{MirrorPlane, MirrorSearch, Orientation, TriMesh};
+use chladni_program::work::{Aside, Error, OwnLook, Stance, settled, source};
+use chladni_task::Task;
+use wasm_bindgen::prelude::*;
+
+use self::parts::Parts;
+use self::pointing::Tool;
+use self::stage::Stage;
+use crate::reporter::shape;
+use crate::solve;
+
+/// A project on its shape, and the picture of it.
+#[wasm_bindgen]
+pub struct Sitting {
+    /// What the shape was read from; none of a sample.
+    file: Option<Vec<u8>>,
+    mesh: Arc<TriMesh>,
+    history: History,
+    stack: Stack,
+    /// Its harmonics are there. Until then the shape is shown as it is.
+    solved: bool,
+    evaluation: Evaluation,
+    selected: Option<LayerId>,
+    /// How the shape stands where the project does not say.
+    stands: Orientation,
+    parts: Parts,
+    /// The plane in which the shape is its own mirror image, once it was looked for.
+    mirror: Option<Option<MirrorPlane>>,
+    tool: Tool,
+    stage: Stage,
+    /// What the page has to say.
+    notes: Vec<String>,
+}
+
+#[wasm_bindgen]
+impl Sitting {
+    /// The shape called `name`, which is `sample:NAME` or a file whose content is `file`, with the `project` in the text
+    /// of a project file, or a new one of so many `harmonics`.
+    ///
+    /// # Errors
+    /// What cannot be read.
+    #[wasm_bindgen(constructor)]
+    pub fn new(
+        name: &str,
+        file: Option<Vec<u8>>,
+        project: Option<String>,
+        harmonics: usize,
+    ) -> Result<Self, JsError> {
+        let task = Task::new();
+        let aside = Aside::new(&task);
+        let mesh = Arc::new(shape(name, file.as_deref(), &aside)?);
+        let project = match project {
+            Some(text) => source::project_in(Path::new(files::PROJECT), &text, &aside)?,
+            None => Project::new(ShapeSource::named(name), harmonics),
+        };
+        let stands = Stance::default().of(name, &mesh, project.stands, None, &aside)?;
+        let body = Body::unsolved(&mesh).map_err(|error| Error::from(error).of(name))?;
+        let look = OwnLook::of(name, &mesh, &body, &aside);
+        let stage = Stage::new(&body, look, stands)?;
+        let mut stack = Stack::new(Arc::new(body))?;
+        let evaluation = stack.evaluate(&nothing(&project));
+        let selected = project.layers().last().map(|(id, _)| *id);
+        let notes = aside.warnings().iter().map(ToString::to_string).collect();
+        let parts = Parts::known(name, &mesh, stack.body());
+        let history = History::new(project);
+        let (solved, mirror, tool) = (false, None, Tool::default());
+        Ok(Self {
+            file,
+            mesh,
+            history,
+            stack,
+            solved,
+            evaluation,
+            selected,
+            stands,
+            parts,
+            mirror,
+            tool,
+            stage,
+            notes,
+        })
+    }
+
+    /// The harmonics that [`solve`](crate::solve::solve) found.
+    ///
+    /// # Errors
+    /// Those of another shape.
+    pub fn take_harmonics(&mut self, bytes: &[u8]) -> Result<(), JsError> {
+        let body = Arc::new(Body::of_basis(&self.mesh, solve::from_bytes(bytes)?)?);
+        self.stack = self.stack.with_harmonics_of(body)?;
+        self.solved = true;
+        Ok(self.refresh()?)
+    }
+}
+
+/// The project without its layers.
+fn nothing(project: &Project) -> Project {
+    Project::new(project.shape.clone(), project.harmonics)
+}
+
+impl Sitting {
+    /// Evaluates the project again and shows it.
+    fn refresh(&mut self) -> Result<(), Error> {
+        let project = self.history.project();
+        if self.selected.is_none_or(|id| project.layer(id).is_none()) {
+            self.selected = project.layers().last().map(|(id, _)| *id);
+        }
+        self.evaluation =
+            if self.solved { self.stack.evaluate(project) } else { self.stack.evaluate(&nothing(project)) };
+        self.stage.stand(project.stands.unwrap_or(self.stands));
+        self.stage.take(&self.evaluation.result)?;
+        self.show_region()
+    }
+
+    /// The same with all layers limited where the project keeps triangles.
+    fn settle(&mut self) -> Result<(), Error> {
+        let task = Task::new();
+        settled(&mut self.stack, self.history.project(), &Aside::new(&task))?;
+        self.refresh()
+    }
+
+    fn mirror(&mut self) -> Result<Option<MirrorPlane>, Error> {
+        if let Some(known) = self.mirror {
+            return Ok(known);
+        }
+        let surface = self.stack.surface();
+        let search = MirrorSearch::of(&surface.positions, &surface.triangles);
+        let found = search.map(|search| search.best(&[], &Task::new())).transpose()?.flatten();
+        self.mirror = Some(found);
+        Ok(found)
+    }
+}

@@ -1,0 +1,202 @@
+//! What a person does to a sitting.
+
+use std::path::PathBuf;
+
+use chladni_caricature::{Action, Layer, LayerId, Property, ScaleCurve};
+use chladni_mesh::Axis;
+use chladni_program::work::{Aside, Error, STARTING_POINTS, Stance, layer_against};
+use chladni_task::Task;
+use chladni_view::View;
+use wasm_bindgen::prelude::*;
+
+use super::Sitting;
+use super::parts::Parts;
+
+#[wasm_bindgen]
+impl Sitting {
+    /// Does an action of the project, as JSON: `{"set": {"layer": 1, "to": {"mu": -0.8}}}`.
+    ///
+    /// # Errors
+    /// Text that is no action, and an action that cannot be done.
+    pub fn act(&mut self, action: &str) -> Result<(), JsError> {
+        Ok(self.act_once(&serde_json::from_str(action)?)?)
+    }
+
+    /// Does it as part of a drag: all of one kind are one step until [`finish`](Self::finish).
+    ///
+    /// # Errors
+    /// As [`act`](Self::act).
+    pub fn drag(&mut self, action: &str) -> Result<(), JsError> {
+        let surface = self.stack.surface().clone();
+        self.history.apply_live(&serde_json::from_str(action)?, Some(&surface))?;
+        Ok(self.refresh()?)
+    }
+
+    /// A drag or a stroke has ended.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn finish(&mut self) -> Result<(), JsError> {
+        self.history.finish();
+        self.lift_brush();
+        Ok(self.refresh()?)
+    }
+
+    /// Takes a step back; what it was called, where there was one.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn undo(&mut self) -> Result<Option<String>, JsError> {
+        let label = self.history.undo();
+        self.refresh()?;
+        Ok(label.map(Into::into))
+    }
+
+    /// Does again what was taken back.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn redo(&mut self) -> Result<Option<String>, JsError> {
+        let label = self.history.redo();
+        self.refresh()?;
+        Ok(label.map(Into::into))
+    }
+
+    /// Chooses the layer that controls and tools change.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn select(&mut self, layer: u32) -> Result<(), JsError> {
+        self.selected = Some(LayerId(layer.into()));
+        Ok(self.refresh()?)
+    }
+
+    /// Puts a layer on top, against a template that needs no file, by its number among
+    /// [`starting_points`](crate::starting_points).
+    ///
+    /// # Errors
+    /// A number that none has.
+    pub fn begin(&mut self, point: usize) -> Result<(), JsError> {
+        let found = STARTING_POINTS.get(point).ok_or_else(|| JsError::new("there is no such template"))?;
+        let layer = found.layer(self.history.project());
+        Ok(self.add(layer)?)
+    }
+
+    /// Puts a layer on top, against the mesh in the file called `name`.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn compare(&mut self, name: &str) -> Result<(), JsError> {
+        let layer = layer_against(self.history.project(), PathBuf::from(name));
+        Ok(self.add(layer)?)
+    }
+
+    /// Gives a layer a scale curve by its name: `flat`, `smooth`, `broad`, `mid` or `fine`.
+    ///
+    /// # Errors
+    /// A name that none has.
+    pub fn set_curve(&mut self, layer: u32, name: &str) -> Result<(), JsError> {
+        let to = Property::Curve(name.parse::<ScaleCurve>()?);
+        Ok(self.act_once(&Action::Set { layer: LayerId(layer.into()), to })?)
+    }
+
+    /// Says which axis of the shape's file points up, such as `z` or `-y`; `""` leaves it to the estimate.
+    ///
+    /// # Errors
+    /// A name that no axis has.
+    pub fn stand(&mut self, up: &str) -> Result<(), JsError> {
+        let stands = if up.is_empty() {
+            None
+        } else {
+            let (stance, task) = (Stance { up: Some(up.parse::<Axis>()?), front: None }, Task::new());
+            let name = self.history.project().shape.to_string();
+            Some(stance.of(&name, &self.mesh, None, None, &Aside::new(&task))?)
+        };
+        Ok(self.act_once(&Action::Stand(stands))?)
+    }
+
+    /// Looks for what stands out of the shape, from whole limbs (0) to small features (1).
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn find_parts(&mut self, level: f64) -> Result<(), JsError> {
+        let mirror = self.mirror()?;
+        self.tool.pointed.clear();
+        self.parts = Parts::at_level(self.stack.body(), level, mirror);
+        Ok(self.show_region()?)
+    }
+
+    /// The parts of a head that [`parts_of_head`](crate::solve::parts_of_head) found.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn take_parts_of_head(&mut self, parts: &[u8]) -> Result<(), JsError> {
+        self.tool.pointed.clear();
+        self.parts = Parts::of_head(parts, self.stack.body());
+        Ok(self.show_region()?)
+    }
+
+    /// Limits all layers where the project keeps triangles; takes seconds.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn keep_triangles(&mut self) -> Result<(), JsError> {
+        Ok(self.settle()?)
+    }
+
+    /// Turns the viewer by a drag of so many pixels.
+    pub fn turn(&mut self, dx: f32, dy: f32) {
+        self.stage.camera.orbit(dx, dy);
+        self.stage.moved(false);
+    }
+
+    /// Brings the viewer nearer by steps of a wheel.
+    pub fn zoom(&mut self, steps: f32) {
+        self.stage.camera.zoom(steps);
+        self.stage.moved(true);
+    }
+
+    /// Shifts the picture, in heights of it.
+    pub fn shift(&mut self, right: f32, down: f32) {
+        self.stage.camera.pan(right, down, 1.0);
+        self.stage.moved(true);
+    }
+
+    /// Shows the whole shape.
+    pub fn fit(&mut self) {
+        self.stage.fit();
+    }
+
+    /// Looks at the shape's `front`, from the `right`, its `back`, or as portraits do (`portrait`).
+    ///
+    /// # Errors
+    /// A name that no view has.
+    pub fn look(&mut self, from: &str) -> Result<(), JsError> {
+        self.stage.camera.look(match from {
+            "front" => View::Front,
+            "right" => View::Right,
+            "back" => View::Back,
+            "portrait" => View::ThreeQuarter,
+            _ => return Err(JsError::new("there is no such view")),
+        });
+        self.stage.fit();
+        Ok(())
+    }
+}
+
+impl Sitting {
+    /// Does an action as a step of its own.
+    pub(super) fn act_once(&mut self, action: &Action) -> Result<(), Error> {
+        let (next, surface) = (self.history.project().next_id(), self.stack.surface().clone());
+        self.history.apply(action, Some(&surface))?;
+        if matches!(action, Action::Add { .. } | Action::Duplicate(_)) {
+            self.selected = Some(next);
+        }
+        self.refresh()
+    }
+
+    fn add(&mut self, layer: Layer) -> Result<(), Error> {
+        let index = self.history.project().layers().len();
+        self.act_once(&Action::Add { index, layer: Box::new(layer) })
+    }
+}

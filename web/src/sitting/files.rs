@@ -1,0 +1,113 @@
+//! Projects, meshes and pictures, as the files that the desktop reads and writes, too.
+
+use std::path::Path;
+
+use chladni_caricature::{Project, ShapeSource, Template};
+use chladni_mesh::Format;
+use chladni_program::work::Sculpture;
+use serde::Serialize;
+use wasm_bindgen::prelude::*;
+
+use super::Sitting;
+
+/// A project as the page has it: in no folder.
+pub const PROJECT: &str = "project.chladni";
+
+/// What a project is made of that the page has to find by itself.
+#[derive(Serialize)]
+struct Needs {
+    shape: String,
+    /// The shape is a file.
+    file: bool,
+    harmonics: usize,
+    laplacian: chladni_harmonics::Laplacian,
+    /// Meshes that layers are compared with, beside samples.
+    templates: Vec<String>,
+}
+
+impl Needs {
+    fn of(project: &Project) -> Self {
+        let templates = project.layers().iter().filter_map(|(_, layer)| match &layer.template {
+            Template::File(path) => Some(path.to_string_lossy().into_owned()),
+            _ => None,
+        });
+        Self {
+            shape: project.shape.to_string(),
+            file: matches!(project.shape, ShapeSource::File(_)),
+            harmonics: project.harmonics,
+            laplacian: project.laplacian,
+            templates: templates.collect(),
+        }
+    }
+}
+
+/// The shape and the templates that the text of a project file names, as JSON.
+///
+/// # Errors
+/// Text that is no project.
+#[wasm_bindgen]
+pub fn needs_of_project(name: &str, text: &str) -> Result<String, JsError> {
+    let (project, _) = Project::from_text(text, Path::new(name))?;
+    Ok(serde_json::to_string(&Needs::of(&project))?)
+}
+
+#[wasm_bindgen]
+impl Sitting {
+    /// What its project names, as JSON, like [`needs_of_project`].
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn needs(&self) -> Result<String, JsError> {
+        Ok(serde_json::to_string(&Needs::of(self.history.project()))?)
+    }
+
+    /// The project as the text of a project file, which then counts as saved.
+    ///
+    /// # Errors
+    /// Names that are not Unicode.
+    pub fn save_project(&mut self) -> Result<String, JsError> {
+        let text = self.history.project().to_text(Path::new(PROJECT), None)?;
+        self.history.mark_saved();
+        Ok(text)
+    }
+
+    /// The result as a mesh: `glb`, with a slider for each layer, `obj`, `ply` or `stl`.
+    ///
+    /// # Errors
+    /// Another format, or what the format cannot hold.
+    pub fn export(&mut self, extension: &str) -> Result<Vec<u8>, JsError> {
+        let format = Format::from_extension(extension).ok_or_else(|| JsError::new("no such format"))?;
+        self.settle()?;
+        let sculpture = Sculpture {
+            source: self.history.project().shape.clone(),
+            mesh: self.mesh.clone(),
+            body: self.stack.body().clone(),
+            evaluation: self.evaluation.clone(),
+        };
+        let (bytes, warning) = sculpture.to_bytes(format, self.file.as_deref())?;
+        self.notes.extend(warning.map(|warning| warning.to_string()));
+        Ok(bytes)
+    }
+
+    /// A picture as PNG, from where the viewer stands.
+    ///
+    /// # Errors
+    /// A picture without pixels or too large.
+    pub fn export_picture(&mut self, width: u32, height: u32) -> Result<Vec<u8>, JsError> {
+        self.settle()?;
+        Ok(self.stage.png(width, height)?)
+    }
+
+    /// Draws it in `width` × `height` pixels, if anything has changed; whether it was drawn.
+    ///
+    /// # Errors
+    /// A picture without pixels or too large, and bugs.
+    pub fn frame(&mut self, width: u32, height: u32) -> Result<bool, JsError> {
+        Ok(self.stage.draw(width, height)?)
+    }
+
+    /// Where the pixels of the last picture begin in the module's memory: RGBA, rows from the top.
+    pub fn pixels(&self) -> *const u8 {
+        self.stage.picture().rgba.as_ptr()
+    }
+}

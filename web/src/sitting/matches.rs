@@ -1,0 +1,89 @@
+//! Matches that layers wait for: those with meshes are made in a worker, the others at once.
+
+use chladni_caricature::{CaricatureError, Layer, MatchRequest, Template};
+use chladni_program::work::{Aside, matched_with};
+use chladni_task::Task;
+use serde::Serialize;
+use wasm_bindgen::prelude::*;
+
+use super::Sitting;
+
+/// A match that the page has to ask for.
+#[derive(Serialize)]
+struct Wanted {
+    /// What [`match_template`](crate::solve::match_template) takes.
+    request: MatchRequest,
+    /// The template as people read it.
+    template: String,
+    /// It is in a file, which the page must have.
+    file: bool,
+}
+
+#[wasm_bindgen]
+impl Sitting {
+    /// The next match that layers wait for, as JSON; none where there is none. What needs no worker is done.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn missing(&mut self) -> Result<Option<String>, JsError> {
+        let (mut own, mut wanted) = (false, None);
+        for request in self.stack.missing(self.history.project()) {
+            if request.template.is_mesh() {
+                wanted = wanted.or(Some(request));
+                continue;
+            }
+            let task = Task::new();
+            let found = matched_with(&request, &self.mesh, self.stack.body(), None, &Aside::new(&task));
+            self.stack.install(request, found);
+            own = true;
+        }
+        if own {
+            self.refresh()?;
+        }
+        let wanted = wanted.map(|request| Wanted {
+            template: request.template.to_string(),
+            file: matches!(request.template, Template::File(_)),
+            request,
+        });
+        Ok(wanted.map(|wanted| serde_json::to_string(&wanted)).transpose()?)
+    }
+
+    /// What [`match_template`](crate::solve::match_template) found for a request.
+    ///
+    /// # Errors
+    /// Text that is no match.
+    pub fn install(&mut self, request: &str, found: &str) -> Result<(), JsError> {
+        self.stack.install(serde_json::from_str(request)?, Ok(serde_json::from_str(found)?));
+        Ok(self.refresh()?)
+    }
+
+    /// No match was found for a request: its layers cannot act, and say why.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn fail(&mut self, request: &str, why: String) -> Result<(), JsError> {
+        self.stack.install(serde_json::from_str(request)?, Err(CaricatureError::Unmatched(why)));
+        Ok(self.refresh()?)
+    }
+
+    /// Tries again what failed for the selected layer.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn retry(&mut self) -> Result<(), JsError> {
+        let layer = self.selected.and_then(|id| self.history.project().layer(id));
+        if let Some(request) = layer.and_then(|layer| MatchRequest::of(layer.as_ref())) {
+            self.stack.forget(&request);
+        }
+        Ok(self.refresh()?)
+    }
+}
+
+impl Sitting {
+    /// How good the match of a layer is: the share of the shape that is covered, and warnings.
+    pub(super) fn quality(&self, layer: &Layer) -> Option<(f64, Vec<String>)> {
+        let matched = self.stack.matched(&MatchRequest::of(layer)?)?;
+        let report = matched.report.as_ref()?;
+        Some((report.coverage, report.warnings.clone()))
+    }
+}

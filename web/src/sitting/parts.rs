@@ -1,0 +1,86 @@
+//! The parts of a shape that a click takes: those of a head, which have names, or whatever stands out.
+
+use chladni_caricature::{HEAD_PARTS, Limbs, Painted};
+use chladni_harmonics::Body;
+use chladni_mesh::{MirrorPlane, ShapeSource, TriMesh, samples};
+
+/// Where each vertex belongs.
+#[derive(Default)]
+pub struct Parts {
+    /// For each operator vertex its part.
+    pub part: Vec<u32>,
+    pub names: Vec<String>,
+    /// For each part that on the other side, where it is one of a pair.
+    twins: Vec<Option<usize>>,
+    /// The level at which they were found; none of the parts of a head.
+    pub level: Option<f64>,
+}
+
+impl Parts {
+    /// Those of a sample head; none of other shapes, whose parts have to be found.
+    pub fn known(name: &str, mesh: &TriMesh, body: &Body) -> Self {
+        match ShapeSource::named(name) {
+            ShapeSource::Sample(sample) => samples::head_parts(&sample, mesh)
+                .map_or_else(Self::default, |part| Self::of_head(&part, body)),
+            ShapeSource::File(_) => Self::default(),
+        }
+    }
+
+    /// Those of a head, from the part of each vertex of its file.
+    pub fn of_head(part: &[u8], body: &Body) -> Self {
+        let mut own = vec![0; body.positions.len()];
+        for (part, vertex) in part.iter().zip(&body.operator_vertex) {
+            if let Some(own) = vertex.and_then(|v| own.get_mut(v as usize)) {
+                *own = u32::from(*part);
+            }
+        }
+        let names: Vec<String> = HEAD_PARTS.iter().map(ToString::to_string).collect();
+        Self { part: own, twins: vec![None; names.len()], names, level: None }
+    }
+
+    /// What stands out at `level`.
+    pub fn at_level(body: &Body, level: f64, mirror: Option<MirrorPlane>) -> Self {
+        let limbs = Limbs::of(body, level);
+        let twins = match mirror.filter(|plane| plane.misfit <= MirrorPlane::TOLERANCE) {
+            Some(plane) => limbs.twins(&plane),
+            None => vec![None; limbs.parts.len()],
+        };
+        let named = |(i, limb): (usize, &chladni_caricature::Limb)| {
+            let kind = if limb.persistence > 0.0 { "part" } else { "trunk" };
+            format!("{kind} {}, {:.0} %", i + 1, 100.0 * limb.share)
+        };
+        Self {
+            names: limbs.parts.iter().enumerate().map(named).collect(),
+            part: limbs.part,
+            twins,
+            level: Some(level),
+        }
+    }
+
+    /// The part of a vertex, and that on the other side.
+    pub fn around(&self, vertex: u32) -> Vec<usize> {
+        let part = self.part.get(vertex as usize).map(|part| *part as usize);
+        part.map_or_else(Vec::new, |part| self.with_twin(part))
+    }
+
+    pub fn with_twin(&self, part: usize) -> Vec<usize> {
+        std::iter::once(part).chain(self.twins.get(part).copied().flatten()).collect()
+    }
+
+    /// What is to be shown of them: 1 on the `pointed` ones.
+    pub fn shown(&self, pointed: &[usize]) -> Vec<f32> {
+        self.part.iter().map(|part| f32::from(u8::from(pointed.contains(&(*part as usize))))).collect()
+    }
+
+    /// The parts that are wholly in a region.
+    pub fn in_region(&self, painted: &Painted) -> Vec<usize> {
+        let Painted::Vertices(values) = painted else { return Vec::new() };
+        let mut within: Vec<bool> = vec![values.len() == self.part.len(); self.names.len()];
+        for (part, value) in self.part.iter().zip(values.iter()) {
+            if let Some(within) = within.get_mut(*part as usize) {
+                *within &= *value > 0.5;
+            }
+        }
+        (0..within.len()).filter(|i| within[*i] && self.part.contains(&(*i as u32))).collect()
+    }
+}

@@ -1,0 +1,197 @@
+//! What the pointer does on the figure: it shows and takes parts, and paints.
+
+use chladni_caricature::{Action, Brush, Dab, PaintEdit, Reach, Seen, SurfacePoint};
+use chladni_program::work::{Error, with_pointed};
+use chladni_view::{Hit, Projection};
+use wasm_bindgen::prelude::*;
+
+use super::Sitting;
+
+/// What a press on the figure does.
+#[derive(Default)]
+pub struct Tool {
+    pub mode: Mode,
+    /// The parts under the pointer.
+    pub pointed: Vec<usize>,
+    /// Radius of the brush, working frame.
+    radius: f64,
+    erase: bool,
+    both_sides: bool,
+    /// Where the brush was pressed last.
+    at: Option<[f32; 2]>,
+}
+
+#[derive(Clone, Copy, Default, PartialEq)]
+pub enum Mode {
+    /// It turns the viewer.
+    #[default]
+    Turn,
+    /// It takes the part that it is on.
+    Parts,
+    /// It paints.
+    Brush,
+}
+
+/// Presses of a brush on a fast drag at most, as many as are needed for dabs that overlap.
+const MOST_DABS: f32 = 32.0;
+
+#[wasm_bindgen]
+impl Sitting {
+    /// What a press on the figure does from now on: `turn`, `parts` or `brush`.
+    ///
+    /// # Errors
+    /// A name of no tool.
+    pub fn hold(&mut self, tool: &str) -> Result<(), JsError> {
+        self.tool.mode = match tool {
+            "turn" => Mode::Turn,
+            "parts" => Mode::Parts,
+            "brush" => Mode::Brush,
+            _ => return Err(JsError::new("there is no such tool")),
+        };
+        self.tool.pointed.clear();
+        self.stage.lay_ring(None, &self.stack.surface().clone())?;
+        Ok(self.show_region()?)
+    }
+
+    /// The brush from now on: its radius as a share of the shape's half size.
+    pub fn set_brush(&mut self, radius: f64, erase: bool, both_sides: bool) {
+        (self.tool.radius, self.tool.erase, self.tool.both_sides) = (radius, erase, both_sides);
+    }
+
+    /// The pointer is over a pixel of the last picture; whether something there answers.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn point(&mut self, x: f32, y: f32) -> Result<bool, JsError> {
+        let hit = self.stage.hit(x, y);
+        match self.tool.mode {
+            Mode::Turn => {}
+            Mode::Parts => {
+                let vertex = hit.and_then(|hit| self.corner(&hit));
+                let pointed = vertex.map_or_else(Vec::new, |v| self.parts.around(v));
+                self.point_at(pointed)?;
+            }
+            Mode::Brush => {
+                let reach = hit.map(|hit| self.reach(&hit, x, y)).transpose()?;
+                let surface = self.stack.surface().clone();
+                self.stage.lay_ring(reach.as_ref(), &surface)?;
+            }
+        }
+        Ok(hit.is_some())
+    }
+
+    /// The pointer has left the picture.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn point_nowhere(&mut self) -> Result<(), JsError> {
+        let surface = self.stack.surface().clone();
+        self.stage.lay_ring(None, &surface)?;
+        Ok(self.point_at(Vec::new())?)
+    }
+
+    /// Points at a part by its number, as keys do; at none beyond the last.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn point_at_part(&mut self, part: usize) -> Result<(), JsError> {
+        let pointed = if part < self.parts.names.len() { self.parts.with_twin(part) } else { Vec::new() };
+        Ok(self.point_at(pointed)?)
+    }
+
+    /// Takes the parts under the pointer as the region of the selected layer, alone or `besides` what it has, or takes
+    /// them away from it.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn take_part(&mut self, besides: bool, erase: bool) -> Result<(), JsError> {
+        let Some(layer) = self.selected.filter(|_| !self.tool.pointed.is_empty()) else { return Ok(()) };
+        let edit = PaintEdit::taking(&self.tool.pointed, &self.parts.part, besides, erase);
+        Ok(self.act_once(&Action::Paint { layer, edit })?)
+    }
+
+    /// Presses the brush on a pixel, as part of a stroke that ends with [`finish`](Self::finish).
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn press(&mut self, x: f32, y: f32) -> Result<(), JsError> {
+        let Some(layer) = self.selected else { return Ok(()) };
+        for [x, y] in self.trail([x, y]) {
+            let Some(hit) = self.stage.hit(x, y) else { continue };
+            let reach = self.reach(&hit, x, y)?;
+            let edit = PaintEdit::Dab(Dab::of(&reach, 1.0, self.tool.erase));
+            let surface = self.stack.surface().clone();
+            self.history.apply_live(&Action::Paint { layer, edit }, Some(&surface))?;
+            self.stage.lay_ring(Some(&reach), &surface)?;
+        }
+        self.tool.at = Some([x, y]);
+        Ok(self.show_region()?)
+    }
+}
+
+impl Sitting {
+    /// The stroke has ended.
+    pub(super) fn lift_brush(&mut self) {
+        self.tool.at = None;
+    }
+
+    /// Pixels on the way from the last press, so near each other that dabs overlap.
+    fn trail(&mut self, to: [f32; 2]) -> Vec<[f32; 2]> {
+        let Some(from) = self.tool.at else { return vec![to] };
+        let (began, ends) = (self.point_under(from), self.point_under(to));
+        let Some((began, ends)) = began.zip(ends) else { return vec![to] };
+        let apart = (0..3).map(|i| (began[i] - ends[i]).powi(2)).sum::<f32>().sqrt();
+        let steps = (2.0 * apart / self.tool.radius.max(1e-3) as f32).ceil().clamp(1.0, MOST_DABS) as u16;
+        let along = |i: u16| f32::from(i) / f32::from(steps);
+        (1..=steps).map(|i| std::array::from_fn(|c| from[c] + (to[c] - from[c]) * along(i))).collect()
+    }
+
+    fn point_under(&mut self, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
+        let ray = self.stage.camera.ray(x, y, self.stage.area());
+        self.stage.hit(x, y).map(|hit| hit.point(&ray))
+    }
+
+    fn corner(&self, hit: &Hit) -> Option<u32> {
+        let corners = self.stage.triangles().get(hit.triangle as usize)?;
+        Some(corners[hit.nearest_corner()])
+    }
+
+    fn point_at(&mut self, pointed: Vec<usize>) -> Result<(), Error> {
+        if pointed == self.tool.pointed {
+            return Ok(());
+        }
+        self.tool.pointed = pointed;
+        self.show_region()
+    }
+
+    /// What the brush covers where it touches the figure.
+    fn reach(&mut self, hit: &Hit, x: f32, y: f32) -> Result<Reach, Error> {
+        let mirror = if self.tool.both_sides { self.mirror()? } else { None };
+        let brush = Brush { radius: self.tool.radius, mirror };
+        let ray = self.stage.camera.ray(x, y, self.stage.area());
+        let far = if self.stage.camera.projection == Projection::Perspective { 0.0 } else { 1e6 };
+        let eye = std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]));
+        let (tree, positions, triangles) = self.stage.pick_tree();
+        let blocked = |eye: [f64; 3], point: [f64; 3]| tree.blocks(eye, point, positions, triangles);
+        let surface = self.stack.surface();
+        let seen = Seen { surface, positions, eye: Some(eye), blocked: Some(&blocked) };
+        let at = SurfacePoint { triangle: hit.triangle, weights: hit.barycentric.map(f64::from) };
+        Ok(brush.reach(&seen, &at))
+    }
+
+    /// While parts are chosen or painted, the region of the selected layer is seen, with what is pointed at.
+    pub(super) fn show_region(&mut self) -> Result<(), Error> {
+        let layer = self.selected.and_then(|id| self.history.project().layer(id));
+        let Some(layer) = layer.filter(|_| self.tool.mode != Mode::Turn) else {
+            return self.stage.show_region(None);
+        };
+        let region = layer.region.painted.values(&self.stack.surface().file_positions());
+        let pointed = self.parts.shown(&self.tool.pointed);
+        if self.tool.pointed.is_empty() && region.iter().all(|x| *x == 1.0) {
+            return self.stage.show_region(None);
+        }
+        let shown =
+            if pointed.len() == region.len() { with_pointed(&region, &pointed) } else { region.to_vec() };
+        self.stage.show_region(Some(&shown))
+    }
+}

@@ -1,0 +1,236 @@
+//! The picture of a sitting: one figure, drawn by the processor.
+
+use std::sync::Arc;
+
+use chladni_caricature::{Base, Reach, Surface};
+use chladni_harmonics::Body;
+use chladni_mesh::Orientation;
+use chladni_program::work::{Error, OwnLook, PAINTED, RING, tints};
+use chladni_view::{
+    Background, BrushRing, Camera, Canvas, Cell, Device, Figure, Hit, ItemBuffers, Lights, Material, Paint,
+    PickTree, Picture, Rect, Renderer, Skin, Topology, VertexPaint, View,
+};
+
+/// Who draws: the page has no other device yet.
+const DEVICE: Device = Device::Processor;
+/// The figure's share of the picture's sides.
+const FILL: f32 = 0.86;
+
+/// What draws, what it drew last, and who looks.
+pub struct Stage {
+    pub camera: Camera,
+    triangles: Arc<[[u32; 3]]>,
+    positions: Vec<[f32; 3]>,
+    model: Dressed,
+    renderer: Renderer,
+    canvas: Canvas,
+    picture: Picture,
+    pick: Option<PickTree>,
+    /// What is shown is not what was drawn.
+    stale: bool,
+    /// The whole figure is to be seen.
+    fitted: bool,
+    /// The viewer was moved since: the figure may leave the picture.
+    by_hand: bool,
+}
+
+/// The shape as renderers have it, with what gives it its color.
+struct Dressed {
+    topology: Topology,
+    buffers: ItemBuffers,
+    tints: VertexPaint,
+    /// A region is shown in place of the shape's own colors.
+    tinted: bool,
+    own: Own,
+    ring: BrushRing,
+}
+
+impl Dressed {
+    fn figure(&self) -> Figure<'_> {
+        let paint = match &self.own {
+            _ if self.tinted => Paint::Colors(&self.tints),
+            Own::Colors(colors) => Paint::Colors(colors),
+            Own::Image(skin) => Paint::Skin(skin),
+            Own::None => Paint::Material,
+        };
+        Figure { paint, ..Figure::new(&self.topology, &self.buffers, 0) }
+    }
+}
+
+/// The colors that the shape brought along.
+enum Own {
+    None,
+    Colors(VertexPaint),
+    Image(Skin),
+}
+
+impl Stage {
+    pub fn new(body: &Body, look: Option<OwnLook>, stands: Orientation) -> Result<Self, Error> {
+        let n = body.positions.len();
+        let topology = match &look {
+            Some(OwnLook::Image { corner_uvs, .. }) => {
+                Topology::with_uvs(&DEVICE, n, &body.triangles, corner_uvs)?
+            }
+            _ => Topology::new(&DEVICE, n, &body.triangles)?,
+        };
+        let own = match look {
+            Some(OwnLook::Image { picture, .. }) => {
+                Own::Image(Skin::new(&DEVICE, picture.width, picture.height, &picture.rgba)?)
+            }
+            Some(OwnLook::Colors(colors)) => {
+                let paint = VertexPaint::new(&DEVICE, n);
+                paint.write_colors(&DEVICE, &colors)?;
+                Own::Colors(paint)
+            }
+            None => Own::None,
+        };
+        let positions = single(&body.positions);
+        let buffers = ItemBuffers::new(&DEVICE, n, 1);
+        let normals = chladni_view::smooth_normals(&positions, &body.triangles);
+        buffers.write(&DEVICE, 0, &positions, &normals)?;
+        let (tints, ring) = (VertexPaint::new(&DEVICE, n), BrushRing::new(&DEVICE, n, RING));
+        Ok(Self {
+            camera: Camera::on(stands, View::ThreeQuarter),
+            triangles: body.triangles.as_slice().into(),
+            positions,
+            model: Dressed { topology, buffers, tints, tinted: false, own, ring },
+            renderer: Renderer::new(&DEVICE),
+            canvas: Canvas::new(&DEVICE, 1, 1)?,
+            picture: Picture::filled(1, 1, [0; 4]),
+            pick: None,
+            stale: true,
+            fitted: false,
+            by_hand: false,
+        })
+    }
+
+    /// Shows another pose of the shape.
+    pub fn take(&mut self, result: &Base) -> Result<(), Error> {
+        self.positions = single(&result.positions);
+        self.model.buffers.write(&DEVICE, 0, &self.positions, &single(result.normals()))?;
+        if let Some(pick) = &mut self.pick {
+            pick.refit(&self.positions, &self.triangles);
+        }
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Shows a region on the material, or, without one, the shape as it looks.
+    pub fn show_region(&mut self, region: Option<&[f32]>) -> Result<(), Error> {
+        if let Some(values) = region {
+            self.model.tints.write_colors(&DEVICE, &tints(values, PAINTED, Material::CLAY))?;
+        }
+        self.model.tinted = region.is_some();
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Lays the ring where a brush would paint; lifts it where there is none.
+    pub fn lay_ring(&mut self, reach: Option<&Reach>, surface: &Surface) -> Result<(), Error> {
+        self.stale = true;
+        let Some(reach) = reach else {
+            self.model.ring.lift();
+            return Ok(());
+        };
+        let triangles = reach.triangles.iter().filter_map(|t| surface.triangles.get(*t as usize));
+        let triangles: Vec<[u32; 3]> = triangles.copied().collect();
+        let distances = reach.distances.iter().map(|(v, distance)| (*v, *distance as f32));
+        Ok(self.model.ring.lay(&DEVICE, reach.radius as f32, distances, &triangles)?)
+    }
+
+    /// Turns the viewer where the shape stands otherwise.
+    pub fn stand(&mut self, stands: Orientation) {
+        if self.camera.stands != stands {
+            self.camera.stands = stands;
+            self.fit();
+        }
+    }
+
+    /// The whole figure is to be seen again.
+    pub fn fit(&mut self) {
+        (self.fitted, self.by_hand, self.stale) = (false, false, true);
+    }
+
+    /// The viewer has been moved.
+    pub fn moved(&mut self, by_hand: bool) {
+        self.by_hand |= by_hand;
+        self.stale = true;
+    }
+
+    /// Draws it, if it has changed; whether it was drawn.
+    pub fn draw(&mut self, width: u32, height: u32) -> Result<bool, Error> {
+        let same = (self.canvas.width(), self.canvas.height()) == (width, height);
+        if same && !self.stale {
+            return Ok(false);
+        }
+        if !same {
+            self.canvas = Canvas::new(&DEVICE, width, height)?;
+        }
+        let aspect = width as f32 / height as f32;
+        let points = self.positions.iter().copied();
+        if !self.fitted {
+            self.camera.fit(points, aspect, FILL);
+            self.fitted = true;
+        } else if !self.by_hand {
+            self.camera.hold(points, aspect, 0.97);
+        }
+        let figure = Figure { brush: Some(&self.model.ring), ..self.model.figure() };
+        draw(&mut self.renderer, &self.canvas, self.camera, &[figure], Background::SLATE)?;
+        self.picture = self.canvas.read(&DEVICE)?;
+        self.stale = false;
+        Ok(true)
+    }
+
+    /// A picture of its own as PNG, on paper.
+    pub fn png(&mut self, width: u32, height: u32) -> Result<Vec<u8>, Error> {
+        let canvas = Canvas::new(&DEVICE, width, height)?;
+        let mut camera = self.camera;
+        camera.hold(self.positions.iter().copied(), width as f32 / height as f32, FILL);
+        let figure = self.model.figure();
+        draw(&mut Renderer::new(&DEVICE), &canvas, camera, &[figure], Background::PAPER)?;
+        Ok(canvas.read(&DEVICE)?.to_png()?)
+    }
+
+    pub fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
+    pub fn triangles(&self) -> &Arc<[[u32; 3]]> {
+        &self.triangles
+    }
+
+    /// The tree that finds what is under the pointer, and what it was built of.
+    pub fn pick_tree(&mut self) -> (&PickTree, &[[f32; 3]], &[[u32; 3]]) {
+        let (positions, triangles) = (&self.positions, &self.triangles);
+        let tree = self.pick.get_or_insert_with(|| PickTree::new(positions, triangles));
+        (tree, positions, triangles)
+    }
+
+    /// What lies under a pixel of the last picture.
+    pub fn hit(&mut self, x: f32, y: f32) -> Option<Hit> {
+        let ray = self.camera.ray(x, y, self.area());
+        let (tree, positions, triangles) = self.pick_tree();
+        tree.pick(&ray, positions, triangles)
+    }
+
+    /// All of the last picture.
+    pub fn area(&self) -> Rect {
+        Rect::of_size(self.canvas.width(), self.canvas.height())
+    }
+}
+
+fn draw(
+    renderer: &mut Renderer,
+    canvas: &Canvas,
+    camera: Camera,
+    figures: &[Figure<'_>],
+    background: Background,
+) -> Result<(), Error> {
+    let viewport = Rect::of_size(canvas.width(), canvas.height());
+    let cell = Cell { viewport, camera, lights: Lights::STUDIO, background, figures, markers: &[] };
+    Ok(renderer.draw(canvas, &[cell])?)
+}
+
+pub fn single(points: &[[f64; 3]]) -> Vec<[f32; 3]> {
+    points.iter().map(|p| p.map(|c| c as f32)).collect()
+}

@@ -1,0 +1,149 @@
+//! What the page shows of a sitting beside its picture.
+
+use chladni_caricature::{Layer, LayerId, LayerState, Model, Painted, ScaleCurve, Smoothing};
+use chladni_mesh::Axis;
+use chladni_program::work::STARTING_POINTS;
+use serde::Serialize;
+use wasm_bindgen::prelude::*;
+
+use super::Sitting;
+
+/// The scale curves that have names.
+const CURVES: [&str; 5] = ["flat", "smooth", "broad", "mid", "fine"];
+
+#[derive(Serialize)]
+struct ShownLayer<'a> {
+    id: LayerId,
+    name: &'a str,
+    template: String,
+    model: Model,
+    mu: f64,
+    /// The strongest exaggeration that its slider offers.
+    least_mu: f64,
+    strength: f64,
+    enabled: bool,
+    solo: bool,
+    /// A named curve, or `""`.
+    curve: &'static str,
+    everywhere: bool,
+    /// Names of the parts that its region holds.
+    parts: Vec<&'a str>,
+    smoothing: Smoothing,
+    /// `acts`, `off`, `waiting` or `failed`.
+    state: &'static str,
+    why: Option<&'a str>,
+    /// Triangles that it turns over.
+    folds: usize,
+    /// The share of the shape that its match covers.
+    coverage: Option<f64>,
+    warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct State<'a> {
+    shape: String,
+    /// The file's vertices.
+    vertices: usize,
+    harmonics: usize,
+    solved: bool,
+    layers: Vec<ShownLayer<'a>>,
+    selected: Option<LayerId>,
+    undo: Option<&'static str>,
+    redo: Option<&'static str>,
+    modified: bool,
+    keep_triangles: bool,
+    /// The axis that is said to point up, or `""`.
+    up: String,
+    parts: &'a [String],
+    /// The level at which parts were looked for; none of those of a head.
+    level: Option<f64>,
+    /// Names of the parts under the pointer.
+    pointed: Vec<&'a str>,
+    yaw_rad: f32,
+    distance: f32,
+}
+
+#[wasm_bindgen]
+impl Sitting {
+    /// All that controls show, as JSON.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn state(&self) -> Result<String, JsError> {
+        let project = self.history.project();
+        let up = project.stands.and_then(|stands| Axis::of(stands.up()));
+        let state = State {
+            shape: project.shape.to_string(),
+            vertices: self.mesh.positions.len(),
+            harmonics: self.stack.body().basis.harmonics(),
+            solved: self.solved,
+            layers: project.layers().iter().map(|(id, layer)| self.shown(*id, layer)).collect(),
+            selected: self.selected,
+            undo: self.history.undo_label(),
+            redo: self.history.redo_label(),
+            modified: self.history.is_modified(),
+            keep_triangles: project.keep_triangles,
+            up: up.map_or_else(String::new, |axis| axis.to_string()),
+            parts: &self.parts.names,
+            level: self.parts.level,
+            pointed: self.names(&self.tool.pointed),
+            yaw_rad: self.stage.camera.yaw_rad,
+            distance: self.stage.camera.distance,
+        };
+        Ok(serde_json::to_string(&state)?)
+    }
+
+    /// What there is to say since this was last asked, one a line.
+    pub fn take_notes(&mut self) -> String {
+        std::mem::take(&mut self.notes).join("\n")
+    }
+}
+
+impl Sitting {
+    fn names(&self, parts: &[usize]) -> Vec<&str> {
+        parts.iter().filter_map(|part| self.parts.names.get(*part)).map(String::as_str).collect()
+    }
+
+    fn shown<'a>(&'a self, id: LayerId, layer: &'a Layer) -> ShownLayer<'a> {
+        let evaluated = self.evaluation.layers.iter().find(|evaluated| evaluated.id == id);
+        let (state, why) = match evaluated.map(|evaluated| &evaluated.state) {
+            None | Some(LayerState::Waiting) => ("waiting", None),
+            Some(LayerState::Acts | LayerState::Outdated) => ("acts", None),
+            Some(LayerState::Off) => ("off", None),
+            Some(LayerState::Failed(why)) => ("failed", Some(why.as_str())),
+        };
+        let curve =
+            CURVES.into_iter().find(|name| name.parse::<ScaleCurve>().ok().as_ref() == Some(&layer.curve));
+        let quality = self.quality(layer);
+        ShownLayer {
+            id,
+            name: &layer.name,
+            template: layer.template.to_string(),
+            model: layer.model,
+            mu: layer.mu,
+            least_mu: if layer.model == Model::Distance { -8.0 } else { -3.0 },
+            strength: layer.strength,
+            enabled: layer.enabled,
+            solo: layer.solo,
+            curve: curve.unwrap_or_default(),
+            everywhere: layer.region.painted == Painted::Everywhere,
+            parts: self.names(&self.parts.in_region(&layer.region.painted)),
+            smoothing: layer.region.smoothing,
+            state,
+            why,
+            folds: evaluated.map_or(0, |evaluated| evaluated.folds(self.stack.surface())),
+            coverage: quality.as_ref().map(|(coverage, _)| *coverage),
+            warnings: quality.map(|(_, warnings)| warnings).unwrap_or_default(),
+        }
+    }
+}
+
+/// The templates that need no file, each with what it compares a shape with, as JSON: `[["Ellipsoid", "Against …"], …]`.
+///
+/// # Errors
+/// Bugs only.
+#[wasm_bindgen]
+pub fn starting_points() -> Result<String, JsError> {
+    let all: Vec<[&str; 2]> = STARTING_POINTS.iter().map(|point| [point.name, point.tip]).collect();
+    Ok(serde_json::to_string(&all)?)
+}
