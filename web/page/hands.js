@@ -1,44 +1,78 @@
-// Pointers, touch and keys turn the viewer: one finger or the mouse turns, two pinch and shift, the wheel comes nearer.
+// Pointers, touch and keys: one finger or the mouse turns, or does what the room's tool does; two fingers pinch and
+// shift, the wheel comes nearer.
+import { scale, stir } from "./picture.js";
 
 /** A pointer that has gone so many pixels drags; it no longer clicks. */
 const DRAG = 6;
 
-export function hands(places, concert) {
+/**
+ * `room()` has `viewer()`, which turns, shifts and zooms, and may have a `tool`: `hover(x, y)` and `leave()` of a pointer
+ * that is not pressed, `grabs(x, y)` whether a press begins a stroke, `stroke(x, y)`, `release()`, and `click(x, y, event)`;
+ * all in pixels of the picture.
+ */
+export function hands(places, room) {
   const down = new Map();
   let dragged = false;
+  let stroking = false;
   let from;
 
+  const viewer = () => room().viewer();
+  const tool = () => (viewer() ? room().tool : undefined);
+  const at = (event) => {
+    const { left, top } = places[0].getBoundingClientRect();
+    return [(event.clientX - left) * scale(), (event.clientY - top) * scale()];
+  };
   const middle = () => {
     const all = [...down.values()];
     const sum = (of) => all.reduce((total, at) => total + of(at), 0) / all.length;
     const [x, y] = [sum((at) => at.x), sum((at) => at.y)];
     return { x, y, apart: all.length > 1 ? Math.hypot(all[0].x - all[1].x, all[0].y - all[1].y) : 0 };
   };
+  const letGo = () => {
+    if (stroking) tool()?.release();
+    stroking = false;
+  };
 
   const begin = (event) => {
     down.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    if (down.size === 1) dragged = false;
+    letGo();
+    if (down.size === 1) {
+      dragged = false;
+      tool()?.hover(...at(event));
+      stroking = event.button === 0 && !event.altKey && !!tool()?.grabs(...at(event));
+      if (stroking) tool().stroke(...at(event));
+    }
     from = middle();
   };
   const move = (event) => {
-    if (!down.has(event.pointerId) || !concert()) return;
+    if (!viewer()) return;
+    if (!down.has(event.pointerId)) {
+      if (event.target === places[0]) tool()?.hover(...at(event));
+      return;
+    }
     down.set(event.pointerId, { x: event.clientX, y: event.clientY });
     const to = middle();
     const [dx, dy] = [to.x - from.x, to.y - from.y];
     if (!dragged && Math.hypot(dx, dy) < DRAG && down.size === 1) return;
     dragged = true;
-    if (down.size === 1 && !event.shiftKey) concert().turn(dx, dy);
-    else concert().shift(dx / places[0].clientHeight, dy / places[0].clientHeight);
-    if (from.apart && to.apart) concert().zoom(Math.log(to.apart / from.apart) * 9.5);
+    stir();
+    if (stroking) tool().stroke(...at(event));
+    else if (down.size === 1 && !event.shiftKey) viewer().turn(dx, dy);
+    else viewer().shift(dx / places[0].clientHeight, dy / places[0].clientHeight);
+    if (from.apart && to.apart) viewer().zoom(Math.log(to.apart / from.apart) * 9.5);
     from = to;
   };
   const end = (event) => {
-    down.delete(event.pointerId);
+    if (!down.delete(event.pointerId)) return;
+    letGo();
     if (down.size) from = middle();
+    else if (!dragged && event.type === "pointerup" && event.target === places[0]) tool()?.click(...at(event), event);
+    if (event.pointerType === "touch") tool()?.leave();
   };
   const wheel = (event) => {
     event.preventDefault();
-    concert()?.zoom(-event.deltaY / 100);
+    stir();
+    viewer()?.zoom(-event.deltaY / 100);
   };
   const keys = {
     ArrowLeft: (c) => c.turn(-20, 0), ArrowRight: (c) => c.turn(20, 0), ArrowUp: (c) => c.turn(0, -20),
@@ -54,10 +88,12 @@ export function hands(places, concert) {
   addEventListener("pointermove", move);
   addEventListener("pointerup", end);
   addEventListener("pointercancel", end);
+  places[0].addEventListener("pointerleave", () => { if (!down.size) tool()?.leave(); });
   places[0].addEventListener("keydown", (event) => {
     const act = keys[event.key];
-    if (!act || !concert()) return;
+    if (!act || !viewer()) return;
     event.preventDefault();
-    act(concert());
+    stir();
+    act(viewer());
   });
 }

@@ -34,5 +34,3 @@ export function ask(request, report = () => {}) {
     worker.postMessage({ id, ...request }, request.bytes ? [request.bytes.buffer] : []);
   });
 }
-
-export const isBusy = () => waiting.size > 0;

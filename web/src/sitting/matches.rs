@@ -11,8 +11,9 @@ use super::Sitting;
 /// A match that the page has to ask for.
 #[derive(Serialize)]
 struct Wanted {
-    /// What [`match_template`](crate::solve::match_template) takes.
-    request: MatchRequest,
+    /// What [`match_template`](crate::solve::match_template) takes: a text, since a page's numbers have too few digits
+    /// for seeds.
+    request: String,
     /// The template as people read it.
     template: String,
     /// It is in a file, which the page must have.
@@ -40,12 +41,13 @@ impl Sitting {
         if own {
             self.refresh()?;
         }
-        let wanted = wanted.map(|request| Wanted {
-            template: request.template.to_string(),
-            file: matches!(request.template, Template::File(_)),
-            request,
-        });
-        Ok(wanted.map(|wanted| serde_json::to_string(&wanted)).transpose()?)
+        let Some(wanted) = wanted else { return Ok(None) };
+        let wanted = Wanted {
+            template: wanted.template.to_string(),
+            file: matches!(wanted.template, Template::File(_)),
+            request: serde_json::to_string(&wanted)?,
+        };
+        Ok(Some(serde_json::to_string(&wanted)?))
     }
 
     /// What [`match_template`](crate::solve::match_template) found for a request.

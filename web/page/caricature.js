@@ -1,0 +1,334 @@
+// The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
+import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
+import { ask } from "./work.js";
+import { attempt, busy, of, on, options, report, save, say, told_by } from "./page.js";
+import { show as showPicture, stir } from "./picture.js";
+import { drawLayers, drawParts } from "./layers.js";
+
+/** Harmonics of a new project; its file says so, and the desktop takes as many. */
+const harmonicsOf = (bytes) => ((bytes?.length ?? 0) < 8e6 ? 256 : 128);
+/** Against which template the sample head is compared first, by its number among the starting points. */
+const PLAIN_HEAD = 2;
+/** Milliseconds after which layers are limited where they keep triangles. */
+const REST = 700;
+
+let sitting;
+let state;
+let shape = {};
+/** What was brought, by name: shapes and templates. */
+const files = new Map();
+/** A project that waits for its shape. */
+let waiting;
+/** How often a shape was opened: what was asked for an older one is not wanted any more. */
+let opened = 0;
+let matching = false;
+
+export const viewer = () => sitting;
+export const view = () => ({ yaw_rad: state.yaw_rad, distance: state.distance, ...JSON.parse(sitting.state()) });
+const base = (path) => path.split(/[\\/]/).at(-1);
+const stem = () => base(state.shape).replace(/^sample:/, "").replace(/\?.*|\.[^.]*$/g, "");
+
+const room = {
+  rests: true,
+  frame: (now, width, height) => !!sitting && sitting.frame(width, height),
+  pixels: () => sitting.pixels(),
+};
+
+// ---- shapes, matches, projects
+
+async function openShape(name, bytes, project) {
+  const mine = ++opened;
+  const next = new Sitting(name, bytes, project, harmonicsOf(bytes));
+  sitting?.free();
+  sitting = next;
+  shape = { name, bytes };
+  hold("turn");
+  refresh();
+  const { harmonics, laplacian } = JSON.parse(sitting.needs());
+  busy(true);
+  try {
+    const asked = { work: "solve", name, bytes: bytes?.slice(), harmonics, laplacian };
+    const { basis, secs } = await ask(asked, told_by(name.replace("sample:", "")));
+    if (mine !== opened) return;
+    sitting.take_harmonics(basis);
+    report.solveSecs = secs;
+    if (!state.parts.length) sitting.find_parts(Number(of("level").value));
+    refresh();
+    const notes = sitting.take_notes();
+    say(notes || `${name.replace("sample:", "")}: ${state.vertices} vertices, ${state.harmonics} harmonics in ${secs.toFixed(1)} s`);
+  } finally { busy(false); }
+  await match();
+}
+
+/** Has the worker match what layers wait for, one after the other. */
+async function match() {
+  if (matching) return;
+  matching = true;
+  const mine = opened;
+  try {
+    for (let next; mine === opened && state.solved && (next = sitting.missing()); refresh()) {
+      const { request, template, file } = JSON.parse(next);
+      const brought = file ? files.get(base(template)) : undefined;
+      if (file && !brought) { sitting.fail(request, `bring ${base(template)}, too`); continue; }
+      busy(true);
+      try {
+        const asked = { work: "match", name: shape.name, bytes: shape.bytes?.slice(), request, template: brought };
+        const { found, secs } = await ask(asked, told_by(base(template)));
+        if (mine !== opened) return;
+        sitting.install(request, found);
+        report.matchSecs = secs;
+        say("");
+      } catch (error) {
+        if (mine !== opened) return;
+        sitting.fail(request, error.message ?? String(error));
+        say(error.message ?? String(error), true);
+      } finally { busy(false); }
+    }
+  } finally {
+    matching = false;
+    refresh();
+    if (mine !== opened) match();
+  }
+}
+
+/** Opens the text of a project, once its shape is there. */
+export async function openProject(name, bytes) {
+  const text = new TextDecoder().decode(bytes);
+  const needs = JSON.parse(needs_of_project(name, text));
+  const brought = needs.file ? files.get(base(needs.shape)) : undefined;
+  if (needs.file && !brought) {
+    waiting = { name, bytes, shape: base(needs.shape) };
+    return say(`${name} is made on ${base(needs.shape)}: bring that mesh, too.`, false, 600);
+  }
+  waiting = undefined;
+  await openShape(needs.shape, brought, text);
+}
+
+/** A mesh was brought: the shape of a project that waits, a template that a layer waits for, or, as the user says, one
+ * of both. */
+export async function takeMesh(name, bytes) {
+  files.set(name, bytes);
+  if (waiting?.shape === name) return openProject(waiting.name, waiting.bytes);
+  const wanting = state?.layers.filter((layer) => layer.state === "failed" && base(layer.template) === name) ?? [];
+  for (const layer of wanting) { sitting.select(layer.id); sitting.retry(); }
+  if (wanting.length) return changed();
+  switch (sitting ? await whichOf(name) : "shape") {
+    case "shape": return openShape(name, bytes);
+    case "template": sitting.compare(name); return changed();
+    default: return undefined;
+  }
+}
+
+/** What is to become of a mesh. */
+function whichOf(name) {
+  const dialog = of("which");
+  of("which-name").textContent = name;
+  dialog.returnValue = "";
+  dialog.showModal();
+  return new Promise((done) => { dialog.onclose = () => done(dialog.returnValue); });
+}
+
+// ---- what is done
+
+/** The project has changed by more than its numbers. */
+async function changed() {
+  refresh();
+  await match();
+}
+
+let resting;
+function refresh() {
+  if (!sitting) return;
+  state = report.sitting = JSON.parse(sitting.state());
+  drawLayers(of("layers"), state, layerChoices);
+  const layer = state.layers.find(({ id }) => id === state.selected);
+  of("undo").disabled = !state.undo;
+  of("redo").disabled = !state.redo;
+  of("undo").title = state.undo ? `Undo: ${state.undo}` : "Undo";
+  of("redo").title = state.redo ? `Redo: ${state.redo}` : "Redo";
+  of("one-layer").disabled = of("where").disabled = !layer;
+  const option = [...of("sitter").options].find(({ value }) => value === state.shape);
+  of("sitter").value = option ? state.shape : "";
+  of("sitter").querySelector("[value='']").textContent = option ? "Other…" : state.shape;
+  of("keep").checked = state.keep_triangles;
+  of("up").value = state.up;
+  of("parts-of").value = state.level === null ? "head" : "form";
+  of("pointed").textContent = state.pointed.join(", ");
+  drawParts(of("parts"), state.parts, layer?.parts ?? [], partChoices);
+  if (layer) showLayer(layer);
+  clearTimeout(resting);
+  if (state.keep_triangles) resting = setTimeout(attempt(() => { sitting.keep_triangles(); }), REST);
+}
+
+function showLayer({ mu, least_mu, strength, model, curve, smoothing, everywhere, coverage, warnings }) {
+  of("mu").min = least_mu;
+  of("mu").value = mu;
+  of("mu-value").textContent = mu.toFixed(2);
+  of("strength").value = strength;
+  of("model").value = model;
+  of("curve").value = curve;
+  of("softness").value = Math.log(smoothing.wavelength);
+  of("everywhere").setAttribute("aria-pressed", everywhere);
+  const covered = coverage === null ? "" : `The match covers ${Math.round(100 * coverage)} % of the shape.`;
+  of("quality").textContent = [covered, ...warnings].join(" ");
+}
+
+/** Does an action at once. */
+const act = attempt((action) => { stir(); sitting.act(JSON.stringify(action)); return changed(); });
+const set = (to, layer = state.selected) => act({ set: { layer, to } });
+const paint = (edit) => act({ paint: { layer: state.selected, edit } });
+
+const layerChoices = {
+  select: attempt(({ id }) => { sitting.select(id); refresh(); }),
+  enable: ({ id }, enabled) => set({ enabled }, id),
+  move: ({ id }, by) => act({ move: { layer: id, index: state.layers.findIndex((layer) => layer.id === id) + by } }),
+  remove: ({ id }) => act({ remove: id }),
+  retry: attempt(({ id }) => { sitting.select(id); sitting.retry(); return changed(); }),
+};
+const partChoices = {
+  point: attempt((part) => { sitting.point_at_part(part); }),
+  toggle: attempt((part, taken) => {
+    const layer = state.layers.find(({ id }) => id === state.selected);
+    sitting.point_at_part(part);
+    sitting.take_part(!layer.everywhere, taken);
+    return changed();
+  }),
+};
+
+/** Follows a slider, once a picture; what it did is one step. */
+function slide(id, to) {
+  let asked;
+  of(id).addEventListener("input", () => {
+    if (!asked) requestAnimationFrame(attempt(() => {
+      asked = false;
+      stir();
+      sitting.drag(JSON.stringify({ set: { layer: state.selected, to: to(Number(of(id).value)) } }));
+      refresh();
+    }));
+    asked = true;
+  });
+  of(id).addEventListener("change", () => requestAnimationFrame(attempt(() => { sitting.finish(); refresh(); })));
+}
+
+// ---- tools
+
+let held = "turn";
+function hold(tool) {
+  held = tool;
+  if (tool === "brush" && state && !state.solved) say("The brush waits until the shape is solved.");
+  sitting?.hold(tool);
+  for (const name of ["turn", "parts", "brush"]) of(`hold-${name}`).setAttribute("aria-pressed", name === tool);
+  for (const tools of document.querySelectorAll("[data-tool]")) tools.hidden = tools.dataset.tool !== tool;
+  of("picture").style.cursor = tool === "turn" ? "grab" : "crosshair";
+  takeBrush();
+}
+const takeBrush = () => sitting?.set_brush(Number(of("brush-size").value), of("erase").checked, of("both-sides").checked);
+
+/** What a pointer does on the figure. */
+export const tool = {
+  hover: attempt((x, y) => {
+    if (held === "turn") return;
+    stir();
+    sitting.point(x, y);
+    if (held === "parts") of("pointed").textContent = JSON.parse(sitting.state()).pointed.join(", ");
+  }),
+  leave: attempt(() => { if (held !== "turn") { sitting.point_nowhere(); of("pointed").textContent = ""; } }),
+  grabs: (x, y) => held === "brush" && state.solved && !!state.layers.length && sitting.point(x, y),
+  stroke: attempt((x, y) => { stir(); sitting.press(x, y); }),
+  release: attempt(() => { sitting.finish(); refresh(); }),
+  click: attempt((x, y, event) => {
+    if (held !== "parts" || !state.layers.length) return;
+    sitting.point(x, y);
+    sitting.take_part(event.shiftKey || of("add-part").checked, event.ctrlKey);
+    refresh();
+  }),
+};
+
+// ---- the room
+
+export function open() {
+  showPicture(room);
+  of("picture").setAttribute("aria-label", "The shape. Drag or use the arrow keys to turn it, plus and minus to come nearer.");
+}
+
+/** The sample head, compared with a plain one. */
+export async function begin() {
+  if (sitting) return refresh();
+  const opening = openShape("sample:head");
+  sitting.begin(PLAIN_HEAD);
+  refresh();
+  await opening;
+}
+
+export const leave = () => {};
+
+function listen_files() {
+  on("save-project", () => { save(`${stem()}.chladni`, sitting.save_project()); refresh(); });
+  for (const format of ["glb", "obj"]) {
+    on(`export-${format}`, () => {
+      save(`${stem()}-caricature.${format}`, sitting.export(format), "model/" + (format === "glb" ? "gltf-binary" : "obj"));
+      const notes = sitting.take_notes();
+      if (notes) say(notes);
+    });
+  }
+  on("export-png", () => {
+    const { clientWidth, clientHeight } = of("picture");
+    const by = 2000 / Math.max(clientWidth, clientHeight);
+    const png = sitting.export_picture(Math.round(by * clientWidth), Math.round(by * clientHeight));
+    save(`${stem()}-caricature.png`, png, "image/png");
+  });
+}
+
+export function listen() {
+  const heads = JSON.parse(samples()).map(([name]) => name).sort((a, b) => ["head", "template"].includes(b) - ["head", "template"].includes(a));
+  of("sitter").append(...options(heads, (name) => `sample:${name}`), new Option("Other…", ""));
+  of("sitter").addEventListener("change", attempt(() => (of("sitter").value ? openShape(of("sitter").value) : of("file").click())));
+  const points = JSON.parse(starting_points());
+  of("add").append(...points.map(([name, tip], i) => Object.assign(new Option(name, i), { title: tip })), new Option("A mesh…", "mesh"));
+  of("add").addEventListener("change", attempt(async () => {
+    const { value } = of("add");
+    of("add").value = "";
+    if (value === "mesh") return of("file").click();
+    sitting.begin(Number(value));
+    return changed();
+  }));
+  on("undo", () => { const label = sitting.undo(); if (label) say(`Undone: ${label}`); return changed(); });
+  on("redo", () => { const label = sitting.redo(); if (label) say(`Done again: ${label}`); return changed(); });
+  addEventListener("keydown", attempt((event) => {
+    if (document.body.dataset.view !== "caricature" || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    event.preventDefault();
+    if (event.shiftKey) sitting.redo(); else sitting.undo();
+    return changed();
+  }));
+  slide("mu", (mu) => ({ mu }));
+  slide("strength", (strength) => ({ strength }));
+  slide("softness", (log) => {
+    const { smoothing } = state.layers.find(({ id }) => id === state.selected);
+    return { smoothing: { ...smoothing, wavelength: Math.exp(log) } };
+  });
+  of("model").addEventListener("change", () => set({ model: of("model").value }));
+  of("curve").addEventListener("change", attempt(() => { sitting.set_curve(state.selected, of("curve").value); return changed(); }));
+  for (const name of ["turn", "parts", "brush"]) on(`hold-${name}`, () => { hold(name); refresh(); });
+  for (const id of ["brush-size", "erase", "both-sides"]) of(id).addEventListener("change", takeBrush);
+  on("everywhere", () => paint({ set: "everywhere" }));
+  on("invert", () => paint("invert"));
+  of("parts-of").addEventListener("change", attempt(findParts));
+  of("level").addEventListener("change", attempt(() => { sitting.find_parts(Number(of("level").value)); refresh(); }));
+  of("keep").addEventListener("change", () => act({ keep_triangles: of("keep").checked }));
+  of("up").addEventListener("change", attempt(() => { sitting.stand(of("up").value); return changed(); }));
+  for (const from of ["front", "portrait", "right"]) on(`look-${from}`, () => sitting.look(from));
+  listen_files();
+  hold("turn");
+}
+
+async function findParts() {
+  if (of("parts-of").value === "form") { sitting.find_parts(Number(of("level").value)); return refresh(); }
+  const mine = opened;
+  busy(true);
+  try {
+    const { parts } = await ask({ work: "parts", name: shape.name, bytes: shape.bytes?.slice() }, told_by(shape.name));
+    if (mine !== opened) return;
+    if (parts) sitting.take_parts_of_head(parts);
+    say(parts ? "" : `${shape.name} does not look like a head: its parts are found by their form.`);
+  } finally { busy(false); refresh(); }
+}

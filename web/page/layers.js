@@ -1,0 +1,61 @@
+// The list of layers: the topmost layer is the topmost row.
+
+function button(text, label, act) {
+  const made = document.createElement("button");
+  made.textContent = text;
+  made.setAttribute("aria-label", label);
+  made.title = label;
+  made.onclick = act;
+  return made;
+}
+
+const said = ({ state, why, mu, template, folds }) => {
+  if (state === "failed") return why;
+  if (state === "waiting") return "waits for its match…";
+  const folded = folds ? `, ${folds} folded` : "";
+  return `μ ${mu.toFixed(2)} · ${template}${folded}`;
+};
+
+function row(layer, chosen, choices) {
+  const item = document.createElement("li");
+  item.className = `${chosen ? "chosen" : ""} ${layer.state}`;
+  const eye = button(layer.enabled ? "◉" : "○", `${layer.enabled ? "Hide" : "Show"} ${layer.name}`, () => choices.enable(layer, !layer.enabled));
+  eye.setAttribute("aria-pressed", layer.enabled);
+  const name = document.createElement("button");
+  name.className = "name";
+  name.setAttribute("aria-pressed", chosen);
+  const [title, small] = [document.createElement("strong"), document.createElement("small")];
+  title.textContent = layer.name;
+  small.textContent = said(layer);
+  name.append(title, small);
+  name.onclick = () => choices.select(layer);
+  item.append(eye, name);
+  if (layer.state === "failed") item.append(button("↻", `Try the match of ${layer.name} again`, () => choices.retry(layer)));
+  item.append(button("▲", `Move ${layer.name} up`, () => choices.move(layer, 1)), button("✕", `Delete ${layer.name}`, () => choices.remove(layer)));
+  return item;
+}
+
+/** Shows the layers of a sitting's state, where they have changed. */
+export function drawLayers(parent, { layers, selected }, choices) {
+  const shown = JSON.stringify([selected, layers.map(({ id, name, enabled, state, ...rest }) => [id, name, enabled, state, said({ state, ...rest })])]);
+  if (parent.dataset.shown === shown) return;
+  parent.dataset.shown = shown;
+  const held = parent.contains(document.activeElement) && document.activeElement.getAttribute("aria-label");
+  parent.replaceChildren(...layers.map((layer) => row(layer, layer.id === selected, choices)).reverse());
+  if (held) parent.querySelector(`[aria-label="${CSS.escape(held)}"]`)?.focus();
+}
+
+/** Shows the parts as buttons, where they have changed. */
+export function drawParts(parent, names, taken, choices) {
+  if (parent.dataset.shown !== names.join("|")) {
+    parent.dataset.shown = names.join("|");
+    parent.replaceChildren(...names.map((name, part) => {
+      const made = button(name, name, () => choices.toggle(part, made.getAttribute("aria-pressed") === "true"));
+      made.removeAttribute("title");
+      made.onpointerenter = made.onfocus = () => choices.point(part);
+      made.onpointerleave = made.onblur = () => choices.point(names.length);
+      return made;
+    }));
+  }
+  names.forEach((name, part) => parent.children[part].setAttribute("aria-pressed", taken.includes(name)));
+}
