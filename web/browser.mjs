@@ -37,6 +37,30 @@ export const pixels = (page) => page.evaluate(() => {
 /** How many of the thinned pixels differ plainly. */
 export const differing = (a, b) => a.filter((value, i) => Math.abs(value - b[i]) > 8).length;
 
+/** A plain head as OBJ: an ellipsoid with a nose. */
+export function head(around, down) {
+  const lines = [];
+  const at = (i, j) => 2 + (j - 1) * around + (i % around);
+  const place = (turn, fall) => {
+    const nose = 0.35 * Math.exp(-12 * (turn * turn + (fall - 1.7) ** 2));
+    const round = Math.sin(fall);
+    return `v ${0.8 * round * Math.sin(turn)} ${1.2 * Math.cos(fall)} ${(1 + nose) * round * Math.cos(turn)}`;
+  };
+  lines.push(place(0, 0));
+  for (let j = 1; j < down; j++) for (let i = 0; i < around; i++) {
+    lines.push(place((2 * Math.PI * i) / around - (i > around / 2 ? 2 * Math.PI : 0), (Math.PI * j) / down));
+  }
+  lines.push(place(0, Math.PI));
+  const last = 2 + (down - 1) * around;
+  for (let i = 0; i < around; i++) {
+    lines.push(`f 1 ${at(i, 1)} ${at(i + 1, 1)}`, `f ${last} ${at(i + 1, down - 1)} ${at(i, down - 1)}`);
+    for (let j = 1; j < down - 1; j++) {
+      lines.push(`f ${at(i, j)} ${at(i, j + 1)} ${at(i + 1, j + 1)}`, `f ${at(i, j)} ${at(i + 1, j + 1)} ${at(i + 1, j)}`);
+    }
+  }
+  return Buffer.from(lines.join("\n") + "\n");
+}
+
 /** A torus as OBJ. */
 export function torus(around, across) {
   const lines = [];

@@ -1,9 +1,9 @@
 // The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
 import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
-import { ask } from "./work.js";
+import { ask, giveUp } from "./work.js";
 import { attempt, busy, of, on, options, report, save, say, told_by } from "./page.js";
 import { show as showPicture, stir } from "./picture.js";
-import { drawLayers, drawParts } from "./layers.js";
+import { drawLayers, drawParts, number } from "./layers.js";
 
 /** Harmonics of a new project; its file says so, and the desktop takes as many. */
 const harmonicsOf = (bytes) => ((bytes?.length ?? 0) < 8e6 ? 256 : 128);
@@ -21,7 +21,8 @@ const files = new Map();
 let waiting;
 /** How often a shape was opened: what was asked for an older one is not wanted any more. */
 let opened = 0;
-let matching = false;
+/** The shape that is being matched. */
+let matching = 0;
 
 export const viewer = () => sitting;
 export const view = () => ({ yaw_rad: state.yaw_rad, distance: state.distance, ...JSON.parse(sitting.state()) });
@@ -37,44 +38,48 @@ const room = {
 // ---- shapes, matches, projects
 
 async function openShape(name, bytes, project) {
-  const mine = ++opened;
   const next = new Sitting(name, bytes, project, harmonicsOf(bytes));
+  const mine = ++opened;
+  giveUp(new Error("Another shape was opened"), ["solve", "match"]);
   sitting?.free();
   sitting = next;
   shape = { name, bytes };
   hold("turn");
   refresh();
+  await Promise.all([solve(mine), match()]);
+}
+
+/** Has a worker solve for the harmonics of the shape. */
+async function solve(mine) {
+  const { name, bytes } = shape;
   const { harmonics, laplacian } = JSON.parse(sitting.needs());
-  busy(true);
+  const asked = { work: "solve", name, bytes: bytes?.slice(), harmonics, laplacian };
+  const label = name.replace("sample:", "");
   try {
-    const asked = { work: "solve", name, bytes: bytes?.slice(), harmonics, laplacian };
-    const { basis, secs } = await ask(asked, told_by(name.replace("sample:", "")));
-    if (mine !== opened) return;
+    const { basis, secs } = await busy(() => ask(asked, told_by(label), "solve"));
     sitting.take_harmonics(basis);
     report.solveSecs = secs;
     if (!state.parts.length) sitting.find_parts(Number(of("level").value));
-    refresh();
-    const notes = sitting.take_notes();
-    say(notes || `${name.replace("sample:", "")}: ${state.vertices} vertices, ${state.harmonics} harmonics in ${secs.toFixed(1)} s`);
-  } finally { busy(false); }
-  await match();
+    const { vertices } = state;
+    say(sitting.take_notes() || `${label}: ${vertices} vertices, ${harmonics} harmonics in ${secs.toFixed(1)} s`);
+  } catch (error) {
+    if (mine === opened) throw error;
+  } finally { refresh(); }
 }
 
 /** Has the worker match what layers wait for, one after the other. */
 async function match() {
-  if (matching) return;
-  matching = true;
   const mine = opened;
+  if (matching === mine) return;
+  matching = mine;
   try {
-    for (let next; mine === opened && state.solved && (next = sitting.missing()); refresh()) {
+    for (let next; mine === opened && (next = sitting.missing()); refresh()) {
       const { request, template, file } = JSON.parse(next);
       const brought = file ? files.get(base(template)) : undefined;
       if (file && !brought) { sitting.fail(request, `bring ${base(template)}, too`); continue; }
-      busy(true);
       try {
         const asked = { work: "match", name: shape.name, bytes: shape.bytes?.slice(), request, template: brought };
-        const { found, secs } = await ask(asked, told_by(base(template)));
-        if (mine !== opened) return;
+        const { found, secs } = await busy(() => ask(asked, told_by(base(template)), "match"));
         sitting.install(request, found);
         report.matchSecs = secs;
         say("");
@@ -82,12 +87,10 @@ async function match() {
         if (mine !== opened) return;
         sitting.fail(request, error.message ?? String(error));
         say(error.message ?? String(error), true);
-      } finally { busy(false); }
+      }
     }
   } finally {
-    matching = false;
-    refresh();
-    if (mine !== opened) match();
+    if (mine === opened) { matching = 0; refresh(); }
   }
 }
 
@@ -153,6 +156,7 @@ function refresh() {
   of("keep").checked = state.keep_triangles;
   of("up").value = state.up;
   of("parts-of").value = state.level === null ? "head" : "form";
+  of("level-row").hidden = state.level === null;
   of("pointed").textContent = state.pointed.join(", ");
   drawParts(of("parts"), state.parts, layer?.parts ?? [], partChoices);
   if (layer) showLayer(layer);
@@ -163,7 +167,7 @@ function refresh() {
 function showLayer({ mu, least_mu, strength, model, curve, smoothing, everywhere, coverage, warnings }) {
   of("mu").min = least_mu;
   of("mu").value = mu;
-  of("mu-value").textContent = mu.toFixed(2);
+  of("mu-value").textContent = number(mu);
   of("strength").value = strength;
   of("model").value = model;
   of("curve").value = curve;
@@ -256,8 +260,7 @@ export async function begin() {
   if (sitting) return refresh();
   const opening = openShape("sample:head");
   sitting.begin(PLAIN_HEAD);
-  refresh();
-  await opening;
+  await Promise.all([opening, changed()]);
 }
 
 export const leave = () => {};
@@ -324,11 +327,12 @@ export function listen() {
 async function findParts() {
   if (of("parts-of").value === "form") { sitting.find_parts(Number(of("level").value)); return refresh(); }
   const mine = opened;
-  busy(true);
   try {
-    const { parts } = await ask({ work: "parts", name: shape.name, bytes: shape.bytes?.slice() }, told_by(shape.name));
-    if (mine !== opened) return;
+    const asked = { work: "parts", name: shape.name, bytes: shape.bytes?.slice() };
+    const { parts } = await busy(() => ask(asked, told_by(shape.name), "match"));
     if (parts) sitting.take_parts_of_head(parts);
     say(parts ? "" : `${shape.name} does not look like a head: its parts are found by their form.`);
-  } finally { busy(false); refresh(); }
+  } catch (error) {
+    if (mine === opened) throw error;
+  } finally { refresh(); }
 }

@@ -9,14 +9,17 @@ function button(text, label, act) {
   return made;
 }
 
+/** As it is set in type. */
+export const number = (x) => x.toFixed(2).replace("-", "−");
+
 const said = ({ state, why, mu, template, folds }) => {
   if (state === "failed") return why;
-  if (state === "waiting") return "waits for its match…";
+  if (state === "waiting") return `waits for ${template.replace("sample:", "sample ")}…`;
   const folded = folds ? `, ${folds} folded` : "";
-  return `μ ${mu.toFixed(2)} · ${template}${folded}`;
+  return `μ ${number(mu)} · ${template.replace("sample:", "sample ")}${folded}`;
 };
 
-function row(layer, chosen, choices) {
+function row(layer, chosen, top, choices) {
   const item = document.createElement("li");
   item.className = `${chosen ? "chosen" : ""} ${layer.state}`;
   const eye = button(layer.enabled ? "◉" : "○", `${layer.enabled ? "Hide" : "Show"} ${layer.name}`, () => choices.enable(layer, !layer.enabled));
@@ -31,7 +34,9 @@ function row(layer, chosen, choices) {
   name.onclick = () => choices.select(layer);
   item.append(eye, name);
   if (layer.state === "failed") item.append(button("↻", `Try the match of ${layer.name} again`, () => choices.retry(layer)));
-  item.append(button("▲", `Move ${layer.name} up`, () => choices.move(layer, 1)), button("✕", `Delete ${layer.name}`, () => choices.remove(layer)));
+  const up = button("▲", `Move ${layer.name} up`, () => choices.move(layer, 1));
+  up.disabled = top;
+  item.append(up, button("✕", `Delete ${layer.name}`, () => choices.remove(layer)));
   return item;
 }
 
@@ -41,7 +46,7 @@ export function drawLayers(parent, { layers, selected }, choices) {
   if (parent.dataset.shown === shown) return;
   parent.dataset.shown = shown;
   const held = parent.contains(document.activeElement) && document.activeElement.getAttribute("aria-label");
-  parent.replaceChildren(...layers.map((layer) => row(layer, layer.id === selected, choices)).reverse());
+  parent.replaceChildren(...layers.map((layer, i) => row(layer, layer.id === selected, i === layers.length - 1, choices)).reverse());
   if (held) parent.querySelector(`[aria-label="${CSS.escape(held)}"]`)?.focus();
 }
 

@@ -55,20 +55,16 @@ async function dance(name) {
 }
 
 export async function openMesh(name, bytes) {
-  busy(true);
   const harmonics = harmonicsOf(bytes.length);
-  try {
-    const { body, secs } = await ask({ work: "prepare", name, bytes, harmonics }, told_by(name));
-    show(body);
-    report.solveSecs = secs;
-    say(`${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s`);
-  } finally { busy(false); }
+  const { body, secs } = await busy(() => ask({ work: "prepare", name, bytes, harmonics }, told_by(name)));
+  show(body);
+  report.solveSecs = secs;
+  say(`${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s`);
 }
 
 export async function openSong(name, bytes) {
-  busy(true);
   try {
-    const song = await ask({ work: "decode", name, bytes }, told_by(name));
+    const song = await busy(() => ask({ work: "decode", name, bytes }, told_by(name)));
     const aloud = sound.isHeard;
     const number = songs.length;
     songs.push({ number, name, rate: song.rate_hz, left: song.left, right: song.right, beats: song.beats });
@@ -79,7 +75,7 @@ export async function openSong(name, bytes) {
     of("song").textContent = name;
     if (bytes || aloud) await sound.play();
     say("");
-  } finally { busy(false); refresh(); }
+  } finally { refresh(); }
 }
 
 export async function openText(name, bytes) {

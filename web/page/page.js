@@ -19,7 +19,13 @@ export const attempt = (act) => async (...args) => {
   try { await act(...args); } catch (error) { say(error.message ?? String(error), true); }
 };
 
-export const busy = (on) => { of("cancel").hidden = !on; };
+let working = 0;
+/** Does what a worker is asked for, which may be cancelled meanwhile. */
+export async function busy(work) {
+  working += 1;
+  of("cancel").hidden = false;
+  try { return await work(); } finally { of("cancel").hidden = --working === 0; }
+}
 
 export const on = (id, act) => of(id).addEventListener("click", attempt(act));
 

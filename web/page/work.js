@@ -1,11 +1,12 @@
-// Asks the worker, one thing at a time; what is asked can be given up.
+// Asks a worker. There may be several, each of which does one thing at a time; what is asked can be given up.
 
-let worker;
-let waiting = new Map();
+/** Those that have been started, by their names. */
+const workers = new Map();
+const waiting = new Map();
 let next = 0;
 
-function start() {
-  worker = new Worker("worker.js", { type: "module" });
+function start(name) {
+  const worker = new Worker("worker.js", { type: "module", name });
   worker.onmessage = ({ data }) => {
     const asked = waiting.get(data.id);
     if (!asked) return;
@@ -13,24 +14,29 @@ function start() {
     else if (data.kind === "failed") { waiting.delete(data.id); asked.reject(new Error(data.text)); }
     else asked.report(data.kind, data.text);
   };
-  worker.onerror = (event) => giveUp(new Error(`The work stopped: ${event.message ?? "not enough memory?"}`));
+  worker.onerror = (event) => giveUp(new Error(`The work stopped: ${event.message ?? "not enough memory?"}`), [name]);
+  workers.set(name, worker);
+  return worker;
 }
 
-/** Ends what is being worked on; whoever waits for it gets `why`. */
-export function giveUp(why = new Error("Cancelled")) {
-  worker?.terminate();
-  worker = undefined;
-  const all = waiting;
-  waiting = new Map();
-  for (const asked of all.values()) asked.reject(why);
+/** Ends what the workers of these names, or all of them, work on; whoever waits for it gets `why`. */
+export function giveUp(why = new Error("Cancelled"), names = [...workers.keys()]) {
+  for (const name of names) {
+    workers.get(name)?.terminate();
+    workers.delete(name);
+  }
+  for (const [id, asked] of [...waiting].filter(([, asked]) => names.includes(asked.name))) {
+    waiting.delete(id);
+    asked.reject(why);
+  }
 }
 
-/** `report` gets ("step" or "warning", text). `bytes` are given away. */
-export function ask(request, report = () => {}) {
-  if (!worker) start();
+/** `report` gets ("step" or "warning", text). `bytes` are given away. Workers of other names work beside each other. */
+export function ask(request, report = () => {}, name = "work") {
+  const worker = workers.get(name) ?? start(name);
   const id = next++;
   return new Promise((resolve, reject) => {
-    waiting.set(id, { resolve, reject, report });
+    waiting.set(id, { resolve, reject, report, name });
     worker.postMessage({ id, ...request }, request.bytes ? [request.bytes.buffer] : []);
   });
 }
