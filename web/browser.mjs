@@ -17,7 +17,7 @@ export function serve(folder) {
     response.end(readFileSync(path));
   });
   return new Promise((done) => server.listen(0, "localhost", () =>
-    done({ address: `http://localhost:${server.address().port}/`, stop: () => server.close() })));
+    done({ address: `http://localhost:${server.address().port}/`, stop: () => { server.close(); server.closeAllConnections(); } })));
 }
 
 /** Chromium of the system, driven by playwright-core of the tools folder. */

@@ -1,5 +1,5 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|caricature]; pictures of it go into OUT/screens. Projects are compared with those of
+// node web/test.mjs PAGE OUT [music|caricature|offline]; pictures of it go into OUT/screens. Projects are compared with those of
 // the desktop's command where that is built.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -312,9 +312,16 @@ async function caricatureLaptop() {
   await until(page, () => window.chladni.sitting.shape === "plain.obj");
   await acts(page);
   assert.ok(differing(exaggerated, await still(page)) < 20, "a project of a mesh that was dropped opens again");
+  await page.selectOption("#sitter", "sample:head");
+  await page.click("#cancel");
+  await until(page, () => !document.getElementById("solve").hidden);
+  await page.click("#solve");
+  await until(page, () => window.chladni.sitting.solved);
+  step("a solve is cancelled, and asked for again");
+
   await drop(page, "other.obj", head(40, 30));
   await page.click('#which button[value="template"]');
-  await until(page, () => window.chladni.sitting.layers.length === 2);
+  await until(page, () => window.chladni.sitting.layers.length === 1);
   await acts(page);
   step("a dropped mesh is exaggerated, and one is compared with");
   assert.deepEqual([wrong, elsewhere], [[], []]);
@@ -352,7 +359,29 @@ async function caricaturePhone() {
   await page.context().close();
 }
 
-const rooms = { music: [laptop, phone], caricature: [caricatureLaptop, caricaturePhone] };
+// ---- without a connection
+
+async function offline() {
+  const server = await serve(folder);
+  const context = await browser.newContext({ viewport: { width: 1000, height: 700 } });
+  const page = await context.newPage();
+  await page.goto(server.address);
+  await until(page, () => window.chladni?.frames > 3 && window.chladni.sound.duration > 0);
+  await until(page, async () => {
+    const kept = await (await caches.open("chladni")).keys();
+    return ["chladni_web_bg.wasm", "plate.body", "main.js", "worker.js"].every((name) => kept.some(({ url }) => url.endsWith(name)));
+  });
+  server.stop();
+  await context.setOffline(true);
+  await page.reload();
+  await until(page, () => window.chladni?.frames > 3);
+  await page.click("#exaggerate");
+  await acts(page);
+  step("it opens again without a connection");
+  await context.close();
+}
+
+const rooms = { music: [laptop, phone], caricature: [caricatureLaptop, caricaturePhone], offline: [offline] };
 try {
   for (const [room, tests] of Object.entries(rooms)) {
     if (!only || only === room) for (const test of tests) await test();

@@ -1,7 +1,7 @@
 // The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
 import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
 import { ask, giveUp } from "./work.js";
-import { attempt, busy, of, on, options, report, save, say, told_by } from "./page.js";
+import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
 import { show as showPicture, stir } from "./picture.js";
 import { drawLayers, drawParts, number } from "./layers.js";
 
@@ -23,11 +23,13 @@ let waiting;
 let opened = 0;
 /** The shape that is being matched. */
 let matching = 0;
+/** Its harmonics are being solved for. */
+let solving = false;
 
 export const viewer = () => sitting;
 export const view = () => ({ yaw_rad: state.yaw_rad, distance: state.distance, ...JSON.parse(sitting.state()) });
 const base = (path) => path.split(/[\\/]/).at(-1);
-const stem = () => base(state.shape).replace(/^sample:/, "").replace(/\?.*|\.[^.]*$/g, "");
+const stem = () => label(base(state.shape)).replace(/\?.*|\.[^.]*$/g, "");
 
 const room = {
   rests: true,
@@ -54,17 +56,20 @@ async function solve(mine) {
   const { name, bytes } = shape;
   const { harmonics, laplacian } = JSON.parse(sitting.needs());
   const asked = { work: "solve", name, bytes: bytes?.slice(), harmonics, laplacian };
-  const label = name.replace("sample:", "");
+  solving = true;
+  refresh();
   try {
-    const { basis, secs } = await busy(() => ask(asked, told_by(label), "solve"));
+    const { basis, secs } = await busy(label(name), (tell) => ask(asked, tell, "solve"));
     sitting.take_harmonics(basis);
     report.solveSecs = secs;
     if (!state.parts.length) sitting.find_parts(Number(of("level").value));
     const { vertices } = state;
-    say(sitting.take_notes() || `${label}: ${vertices} vertices, ${harmonics} harmonics in ${secs.toFixed(1)} s`);
+    say(sitting.take_notes() || `${label(name)}: ${vertices} vertices, ${harmonics} harmonics in ${secs.toFixed(1)} s`);
   } catch (error) {
     if (mine === opened) throw error;
-  } finally { refresh(); }
+  } finally {
+    if (mine === opened) { solving = false; refresh(); }
+  }
 }
 
 /** Has the worker match what layers wait for, one after the other. */
@@ -79,10 +84,9 @@ async function match() {
       if (file && !brought) { sitting.fail(request, `bring ${base(template)}, too`); continue; }
       try {
         const asked = { work: "match", name: shape.name, bytes: shape.bytes?.slice(), request, template: brought };
-        const { found, secs } = await busy(() => ask(asked, told_by(base(template)), "match"));
+        const { found, secs } = await busy(label(base(template)), (tell) => ask(asked, tell, "match"));
         sitting.install(request, found);
         report.matchSecs = secs;
-        say("");
       } catch (error) {
         if (mine !== opened) return;
         sitting.fail(request, error.message ?? String(error));
@@ -153,6 +157,7 @@ function refresh() {
   const option = [...of("sitter").options].find(({ value }) => value === state.shape);
   of("sitter").value = option ? state.shape : "";
   of("sitter").querySelector("[value='']").textContent = option ? "Other…" : state.shape;
+  of("solve").hidden = state.solved || solving;
   of("keep").checked = state.keep_triangles;
   of("up").value = state.up;
   of("parts-of").value = state.level === null ? "head" : "form";
@@ -295,6 +300,7 @@ export function listen() {
     sitting.begin(Number(value));
     return changed();
   }));
+  on("solve", () => solve(opened));
   on("undo", () => { const label = sitting.undo(); if (label) say(`Undone: ${label}`); return changed(); });
   on("redo", () => { const label = sitting.redo(); if (label) say(`Done again: ${label}`); return changed(); });
   addEventListener("keydown", attempt((event) => {
@@ -329,9 +335,9 @@ async function findParts() {
   const mine = opened;
   try {
     const asked = { work: "parts", name: shape.name, bytes: shape.bytes?.slice() };
-    const { parts } = await busy(() => ask(asked, told_by(shape.name), "match"));
+    const { parts } = await busy(label(shape.name), (tell) => ask(asked, tell, "match"));
     if (parts) sitting.take_parts_of_head(parts);
-    say(parts ? "" : `${shape.name} does not look like a head: its parts are found by their form.`);
+    if (!parts) say(`${shape.name} does not look like a head: its parts are found by their form.`);
   } catch (error) {
     if (mine === opened) throw error;
   } finally { refresh(); }

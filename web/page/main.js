@@ -75,3 +75,9 @@ const start = attempt(async () => {
   say("");
 });
 start();
+
+// What was loaded once opens without a connection, too.
+navigator.serviceWorker?.register("offline.js").then(() => navigator.serviceWorker.ready).then(({ active }) => {
+  const loaded = performance.getEntriesByType("resource").map(({ name }) => name);
+  active.postMessage([location.href, new URL("worker.js", location).href, ...loaded]);
+}).catch(() => { /* Not every browser lets a page be kept. */ });

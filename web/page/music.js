@@ -3,7 +3,7 @@ import { Concert, looks, needs_of_show, samples } from "./chladni_web.js";
 import { Sound } from "./sound.js";
 import { ask } from "./work.js";
 import { drawCells } from "./cells.js";
-import { attempt, busy, of, on, options, report, save, say, told_by } from "./page.js";
+import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
 import { show as showPicture } from "./picture.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
@@ -28,7 +28,7 @@ export const view = () => JSON.parse(concert.state()).viewpoint;
 async function bodyOf(name) {
   const baked = name.startsWith("sample:") && (await fetch(`bodies/${name.slice(7)}.body`));
   if (baked?.ok) return new Uint8Array(await baked.arrayBuffer());
-  return (await ask({ work: "prepare", name, harmonics: 96 }, told_by(name))).body;
+  return (await busy(label(name), (tell) => ask({ work: "prepare", name, harmonics: 96 }, tell))).body;
 }
 
 function show(body) {
@@ -49,14 +49,14 @@ function hear() {
 }
 
 async function dance(name) {
-  say(`${name.replace("sample:", "")}…`);
+  say(`${label(name)}…`);
   show(await bodyOf(name));
   say("");
 }
 
 export async function openMesh(name, bytes) {
   const harmonics = harmonicsOf(bytes.length);
-  const { body, secs } = await busy(() => ask({ work: "prepare", name, bytes, harmonics }, told_by(name)));
+  const { body, secs } = await busy(name, (tell) => ask({ work: "prepare", name, bytes, harmonics }, tell));
   show(body);
   report.solveSecs = secs;
   say(`${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s`);
@@ -64,7 +64,7 @@ export async function openMesh(name, bytes) {
 
 export async function openSong(name, bytes) {
   try {
-    const song = await busy(() => ask({ work: "decode", name, bytes }, told_by(name)));
+    const song = await busy(name, (tell) => ask({ work: "decode", name, bytes }, tell));
     const aloud = sound.isHeard;
     const number = songs.length;
     songs.push({ number, name, rate: song.rate_hz, left: song.left, right: song.right, beats: song.beats });

@@ -11,21 +11,34 @@ export function say(text, bad = false, secs = 8) {
   if (text) saying = setTimeout(() => say(""), 1000 * (bad ? 20 : secs));
 }
 
-/** Says what the worker reports of its work on something. */
-export const told_by = (what) => (kind, text) => say(kind === "warning" ? text : `${what}: ${text}…`, false, 600);
-
 /** Does it, and says what went wrong. */
 export const attempt = (act) => async (...args) => {
   try { await act(...args); } catch (error) { say(error.message ?? String(error), true); }
 };
 
-let working = 0;
-/** Does what a worker is asked for, which may be cancelled meanwhile. */
-export async function busy(work) {
-  working += 1;
+/** What workers do now, in words. */
+const working = new Map();
+
+/** Does what a worker is asked for, which may be cancelled meanwhile. What is said of it is said of `what`: `work` gets
+ * what the worker reports to. */
+export async function busy(what, work) {
+  const job = Symbol(what);
+  const tell = (kind, text) => {
+    if (kind === "warning") return say(text, false, 20);
+    working.set(job, `${what}: ${text}…`);
+    say([...working.values()].join(" · "), false, 600);
+  };
+  working.set(job, `${what}…`);
   of("cancel").hidden = false;
-  try { return await work(); } finally { of("cancel").hidden = --working === 0; }
+  try { return await work(tell); } finally {
+    working.delete(job);
+    of("cancel").hidden = working.size === 0;
+    if (!working.size) say("");
+  }
 }
+
+/** A shape as people call it. */
+export const label = (name) => name.replace("sample:", "");
 
 export const on = (id, act) => of(id).addEventListener("click", attempt(act));
 

@@ -2,7 +2,9 @@
 
 use chladni_mesh::{ShapeSource, TriMesh};
 use chladni_program::work::{Error, Warning, Watcher, source};
-use chladni_task::Task;
+use std::cell::RefCell;
+
+use chladni_task::{Progress, Task};
 use js_sys::Function;
 use wasm_bindgen::prelude::*;
 
@@ -14,21 +16,55 @@ pub fn shape(name: &str, bytes: Option<&[u8]>, watcher: &impl Watcher) -> Result
     }
 }
 
-/// Reports to the page what is done, as `report("step", "solving …")`, and warnings as `report("warning", …)`.
+/// Reports to the page what is done, as `report("step", "solving …")`, warnings as `report("warning", …)`, and how far
+/// the work is as `report("progress", "solving …, 40 %")`.
 pub struct Reporter<'a> {
     task: Task,
     report: &'a Function,
 }
 
+/// What the page was told last. A worker does one thing at a time.
+#[derive(Default)]
+struct Told {
+    report: Option<Function>,
+    label: String,
+    line: String,
+}
+
+thread_local! {
+    static TOLD: RefCell<Told> = RefCell::default();
+}
+
 impl<'a> Reporter<'a> {
     pub fn new(report: &'a Function) -> Self {
-        Self { task: Task::new(), report }
+        let task = Task::new();
+        TOLD.with_borrow_mut(|told| *told = Told { report: Some(report.clone()), ..Told::default() });
+        task.heard_by(progress);
+        Self { task, report }
     }
 
     fn tell(&self, kind: &str, text: &str) {
-        // Nobody need listen.
-        let _ = self.report.call2(&JsValue::NULL, &kind.into(), &text.into());
+        tell(self.report, kind, text);
     }
+}
+
+fn tell(report: &Function, kind: &str, text: &str) {
+    // Nobody need listen.
+    let _ = report.call2(&JsValue::NULL, &kind.into(), &text.into());
+}
+
+/// Tells the page how far a stage is, once for each percent.
+fn progress(now: &Progress) {
+    let Some(share) = now.fraction() else { return };
+    TOLD.with_borrow_mut(|told| {
+        let line = format!("{} ({}, {:.0} %)", told.label, now.stage, 100.0 * share);
+        if line != told.line
+            && let Some(report) = &told.report
+        {
+            tell(report, "progress", &line);
+            told.line = line;
+        }
+    });
 }
 
 impl Watcher for Reporter<'_> {
@@ -41,6 +77,7 @@ impl Watcher for Reporter<'_> {
     }
 
     fn watch<T>(&self, label: &str, part: impl FnOnce(&Task) -> T) -> T {
+        TOLD.with_borrow_mut(|told| label.clone_into(&mut told.label));
         self.tell("step", label);
         part(&self.task)
     }

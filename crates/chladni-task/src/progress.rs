@@ -1,7 +1,7 @@
 //! The handle that long work reports to and is cancelled through.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The work was cancelled through its [`Task`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -39,6 +39,7 @@ struct Shared {
     done: AtomicU64,
     total: AtomicU64,
     stage: Mutex<String>,
+    listener: OnceLock<fn(&Progress)>,
 }
 
 impl Task {
@@ -52,7 +53,15 @@ impl Task {
         *self.shared.stage.lock().unwrap_or_else(PoisonError::into_inner) = name.to_owned();
         self.shared.done.store(0, Ordering::Relaxed);
         self.shared.total.store(total, Ordering::Relaxed);
+        self.shared.tell(|| self.progress());
         Stage { task: self }
+    }
+
+    /// Has `listener` called, on the thread that works, at every step from now on: where nobody else can look at
+    /// [`progress`](Self::progress) meanwhile, as in the worker of a page. Only the first one is taken.
+    pub fn heard_by(&self, listener: fn(&Progress)) {
+        // A second listener would be a bug of the caller, which shows by hearing nothing.
+        let _ = self.shared.listener.set(listener);
     }
 
     /// Asks the work to stop at its next [`check`](Self::check).
@@ -83,6 +92,14 @@ impl Task {
     }
 }
 
+impl Shared {
+    fn tell(&self, progress: impl FnOnce() -> Progress) {
+        if let Some(listener) = self.listener.get() {
+            listener(&progress());
+        }
+    }
+}
+
 /// The current stage of a [`Task`]; any thread may advance it.
 #[derive(Debug)]
 pub struct Stage<'a> {
@@ -93,6 +110,7 @@ impl Stage<'_> {
     /// Counts `steps` more as done.
     pub fn advance(&self, steps: u64) {
         self.task.shared.done.fetch_add(steps, Ordering::Relaxed);
+        self.task.shared.tell(|| self.task.progress());
     }
 }
 
@@ -110,5 +128,17 @@ mod tests {
         assert_eq!(task.progress().fraction(), Some(0.75));
         task.cancel();
         assert_eq!(worker.check(), Err(Cancelled));
+    }
+
+    #[test]
+    fn a_listener_hears_every_step() {
+        static HEARD: Mutex<Vec<(String, u64)>> = Mutex::new(Vec::new());
+        let task = Task::new();
+        task.heard_by(|now| HEARD.lock().unwrap().push((now.stage.clone(), now.done)));
+        let stage = task.stage("solving", 3);
+        stage.advance(1);
+        stage.advance(2);
+        let expected = [0, 1, 3].map(|done| ("solving".to_owned(), done));
+        assert_eq!(*HEARD.lock().unwrap(), expected);
     }
 }
