@@ -1,4 +1,4 @@
-// What a page costs: sizes, the first picture, pictures a second, a solve. node web/bench.mjs PAGE OUT
+// What a page costs: sizes, the first picture, pictures a second, a caricature, a solve. node web/bench.mjs PAGE OUT
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { brotliCompressSync, gzipSync } from "node:zlib";
@@ -50,6 +50,37 @@ const page = await measured("one dance on stage, 1440×900", laptop, async (page
   await page.hover(".cell:nth-child(5)");
   await page.click(".cell:nth-child(5) .stage");
 });
+
+async function caricature() {
+  const page = await (await browser.newContext({ viewport: laptop })).newPage();
+  await page.goto(address);
+  await page.waitForFunction(() => window.chladni?.frames > 3, null, { timeout: 180_000 });
+  const began = Date.now();
+  await page.click("#exaggerate");
+  await page.waitForFunction(() => window.chladni.sitting, null, { timeout: 180_000 });
+  const seen = Date.now() - began;
+  await page.waitForFunction(() => window.chladni.sitting.layers[0]?.state === "acts", null, { timeout: 180_000 });
+  const acts = (Date.now() - began) / 1000;
+  const { solveSecs, matchSecs } = await page.evaluate(() => window.chladni);
+  await page.waitForTimeout(2000);
+  const found = await page.evaluate(() => new Promise((done) => {
+    const [slider, from, began] = [document.getElementById("mu"), window.chladni.frames, performance.now()];
+    let steps = 0;
+    const step = () => {
+      slider.value = -0.5 - 0.01 * (steps % 50);
+      slider.dispatchEvent(new Event("input"));
+      if (++steps < 150) return requestAnimationFrame(step);
+      const { frames, drawMs } = window.chladni;
+      done({ fps: (1000 * (frames - from)) / (performance.now() - began), drawMs });
+    };
+    step();
+  }));
+  console.log(`sample head of 18,822 vertices: seen after ${seen} ms, its first layer acts after ${acts.toFixed(1)} s ` +
+    `(256 harmonics ${solveSecs.toFixed(1)} s, beside them the match ${matchSecs.toFixed(1)} s)`);
+  console.log(`μ follows a slider with ${found.fps.toFixed(1)} pictures a second, ${found.drawMs.toFixed(0)} ms to draw`);
+  await page.close();
+}
+await caricature();
 
 const mesh = torus(173, 87);
 writeFileSync(join(out, "torus-15k.obj"), mesh);

@@ -3,12 +3,11 @@ import { Sitting, needs_of_project, samples, starting_points } from "./chladni_w
 import { ask, giveUp } from "./work.js";
 import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
 import { show as showPicture, stir } from "./picture.js";
+import { PLAIN_HEAD, matchedBefore } from "./plain_head.js";
 import { drawLayers, drawParts, number } from "./layers.js";
 
 /** Harmonics of a new project; its file says so, and the desktop takes as many. */
 const harmonicsOf = (bytes) => ((bytes?.length ?? 0) < 8e6 ? 256 : 128);
-/** Against which template the sample head is compared first, by its number among the starting points. */
-const PLAIN_HEAD = 2;
 /** Milliseconds after which layers are limited where they keep triangles. */
 const REST = 700;
 
@@ -39,13 +38,18 @@ const room = {
 
 // ---- shapes, matches, projects
 
-async function openShape(name, bytes, project) {
+/** Opens a shape with its project, or with a first layer against one of the starting points. */
+async function openShape(name, bytes, project, first) {
+  say(`${label(name)}…`);
+  // That is to be seen before the page reads the shape.
+  await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
   const next = new Sitting(name, bytes, project, harmonicsOf(bytes));
   const mine = ++opened;
   giveUp(new Error("Another shape was opened"), ["solve", "match"]);
   sitting?.free();
   sitting = next;
   shape = { name, bytes };
+  if (first !== undefined) sitting.begin(first);
   hold("turn");
   refresh();
   await Promise.all([solve(mine), match()]);
@@ -84,7 +88,9 @@ async function match() {
       if (file && !brought) { sitting.fail(request, `bring ${base(template)}, too`); continue; }
       try {
         const asked = { work: "match", name: shape.name, bytes: shape.bytes?.slice(), request, template: brought };
-        const { found, secs } = await busy(label(base(template)), (tell) => ask(asked, tell, "match"));
+        const before = await matchedBefore(shape.name, template, request);
+        const { found, secs } = before ? { found: before, secs: 0 } : await busy(label(base(template)), (tell) => ask(asked, tell, "match"));
+        if (mine !== opened) return;
         sitting.install(request, found);
         report.matchSecs = secs;
       } catch (error) {
@@ -263,9 +269,7 @@ export function open() {
 /** The sample head, compared with a plain one. */
 export async function begin() {
   if (sitting) return refresh();
-  const opening = openShape("sample:head");
-  sitting.begin(PLAIN_HEAD);
-  await Promise.all([opening, changed()]);
+  await openShape("sample:head", undefined, undefined, PLAIN_HEAD);
 }
 
 export const leave = () => {};

@@ -1,5 +1,12 @@
 // Asks a worker. There may be several, each of which does one thing at a time; what is asked can be given up.
 
+const MODULE = "chladni_web_bg.wasm";
+
+/** The module, compiled once for the page and all workers. Not every server says what it is. */
+export const compiled = WebAssembly.compileStreaming(fetch(MODULE))
+  .catch(async () => WebAssembly.compile(await (await fetch(MODULE)).arrayBuffer()));
+compiled.catch(() => { /* Whoever waits for it says so. */ });
+
 /** Those that have been started, by their names. */
 const workers = new Map();
 const waiting = new Map();
@@ -15,6 +22,7 @@ function start(name) {
     else asked.report(data.kind, data.text);
   };
   worker.onerror = (event) => giveUp(new Error(`The work stopped: ${event.message ?? "not enough memory?"}`), [name]);
+  compiled.then((module) => worker.postMessage({ module }));
   workers.set(name, worker);
   return worker;
 }

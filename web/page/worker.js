@@ -2,7 +2,8 @@
 // the worker.
 import init, { decode, match_template, parts_of_head, prepare, solve } from "./chladni_web.js";
 
-const ready = init();
+let begin;
+const ready = new Promise((done) => { begin = done; });
 
 /** Each gives what is sent, and what of it is given away. */
 const works = {
@@ -27,7 +28,8 @@ const works = {
   },
 };
 
-onmessage = async ({ data: { id, work, ...request } }) => {
+onmessage = async ({ data: { module, id, work, ...request } }) => {
+  if (module) return begin(init({ module_or_path: module }));
   const tell = (kind, text) => postMessage({ id, kind, text });
   try {
     await ready;
