@@ -226,6 +226,11 @@ async function caricatureLaptop() {
     ["project", "add-layer", "P", "--template", "sample:template", "--name", "Plain head 1", "--mu", "-1.4"]]);
   step("a head is exaggerated");
 
+  await page.click("#original");
+  assert.ok(differing(strong, await still(page)) > 100, "the original is shown");
+  await page.click("#original");
+  assert.ok(differing(strong, await still(page)) < 20, "and the result again");
+
   await page.click("#hold-parts");
   await page.hover('#parts button:has-text("nose")');
   const pointed = await still(page);

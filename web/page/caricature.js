@@ -166,6 +166,8 @@ function refresh() {
   of("solve").hidden = state.solved || solving;
   of("keep").checked = state.keep_triangles;
   of("up").value = state.up;
+  of("up-name").textContent = state.up_in_doubt ? "Is this up?" : "Up";
+  of("original").setAttribute("aria-pressed", state.bare);
   of("parts-of").value = state.level === null ? "head" : "form";
   of("level-row").hidden = state.level === null;
   of("pointed").textContent = state.pointed.join(", ");
@@ -330,6 +332,7 @@ export function listen() {
   of("keep").addEventListener("change", () => act({ keep_triangles: of("keep").checked }));
   of("up").addEventListener("change", attempt(() => { sitting.stand(of("up").value); return changed(); }));
   for (const from of ["front", "portrait", "right"]) on(`look-${from}`, () => sitting.look(from));
+  on("original", () => { sitting.show_original(!state.bare); refresh(); });
   listen_files();
   hold("turn");
 }

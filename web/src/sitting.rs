@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 use chladni_caricature::{Evaluation, History, LayerId, Project, ShapeSource, Stack};
 use chladni_harmonics::Body;
-use chladni_mesh::{MirrorPlane, MirrorSearch, Orientation, TriMesh};
-use chladni_program::work::{Aside, Error, OwnLook, Stance, settled, source};
+use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, TriMesh};
+use chladni_program::work::{Aside, Error, OwnLook, settled, source};
 use chladni_task::Task;
 use wasm_bindgen::prelude::*;
 
@@ -38,7 +38,9 @@ pub struct Sitting {
     evaluation: Evaluation,
     selected: Option<LayerId>,
     /// How the shape stands where the project does not say.
-    stands: Orientation,
+    stands: Estimate,
+    /// The shape is shown under its layers.
+    bare: bool,
     parts: Parts,
     /// The plane in which the shape is its own mirror image, once it was looked for.
     mirror: Option<Option<MirrorPlane>>,
@@ -69,17 +71,18 @@ impl Sitting {
             Some(text) => source::project_in(Path::new(files::PROJECT), &text, &aside)?,
             None => Project::new(ShapeSource::named(name), harmonics),
         };
-        let stands = Stance::default().of(name, &mesh, project.stands, None, &aside)?;
+        let known = project.shape.stands().map_or_else(Known::default, Known::from);
+        let stands = Estimate::of(&mesh, known, &task)?;
         let body = Body::unsolved(&mesh).map_err(|error| Error::from(error).of(name))?;
         let look = OwnLook::of(name, &mesh, &body, &aside);
-        let stage = Stage::new(&body, look, stands)?;
+        let stage = Stage::new(&body, look, project.stands.unwrap_or(stands.orientation))?;
         let mut stack = Stack::new(Arc::new(body))?;
         let evaluation = stack.evaluate(&nothing(&project));
         let selected = project.layers().last().map(|(id, _)| *id);
         let notes = aside.warnings().iter().map(ToString::to_string).collect();
         let parts = Parts::known(name, &mesh, stack.body());
         let history = History::new(project);
-        let (solved, mirror, tool) = (false, None, Tool::default());
+        let (solved, bare, mirror, tool) = (false, false, None, Tool::default());
         Ok(Self {
             file,
             mesh,
@@ -89,6 +92,7 @@ impl Sitting {
             evaluation,
             selected,
             stands,
+            bare,
             parts,
             mirror,
             tool,
@@ -123,8 +127,8 @@ impl Sitting {
         }
         self.evaluation =
             if self.solved { self.stack.evaluate(project) } else { self.stack.evaluate(&nothing(project)) };
-        self.stage.stand(project.stands.unwrap_or(self.stands));
-        self.stage.take(&self.evaluation.result)?;
+        self.stage.stand(project.stands.unwrap_or(self.stands.orientation));
+        self.stage.take(if self.bare { self.stack.original() } else { &self.evaluation.result })?;
         self.show_region()
     }
 

@@ -136,6 +136,15 @@ impl Sitting {
         Ok(self.show_region()?)
     }
 
+    /// Shows the shape under its layers, to compare, or the result again.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn show_original(&mut self, on: bool) -> Result<(), JsError> {
+        self.bare = on;
+        Ok(self.refresh()?)
+    }
+
     /// Limits all layers where the project keeps triangles; takes seconds.
     ///
     /// # Errors

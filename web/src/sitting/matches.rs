@@ -1,6 +1,7 @@
 //! Matches that layers wait for: those with meshes are made in a worker, the others at once.
 
-use chladni_caricature::{CaricatureError, Layer, MatchRequest, Template};
+use chladni_caricature::{CaricatureError, Layer, MatchRequest, Matched, Template};
+use chladni_mesh::Estimate;
 use chladni_program::work::{Aside, matched_with};
 use chladni_task::Task;
 use serde::Serialize;
@@ -55,7 +56,11 @@ impl Sitting {
     /// # Errors
     /// Text that is no match.
     pub fn install(&mut self, request: &str, found: &str) -> Result<(), JsError> {
-        self.stack.install(serde_json::from_str(request)?, Ok(serde_json::from_str(found)?));
+        let found: Matched = serde_json::from_str(found)?;
+        if let Some(orientation) = found.stands.filter(|_| self.stands.in_doubt) {
+            self.stands = Estimate { orientation, in_doubt: false, ..self.stands };
+        }
+        self.stack.install(serde_json::from_str(request)?, Ok(found));
         Ok(self.refresh()?)
     }
 

@@ -54,6 +54,9 @@ struct State<'a> {
     keep_triangles: bool,
     /// The axis that is said to point up, or `""`.
     up: String,
+    /// Nobody has said which way is up, and the surface does not tell.
+    up_in_doubt: bool,
+    bare: bool,
     parts: &'a [String],
     /// The level at which parts were looked for; none of those of a head.
     level: Option<f64>,
@@ -84,6 +87,8 @@ impl Sitting {
             modified: self.history.is_modified(),
             keep_triangles: project.keep_triangles,
             up: up.map_or_else(String::new, |axis| axis.to_string()),
+            up_in_doubt: project.stands.is_none() && self.stands.in_doubt,
+            bare: self.bare,
             parts: &self.parts.names,
             level: self.parts.level,
             pointed: self.names(&self.tool.pointed),
