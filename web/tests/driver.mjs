@@ -1,0 +1,70 @@
+// What all tests of the page share: a browser, and a person's hands.
+import assert from "node:assert/strict";
+import { mkdirSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { differing, launch, pixels, serve } from "../browser.mjs";
+
+export const [folder, out] = process.argv.slice(2, 4).map((path) => resolve(path));
+export const screens = join(out, "screens");
+mkdirSync(screens, { recursive: true });
+export const { address, stop } = await serve(folder);
+export const browser = await launch(out);
+const WAIT = { timeout: 180_000 };
+export const step = (text) => console.log(`web: ${text}`);
+
+export async function opened(viewport, touch) {
+  const context = await browser.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true });
+  const page = await context.newPage();
+  const wrong = [];
+  const elsewhere = [];
+  page.on("console", (message) => { if (message.type() === "error") wrong.push(message.text()); });
+  page.on("pageerror", (error) => wrong.push(error.message));
+  page.on("request", (request) => {
+    const { url } = { url: request.url() };
+    if (!url.startsWith(address) && !url.startsWith("blob:") && !url.startsWith("data:")) elsewhere.push(url);
+    assert.equal(request.method(), "GET", "nothing is uploaded");
+  });
+  await page.goto(address);
+  await page.waitForFunction(() => window.chladni?.frames > 3 && window.chladni.sound.duration > 0, null, WAIT);
+  return { page, wrong, elsewhere, shot: (name) => page.screenshot({ path: join(screens, `${name}.png`) }) };
+}
+
+/** Until so much of the picture has changed. */
+export async function moves(page, what, least = 60) {
+  const before = await pixels(page);
+  let most = 0;
+  for (let i = 0; i < 60 && most < least; i++) {
+    await page.waitForTimeout(200);
+    most = Math.max(most, differing(before, await pixels(page)));
+  }
+  assert.ok(most >= least, `${what}: only ${most} of 4000 pixels have changed`);
+}
+
+export const drop = (page, name, bytes) => page.evaluate(([name, bytes]) => {
+  const files = new DataTransfer();
+  files.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: files, bubbles: true, cancelable: true }));
+}, [name, bytes.toString("base64")]);
+export const until = (page, condition, argument) => page.waitForFunction(condition, argument, WAIT);
+export const state = (page) => page.evaluate(() => window.chladni.state);
+
+/** The picture once it changes no more. */
+export async function still(page) {
+  let before = await pixels(page);
+  for (let i = 0; i < 60; i++) {
+    await page.waitForTimeout(400);
+    const now = await pixels(page);
+    if (now.length === before.length && differing(before, now) === 0) return now;
+    before = now;
+  }
+  throw new Error("the picture never comes to rest");
+}
+
+export async function downloaded(page, id) {
+  const saving = page.waitForEvent("download");
+  await page.click(id);
+  const download = await saving;
+  const path = join(screens, download.suggestedFilename());
+  await download.saveAs(path);
+  return path;
+}
