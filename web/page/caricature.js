@@ -26,11 +26,12 @@ let matching = 0;
 let solving = false;
 
 export const viewer = () => sitting;
-export const view = () => ({ yaw_rad: state.yaw_rad, distance: state.distance, ...JSON.parse(sitting.state()) });
+export const view = () => JSON.parse(sitting.state());
 const base = (path) => path.split(/[\\/]/).at(-1);
 const stem = () => label(base(state.shape)).replace(/\?.*|\.[^.]*$/g, "");
 
 const room = {
+  name: "The shape.",
   rests: true,
   frame: (now, width, height) => !!sitting && sitting.frame(width, height),
   pixels: () => sitting.pixels(),
@@ -263,10 +264,7 @@ export const tool = {
 
 // ---- the room
 
-export function open() {
-  showPicture(room);
-  of("picture").setAttribute("aria-label", "The shape. Drag or use the arrow keys to turn it, plus and minus to come nearer.");
-}
+export const open = () => showPicture(room);
 
 /** The sample head, compared with a plain one. */
 export async function begin() {
@@ -274,9 +272,7 @@ export async function begin() {
   await openShape("sample:head", undefined, undefined, PLAIN_HEAD);
 }
 
-export const leave = () => {};
-
-function listen_files() {
+function listenToExports() {
   on("save-project", () => { save(`${stem()}.chladni`, sitting.save_project()); refresh(); });
   for (const format of ["glb", "obj"]) {
     on(`export-${format}`, () => {
@@ -333,7 +329,7 @@ export function listen() {
   of("up").addEventListener("change", attempt(() => { sitting.stand(of("up").value); return changed(); }));
   for (const from of ["front", "portrait", "right"]) on(`look-${from}`, () => sitting.look(from));
   on("original", () => { sitting.show_original(!state.bare); refresh(); });
-  listen_files();
+  listenToExports();
   hold("turn");
 }
 

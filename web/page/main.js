@@ -14,11 +14,10 @@ report.view = () => (isIn("caricature") ? caricature : music).view();
 function enterMusic() {
   if (isIn("music")) return;
   dataset.view = "music";
-  caricature.leave();
   music.open();
 }
 
-async function enterCaricature() {
+function enterCaricature() {
   if (isIn("caricature")) return;
   dataset.view = "caricature";
   music.leave();
@@ -30,7 +29,7 @@ async function take(name, bytes) {
   switch (kind(name)) {
     case "song": enterMusic(); return music.openSong(name, bytes);
     case "text": enterMusic(); return music.openText(name, bytes);
-    case "project": await enterCaricature(); return caricature.openProject(name, bytes);
+    case "project": enterCaricature(); return caricature.openProject(name, bytes);
     case "mesh":
       if (isIn("caricature")) return caricature.takeMesh(name, bytes);
       enterMusic();
@@ -45,10 +44,10 @@ const open = attempt(async (files) => {
 
 function listen() {
   on("enter", async () => { dataset.view = "music"; await music.enter(); });
-  on("exaggerate", async () => { await enterCaricature(); await caricature.begin(); });
+  on("exaggerate", () => { enterCaricature(); return caricature.begin(); });
   on("bring", () => of("file").click());
   for (const id of ["open", "open-project"]) on(id, () => of("file").click());
-  on("home", async () => { music.leave(); caricature.leave(); dataset.view = "front"; await music.front(); });
+  on("home", async () => { music.leave(); dataset.view = "front"; await music.front(); });
   on("cancel", () => giveUp());
   on("full", async () => {
     if (document.fullscreenElement) return document.exitFullscreen();

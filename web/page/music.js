@@ -97,6 +97,7 @@ export async function openText(name, bytes) {
 // ---- the picture
 
 const room = {
+  name: "A shape that moves with the sound.",
   frame: (now, width, height) => !!concert && concert.frame(now / 1000, sound.number, sound.position(), sound.duration, width, height),
   pixels: () => concert.pixels(),
   drawn: (width, height) => {

@@ -20,11 +20,12 @@ let memory;
 /** Pixels of the picture for each of the page, as it is now. */
 export const scale = () => picture.width / Math.max(1, picture.clientWidth);
 
-/** Shows a room from now on: `frame(now, width, height)` draws, true where it did, `pixels()` says where, and `drawn`
+/** Shows a room from now on: its `name` is that of the picture, `frame(now, width, height)` draws, true where it did, `pixels()` says where, and `drawn`
  * is called after. A room that `rests` changes by hand alone. */
 export function show(next) {
   if (room === next) return;
   room = next;
+  picture.setAttribute("aria-label", `${room.name} Drag or use the arrow keys to turn it, plus and minus to come nearer.`);
   detail = finest();
   report.drawMs = 0;
 }
