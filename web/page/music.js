@@ -155,6 +155,7 @@ export async function front() {
   concert.zoom(-1);
   // Beside the words, or above them.
   if (innerWidth > 900) concert.shift(0.24, -0.04);
+  else if (innerWidth > innerHeight) concert.shift(0.62, 0);
   else concert.shift(0, -0.16);
   concert.sand(true);
   refresh();
