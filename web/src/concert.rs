@@ -13,7 +13,7 @@ use chladni_music::{
 };
 use chladni_program::work::{
     Error, FrameGuard, Hearing, KnownSong, Playing, Programme, SandTable, ShowClock, Staging, along,
-    chooses_shots, look_named, opening_looks, opening_view,
+    chooses_shots, look_named, look_on_stage, opening_looks, opening_view,
 };
 use chladni_sound::Song;
 use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
@@ -190,10 +190,9 @@ impl Concert {
 }
 
 impl Concert {
-    /// The look by its names, or what the autopilot shows.
+    /// The look by its names, or what is worn on stage.
     fn look(&self) -> Look {
-        let piloted = self.programme.as_ref().and_then(Programme::look);
-        piloted.unwrap_or_else(|| look_named(&self.looks).0)
+        look_on_stage(&self.instrument).unwrap_or_else(|| look_named(&self.looks).0)
     }
 
     fn draw(&mut self, shot: Shot, width: u32, height: u32) -> Result<(), Error> {

@@ -79,7 +79,13 @@ pub enum Action {
     LeaveStage,
     /// Sweeps the sand off the shape and pours it anew.
     Sweep,
+    /// Puts a look of that name over what is on stage, until something else comes there or the stage is left. An
+    /// empty name is the show's own look.
+    SetLook { look: String },
 }
+
+/// The longest name of a look, in characters.
+const LOOK_NAME: usize = 64;
 
 /// The most voices that can be changed.
 const MAX_VOICES: usize = 256;
@@ -120,6 +126,8 @@ pub struct Instrument {
     stage: Stage,
     /// How often the sand was swept.
     sweeps: u32,
+    /// What [`Action::SetLook`] put over the stage; empty if nothing.
+    look: String,
     log: Vec<LoggedAction>,
 }
 
@@ -147,6 +155,7 @@ impl Instrument {
             voices: BTreeMap::new(),
             stage: Stage::default(),
             sweeps: 0,
+            look: String::new(),
             log: Vec::new(),
         })
     }
@@ -194,6 +203,11 @@ impl Instrument {
     /// How often the sand was swept off and poured anew.
     pub fn sweeps(&self) -> u32 {
         self.sweeps
+    }
+
+    /// The name of the look that what is on stage wears; `None` where that is the show's own.
+    pub fn look(&self) -> Option<&str> {
+        Some(self.look.as_str()).filter(|look| !look.is_empty())
     }
 
     /// All that was done, oldest first.
@@ -317,6 +331,16 @@ impl Instrument {
             Action::Crossfade { share } => self.stage.fade(share),
             Action::LeaveStage => self.stage.clear(),
             Action::Sweep => self.sweeps = self.sweeps.wrapping_add(1),
+            Action::SetLook { ref look } => {
+                self.look = look.chars().filter(|c| !c.is_control()).take(LOOK_NAME).collect();
+            }
+        }
+        // Another dance comes in the show's own look; who wants another says so afterwards.
+        if matches!(
+            action,
+            Action::Perform { .. } | Action::PerformFavorites { .. } | Action::Go | Action::LeaveStage
+        ) {
+            self.look.clear();
         }
         Ok(())
     }

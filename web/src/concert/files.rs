@@ -1,6 +1,7 @@
 //! Shows and presets, as the texts that the desktop reads and writes, too.
 
 use chladni_music::{Action, FileRef, Preset, Show, SongRef};
+use chladni_program::work::unknown_looks;
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -11,7 +12,7 @@ use super::Concert;
 struct Needs {
     body: Option<String>,
     songs: Vec<String>,
-    caution: Option<&'static str>,
+    caution: Option<String>,
 }
 
 /// The body and songs that a show names, as JSON.
@@ -22,7 +23,10 @@ struct Needs {
 pub fn needs_of_show(text: &str) -> Result<String, JsError> {
     let show = Show::from_text(text)?;
     let needs = Needs {
-        caution: show.caution(),
+        caution: [show.caution().map(str::to_owned), unknown_looks(&show)]
+            .into_iter()
+            .flatten()
+            .reduce(|a, b| format!("{a} {b}")),
         body: show.body.map(|body| body.path),
         songs: show.songs.into_iter().map(|song| song.path).collect(),
     };

@@ -13,7 +13,7 @@ use super::Terminal;
 use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
-use crate::work::{Error, Piece, Watcher, resolve};
+use crate::work::{Error, Piece, Watcher, resolve, unknown_looks};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -235,6 +235,9 @@ impl Dance {
                 if let Some(caution) = show.caution() {
                     terminal.note(format_args!("{}: {caution}", path.display()));
                 }
+                if let Some(unknown) = unknown_looks(&show) {
+                    terminal.note(format_args!("{}: {unknown}", path.display()));
+                }
                 let folder = path.parent();
                 let file = |file: &chladni_music::FileRef| -> Result<String, Error> {
                     let (found, warning) = resolve(file, folder)?;
@@ -283,6 +286,7 @@ impl Dance {
         film.autopilot = self.autopilot;
         film.start_secs = self.start;
         film.duration_secs = self.duration;
+        film.beginning.keeps_look = self.chooses_look();
         film.look = self.look(film.look);
         film.picture = self.picture.clone().unwrap_or(film.picture);
         film.panorama = self.panorama.clone().unwrap_or(film.panorama);
@@ -292,6 +296,12 @@ impl Dance {
         film.beginning.sand = self.sand;
         film.beginning.changes = changes;
         Ok(film)
+    }
+
+    /// Whether the arguments say anything of the look.
+    fn chooses_look(&self) -> bool {
+        let parts = [self.material.is_some(), self.lights.is_some(), self.background.is_some()];
+        self.look.is_some() || self.palette.is_some() || parts.contains(&true)
     }
 
     /// A look with what the arguments change of it.

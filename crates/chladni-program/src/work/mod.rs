@@ -66,7 +66,8 @@ pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against};
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, matched_with, template_mesh};
 pub use theatre::{
-    FIRST_VIEW, Staged, Staging, along, chooses_shots, dots, first_looks, is_flat, look_named, reaction,
+    FIRST_VIEW, Staged, Staging, along, chooses_shots, dots, first_looks, is_flat, look_named, look_on_stage,
+    reaction, unknown_looks,
 };
 #[cfg(feature = "desktop")]
 pub use titles::{TITLE, title_opacity};

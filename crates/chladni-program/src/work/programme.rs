@@ -12,7 +12,8 @@ use super::Error;
 pub struct Programme {
     autopilot: Autopilot,
     dances: Vec<Preset>,
-    looks: Vec<Look>,
+    /// Names of [`Look::PRESETS`].
+    looks: Vec<&'static str>,
     /// What the gain of each turn is multiplied by.
     gain: f32,
     /// Bars up to then were heard.
@@ -35,8 +36,8 @@ impl Programme {
         let candidates =
             dances.iter().zip(weights).map(|(preset, weight)| Candidate::tagged(&preset.tags, weight));
         // The plain look is for those who choose its parts.
-        let looks: Vec<Look> =
-            Look::PRESETS.iter().map(|(_, look)| *look).filter(|look| *look != Look::PLAIN).collect();
+        let looks: Vec<&str> =
+            Look::PRESETS.iter().filter(|(_, look)| *look != Look::PLAIN).map(|(name, _)| *name).collect();
         Ok(Self {
             autopilot: Autopilot::new(instrument.seed(), candidates.collect(), looks.len()),
             dances,
@@ -56,11 +57,6 @@ impl Programme {
     /// Bars up to then were heard.
     pub fn heard_secs(&self) -> f64 {
         self.heard_secs
-    }
-
-    /// The look of what is shown.
-    pub fn look(&self) -> Option<Look> {
-        self.looks.get(self.autopilot.shown()?.look).copied()
     }
 
     /// Whether it stays with what is shown.
@@ -100,10 +96,12 @@ impl Programme {
         let (low, high) = Parameter::Gain.range();
         let value = (self.gain * turn.gain).clamp(low, high);
         let form = self.form.map(|form| Action::SetForm { form });
+        let look = self.looks.get(turn.look).map(|look| Action::SetLook { look: (*look).to_owned() });
         preset.into_iter().flat_map(move |preset| {
             let take = Action::Take { item, preset: Box::new(preset) };
             let gain = Action::Set { parameter: Parameter::Gain, value };
-            [take].into_iter().chain(form.clone()).chain([gain, Action::Perform { item }])
+            let perform = Action::Perform { item };
+            [take].into_iter().chain(form.clone()).chain([gain, perform]).chain(look.clone())
         })
     }
 }
@@ -112,6 +110,8 @@ impl Programme {
 mod tests {
     use super::*;
     use chladni_music::{GalleryShape, Moment};
+
+    use crate::work::look_on_stage;
 
     #[test]
     fn whatever_dances_on_a_sheet_leaves_its_plane() {
@@ -136,13 +136,16 @@ mod tests {
             let at_secs = f64::from(i) * 20.0;
             let bar = BarLine { at_secs, secs: 2.0, energy: 0.5, begins_section: true };
             let actions = programme.hear(&[bar], at_secs, &instrument);
-            assert_eq!(actions.len(), 3);
+            assert_eq!(actions.len(), 4);
             for (at_secs, action) in actions {
                 instrument.apply(Moment { at_secs, at_beat: 2.0 * at_secs }, action).unwrap();
             }
             let scene = instrument.scene(2.0 * at_secs).unwrap();
             assert_ne!(last.replace(scene.to), Some(scene.to));
-            assert!(programme.look().is_some());
+            assert!(look_on_stage(&instrument).is_some());
         }
+        // Off the stage the show's own look is back.
+        instrument.apply(Moment::default(), Action::LeaveStage).unwrap();
+        assert_eq!(look_on_stage(&instrument), None);
     }
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Beat, Class, Dancer, Framing, Instrument, Looks, Parameter, Parameters, Reaction, Switch, Viewpoint,
-    react,
+    Action, Beat, Class, Dancer, Framing, Instrument, Looks, Parameter, Parameters, Reaction, Show, Switch,
+    Viewpoint, react,
 };
 use chladni_view::filling::{Filling, Standpoint, surface_points};
 use chladni_view::framing::extremes;
@@ -31,6 +31,28 @@ pub const FIRST_VIEW: Viewpoint = Viewpoint { yaw_rad: 0.0, pitch_rad: 0.14, dis
 /// The default look.
 pub fn first_looks() -> Looks {
     Looks { look: "aurora".into(), ..Looks::default() }
+}
+
+/// The look that what is on stage wears in place of the show's own, as far as this version knows it.
+pub fn look_on_stage(instrument: &Instrument) -> Option<Look> {
+    instrument.look().and_then(Look::named)
+}
+
+/// What to say of a show that names looks, or parts of them, which this version does not know.
+pub fn unknown_looks(show: &Show) -> Option<String> {
+    let mut unknown = show.looks.as_ref().map_or_else(Vec::new, |looks| look_named(looks).1);
+    for line in &show.actions {
+        if let Action::SetLook { look } = &line.action
+            && !look.is_empty()
+            && Look::named(look).is_none()
+            && !unknown.contains(look)
+        {
+            unknown.push(look.clone());
+        }
+    }
+    (!unknown.is_empty()).then(|| {
+        format!("looks that this version does not have: {}. Others stand in for them.", unknown.join(", "))
+    })
 }
 
 /// The most dots that stand for a shape: more would be a black area.

@@ -3,6 +3,7 @@
 
 #[path = "../archive/mod.rs"]
 mod archive;
+mod looks;
 mod strobing;
 
 use std::path::Path;

@@ -272,6 +272,7 @@ impl Form {
                 Film::of_show(show, scene.body, vec![song], output)
             }
         };
+        film.beginning.keeps_look = self.look.is_some();
         film.look = self.look.and_then(Look::named).unwrap_or(film.look);
         let duration_secs = (self.to_secs > 0.0).then_some(self.to_secs - self.from_secs);
         Ok(Film { start_secs: self.from_secs, duration_secs, ..film })

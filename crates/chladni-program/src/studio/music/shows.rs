@@ -10,7 +10,7 @@ use super::view::View;
 use super::{MusicRoom, Names};
 use crate::studio::room::Shared;
 use crate::work::formats::TEXT;
-use crate::work::{Error, refer, resolve};
+use crate::work::{Error, refer, resolve, unknown_looks};
 
 /// The most harmonics that dance live.
 pub const MOST_HARMONICS: usize = 512;
@@ -40,6 +40,9 @@ impl MusicRoom {
         let Some(concert) = &self.concert else { return };
         if let Some(caution) = show.caution() {
             shared.notices.warn(format!("{}: {caution}", path.display()));
+        }
+        if let Some(unknown) = unknown_looks(&show) {
+            shared.notices.warn(format!("{}: {unknown}", path.display()));
         }
         let Some(body) = show.body.clone() else { return self.go_on_with(&path, &show, shared) };
         match resolve(&body, path.parent()) {

@@ -22,6 +22,8 @@ pub struct Beginning {
     /// Sand lies on the shape; where neither show, preset, seed nor gallery says what dances, the figures of
     /// Chladni's experiment do.
     pub sand: bool,
+    /// Its looks on stage are left out of a show: the film's own holds throughout.
+    pub keeps_look: bool,
     /// Done before anything else.
     pub changes: Vec<Action>,
 }
@@ -34,7 +36,12 @@ impl Beginning {
         let is_chosen =
             self.show.is_some() || self.preset.is_some() || self.seed.is_some() || self.gallery.is_some();
         let (mut instrument, script) = match self.show {
-            Some(show) => (show.begin(shape)?, show.actions),
+            Some(mut show) => {
+                if self.keeps_look {
+                    show.actions.retain(|line| !matches!(line.action, Action::SetLook { .. }));
+                }
+                (show.begin(shape)?, show.actions)
+            }
             None => {
                 let mut instrument =
                     Instrument::new(self.seed.unwrap_or(1), self.gallery.unwrap_or(6), shape)?;

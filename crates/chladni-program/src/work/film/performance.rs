@@ -22,6 +22,7 @@ use super::record::Recording;
 use super::titles::Titles;
 use crate::work::{
     Error, FrameGuard, Hearing, Lag, Programme, SandTable, Scenery, Staging, along, chooses_shots, dots,
+    look_on_stage,
 };
 
 /// Where a film begins in the midst of another, so much before it is drawn for the flash guard, which has to know what was
@@ -234,8 +235,7 @@ impl Performance {
         let (reaction, mood) = (heard.reaction(&self.instrument), heard.mood());
         let mut items = self.ensemble.play(&self.instrument, &heard.bands, heard.beat)?.to_vec();
         let shot = Shot { time_secs, reaction, framing, mood, count: items.len() };
-        let piloted = self.programme.as_ref().and_then(Programme::look);
-        let wanted = piloted.map_or(self.feels_speed, |look| look.feels_speed());
+        let wanted = look_on_stage(&self.instrument).map_or(self.feels_speed, |look| look.feels_speed());
         self.lag.follow(&mut items, at_secs, wanted);
         seconds.mapping += mapping.elapsed().as_secs_f64();
         Ok((shot, items))
@@ -364,8 +364,7 @@ impl Performance {
         let buffers = deformed.buffers()?;
         let area = Rect::of_size(canvas.width(), canvas.height());
         let instrument = &self.instrument;
-        let piloted = self.programme.as_ref().and_then(Programme::look);
-        let look = piloted.as_ref().unwrap_or(look).answering(&mood);
+        let look = look_on_stage(instrument).unwrap_or(*look).answering(&mood);
         let from = (viewpoint, framing.as_ref());
         let staged = self.staging.set(area, count, from, &look, reaction, instrument);
         let grains = self.sand.drawn();

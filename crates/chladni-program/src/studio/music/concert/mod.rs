@@ -44,7 +44,7 @@ use crate::studio::theme;
 use crate::studio::viewport;
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
-use crate::work::{Error, Lag, SandTable, Staging, along, chooses_shots, reaction};
+use crate::work::{Error, Lag, SandTable, Staging, along, chooses_shots, look_on_stage, reaction};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -336,7 +336,8 @@ impl Concert {
         self.recent.hear(heard.at_secs, &heard.bands);
         let (beat, reaction) = (heard.beat, reaction(&self.instrument, heard.beat, heard.fading));
         let (mood, at_secs, is_known) = (heard.mood(), heard.at_secs, heard.is_known);
-        let look = self.piloted_look().unwrap_or_else(|| shared.settings.music.look()).answering(&mood);
+        let look = look_on_stage(&self.instrument).unwrap_or_else(|| shared.settings.music.look());
+        let look = look.answering(&mood);
         let staged = self.on_stage();
         let is_apart = staged && shared.settings.music.own_window;
         if !staged {

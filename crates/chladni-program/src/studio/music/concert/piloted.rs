@@ -66,11 +66,6 @@ impl Concert {
         Ok(())
     }
 
-    /// The look that the autopilot has chosen.
-    pub(super) fn piloted_look(&self) -> Option<chladni_view::Look> {
-        self.piloted.as_ref()?.programme.look()
-    }
-
     /// The stage was left or taken by hand: back to the gallery as it was.
     pub(super) fn end_piloting(&mut self) -> Result<(), Error> {
         let Some(piloted) = self.piloted.take() else { return Ok(()) };

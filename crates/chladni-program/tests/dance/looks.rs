@@ -1,0 +1,52 @@
+//! Looks that come on stage while a show goes on.
+
+use std::path::Path;
+
+use chladni_music::{Action, FileRef, GalleryShape, Instrument, LoggedAction, Looks, Moment, Show, SongRef};
+
+use crate::{ball, run};
+
+/// A show in the look `own`; what is on stage gets another one after 0.2 s.
+fn show(own: &str, on_stage: Option<&str>) -> Show {
+    let shape = GalleryShape { eigenvalues: (0..16).map(f64::from).collect(), bands: 32 };
+    let instrument = Instrument::new(1, 6, shape).unwrap();
+    let file = |path: &str| FileRef { path: path.to_owned(), blake3: None };
+    let at = |at_secs, action| LoggedAction { moment: Moment { at_secs, at_beat: 0.0 }, action };
+    let look = on_stage.map(|look| at(0.2, Action::SetLook { look: look.to_owned() }));
+    Show {
+        body: Some(file("ball.obj")),
+        songs: vec![SongRef::of(file("sample:tune"))],
+        looks: Some(Looks { look: own.to_owned(), ..Looks::default() }),
+        actions: [at(0.0, Action::Perform { item: 0 })].into_iter().chain(look).collect(),
+        ..Show::of(&instrument)
+    }
+}
+
+/// One frame at `start` seconds.
+fn frame(folder: &Path, show: &Show, start: &str, more: &[&str]) -> Vec<u8> {
+    ball(&folder.join("ball.obj"));
+    let (file, frames) = (folder.join("a.show.json"), folder.join("frames"));
+    show.save(&file).unwrap();
+    let [file, out] = [&file, &frames].map(|path| path.to_str().unwrap());
+    let dance = ["dance", "--show", file, "--frames", out, "--start", start, "--duration", "0.03"];
+    let small = ["--size", "96x54", "--draw", "cpu"];
+    assert_eq!(run(&[&dance[..], &small, more].concat()), 0);
+    let bytes = std::fs::read(frames.join("frame-00000.png")).unwrap();
+    std::fs::remove_dir_all(&frames).unwrap();
+    bytes
+}
+
+#[test]
+fn a_show_repeats_the_looks_that_came_on_stage() {
+    let folder = tempfile::tempdir().unwrap();
+    let frame = |show: &Show, start, more: &[&str]| frame(folder.path(), show, start, more);
+    let (ember, contour) = (show("ember", None), show("contour", None));
+    let changing = show("ember", Some("contour"));
+    assert_ne!(frame(&ember, "0.4", &[]), frame(&contour, "0.4", &[]));
+    assert_eq!(frame(&changing, "0.1", &[]), frame(&ember, "0.1", &[]));
+    assert_eq!(frame(&changing, "0.4", &[]), frame(&contour, "0.4", &[]));
+    // A film that asks for a look has that one throughout.
+    assert_eq!(frame(&changing, "0.4", &["--look", "ember"]), frame(&ember, "0.4", &[]));
+    // A look of another version leaves the show's own.
+    assert_eq!(frame(&show("ember", Some("dawn of 2031")), "0.4", &[]), frame(&ember, "0.4", &[]));
+}
