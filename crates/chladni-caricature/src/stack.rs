@@ -43,6 +43,7 @@ pub struct Stack {
 struct LayerMemo {
     painted: PaintedSpectrum,
     mask: Memo<(Painted, Smoothing), Mask>,
+    /// The shape that it is made from, and how.
     own_target: Memo<(Same<Base>, Template), Arc<Target>>,
     /// The match and how far it is filled in.
     matched_target: Memo<(Same<Matched>, f64), Arc<Target>>,
@@ -185,7 +186,7 @@ impl Stack {
                 Some(matched) => Some(matched.target(self.original.basis(), layer.infill)?),
                 None => None,
             },
-            None => own_target(template, &self.original, &self.original),
+            None => own_target(template, &self.original),
         };
         let unmatched =
             || CaricatureError::Template { template: template.to_string(), why: "is not matched".into() };
@@ -233,9 +234,14 @@ impl Stack {
         for (id, layer) in project.layers() {
             let memo = self.layers.entry(*id).or_insert_with(|| memos.remove(id).unwrap_or_default());
             let all_models = self.all_models_of == Some(*id);
-            let (matches, original, places) = (&self.matches, &self.original, &self.file_positions);
+            let (matches, places) = (&self.matches, &self.file_positions);
             let keeper = project.keep_triangles.then_some(&self.keeper);
-            let scene = Scene { matches, original, places, all_models, keeper, id: *id };
+            let template = match layer.template {
+                Template::Original => Some(&self.original),
+                Template::Layer(below) => result_of(below, &layers, &base),
+                _ => Some(&base),
+            };
+            let scene = Scene { matches, template, places, all_models, keeper, id: *id };
             let mut evaluated = EvaluatedLayer {
                 id: *id,
                 name: layer.name.clone(),
@@ -303,10 +309,17 @@ impl Stack {
     }
 }
 
-/// What all layers of a stack share.
+/// The shape after layer `id`, one of `layers`, above which is `top`.
+fn result_of<'a>(id: LayerId, layers: &'a [EvaluatedLayer], top: &'a Arc<Base>) -> Option<&'a Arc<Base>> {
+    let place = layers.iter().position(|layer| layer.id == id)?;
+    Some(layers.get(place + 1).map_or(top, |above| &above.base))
+}
+
+/// What a layer sees of its stack.
 struct Scene<'a> {
     matches: &'a [(MatchRequest, Result<Arc<Matched>, String>)],
-    original: &'a Arc<Base>,
+    /// The shape of the stack that its template is made from, where it is not a matched one.
+    template: Option<&'a Arc<Base>>,
     places: &'a [Vec3],
     /// Whether the layer is to be seen in all three models.
     all_models: bool,
@@ -415,13 +428,13 @@ impl LayerMemo {
             let make = || matched.target(base.basis(), layer.infill).map(Arc::new);
             return Ok(Some((self.matched_target.get(inputs, make)?, outdated)));
         }
-        let inputs = (Same::from(base), layer.template.clone());
+        let missing =
+            |why: &str| CaricatureError::Template { template: layer.template.to_string(), why: why.into() };
+        let shape = scene.template.ok_or_else(|| missing("is not below this layer"))?;
+        let inputs = (Same::from(shape), layer.template.clone());
         let make = || {
-            let own = own_target(&layer.template, base, scene.original).map(Arc::new);
-            own.ok_or_else(|| CaricatureError::Template {
-                template: layer.template.to_string(),
-                why: "needs a match".into(),
-            })
+            let own = own_target(&layer.template, shape).map(Arc::new);
+            own.ok_or_else(|| missing("needs a match"))
         };
         Ok(Some((self.own_target.get(inputs, make)?, false)))
     }
