@@ -62,7 +62,7 @@ pub use scenery::{PANORAMAS, PICTURES, Scenery};
 pub use sculpture::{Made, Sculpture, make, settled};
 pub use sitter::{head_parts, sitter};
 pub use stance::Stance;
-pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against};
+pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against, layer_since};
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, matched_with, template_mesh};
 pub use theatre::{

@@ -1,6 +1,6 @@
 //! What a layer compares with, by hand: templates without a mesh, and matches that are not trusted everywhere.
 
-use chladni_caricature::{Project, ScaleCurve, Template};
+use chladni_caricature::{LayerId, Project, ScaleCurve, Template};
 use chladni_match::Scaling;
 use chladni_mesh::{load_mesh, save_mesh};
 use egui::{Key, vec2};
@@ -92,6 +92,40 @@ fn a_template_is_taken_from_the_shelf_by_its_picture() {
     let (with, without, again) = (haunt(), haunt(), haunt());
     assert!(with > without + 2000 && again > without + 2000, "{with} {without} {again}");
     person.screenshot("studio-ghost.png");
+}
+
+#[test]
+fn what_came_after_a_layer_is_magnified_and_the_layer_cannot_be_deleted_meanwhile() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    for (add, layers) in [("Ellipsoid", 1), ("Own detail", 2)] {
+        person.click_button("Add");
+        person.click(add);
+        person.wait("the match", |window| !driving::shows(window, "Matching"));
+        assert_eq!(saved(&desk, &mut person).len(), layers);
+    }
+    person.click_button("Add");
+    person.click_button("The result of layer");
+    person.0.run_steps(4);
+    person.screenshot("studio-result-of-layer.png");
+    person.0.get_by_role_and_label(egui::accesskit::Role::Button, "Ellipsoid 1").click();
+    person.0.run_steps(4);
+    let layers = saved(&desk, &mut person);
+    assert_eq!(
+        (&layers[2].name[..], &layers[2].template),
+        ("Since Ellipsoid 1", &Template::Layer(LayerId(1)))
+    );
+    // The layer below has to stay.
+    person.click("Layer Ellipsoid 1");
+    person.press(Key::Delete);
+    assert!(person.sees("layer Since Ellipsoid 1 is compared with the result of layer Ellipsoid 1"));
+    assert_eq!(saved(&desk, &mut person), layers);
+    person.click("Layer Since Ellipsoid 1");
+    person.click("Compare with the shape below");
+    person.screenshot("studio-shape-below.png");
+    person.click("the result of Own detail 2");
+    assert_eq!(saved(&desk, &mut person)[2].template, Template::Layer(LayerId(2)));
 }
 
 /// Gives the slider called `name` a value, as assistive technology does.
