@@ -34,11 +34,13 @@ pub enum Quantity {
     HeldBack,
     /// One harmonic.
     Harmonic,
+    /// Where each point lies on the original.
+    Place,
 }
 
 impl Quantity {
     /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 11] = [
+    pub const ALL: [(Self, &'static str); 12] = [
         (Self::None, "Material"),
         (Self::Own, "Its own colours"),
         (Self::Displacement, "Displacement"),
@@ -50,6 +52,7 @@ impl Quantity {
         (Self::Crossings, "Crossing triangles"),
         (Self::HeldBack, "Held back"),
         (Self::Harmonic, "A harmonic"),
+        (Self::Place, "Place on the original"),
     ];
 }
 
@@ -145,6 +148,9 @@ impl Heat {
             Some(Painting::Smoothed) => Quantity::Region,
             None => self.quantity,
         };
+        if shown == Quantity::Place {
+            return Coating::Colors(places(&session.stack.original().positions));
+        }
         match self.values(shown, session) {
             Some((values, _)) if matches!(shown, Quantity::Painted | Quantity::Region) => {
                 let pointed = self.pointed.as_deref();
@@ -169,7 +175,7 @@ impl Heat {
         let body = session.stack.body();
         let unit = Scale { map: self.map, low: 0.0, high: 1.0 };
         match quantity {
-            Quantity::None | Quantity::Own => None,
+            Quantity::None | Quantity::Own | Quantity::Place => None,
             Quantity::Displacement => {
                 let values: Vec<f32> = session.evaluation.displacement().iter().map(length).collect();
                 let scale = Scale::of(self.map, &values);
@@ -232,6 +238,21 @@ impl Heat {
             }
         }
     }
+}
+
+/// A color for each place, which shows where a point of one shape lies on another: x, y and z within their bounds are red,
+/// green and blue. Linear light.
+fn places(positions: &[[f64; 3]]) -> Vec<[u8; 4]> {
+    let ends = |i: usize| {
+        positions.iter().fold((f64::MAX, f64::MIN), |(low, high), p| (p[i].min(low), p[i].max(high)))
+    };
+    let bounds = [ends(0), ends(1), ends(2)];
+    let channel = |p: &[f64; 3], i: usize| {
+        let (low, high) = bounds[i];
+        let share = (p[i] - low) / (high - low).max(f64::MIN_POSITIVE);
+        ((0.15 + 0.8 * share).powf(2.2) * 255.0).round() as u8
+    };
+    positions.iter().map(|p| [channel(p, 0), channel(p, 1), channel(p, 2), 255]).collect()
 }
 
 /// 1 at the corners of `some` of the triangles, less on two rings around them, so that single triangles of a
