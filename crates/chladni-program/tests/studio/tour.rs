@@ -55,7 +55,8 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     person.click("What colours show");
     person.click("Place on the original");
     let stage = person.place_of("3D view");
-    person.0.hover_at(stage.center() - vec2(0.25 * stage.width(), 0.0));
+    // The tip of the nose.
+    person.0.hover_at(stage.center() + vec2(-0.425 * stage.width(), 0.11 * stage.height()));
     person.0.run_steps(4);
     person.screenshot("window-template.png");
     person.press(Key::L);
