@@ -6,7 +6,7 @@ use chladni_view::{ColorMap, Scale};
 use super::curve::Spectrum;
 use super::session::Session;
 use super::stage::Coating;
-use crate::work::with_pointed;
+use crate::work::{place_colors, with_pointed};
 
 /// A quantity drawn on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -149,7 +149,9 @@ impl Heat {
             None => self.quantity,
         };
         if shown == Quantity::Place {
-            return Coating::Colors(places(&session.stack.original().positions));
+            let colors = place_colors(&session.stack.original().positions);
+            let bytes = |color: [f32; 4]| color.map(|c| (c * 255.0).round() as u8);
+            return Coating::Colors(colors.into_iter().map(bytes).collect());
         }
         match self.values(shown, session) {
             Some((values, _)) if matches!(shown, Quantity::Painted | Quantity::Region) => {
@@ -238,21 +240,6 @@ impl Heat {
             }
         }
     }
-}
-
-/// A color for each place, which shows where a point of one shape lies on another: x, y and z within their bounds are red,
-/// green and blue. Linear light.
-fn places(positions: &[[f64; 3]]) -> Vec<[u8; 4]> {
-    let ends = |i: usize| {
-        positions.iter().fold((f64::MAX, f64::MIN), |(low, high), p| (p[i].min(low), p[i].max(high)))
-    };
-    let bounds = [ends(0), ends(1), ends(2)];
-    let channel = |p: &[f64; 3], i: usize| {
-        let (low, high) = bounds[i];
-        let share = (p[i] - low) / (high - low).max(f64::MIN_POSITIVE);
-        ((0.15 + 0.8 * share).powf(2.2) * 255.0).round() as u8
-    };
-    positions.iter().map(|p| [channel(p, 0), channel(p, 1), channel(p, 2), 255]).collect()
 }
 
 /// 1 at the corners of `some` of the triangles, less on two rings around them, so that single triangles of a
