@@ -174,12 +174,17 @@ impl Stack {
     /// What makes the shape differ from a template, below all layers and with nothing left as it was found.
     ///
     /// # Errors
-    /// A template that is not matched.
+    /// A template that is not matched, or that is the result of a layer.
     pub fn difference(
         &self,
         template: &Template,
         matching: &MatchSettings,
     ) -> Result<Arc<Difference>, CaricatureError> {
+        let refused =
+            |why: &str| CaricatureError::Template { template: template.to_string(), why: why.into() };
+        if matches!(template, Template::Layer(_)) {
+            return Err(refused("there are no layers to be compared with"));
+        }
         let layer = Layer { matching: matching.clone(), ..Layer::new("", template.clone()) };
         let target = match MatchRequest::of(&layer) {
             Some(request) => match self.matched(&request) {
@@ -188,9 +193,7 @@ impl Stack {
             },
             None => own_target(template, &self.original),
         };
-        let unmatched =
-            || CaricatureError::Template { template: template.to_string(), why: "is not matched".into() };
-        let target = Arc::new(target.ok_or_else(unmatched)?);
+        let target = Arc::new(target.ok_or_else(|| refused("is not matched"))?);
         Difference::new(self.original.clone(), target).map(Arc::new)
     }
 
