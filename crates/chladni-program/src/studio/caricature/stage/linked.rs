@@ -6,7 +6,7 @@ use egui::{Color32, Stroke, Ui};
 
 use super::Stage;
 use super::pointing::Touch;
-use crate::studio::theme;
+use crate::studio::{theme, viewport};
 
 /// Radius of the mark in points.
 const RADIUS: f32 = 5.0;
@@ -24,7 +24,7 @@ impl Stage {
             let eye = self.eye_of([at.x - rect.min.x, at.y - rect.min.y].map(|c| c / scale), *cell);
             let faces =
                 (0..3).map(|i| f64::from(normal[i]) * (eye[i] - f64::from(point[i]))).sum::<f64>() > 0.0;
-            let painter = ui.painter_at(crate::studio::viewport::to_points(ui, rect, *cell));
+            let painter = ui.painter_at(viewport::to_points(ui, rect, *cell));
             if faces {
                 painter.circle(at, RADIUS, accent, Stroke::new(1.5, edge));
             } else {

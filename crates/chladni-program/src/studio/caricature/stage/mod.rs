@@ -1,13 +1,16 @@
 //! The shape in the caricature room: one figure large or three models side by side, heat maps,
 //! wires, and the brush on its surface.
 
+mod figures;
 mod inked;
 mod linked;
 mod pointing;
 
+pub use figures::{FIGURES, MODELS, ORIGINAL, RESULT, canvas};
 pub use inked::plate;
 pub use pointing::{BrushInHand, Press};
 
+use figures::TEMPLATE;
 use inked::{InkedStage, Scene};
 use pointing::Pointed;
 
@@ -16,28 +19,17 @@ use std::sync::Arc;
 use chladni_mesh::Orientation;
 use chladni_view::{
     Background, BrushRing, Camera, Cell, Figure, Gpu, ItemBuffers, PickTree, Rect, Scale, Skin, Topology,
-    VertexPaint, View, ViewError, layout,
+    VertexPaint, View, ViewError,
 };
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
-use super::look::{Portrayal, Show};
+use super::look::Portrayal;
 use super::overlay::{backdrop, show_legend, show_names};
 use super::shot::{Coat, Pose, Shot};
 use crate::studio::keys;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::{Error, MARKED, OwnLook, PAINTED, RING, tints};
-
-/// Figures that the stage holds room for: the result, the three models, the original, and the template.
-pub const FIGURES: usize = 6;
-/// The result of the whole stack.
-pub const RESULT: usize = 0;
-/// The first of the three models of the selected layer.
-pub const MODELS: usize = 1;
-/// The shape as it was loaded.
-pub const ORIGINAL: usize = 4;
-/// The template of the selected layer as it was matched, drawn over the others as a ghost or beside the result.
-const TEMPLATE: usize = 5;
 
 /// What gives the figures their color.
 #[derive(Debug)]
@@ -409,28 +401,4 @@ impl Stage {
             shown.iter().zip(drawn.iter().map(Vec::as_slice)).map(cell).collect()
         })
     }
-
-    /// The figures that are shown and their cells on the canvas that fills `rect`.
-    fn arranged(&self, ui: &Ui, rect: egui::Rect, show: Show) -> (&'static [usize], Vec<Rect>) {
-        let (figures, canvas) = (self.figures(show), canvas(ui, rect));
-        let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
-        (figures, layout::grid(canvas, rows, columns, 2, figures.len()))
-    }
-
-    /// The figures that are shown, from left to right.
-    fn figures(&self, show: Show) -> &'static [usize] {
-        match show {
-            Show::Models => &[MODELS, MODELS + 1, MODELS + 2, ORIGINAL],
-            Show::BeforeAfter => &[ORIGINAL, RESULT],
-            Show::Template if self.has_template => &[RESULT, TEMPLATE],
-            Show::Result | Show::Template => &[RESULT],
-            Show::Original => &[ORIGINAL],
-        }
-    }
-}
-
-/// The pixels of `rect`.
-pub fn canvas(ui: &Ui, rect: egui::Rect) -> Rect {
-    let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
-    Rect::of_size(pixels(rect.width()), pixels(rect.height()))
 }
