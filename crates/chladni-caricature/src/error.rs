@@ -38,6 +38,14 @@ pub enum CaricatureError {
     /// An action names a layer that the project does not have.
     #[error("there is no layer {0}")]
     NoLayer(u64),
+    /// A layer would lose the layer whose result is its template, or come to lie below it.
+    #[error("layer {layer} is compared with the result of layer {of}, which has to be below it")]
+    NotBelow {
+        /// The name of the layer.
+        layer: String,
+        /// The name of the one below, or its number where there is none.
+        of: String,
+    },
     /// Painting was asked for before the shape was loaded.
     #[error("a region can only be painted on a loaded shape")]
     NoSurface,

@@ -63,6 +63,8 @@ pub enum Template {
     LowPass(usize),
     /// The original shape below all layers: exaggerates what the layers below did.
     Original,
+    /// The shape as it is after a layer further down: exaggerates what the layers between did.
+    Layer(LayerId),
 }
 
 /// An ellipsoid or sphere given by numbers, in the coordinates of the shape's file.
@@ -166,8 +168,9 @@ impl From<ShapeSource> for Template {
     }
 }
 
-/// `ellipsoid`, `sphere`, a given one of either ([`GivenEllipsoid`]), `self:scale=0.9`, `self:lowpass=20`, `self:original`, `sample:NAME`, or a
-/// path.
+/// `ellipsoid`, `sphere`, a given one of either ([`GivenEllipsoid`]), `self:scale=0.9`, `self:lowpass=20`, `self:original`,
+/// `self:layer=2`, `sample:NAME`, or a path. Layers are numbered from the lowest, 1, as are the ids of a project that was
+/// just read.
 impl std::str::FromStr for Template {
     type Err = CaricatureError;
 
@@ -194,7 +197,11 @@ impl std::str::FromStr for Template {
                 Ok(k0) if k0 > 0 => Ok(Self::LowPass(k0)),
                 _ => Err(bad("the number of harmonics must be a whole number above 0")),
             },
-            _ => Err(bad("write self:scale=0.9, self:lowpass=20 or self:original")),
+            Some(("layer", number)) => match number.parse::<u64>() {
+                Ok(number) if number > 0 => Ok(Self::Layer(LayerId(number))),
+                _ => Err(bad("layers are numbered from the lowest, 1")),
+            },
+            _ => Err(bad("write self:scale=0.9, self:lowpass=20, self:original or self:layer=1")),
         }
     }
 }
@@ -209,6 +216,7 @@ impl std::fmt::Display for Template {
             Self::Scaled(factor) => write!(f, "self:scale={factor}"),
             Self::LowPass(k0) => write!(f, "self:lowpass={k0}"),
             Self::Original => f.write_str("self:original"),
+            Self::Layer(layer) => write!(f, "self:layer={}", layer.0),
         }
     }
 }

@@ -57,6 +57,7 @@ mod head_parts;
 mod history;
 mod keeping;
 mod layer;
+mod layer_memo;
 mod limbs;
 mod low_pass;
 mod matching;

@@ -92,7 +92,7 @@ impl MatchRequest {
             Template::Ellipsoid | Template::Sphere | Template::Given(_) => {
                 Some(Self { template, matching: MatchSettings::default() })
             }
-            Template::Scaled(_) | Template::LowPass(_) | Template::Original => None,
+            Template::Scaled(_) | Template::LowPass(_) | Template::Original | Template::Layer(_) => None,
         }
     }
 
@@ -177,12 +177,13 @@ fn like_template(
     Ok(found.orientation.turned(std::array::from_fn(|j| std::array::from_fn(|i| rows[i][j]))))
 }
 
-/// The target of a template that is made from the layer's own `base` or the `original` shape.
-pub(crate) fn own_target(template: &Template, base: &Arc<Base>, original: &Arc<Base>) -> Option<Target> {
+/// The target of a template that is made from a shape of the stack itself: the layer's own, the original, or the result
+/// of a layer further down.
+pub(crate) fn own_target(template: &Template, shape: &Arc<Base>) -> Option<Target> {
     match template {
-        Template::Scaled(factor) => Some(Target::scaled(base.clone(), *factor)),
-        Template::LowPass(k0) => Some(Target::low_passed(base.clone(), *k0)),
-        Template::Original => Some(Target::scaled(original.clone(), 1.0)),
+        Template::Scaled(factor) => Some(Target::scaled(shape.clone(), *factor)),
+        Template::LowPass(k0) => Some(Target::low_passed(shape.clone(), *k0)),
+        Template::Original | Template::Layer(_) => Some(Target::scaled(shape.clone(), 1.0)),
         _ => None,
     }
 }

@@ -143,6 +143,11 @@ impl Project {
         self.layers.iter().find(|(i, _)| *i == id).map(|(_, l)| l)
     }
 
+    /// The number of a layer, counted from the lowest, 1: what it is called where ids mean nothing, as in files.
+    pub fn number(&self, id: LayerId) -> Option<usize> {
+        self.layers.iter().position(|(i, _)| *i == id).map(|place| place + 1)
+    }
+
     /// Whether a layer acts: it is enabled, and soloed where any layer is.
     pub fn acts(&self, layer: &Layer) -> bool {
         layer.enabled && (layer.solo || !self.layers.iter().any(|(_, l)| l.solo))
@@ -178,10 +183,11 @@ impl Project {
     /// Adds a layer on top and returns its id.
     ///
     /// # Errors
-    /// As [`Layer::validate`].
+    /// As [`Layer::validate`], and a template that is the result of a layer which is not there.
     pub fn push(&mut self, layer: Layer) -> Result<LayerId, CaricatureError> {
-        layer.validate()?;
-        Ok(self.insert(self.layers.len(), Arc::new(layer)))
+        let id = self.next_id();
+        self.apply(&Action::Add { index: self.layers.len(), layer: Box::new(layer) }, None)?;
+        Ok(id)
     }
 
     fn insert(&mut self, index: usize, layer: Arc<Layer>) -> LayerId {
@@ -198,8 +204,30 @@ impl Project {
     /// Does `action`. Painting needs the `surface` of the shape. On an error nothing has changed.
     ///
     /// # Errors
-    /// A layer that is not there, a number out of its range, or painting without a `surface` or on another one.
+    /// A layer that is not there, a number out of its range, painting without a `surface` or on another one, or a layer
+    /// whose template would be the result of one that is not below it.
     pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
+        let mut changed = self.clone();
+        changed.act(action, surface)?;
+        if let Some((layer, of)) = changed.not_below() {
+            let of = self.layer(of).map_or_else(|| of.0.to_string(), |below| below.name.clone());
+            return Err(CaricatureError::NotBelow { layer: layer.name.clone(), of });
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    /// The first layer whose template is the result of one that is not below it, and that one.
+    fn not_below(&self) -> Option<(&Layer, LayerId)> {
+        self.layers.iter().enumerate().find_map(|(place, (_, layer))| match layer.template {
+            Template::Layer(of) if self.layers[..place].iter().all(|(below, _)| *below != of) => {
+                Some((&**layer, of))
+            }
+            _ => None,
+        })
+    }
+
+    fn act(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
         match action {
             Action::Add { index, layer } => {
                 layer.validate()?;

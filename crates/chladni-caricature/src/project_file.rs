@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 use crate::migration::{FORMAT_VERSION, migrate};
 use crate::project::DEFAULT_HARMONICS;
 use crate::{
-    CaricatureError, Layer, Model, Painted, Project, Region, ScaleCurve, ShapeSource, Smoothing, Sphere,
-    Template, runs,
+    CaricatureError, Layer, LayerId, Model, Painted, Project, Region, ScaleCurve, ShapeSource, Smoothing,
+    Sphere, Template, runs,
 };
 
 /// What is read of one file at most.
@@ -154,7 +154,7 @@ impl Project {
             ShapeSource::File(file) => relative_text(file, &folder).map_err(invalid)?,
             sample @ ShapeSource::Sample(_) => sample.to_string(),
         };
-        let layers = self.layers().iter().map(|(_, l)| LayerTable::of(l, &folder));
+        let layers = self.layers().iter().map(|(_, l)| LayerTable::of(l, self, &folder));
         let document = Document {
             format_version: FORMAT_VERSION,
             recovered_from,
@@ -218,9 +218,14 @@ impl Project {
 }
 
 impl LayerTable {
-    fn of(layer: &Layer, folder: &Path) -> Result<Self, String> {
+    fn of(layer: &Layer, project: &Project, folder: &Path) -> Result<Self, String> {
         let template = match &layer.template {
             Template::File(file) => relative_text(file, folder)?,
+            // Ids are not written: layers get them anew, in order, when the file is read.
+            Template::Layer(id) => {
+                let number = project.number(*id).ok_or_else(|| format!("there is no layer {}", id.0))?;
+                Template::Layer(LayerId(number as u64)).to_string()
+            }
             other => other.to_string(),
         };
         let Smoothing { wavelength, roll_off, clamp } = layer.region.smoothing;

@@ -10,14 +10,13 @@ use rayon::prelude::*;
 
 use crate::difference::check_count;
 use crate::keeping::{KeepRequest, Kept, SharedKeeper};
+use crate::layer_memo::{LayerMemo, Scene};
 use crate::matching::own_target;
-use crate::memo::{Memo, Same};
-use crate::painted_spectrum::PaintedSpectrum;
+use crate::memo::Same;
 use crate::softening::Softening;
 use crate::{
-    Base, CaricatureError, Difference, EvaluatedLayer, Evaluation, Field, Layer, LayerId, LayerState,
-    MatchRequest, Matched, Model, Painted, Project, ScaleCurve, Signals, Smoothing, Surface, Target,
-    Template,
+    Base, CaricatureError, Difference, EvaluatedLayer, Evaluation, Layer, LayerId, LayerState, MatchRequest,
+    Matched, Model, Project, Signals, Surface, Template,
 };
 use chladni_mesh::surface::vec3::{Vec3, add};
 
@@ -38,39 +37,9 @@ pub struct Stack {
     all_models_of: Option<LayerId>,
 }
 
-/// What one layer computed last.
-#[derive(Debug, Default)]
-struct LayerMemo {
-    painted: PaintedSpectrum,
-    mask: Memo<(Painted, Smoothing), Mask>,
-    own_target: Memo<(Same<Base>, Template), Arc<Target>>,
-    /// The match and how far it is filled in.
-    matched_target: Memo<(Same<Matched>, f64), Arc<Target>>,
-    difference: Memo<(Same<Base>, Same<Target>), Arc<Difference>>,
-    /// One per model, so that the three can be chosen between.
-    fields: [FieldMemo; 3],
-    /// The fields of all three, where they are shown side by side.
-    all_fields: Memo<(Same<Difference>, ScaleCurve), [Arc<Field>; 3]>,
-    displacement: DisplacementMemo,
-    kept: Option<(KeepRequest, Result<Arc<Kept>, String>)>,
-    capped: CapMemo,
-    result: ResultMemo,
-    signals: Memo<Same<Difference>, Signals>,
-}
-
 /// Beyond this many matches the oldest that no layer uses is dropped: moving landmarks makes many, of a
 /// megabyte or two each.
 const MAX_MATCHES: usize = 32;
-
-type Mask = Option<Arc<[f32]>>;
-type FieldMemo = Memo<(Same<Difference>, ScaleCurve), Arc<Field>>;
-/// The field, μ and χ it came from.
-type DisplacementMemo = Memo<(Same<Field>, f64, Option<Same<[f32]>>), Arc<Vec<Vec3>>>;
-/// What is capped, and by what.
-type CapMemo = Memo<(Same<Vec<Vec3>>, Same<Kept>), Arc<Vec<Vec3>>>;
-/// A displacement, and how far it was limited, once that is known.
-type Limited = (Arc<Vec<Vec3>>, Option<Arc<Kept>>);
-type ResultMemo = Memo<(Same<Base>, Same<Vec<Vec3>>), Arc<Base>>;
 
 impl Stack {
     /// A stack on `body`, with nothing matched.
@@ -173,23 +142,26 @@ impl Stack {
     /// What makes the shape differ from a template, below all layers and with nothing left as it was found.
     ///
     /// # Errors
-    /// A template that is not matched.
+    /// A template that is not matched, or that is the result of a layer.
     pub fn difference(
         &self,
         template: &Template,
         matching: &MatchSettings,
     ) -> Result<Arc<Difference>, CaricatureError> {
+        let refused =
+            |why: &str| CaricatureError::Template { template: template.to_string(), why: why.into() };
+        if matches!(template, Template::Layer(_)) {
+            return Err(refused("there are no layers to be compared with"));
+        }
         let layer = Layer { matching: matching.clone(), ..Layer::new("", template.clone()) };
         let target = match MatchRequest::of(&layer) {
             Some(request) => match self.matched(&request) {
                 Some(matched) => Some(matched.target(self.original.basis(), layer.infill)?),
                 None => None,
             },
-            None => own_target(template, &self.original, &self.original),
+            None => own_target(template, &self.original),
         };
-        let unmatched =
-            || CaricatureError::Template { template: template.to_string(), why: "is not matched".into() };
-        let target = Arc::new(target.ok_or_else(unmatched)?);
+        let target = Arc::new(target.ok_or_else(|| refused("is not matched"))?);
         Difference::new(self.original.clone(), target).map(Arc::new)
     }
 
@@ -233,9 +205,14 @@ impl Stack {
         for (id, layer) in project.layers() {
             let memo = self.layers.entry(*id).or_insert_with(|| memos.remove(id).unwrap_or_default());
             let all_models = self.all_models_of == Some(*id);
-            let (matches, original, places) = (&self.matches, &self.original, &self.file_positions);
+            let (matches, places) = (&self.matches, &self.file_positions);
             let keeper = project.keep_triangles.then_some(&self.keeper);
-            let scene = Scene { matches, original, places, all_models, keeper, id: *id };
+            let template = match layer.template {
+                Template::Original => Some(&self.original),
+                Template::Layer(below) => result_of(below, &layers, &base),
+                _ => Some(&base),
+            };
+            let scene = Scene { matches, template, places, all_models, keeper, id: *id };
             let mut evaluated = EvaluatedLayer {
                 id: *id,
                 name: layer.name.clone(),
@@ -303,139 +280,8 @@ impl Stack {
     }
 }
 
-/// What all layers of a stack share.
-struct Scene<'a> {
-    matches: &'a [(MatchRequest, Result<Arc<Matched>, String>)],
-    original: &'a Arc<Base>,
-    places: &'a [Vec3],
-    /// Whether the layer is to be seen in all three models.
-    all_models: bool,
-    /// Where layers are limited.
-    keeper: Option<&'a Arc<SharedKeeper>>,
-    /// The layer.
-    id: LayerId,
-}
-
-/// A layer that acts.
-struct Acting {
-    outdated: bool,
-    mask: Mask,
-    difference: Arc<Difference>,
-    unlimited: Arc<Vec<Vec3>>,
-    displacement: Arc<Vec<Vec3>>,
-    kept: Option<Arc<Kept>>,
-    result: Arc<Base>,
-}
-
-impl LayerMemo {
-    /// `None` while the template is not matched.
-    fn evaluate(
-        &mut self,
-        scene: &Scene<'_>,
-        softening: &mut Softening,
-        layer: &Layer,
-        base: &Arc<Base>,
-    ) -> Result<Option<Acting>, CaricatureError> {
-        let Some((target, outdated)) = self.target(scene, layer, base)? else { return Ok(None) };
-        let inputs = (Same::from(base), Same::from(&target));
-        let new = || Difference::new(base.clone(), target.clone()).map(Arc::new);
-        let difference = self.difference.get(inputs, new)?;
-        let region = &layer.region;
-        let painted = &mut self.painted;
-        let smooth = || region.smoothed(base.basis(), scene.places, painted, softening);
-        let mask = self.mask.get((region.painted.clone(), region.smoothing), smooth)?;
-        let field = if scene.all_models {
-            let [coordinate, normal, distance] = self.all_fields(&difference, &layer.curve);
-            match layer.model {
-                Model::Coordinate => coordinate,
-                Model::Normal => normal,
-                Model::Distance => distance,
-            }
-        } else {
-            self.field(&difference, layer.model, &layer.curve)
-        };
-        let mu = layer.effective_mu();
-        let inputs = (Same::from(&field), mu, mask.as_ref().map(Same::from));
-        let normals = || if layer.model == Model::Normal { base.normals() } else { &[] };
-        let displace =
-            || Ok::<_, CaricatureError>(Arc::new(field.displacement(normals(), mu, mask.as_deref())));
-        let unlimited = self.displacement.get(inputs, displace)?;
-        let (displacement, kept) = self.limited(scene, base, &mask, &unlimited)?;
-        let inputs = (Same::from(base), Same::from(&displacement));
-        let result =
-            self.result.get(inputs, || Ok::<_, CaricatureError>(Arc::new(base.moved(&displacement))))?;
-        Ok(Some(Acting { outdated, mask, difference, unlimited, displacement, kept, result }))
-    }
-
-    /// The displacement as it was limited, or, while it is not, capped by what was found last.
-    fn limited(
-        &mut self,
-        scene: &Scene<'_>,
-        base: &Arc<Base>,
-        mask: &Mask,
-        unlimited: &Arc<Vec<Vec3>>,
-    ) -> Result<Limited, CaricatureError> {
-        let (Some(keeper), Some((request, kept))) = (scene.keeper, &self.kept) else {
-            return Ok((unlimited.clone(), None));
-        };
-        let (base, mask, keeper) = (base.clone(), mask.clone(), keeper.clone());
-        let wanted = KeepRequest { layer: scene.id, base, unlimited: unlimited.clone(), mask, keeper };
-        match kept {
-            Ok(kept) if request.is_same(&wanted) => Ok((kept.displacement.clone(), Some(kept.clone()))),
-            Ok(kept) => {
-                let cap = || Ok::<_, CaricatureError>(Arc::new(kept.cap(&request.unlimited, unlimited)));
-                Ok((self.capped.get((Same::from(unlimited), Same::from(kept)), cap)?, None))
-            }
-            Err(why) if request.is_same(&wanted) => Err(CaricatureError::Unkept(why.clone())),
-            Err(_) => Ok((unlimited.clone(), None)),
-        }
-    }
-
-    /// The template's points, and whether they come from an older match than the one asked for.
-    fn target(
-        &mut self,
-        scene: &Scene<'_>,
-        layer: &Layer,
-        base: &Arc<Base>,
-    ) -> Result<Option<(Arc<Target>, bool)>, CaricatureError> {
-        if let Some(request) = MatchRequest::of(layer) {
-            let older = || {
-                let newest_first = scene.matches.iter().rev();
-                newest_first
-                    .filter(|(known, _)| known.template.alike(&request.template))
-                    .find_map(|(_, m)| m.as_ref().ok())
-            };
-            let (matched, outdated) = match scene.matches.iter().find(|(known, _)| *known == request) {
-                None => (older(), true),
-                Some((_, Ok(matched))) => (Some(matched), false),
-                Some((_, Err(why))) => return Err(CaricatureError::Unmatched(why.clone())),
-            };
-            let Some(matched) = matched else { return Ok(None) };
-            let inputs = (Same::from(matched), layer.infill);
-            let make = || matched.target(base.basis(), layer.infill).map(Arc::new);
-            return Ok(Some((self.matched_target.get(inputs, make)?, outdated)));
-        }
-        let inputs = (Same::from(base), layer.template.clone());
-        let make = || {
-            let own = own_target(&layer.template, base, scene.original).map(Arc::new);
-            own.ok_or_else(|| CaricatureError::Template {
-                template: layer.template.to_string(),
-                why: "needs a match".into(),
-            })
-        };
-        Ok(Some((self.own_target.get(inputs, make)?, false)))
-    }
-
-    fn field(&mut self, difference: &Arc<Difference>, model: Model, curve: &ScaleCurve) -> Arc<Field> {
-        let slot = &mut self.fields[model as usize];
-        let compute = || Ok::<_, std::convert::Infallible>(Arc::new(difference.field(model, curve)));
-        let Ok(field) = slot.get((Same::from(difference), curve.clone()), compute);
-        field
-    }
-
-    fn all_fields(&mut self, difference: &Arc<Difference>, curve: &ScaleCurve) -> [Arc<Field>; 3] {
-        let compute = || Ok::<_, std::convert::Infallible>(difference.fields(curve).map(Arc::new));
-        let Ok(fields) = self.all_fields.get((Same::from(difference), curve.clone()), compute);
-        fields
-    }
+/// The shape after layer `id`, one of `layers`, above which is `top`.
+fn result_of<'a>(id: LayerId, layers: &'a [EvaluatedLayer], top: &'a Arc<Base>) -> Option<&'a Arc<Base>> {
+    let place = layers.iter().position(|layer| layer.id == id)?;
+    Some(layers.get(place + 1).map_or(top, |above| &above.base))
 }

@@ -25,6 +25,7 @@ fn action() -> impl Strategy<Value = Action> {
         (0.0..4.0).prop_map(|g| Property::Curve(ScaleCurve::flat(g))),
         Just(Property::Model(Model::Normal)),
         Just(Property::Template(Template::LowPass(12))),
+        id().prop_map(|below| Property::Template(Template::Layer(below))),
     ];
     prop_oneof![
         (0..4_usize)
@@ -83,7 +84,13 @@ proptest! {
         history.project().save(&path).unwrap();
         let loaded = Project::load(&path).unwrap();
         prop_assert_eq!(&loaded.shape, &history.project().shape);
-        let layers = |p: &Project| p.layers().iter().map(|(_, l)| l.clone()).collect::<Vec<_>>();
+        let layers = |p: &Project| {
+            let numbered = |layer: &Layer| match layer.template {
+                Template::Layer(below) => Template::Layer(LayerId(p.number(below).unwrap() as u64)),
+                ref other => other.clone(),
+            };
+            p.layers().iter().map(|(_, l)| Layer { template: numbered(l), ..Layer::clone(l) }).collect::<Vec<_>>()
+        };
         prop_assert_eq!(layers(&loaded), layers(history.project()));
         for state in states.iter().rev().skip(1) {
             history.undo().unwrap();
@@ -96,6 +103,52 @@ proptest! {
         }
         prop_assert!(history.redo().is_none());
     }
+}
+
+/// A reference names a layer, wherever that is moved to, and nothing may make it point at the layer itself, above it, or
+/// at nothing.
+#[test]
+fn a_layer_keeps_the_layer_below_whose_result_is_its_template() {
+    let mut history = History::new(empty());
+    let template = [Template::Sphere, Template::Ellipsoid, Template::Layer(LayerId(1))];
+    for (name, template) in ["round", "long", "since"].into_iter().zip(template) {
+        let layer = Box::new(Layer::new(name, template));
+        history.apply(&Action::Add { index: 9, layer }, None).unwrap();
+    }
+    let [round, long, since] = [1, 2, 3].map(LayerId);
+    let of = |layer, below| Action::Set { layer, to: Property::Template(Template::Layer(below)) };
+    let before = history.project().clone();
+    for refused in [
+        Action::Remove(round),
+        Action::Move { layer: since, index: 0 },
+        Action::Move { layer: round, index: 2 },
+        Action::Add { index: 0, layer: Box::new(Layer::new("new", Template::Layer(round))) },
+        of(since, since),
+        of(long, since),
+        of(since, LayerId(7)),
+    ] {
+        let why = history.apply(&refused, None).unwrap_err().to_string();
+        assert!(why.contains("is compared with the result of layer"), "{why}");
+        assert_eq!(*history.project(), before);
+    }
+    let why = history.apply(&Action::Remove(round), None).unwrap_err().to_string();
+    assert_eq!(why, "layer since is compared with the result of layer round, which has to be below it");
+    // Moved up, it is the second layer of the file, and still the same one.
+    history.apply(&Action::Move { layer: round, index: 1 }, None).unwrap();
+    assert_eq!(history.project().layer(since).unwrap().template, Template::Layer(round));
+    let text = history.project().to_text(Path::new("/p.chladni"), None).unwrap();
+    assert!(text.contains("\"self:layer=2\""), "{text}");
+    let (read, _) = Project::from_text(&text, Path::new("/p.chladni")).unwrap();
+    let [_, (second, below), (_, top)] = read.layers() else { panic!("{read:?}") };
+    assert_eq!((&below.name[..], &top.template), ("round", &Template::Layer(*second)));
+    // The layer between may go, and the one below once nothing is compared with it.
+    history.apply(&Action::Remove(long), None).unwrap();
+    history.apply(&Action::Set { layer: since, to: Property::Template(Template::Original) }, None).unwrap();
+    history.apply(&Action::Remove(round), None).unwrap();
+    for _ in 0..4 {
+        history.undo().unwrap();
+    }
+    assert_eq!(*history.project(), before);
 }
 
 #[test]
@@ -199,6 +252,11 @@ fn what_is_wrong_with_a_file_is_told_in_one_line() {
         (format!("{head}[[layer]]\nname = "), "line 4"),
         (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'sphere'\nmu = 1\nmuu = 2\n"), "line 7, column 1"),
         (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'self:loud'\nmu = 1\n"), "layer 1 (n)"),
+        (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'self:layer=0'\nmu = 1\n"), "from the lowest, 1"),
+        (
+            format!("{head}[[layer]]\nname = 'n'\ntemplate = 'self:layer=1'\nmu = 1\n"),
+            "layer 1 (n): layer n is",
+        ),
         (format!("{head}{layer}strength = 7\n"), "strength"),
         (format!("{head}{layer}mu = nan\n").replacen("mu = 1\n", "", 1), "μ"),
         (format!("{head}{layer}[layer.region]\npainted = '99999999999*1'\n"), "more vertices"),

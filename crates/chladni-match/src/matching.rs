@@ -10,12 +10,13 @@ use crate::bend::bend;
 use crate::crossmap::{CrossMap, crossmap};
 use crate::landmarks::{self, Landmark, Pinned};
 use crate::partners::{Partners, in_template};
-use crate::prealign::{Pose, prealign};
+use crate::prealign::prealign;
 use crate::project::{self, confidence};
 use crate::settle::settle;
+use crate::similarity::fit_pairs_at;
 use crate::surface::UnitSurface;
 use crate::unfold::unfold;
-use crate::{Correspondence, MatchError, MatchReport, Scaling, Side, same_connectivity};
+use crate::{Correspondence, MatchError, MatchReport, Scaling, Side, Similarity, same_connectivity};
 
 /// How template points are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -79,19 +80,15 @@ pub fn match_shapes(
         Method::Same => (same_connectivity(shape, template, settings.scaling)?, None, Vec::new()),
         Method::Icp => {
             let pose = align()?;
-            (
-                closest_points(shape, &s, template, &Partners::none(&t), &pose, &s.points, None)?,
-                Some(pose),
-                Vec::new(),
-            )
+            let (at, trust) = closest_points(&s, &Partners::none(&t), &pose.similarity, &s.points, None)?;
+            let found = project::correspondence(shape, &s, template, &t, &at, &trust, &pose.similarity)?;
+            (found, Some(pose), Vec::new())
         }
         Method::Fit => {
             let pose = align()?;
-            let bent = bend(&s, &t, &pose.similarity, &pinned, settings.seed, task)?;
-            let partners = Partners::by_vote(&s, &t, &pose.similarity, &bent);
-            let settled = settle(&s, &partners, &pose.similarity, bent, task)?;
-            let found =
-                closest_points(shape, &s, template, &partners, &pose, &settled, Some((&pinned, task)))?;
+            let (at, trust, similarity) =
+                fit(&s, &t, &pinned, pose.similarity, (scale, settings.seed), task)?;
+            let found = project::correspondence(shape, &s, template, &t, &at, &trust, &similarity)?;
             (found, Some(pose), Vec::new())
         }
         Method::Map => {
@@ -116,19 +113,74 @@ fn unlike_sizes(times: f64) -> Option<String> {
     })
 }
 
-/// The closest point of the aligned template for each fitted vertex; with folds removed as far as possible if
-/// `unfolded` is set.
-fn closest_points(
-    shape_mesh: &TriMesh,
+/// For each vertex its point on the template, how far to trust it, and the similarity between them.
+type Fitted = (Vec<Closest>, Vec<f64>, Similarity);
+
+/// Bends the shape onto the template, from `pose` on.
+///
+/// What aligned them suppresses what differs, so that shapes that differ much end up with one side laid together and all
+/// difference on the other. Their pairs know better: the similarity is that between them, and where it differs from the one
+/// that the shape was bent from, it is bent again.
+fn fit(
     shape: &UnitSurface,
-    template_mesh: &TriMesh,
+    template: &UnitSurface,
+    pinned: &[Pinned],
+    mut pose: Similarity,
+    (scale, seed): (Option<f64>, u64),
+    task: &Task,
+) -> Result<Fitted, MatchError> {
+    /// Bending takes most of the time.
+    const MOST_ROUNDS: usize = 3;
+    /// A share of the diagonal by which the template may move without being fitted again.
+    const STILL: f64 = 0.01;
+    let mut round = 1;
+    loop {
+        let bent = bend(shape, template, &pose, pinned, seed, task)?;
+        let partners = Partners::by_vote(shape, template, &pose, &bent);
+        let settled = settle(shape, &partners, &pose, bent, task)?;
+        let (at, trust) = closest_points(shape, &partners, &pose, &settled, Some((pinned, task)))?;
+        let (again, moved) = between_pairs(shape, template, pinned, &at, &trust, scale, &pose);
+        if moved < STILL || round == MOST_ROUNDS {
+            return Ok((at, trust, again));
+        }
+        (pose, round) = (again, round + 1);
+    }
+}
+
+/// The similarity between the pairs, weighted by area and trust, landmarks with half the weight of all others, and how far
+/// it moves the template from where `pose` lays it; `pose` itself where too little is trusted to determine one.
+fn between_pairs(
+    shape: &UnitSurface,
+    template: &UnitSurface,
+    pinned: &[Pinned],
+    at: &[Closest],
+    trust: &[f64],
+    scale: Option<f64>,
+    pose: &Similarity,
+) -> (Similarity, f64) {
+    let place = |at: &Closest| DVec3::from_array(at.point);
+    let weights = || shape.areas.iter().zip(trust).map(|(area, trust)| area * trust);
+    let total: f64 = weights().sum();
+    let pairs = at.iter().zip(&shape.points).zip(weights()).map(|((a, b), w)| (place(a), *b, w));
+    let share = 0.5 * total / pinned.len().max(1) as f64;
+    let landmarks =
+        pinned.iter().map(|l| (template.points[l.template as usize], shape.points[l.shape as usize], share));
+    let Ok(again) = fit_pairs_at(pairs.clone().chain(landmarks), scale) else { return (*pose, 0.0) };
+    let squares: f64 = pairs.map(|(a, _, w)| w * again.at(a).distance_squared(pose.at(a))).sum();
+    (again, (squares / total).sqrt())
+}
+
+/// The closest point of the aligned template for each fitted vertex, and how far to trust it; with folds removed as far as
+/// possible if `unfolding` is set.
+fn closest_points(
+    shape: &UnitSurface,
     partners: &Partners,
-    pose: &Pose,
+    pose: &Similarity,
     laid: &[DVec3],
     unfolding: Option<(&[Pinned], &Task)>,
-) -> Result<Correspondence, MatchError> {
+) -> Result<(Vec<Closest>, Vec<f64>), MatchError> {
     let template = partners.template;
-    let (laid, looking) = in_template(shape, &pose.similarity, laid);
+    let (laid, looking) = in_template(shape, pose, laid);
     let nearest = |((p, normal), of): ((&DVec3, &DVec3), &u32)| {
         partners.nearest(*of, *p, *normal).ok_or(MatchError::NoSurface(Side::Template))
     };
@@ -147,8 +199,8 @@ fn closest_points(
         .zip(laid.par_iter().zip(&looking))
         .map(|(at, (p, normal))| {
             let distance_squared = DVec3::from_array(at.point).distance_squared(*p);
-            confidence(template, &Closest { distance_squared, ..*at }, *normal, pose.similarity.scale)
+            confidence(template, &Closest { distance_squared, ..*at }, *normal, pose.scale)
         })
         .collect();
-    project::correspondence(shape_mesh, shape, template_mesh, template, &at, &trust, &pose.similarity)
+    Ok((at, trust))
 }

@@ -83,6 +83,39 @@ fn layers_add_up_and_morph_targets_give_the_result() {
     assert!(largest(&grown, &evaluation.result.positions) < 1e-12);
 }
 
+/// x3 = x2 + μ (x1 − x2), with x1 the shape after the first layer and x2 after the second; and it follows when the first
+/// layer changes.
+#[test]
+fn a_layer_is_compared_with_the_result_of_one_below() {
+    let (_, mut stack) = stack();
+    let mut project = project();
+    let [first, second, third] = [0, 1, 2].map(|i| project.layers()[i].0);
+    let set = |project: &mut Project, layer, to| project.apply(&Action::Set { layer, to }, None).unwrap();
+    set(&mut project, third, Property::Template(Template::Layer(first)));
+    for (first_mu, mu) in [(-1.5, -0.4), (-1.5, 1.0), (-0.6, -2.0), (-0.6, 0.0)] {
+        set(&mut project, first, Property::Mu(first_mu));
+        set(&mut project, third, Property::Mu(mu));
+        let evaluation = stack.evaluate(&project);
+        let (x1, x2) = (&evaluation.layers[1].base.positions, &evaluation.layers[2].base.positions);
+        assert!(largest(x1, x2) > 1e-3, "the second layer does something");
+        let expected: Vec<[f64; 3]> =
+            x1.iter().zip(x2).map(|(a, b)| [0, 1, 2].map(|i| b[i] + mu * (a[i] - b[i]))).collect();
+        let error = largest(&expected, &evaluation.result.positions);
+        assert!(error < 1e-12, "μ = {mu}: {error}");
+        assert_eq!(evaluation.result.positions, self::stack().1.evaluate(&project).result.positions);
+    }
+    // With μ = 1 and the layer between switched off, or the layer below, there is nothing to do.
+    set(&mut project, third, Property::Mu(1.0));
+    set(&mut project, second, Property::Enabled(false));
+    let evaluation = stack.evaluate(&project);
+    assert!(largest(&evaluation.layers[2].base.positions, &evaluation.result.positions) < 1e-15);
+    set(&mut project, second, Property::Enabled(true));
+    set(&mut project, first, Property::Enabled(false));
+    // What a layer that is off leaves is the shape below it.
+    assert!(largest(&stack.evaluate(&project).result.positions, &stack.original().positions) < 1e-12);
+    assert!(stack.missing(&project).is_empty(), "it needs no match");
+}
+
 #[test]
 fn a_change_recomputes_only_from_its_layer_up() {
     let (_, mut stack) = stack();

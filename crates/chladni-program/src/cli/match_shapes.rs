@@ -19,7 +19,7 @@ use serde::Serialize;
 use super::Terminal;
 use super::layer_options::scaling;
 use crate::work::outputs::{check_file, check_picture};
-use crate::work::{Error, Stance, Warning, Watcher, source};
+use crate::work::{Error, Stance, Warning, Watcher, place_colors, source};
 
 /// Find the point of a template that belongs to each vertex of a shape, and say how good it is.
 #[derive(clap::Args)]
@@ -208,7 +208,7 @@ fn draw(
         |points: &[[f64; 3]]| -> Vec<[f32; 3]> { points.iter().map(|p| p.map(|x| x as f32)).collect() };
     let (rest, laid) = (narrow(&shape.positions), narrow(&found.target));
     let confidence: Vec<f32> = found.confidence.iter().map(|c| *c as f32).collect();
-    let colors = position_colors(shape);
+    let colors = place_colors(&shape.positions);
     let triangles = &shape.triangles;
     let shown = |positions| PictureShape { positions, triangles, ..PictureShape::default() };
     let shapes = [
@@ -226,27 +226,6 @@ fn draw(
     let request = PictureRequest { shapes: &shapes, width: 1600, height: 500, from, style: Style::default() };
     let png = render_picture(&device, &request).and_then(|picture| picture.to_png())?;
     chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
-}
-
-/// A colour for each place in the bounding box, so that the same colour means the same vertex.
-fn position_colors(mesh: &TriMesh) -> Vec<[f32; 4]> {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in &mesh.positions {
-        for i in 0..3 {
-            low[i] = low[i].min(p[i]);
-            high[i] = high[i].max(p[i]);
-        }
-    }
-    mesh.positions
-        .iter()
-        .map(|p| {
-            let [r, g, b] = std::array::from_fn(|i| {
-                let t = (p[i] - low[i]) / (high[i] - low[i]).max(f64::MIN_POSITIVE);
-                (0.08 + 0.72 * t) as f32
-            });
-            [r, g, b, 1.0]
-        })
-        .collect()
 }
 
 fn lines(report: &MatchReport, seconds: f64) -> Vec<String> {

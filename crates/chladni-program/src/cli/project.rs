@@ -54,7 +54,8 @@ pub struct AddLayer {
     project: PathBuf,
     /// What the shape is compared with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
     /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 (magnifies all),
-    /// self:lowpass=20 or self:original (magnifies the layers below).
+    /// self:lowpass=20, self:original (magnifies the layers below) or self:layer=2 (the shape after the second layer from
+    /// below: magnifies those above it).
     #[arg(long)]
     template: Template,
     /// The layer's name; its template's where none is given.

@@ -79,7 +79,7 @@ keys! {
     LANDMARKS = key L, "Pick landmarks on both shapes";
     LEAVE = key Escape, "Leave picking or painting";
     COMPARE = key C, "Hold to see the original";
-    NEXT_SHOW = key V, "Result, three models, before and after";
+    NEXT_SHOW = key V, "Result, three models, before and after, beside the template";
     WIRE = key W, "Edges of triangles";
     INK = key P, "A drawing in ink on paper";
     GALLERY = key G, "A gallery of caricatures to choose from";

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use chladni_caricature::{Layer, Project, Template};
+use chladni_caricature::{Layer, LayerId, Project, Template};
 
 /// A template that needs no file.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +38,11 @@ impl StartingPoint {
     pub fn layer(&self, project: &Project) -> Layer {
         project.new_layer(format!("{} {}", self.name, project.layers().len() + 1), (self.template)())
     }
+}
+
+/// A layer of `project` against the result of its layer `below`, which is called `name`, to be put on top.
+pub fn layer_since(project: &Project, below: LayerId, name: &str) -> Layer {
+    project.new_layer(format!("Since {name}"), Template::Layer(below))
 }
 
 /// A layer of `project` against the mesh at `path`, to be put on top.

@@ -216,6 +216,12 @@ fn bad_arguments_are_told_apart() {
         ("caricature absent.obj ellipsoid -o out.obj", "absent.obj"),
         ("caricature shape.obj absent.obj -o out.obj", "absent.obj"),
         ("caricature shape.obj self:loud=3 -o out.obj", "self:loud=3"),
+        ("caricature shape.obj self:layer=1 -o out.obj", "result of layer 1, which has to be below it"),
+        ("caricature shape.obj self:layer=1 --gallery -o out.png", "no layers to be compared with"),
+        (
+            "project add-layer good.chladni --template self:layer=1",
+            "result of layer 1, which has to be below it",
+        ),
         ("caricature sample:nobody ellipsoid -o out.obj", "nobody"),
         ("caricature shape.obj ellipsoid -o out.obj --mu 1e9", "μ"),
         ("caricature shape.obj ellipsoid -o out.obj --model loud", "loud"),

@@ -31,6 +31,23 @@ fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     assert!(largest(&sum, &result) < 1e-5, "{}", largest(&sum, &result));
 }
 
+/// With μ = 1 the shape goes back to what it was after the first layer.
+#[test]
+fn the_result_of_a_layer_is_the_template_of_another() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o one.chladni --harmonics 48");
+    desk.ok("project add-layer one.chladni --template ellipsoid --mu -0.8 --name plump");
+    std::fs::copy(desk.path("one.chladni"), desk.path("three.chladni")).unwrap();
+    desk.ok("project add-layer three.chladni --template self:scale=0.5 --mu -0.6");
+    desk.ok("project add-layer three.chladni --template self:layer=1 --mu 1");
+    assert!(desk.ok("project show three.chladni").contains("3. self:layer=1"));
+    for project in ["one", "three"] {
+        desk.ok(&format!("caricature --recipe {project}.chladni -o {project}.ply"));
+    }
+    let [one, three] = ["one.ply", "three.ply"].map(|name| desk.mesh(name).positions);
+    assert!(largest(&one, &three) < 1e-5 && largest(&one, &desk.mesh("shape.obj").positions) > 0.01);
+}
+
 /// A template is named from where the person stands, and kept relative to the project: whoever
 /// reads the project, from wherever, and after its folder has moved, finds the same file.
 #[test]

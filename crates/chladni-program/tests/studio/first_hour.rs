@@ -51,6 +51,9 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
     };
     person.drag(&(0..30).map(around).collect::<Vec<_>>());
     assert!(person.sees("Softness"), "a region");
+    // Under a resting brush pictures are drawn for speed.
+    person.0.hover_at(Pos2::new(600.0, 10.0));
+    person.0.run_steps(4);
     picture(&mut person, "lasso");
     person.press(Key::Escape);
     person.press(Key::Period);

@@ -1,9 +1,9 @@
 //! What a layer compares with, by hand: templates without a mesh, and matches that are not trusted everywhere.
 
-use chladni_caricature::{Project, ScaleCurve, Template};
+use chladni_caricature::{LayerId, Project, ScaleCurve, Template};
 use chladni_match::Scaling;
 use chladni_mesh::{load_mesh, save_mesh};
-use egui::{Key, vec2};
+use egui::{Key, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
@@ -92,6 +92,84 @@ fn a_template_is_taken_from_the_shelf_by_its_picture() {
     let (with, without, again) = (haunt(), haunt(), haunt());
     assert!(with > without + 2000 && again > without + 2000, "{with} {without} {again}");
     person.screenshot("studio-ghost.png");
+}
+
+#[test]
+fn what_came_after_a_layer_is_magnified_and_the_layer_cannot_be_deleted_meanwhile() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    for (add, layers) in [("Ellipsoid", 1), ("Own detail", 2)] {
+        person.click_button("Add");
+        person.click(add);
+        person.wait("the match", |window| !driving::shows(window, "Matching"));
+        assert_eq!(saved(&desk, &mut person).len(), layers);
+    }
+    person.click_button("Add");
+    person.click_button("The result of layer");
+    person.0.run_steps(4);
+    person.screenshot("studio-result-of-layer.png");
+    person.0.get_by_role_and_label(egui::accesskit::Role::Button, "Ellipsoid 1").click();
+    person.0.run_steps(4);
+    let layers = saved(&desk, &mut person);
+    assert_eq!(
+        (&layers[2].name[..], &layers[2].template),
+        ("Since Ellipsoid 1", &Template::Layer(LayerId(1)))
+    );
+    // The layer below has to stay.
+    person.click("Layer Ellipsoid 1");
+    person.press(Key::Delete);
+    assert!(person.sees("layer Since Ellipsoid 1 is compared with the result of layer Ellipsoid 1"));
+    assert_eq!(saved(&desk, &mut person), layers);
+    person.click("Layer Since Ellipsoid 1");
+    person.click("Compare with the shape below");
+    person.screenshot("studio-shape-below.png");
+    person.click("the result of Own detail 2");
+    assert_eq!(saved(&desk, &mut person)[2].template, Template::Layer(LayerId(2)));
+}
+
+#[test]
+fn the_place_under_the_pointer_is_marked_on_the_template_beside_the_shape_and_back() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    for _ in 0..3 {
+        person.press(Key::V);
+    }
+    assert!(!person.sees("Layer "), "no layer, no template: the result stands alone");
+    person.click_button("Add");
+    person.click("Ellipsoid");
+    person.wait("the match", |window| !driving::shows(window, "Matching"));
+    person.click("What colours show");
+    person.click("Place on the original");
+    let stage = person.place_of("3D view");
+    person.press(Key::Home);
+    let middle = stage.center().x;
+    // What changes in the other half of the picture, where there is no pointer: the middle of the mark.
+    let picture_at = |person: &mut Person, at: Pos2| {
+        person.0.hover_at(at);
+        person.0.run_steps(2);
+        person.0.render().unwrap()
+    };
+    let bare = picture_at(&mut person, pos2(middle, 20.0));
+    let mut opposite = |at: Pos2| {
+        let marked = picture_at(&mut person, at);
+        let changed = marked.enumerate_pixels().filter(|(x, y, pixel)| {
+            let place = pos2(*x as f32, *y as f32);
+            let across = (place.x < middle) != (at.x < middle);
+            across && stage.contains(place) && **pixel != *bare.get_pixel(*x, *y)
+        });
+        let mark: Vec<_> = changed.map(|(x, y, _)| vec2(x as f32 + 0.5, y as f32 + 0.5)).collect();
+        assert!((20..250).contains(&mark.len()), "{} pixels", mark.len());
+        (mark.iter().fold(vec2(0.0, 0.0), |sum, p| sum + *p) / mark.len() as f32).to_pos2()
+    };
+    let left = pos2(stage.left() + 0.25 * stage.width(), stage.center().y);
+    for on_shape in [left, left + vec2(30.0, -20.0), left + vec2(-60.0, 20.0)] {
+        let on_template = opposite(on_shape);
+        let back = opposite(on_template);
+        assert!((back - on_shape).length() < 2.0, "{on_shape:?}, {on_template:?}, {back:?}");
+    }
+    person.screenshot("studio-template-beside.png");
 }
 
 /// Gives the slider called `name` a value, as assistive technology does.

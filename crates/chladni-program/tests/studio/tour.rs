@@ -50,6 +50,15 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
         return;
     }
     person.press_with(CTRL, Key::Z);
+    person.press(Key::V);
+    person.press(Key::V);
+    person.click("What colours show");
+    person.click("Place on the original");
+    let stage = person.place_of("3D view");
+    // The tip of the nose.
+    person.0.hover_at(stage.center() + vec2(-0.425 * stage.width(), 0.11 * stage.height()));
+    person.0.run_steps(4);
+    person.screenshot("window-template.png");
     person.press(Key::L);
     person.wait_to_see("Landmarks on the template");
     person.wait_until_gone("Reading the template");

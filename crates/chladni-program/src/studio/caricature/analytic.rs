@@ -1,5 +1,5 @@
-//! Editing the numbers of templates that are not meshes: the shape itself scaled or smoothed, and given
-//! ellipsoids.
+//! Editing templates that are not meshes: the shape itself scaled or smoothed, given ellipsoids, and what the layers below
+//! leave.
 
 use chladni_caricature::{GivenEllipsoid, LayerId, Property, Template, wavelengths};
 use chladni_match::Ellipsoid;
@@ -7,13 +7,14 @@ use egui::{DragValue, RichText, Ui};
 
 use super::edits::Edits;
 use super::session::Session;
+use super::template_name::template_name;
 use crate::studio::theme;
 
 /// The initial numbers of the scaled and the smoothed template.
 const SCALED: Template = Template::Scaled(0.9);
 const SMOOTHED: Template = Template::LowPass(20);
 
-/// Draws the numbers of `template`, where it has any.
+/// Draws what can be changed of `template`, where that is anything.
 pub fn show(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits: &mut Edits) {
     match template {
         Template::Scaled(_) | Template::LowPass(_) => itself(ui, session, id, template, edits),
@@ -29,8 +30,27 @@ pub fn show(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, ed
             }
         }
         Template::Given(known) => given(ui, session, id, *known, edits),
-        Template::File(_) | Template::Sample(_) | Template::Original => {}
+        Template::Original | Template::Layer(_) => below(ui, session, id, template, edits),
+        Template::File(_) | Template::Sample(_) => {}
     }
+}
+
+/// Which of the shapes below: the original one, or that after a layer.
+fn below(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits: &mut Edits) {
+    let project = session.project();
+    let layers = project.layers().iter().map(|(below, _)| *below).take_while(|below| *below != id);
+    let choice = egui::ComboBox::from_id_salt("below")
+        .selected_text(template_name(template, project))
+        .show_ui(ui, |ui| {
+            for choice in std::iter::once(Template::Original).chain(layers.map(Template::Layer)) {
+                let chosen = choice == *template;
+                if ui.selectable_label(chosen, template_name(&choice, project)).clicked() && !chosen {
+                    edits.set(id, Property::Template(choice));
+                }
+            }
+        });
+    let tip = "What the layers above it did is exaggerated";
+    choice.response.on_hover_text(tip).accessible_name("Compare with the shape below");
 }
 
 /// The shape of the layers below, scaled down or smoothed: the paper magnifies all against either.

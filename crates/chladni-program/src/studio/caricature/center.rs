@@ -121,10 +121,11 @@ pub(super) fn update_stage(
         }
     }
     let evaluated = &session.evaluation.layers;
-    let haunting = evaluated.iter().find(|layer| look.ghost && Some(layer.id) == session.selected);
-    let template = haunting.and_then(|layer| layer.difference.as_ref());
-    let ghost = template.map(|difference| single(&difference.target.points));
-    stage.set_ghost(ghost.as_deref())?;
+    let seen = look.ghost || look.show == Show::Template;
+    let selected = evaluated.iter().find(|layer| seen && Some(layer.id) == session.selected);
+    let difference = selected.and_then(|layer| layer.difference.as_ref());
+    let template = difference.map(|difference| single(&difference.target.points));
+    stage.set_template(template.as_deref())?;
     stage.set_coating(heat.coating(session), look).map_err(Error::from)
 }
 
@@ -152,7 +153,7 @@ fn show_stage(
     let in_hand = brush
         .active
         .then(|| BrushInHand { brush: Brush { radius, mirror }, surface: session.stack.surface() });
-    let StageResponse { response, presses, figure } = stage.show(ui, gpu, rect, look, in_hand, &[])?;
+    let StageResponse { response, presses, figure } = stage.show(ui, gpu, rect, look, in_hand)?;
     if let Some((layer, hand)) = session.selected.zip(in_hand).filter(|_| brush.lasso.active) {
         if let Some(line) = brush.lasso.follow(ui, &response) {
             let erase = brush.erase ^ ui.input(|input| input.modifiers.ctrl);

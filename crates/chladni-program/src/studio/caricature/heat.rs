@@ -6,7 +6,7 @@ use chladni_view::{ColorMap, Scale};
 use super::curve::Spectrum;
 use super::session::Session;
 use super::stage::Coating;
-use crate::work::with_pointed;
+use crate::work::{place_colors, with_pointed};
 
 /// A quantity drawn on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,11 +34,13 @@ pub enum Quantity {
     HeldBack,
     /// One harmonic.
     Harmonic,
+    /// Where each point lies on the original.
+    Place,
 }
 
 impl Quantity {
     /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 11] = [
+    pub const ALL: [(Self, &'static str); 12] = [
         (Self::None, "Material"),
         (Self::Own, "Its own colours"),
         (Self::Displacement, "Displacement"),
@@ -50,6 +52,7 @@ impl Quantity {
         (Self::Crossings, "Crossing triangles"),
         (Self::HeldBack, "Held back"),
         (Self::Harmonic, "A harmonic"),
+        (Self::Place, "Place on the original"),
     ];
 }
 
@@ -145,6 +148,11 @@ impl Heat {
             Some(Painting::Smoothed) => Quantity::Region,
             None => self.quantity,
         };
+        if shown == Quantity::Place {
+            let colors = place_colors(&session.stack.original().positions);
+            let bytes = |color: [f32; 4]| color.map(|c| (c * 255.0).round() as u8);
+            return Coating::Colors(colors.into_iter().map(bytes).collect());
+        }
         match self.values(shown, session) {
             Some((values, _)) if matches!(shown, Quantity::Painted | Quantity::Region) => {
                 let pointed = self.pointed.as_deref();
@@ -169,7 +177,7 @@ impl Heat {
         let body = session.stack.body();
         let unit = Scale { map: self.map, low: 0.0, high: 1.0 };
         match quantity {
-            Quantity::None | Quantity::Own => None,
+            Quantity::None | Quantity::Own | Quantity::Place => None,
             Quantity::Displacement => {
                 let values: Vec<f32> = session.evaluation.displacement().iter().map(length).collect();
                 let scale = Scale::of(self.map, &values);

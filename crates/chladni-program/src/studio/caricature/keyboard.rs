@@ -96,7 +96,8 @@ impl CaricatureRoom {
             self.look.show = match self.look.show {
                 Show::Result => Show::Models,
                 Show::Models => Show::BeforeAfter,
-                Show::BeforeAfter | Show::Original => Show::Result,
+                Show::BeforeAfter => Show::Template,
+                Show::Template | Show::Original => Show::Result,
             };
             self.stale = true;
         }

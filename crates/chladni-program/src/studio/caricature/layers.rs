@@ -8,7 +8,7 @@ use super::thumbnails::Thumbnails;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{ADD_MESH, DELETE, DUPLICATE, HIDE, SOLO};
 use crate::studio::theme;
-use crate::work::STARTING_POINTS;
+use crate::work::{STARTING_POINTS, layer_since};
 
 /// Side of a layer's picture, points.
 const THUMBNAIL: f32 = 38.0;
@@ -212,6 +212,7 @@ impl LayerList {
                     ui.close();
                 }
             }
+            result_of_layer(ui, project, edits);
         });
     }
 
@@ -234,6 +235,27 @@ impl LayerList {
             self.renaming = None;
         }
     }
+}
+
+/// The choice of a layer whose result is the template of a new one on top. The topmost is not offered: the new layer would
+/// be compared with itself.
+fn result_of_layer(ui: &mut Ui, project: &Project, edits: &mut Edits) {
+    let below = project.layers().split_last().map_or(&[][..], |(_, below)| below);
+    let menu = |ui: &mut Ui| {
+        for (id, layer) in below.iter().rev() {
+            if ui.button(&layer.name).clicked() {
+                let layer = Box::new(layer_since(project, *id, &layer.name));
+                edits.once(Action::Add { index: project.layers().len(), layer });
+                ui.close();
+            }
+        }
+    };
+    let menu =
+        ui.add_enabled_ui(!below.is_empty(), |ui| ui.menu_button("The result of layer", menu).response);
+    let tip = "Against the shape after that layer: all changes above it grow";
+    menu.inner
+        .on_hover_text(tip)
+        .on_disabled_hover_text("With two layers or more: what came after one of them grows");
 }
 
 /// A frameless button of one icon.

@@ -13,6 +13,8 @@ pub enum Show {
     Models,
     /// The original beside the result.
     BeforeAfter,
+    /// The result beside the template of the selected layer.
+    Template,
     /// The original alone, while a key is held.
     Original,
 }

@@ -64,7 +64,7 @@ fn template(
                 edits.once(Action::Set { layer: id, to: Property::Template(template) });
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                ui.add(egui::Label::new(template_name(&layer.template)).truncate());
+                ui.add(egui::Label::new(template_name(&layer.template, session.project())).truncate());
             });
         });
     });

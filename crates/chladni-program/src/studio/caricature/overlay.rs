@@ -23,6 +23,8 @@ pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
         Show::Result => return,
         Show::Models => &["Coordinate", "Normal", "Distance", "Original"],
         Show::BeforeAfter => &["Before", "After"],
+        Show::Template if cells.len() == 1 => &["Result (the selected layer has no template to be seen yet)"],
+        Show::Template => &["Result", "Template"],
         Show::Original => &["Original"],
     };
     let palette = theme::palette(ui);

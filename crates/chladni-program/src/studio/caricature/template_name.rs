@@ -1,10 +1,10 @@
 //! What a template is called in the window.
 
-use chladni_caricature::Template;
+use chladni_caricature::{Project, Template};
 use chladni_mesh::samples::portrait_sliders;
 
-/// What a template is called in the window.
-pub fn template_name(template: &Template) -> String {
+/// What a template of a layer of `project` is called in the window.
+pub fn template_name(template: &Template, project: &Project) -> String {
     match template {
         Template::File(path) => path
             .file_name()
@@ -18,5 +18,9 @@ pub fn template_name(template: &Template) -> String {
         Template::Scaled(factor) => format!("itself × {factor:.2}"),
         Template::LowPass(k0) => format!("itself below harmonic {k0}"),
         Template::Original => "the original shape".into(),
+        Template::Layer(id) => {
+            let name = project.layer(*id).map_or_else(|| id.0.to_string(), |layer| layer.name.clone());
+            format!("the result of {name}")
+        }
     }
 }

@@ -73,6 +73,7 @@ impl CaricatureRoom {
             (Show::Result, Icon::User, "The result"),
             (Show::Models, Icon::Users, "The selected layer in all three models; click one to choose it"),
             (Show::BeforeAfter, Icon::Columns2, "Before and after"),
+            (Show::Template, Icon::GitCompareArrows, "The result beside the template of the selected layer"),
         ] {
             let tip = format!("{tip} ({})", ui.ctx().format_shortcut(&NEXT_SHOW.keys));
             ui.selectable_value(&mut self.look.show, show, icon::text(mark)).on_hover_text(tip);
@@ -96,7 +97,7 @@ impl CaricatureRoom {
         let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);
         let choice =
             // High enough for all choices, because no scroll bar would show that there are more.
-            egui::ComboBox::from_id_salt("heat").width(136.0).height(480.0).selected_text(name).show_ui(ui, |ui| {
+            egui::ComboBox::from_id_salt("heat").width(136.0).height(520.0).selected_text(name).show_ui(ui, |ui| {
                 let has_own = self.stage.as_ref().is_some_and(Stage::has_own_look);
                 for (choice, name) in Quantity::ALL.into_iter().filter(|q| q.0 != Quantity::Own || has_own) {
                     ui.selectable_value(&mut quantity, choice, name);

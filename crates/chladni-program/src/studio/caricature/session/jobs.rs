@@ -135,7 +135,7 @@ impl Session {
 
     fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Found> {
         let (shape, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
-        let name = template_name(&request.template);
+        let name = template_name(&request.template, self.project());
         // Warnings of a match are shown beside its quality.
         let work = move |task: &Task| Ok(matched(&request, &shape, &body, &Aside::new(task)));
         Job::start(format!("Matching {name}"), ctx, work)

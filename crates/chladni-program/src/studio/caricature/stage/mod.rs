@@ -1,12 +1,16 @@
 //! The shape in the caricature room: one figure large or three models side by side, heat maps,
 //! wires, and the brush on its surface.
 
+mod figures;
 mod inked;
+mod linked;
 mod pointing;
 
+pub use figures::{FIGURES, MODELS, ORIGINAL, RESULT, canvas};
 pub use inked::plate;
 pub use pointing::{BrushInHand, Press};
 
+use figures::TEMPLATE;
 use inked::{InkedStage, Scene};
 use pointing::Pointed;
 
@@ -14,29 +18,18 @@ use std::sync::Arc;
 
 use chladni_mesh::Orientation;
 use chladni_view::{
-    Background, BrushRing, Camera, Cell, Figure, Gpu, ItemBuffers, Marker, PickTree, Rect, Scale, Skin,
-    Topology, VertexPaint, View, ViewError, layout,
+    Background, BrushRing, Camera, Cell, Figure, Gpu, ItemBuffers, PickTree, Rect, Scale, Skin, Topology,
+    VertexPaint, View, ViewError,
 };
 use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
-use super::look::{Portrayal, Show};
+use super::look::Portrayal;
 use super::overlay::{backdrop, show_legend, show_names};
 use super::shot::{Coat, Pose, Shot};
 use crate::studio::keys;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::{Error, MARKED, OwnLook, PAINTED, RING, tints};
-
-/// Figures that the stage holds room for: the result, the three models, the original, and the ghost.
-pub const FIGURES: usize = 6;
-/// The result of the whole stack.
-pub const RESULT: usize = 0;
-/// The first of the three models of the selected layer.
-pub const MODELS: usize = 1;
-/// The shape as it was loaded.
-pub const ORIGINAL: usize = 4;
-/// The template of the selected layer, drawn over the others.
-const GHOST: usize = 5;
 
 /// What gives the figures their color.
 #[derive(Debug)]
@@ -51,6 +44,8 @@ pub enum Coating {
     Region(Vec<f32>),
     /// Places on the material to look at: 0 is bare, 1 is marked.
     Marks(Vec<f32>),
+    /// A color for each vertex, in linear light.
+    Colors(Vec<[u8; 4]>),
 }
 
 /// The result of drawing the stage.
@@ -82,8 +77,8 @@ pub struct Stage {
     poses: Vec<Pose>,
     /// How often each figure was replaced.
     changes: Vec<u64>,
-    /// There is a template to be seen as a ghost.
-    haunted: bool,
+    /// There is a template to be seen.
+    has_template: bool,
     inked: InkedStage,
     triangles: Arc<[[u32; 3]]>,
     pick: Option<(usize, PickTree)>,
@@ -142,7 +137,7 @@ impl Stage {
             own_look,
             poses: vec![(positions.to_vec(), normals.clone()); FIGURES],
             changes: vec![0; FIGURES],
-            haunted: false,
+            has_template: false,
             inked: InkedStage::default(),
             triangles: triangles.into(),
             pick: None,
@@ -188,12 +183,12 @@ impl Stage {
         Ok(())
     }
 
-    /// Shows a template over all figures, translucent; `positions` are where its vertices lie on it.
-    pub fn set_ghost(&mut self, positions: Option<&[[f32; 3]]>) -> Result<(), ViewError> {
-        self.haunted = positions.is_some();
+    /// Takes the template that is to be seen, where there is one; `positions` are where the shape's vertices lie on it.
+    pub fn set_template(&mut self, positions: Option<&[[f32; 3]]>) -> Result<(), ViewError> {
+        self.has_template = positions.is_some();
         if let Some(positions) = positions {
             let normals = chladni_view::smooth_normals(positions, &self.triangles);
-            return self.set_figure(GHOST, positions, &normals);
+            return self.set_figure(TEMPLATE, positions, &normals);
         }
         self.viewport.invalidate();
         Ok(())
@@ -219,6 +214,10 @@ impl Stage {
                 self.tints.write_colors(self.viewport.gpu(), &tints)?;
                 Coat::Colors(self.tints.clone())
             }
+            Coating::Colors(colors) => {
+                self.tints.write_colors(self.viewport.gpu(), &colors)?;
+                Coat::Colors(self.tints.clone())
+            }
             Coating::Own => self.own_coat(),
             Coating::Values(values, scale) => {
                 self.values.write_values(self.viewport.gpu(), &values)?;
@@ -241,7 +240,7 @@ impl Stage {
             }
             constant => constant.clone(),
         };
-        let poses = figures(look.show).iter().map(|figure| self.poses[*figure].clone()).collect();
+        let poses = self.figures(look.show).iter().map(|figure| self.poses[*figure].clone()).collect();
         let triangles = Arc::clone(&self.triangles);
         Ok(Shot {
             gpu,
@@ -304,11 +303,10 @@ impl Stage {
         rect: egui::Rect,
         look: Portrayal,
         brush: Option<BrushInHand<'_>>,
-        markers: &[Marker],
     ) -> Result<StageResponse, Error> {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         let canvas = canvas(ui, rect);
-        let (figures, cells) = arranged(ui, rect, look.show);
+        let (figures, cells) = self.arranged(ui, rect, look.show);
         if let Some(cell) = cells.first() {
             self.frame(figures, cell.aspect());
         }
@@ -349,21 +347,26 @@ impl Stage {
         if brush.is_some() && (response.hovered() || response.dragged()) {
             self.viewport.invalidate();
         }
-        if look.ink && brush.is_none() && markers.is_empty() {
-            let figures =
-                figures.iter().map(|figure| (*figure, self.changes[*figure])).zip(cells.iter().copied());
+        let figure = pointed.map(|pointed| pointed.figure);
+        let shown: Vec<(usize, Rect)> = figures.iter().copied().zip(cells.iter().copied()).collect();
+        // A brush has its ring on all of them.
+        let linked = touch.filter(|_| shown.len() > 1 && brush.is_none() && !response.dragged());
+        if look.ink && brush.is_none() {
+            let figures = shown.iter().map(|(figure, cell)| ((*figure, self.changes[*figure]), *cell));
             let (camera, size) = (self.camera, [canvas.width, canvas.height]);
             let scene = Scene { camera, ink: look.pen(), size, figures: figures.collect() };
             self.inked.show(ui, rect, scene, &self.poses, &self.triangles)?;
-            show_names(ui, rect, look.show, &cells);
-            return Ok(StageResponse { response, presses, figure: pointed.map(|pointed| pointed.figure) });
+        } else {
+            self.draw(ui, state, rect, look, &shown)?;
+            if let Coat::Values(_, scale) = &self.coat {
+                show_legend(ui, rect, *scale);
+            }
         }
-        self.draw(ui, state, rect, look, figures, &cells, markers)?;
-        if let Coat::Values(_, scale) = &self.coat {
-            show_legend(ui, rect, *scale);
+        if let Some(touch) = linked {
+            self.mark_on_each(ui, rect, &touch, &shown);
         }
         show_names(ui, rect, look.show, &cells);
-        Ok(StageResponse { response, presses, figure: pointed.map(|pointed| pointed.figure) })
+        Ok(StageResponse { response, presses, figure })
     }
 
     fn draw(
@@ -372,50 +375,30 @@ impl Stage {
         state: &RenderState,
         rect: egui::Rect,
         look: Portrayal,
-        figures: &[usize],
-        cells: &[Rect],
-        markers: &[Marker],
+        shown: &[(usize, Rect)],
     ) -> Result<(), ViewError> {
-        let haunted = self.haunted && look.ghost;
-        let ghost = haunted.then(|| Figure::new(&self.topology, &self.buffers, GHOST).ghost());
-        let drawn: Vec<Vec<Figure<'_>>> = figures
+        let haunted = self.has_template && look.ghost;
+        let ghost = haunted.then(|| Figure::new(&self.topology, &self.buffers, TEMPLATE).ghost());
+        let drawn: Vec<Vec<Figure<'_>>> = shown
             .iter()
-            .map(|item| {
+            .map(|(item, _)| {
                 let figure = look.figure(&self.topology, &self.buffers, *item, self.coat.paint());
+                let ghost = ghost.filter(|_| *item != TEMPLATE);
                 [Figure { brush: Some(&self.ring), ..figure }].into_iter().chain(ghost).collect()
             })
             .collect();
         let (background, lights) = (backdrop(ui), look.lights());
         let camera = self.camera;
         self.viewport.show(ui, state, rect, |_| {
-            cells
-                .iter()
-                .zip(&drawn)
-                .map(|(cell, figures)| Cell { viewport: *cell, camera, lights, background, figures, markers })
-                .collect()
+            let cell = |((_, cell), figures): (&(usize, Rect), _)| Cell {
+                viewport: *cell,
+                camera,
+                lights,
+                background,
+                figures,
+                markers: &[],
+            };
+            shown.iter().zip(drawn.iter().map(Vec::as_slice)).map(cell).collect()
         })
-    }
-}
-
-/// The pixels of `rect`.
-pub fn canvas(ui: &Ui, rect: egui::Rect) -> Rect {
-    let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
-    Rect::of_size(pixels(rect.width()), pixels(rect.height()))
-}
-
-/// The figures that are shown and their cells on the canvas that fills `rect`.
-fn arranged(ui: &Ui, rect: egui::Rect, show: Show) -> (&'static [usize], Vec<Rect>) {
-    let (figures, canvas) = (figures(show), canvas(ui, rect));
-    let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
-    (figures, layout::grid(canvas, rows, columns, 2, figures.len()))
-}
-
-/// The figures that are shown, from left to right.
-fn figures(show: Show) -> &'static [usize] {
-    match show {
-        Show::Result => &[RESULT],
-        Show::Models => &[MODELS, MODELS + 1, MODELS + 2, ORIGINAL],
-        Show::BeforeAfter => &[ORIGINAL, RESULT],
-        Show::Original => &[ORIGINAL],
     }
 }

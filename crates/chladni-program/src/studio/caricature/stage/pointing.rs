@@ -6,7 +6,7 @@ use egui::Ui;
 
 use super::super::lasso::encloses;
 use super::super::look::Show;
-use super::{Stage, arranged};
+use super::Stage;
 use crate::studio::viewport;
 
 /// A point under the pointer.
@@ -69,7 +69,7 @@ impl Stage {
         hand: BrushInHand<'_>,
     ) -> Vec<u32> {
         let line: Vec<egui::Pos2> = line.iter().map(|at| viewport::to_pixels(ui, rect, *at).into()).collect();
-        let (figures, cells) = arranged(ui, rect, show);
+        let (figures, cells) = self.arranged(ui, rect, show);
         let begins = line.first().and_then(|at| cells.iter().position(|cell| cell.contains(at.x, at.y)));
         let Some((cell, figure)) = begins.and_then(|i| Some((*cells.get(i)?, *figures.get(i)?))) else {
             return Vec::new();
@@ -100,7 +100,7 @@ impl Stage {
     }
 
     /// Where the eye is that sees what lies under a pixel: far away in a parallel view.
-    fn eye_of(&self, [x, y]: [f32; 2], cell: Rect) -> [f64; 3] {
+    pub(super) fn eye_of(&self, [x, y]: [f32; 2], cell: Rect) -> [f64; 3] {
         let ray = self.camera.ray(x, y, cell);
         let far = match self.camera.projection {
             Projection::Perspective => 0.0,

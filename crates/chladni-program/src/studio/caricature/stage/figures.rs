@@ -1,0 +1,44 @@
+//! Which figures stand on the stage, and where.
+
+use chladni_view::{Rect, layout};
+use egui::Ui;
+
+use super::super::look::Show;
+use super::Stage;
+
+/// Figures that the stage holds room for: the result, the three models, the original, and the template.
+pub const FIGURES: usize = 6;
+/// The result of the whole stack.
+pub const RESULT: usize = 0;
+/// The first of the three models of the selected layer.
+pub const MODELS: usize = 1;
+/// The shape as it was loaded.
+pub const ORIGINAL: usize = 4;
+/// The template of the selected layer as it was matched, drawn over the others as a ghost or beside the result.
+pub const TEMPLATE: usize = 5;
+
+impl Stage {
+    /// The figures that are shown and their cells on the canvas that fills `rect`.
+    pub(super) fn arranged(&self, ui: &Ui, rect: egui::Rect, show: Show) -> (&'static [usize], Vec<Rect>) {
+        let (figures, canvas) = (self.figures(show), canvas(ui, rect));
+        let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
+        (figures, layout::grid(canvas, rows, columns, 2, figures.len()))
+    }
+
+    /// The figures that are shown, from left to right.
+    pub(super) fn figures(&self, show: Show) -> &'static [usize] {
+        match show {
+            Show::Models => &[MODELS, MODELS + 1, MODELS + 2, ORIGINAL],
+            Show::BeforeAfter => &[ORIGINAL, RESULT],
+            Show::Template if self.has_template => &[RESULT, TEMPLATE],
+            Show::Result | Show::Template => &[RESULT],
+            Show::Original => &[ORIGINAL],
+        }
+    }
+}
+
+/// The pixels of `rect`.
+pub fn canvas(ui: &Ui, rect: egui::Rect) -> Rect {
+    let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
+    Rect::of_size(pixels(rect.width()), pixels(rect.height()))
+}
