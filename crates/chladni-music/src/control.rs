@@ -85,6 +85,9 @@ impl Bindings {
     }
 
     /// As a text file.
+    ///
+    /// # Errors
+    /// Bugs only: all bindings can be written.
     pub fn to_text(&self) -> Result<String, MusicError> {
         text_file::print(
             "bindings",
@@ -93,6 +96,9 @@ impl Bindings {
     }
 
     /// Takes the bindings of a text file; those of other devices and controls stay. Returns how many there were.
+    ///
+    /// # Errors
+    /// Text that does not list bindings, with its line, or a newer format version. Nothing changes then.
     pub fn import(&mut self, text: &str) -> Result<usize, MusicError> {
         text_file::version("bindings", text)?;
         let file: BindingFile = text_file::parse("bindings", text)?;

@@ -64,7 +64,8 @@ impl Dancer {
     /// Prepares `body`, whose harmonics have `classes` (K of them, see [`Symmetry`](crate::Symmetry)) and which
     /// stands as `stands` says: its left half is the viewer's.
     ///
-    /// Errors if the counts differ, or if there is no harmonic or no vertex.
+    /// # Errors
+    /// The counts differ, or there is no harmonic or no vertex.
     pub fn new(body: &Body, classes: &[Class], stands: &Orientation) -> Result<Self, MusicError> {
         let basis = &*body.basis;
         let k = basis.harmonics();

@@ -55,7 +55,8 @@ impl Ensemble {
     /// Adds deformations of the dancer, such as the layers of a caricature, as voices: they move
     /// every item on top of its mapping, as [`Instrument::voice`] says.
     ///
-    /// Errors if a term has more coefficients than the dancer has harmonics.
+    /// # Errors
+    /// A term has more coefficients than the dancer has harmonics.
     pub fn with_voices(mut self, terms: Vec<Term>) -> Result<Self, MusicError> {
         let settings = VoiceSettings::initial;
         let voices = terms.into_iter().enumerate();
@@ -78,6 +79,9 @@ impl Ensemble {
 
     /// The items that `bands` and `beat` drive: S items of the gallery in order, or one while something is on
     /// stage.
+    ///
+    /// # Errors
+    /// As [`play_gallery`](Self::play_gallery).
     pub fn play(
         &mut self,
         instrument: &Instrument,
@@ -105,6 +109,9 @@ impl Ensemble {
     }
 
     /// The items of the gallery, whatever is on stage.
+    ///
+    /// # Errors
+    /// Bands of another number than the mappings were compiled for, or another dancer's mappings.
     pub fn play_gallery(
         &mut self,
         instrument: &Instrument,
@@ -129,6 +136,9 @@ impl Ensemble {
     }
 
     /// Plays a mapping that is not in a gallery, to try it out, with the knobs set to `settings`: one item.
+    ///
+    /// # Errors
+    /// A mapping or a setting out of its ranges.
     pub fn audition(
         &mut self,
         instrument: &Instrument,

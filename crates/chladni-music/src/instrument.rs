@@ -133,11 +133,17 @@ pub struct Instrument {
 
 impl Instrument {
     /// The initial gallery of `size` items for a body.
+    ///
+    /// # Errors
+    /// A size that a gallery cannot have.
     pub fn new(seed: u64, size: usize, shape: GalleryShape) -> Result<Self, MusicError> {
         Self::beginning_with(Parameters::default(), seed, size, shape)
     }
 
     /// The same, with the knobs where `parameters` say.
+    ///
+    /// # Errors
+    /// A size that a gallery cannot have.
     pub fn beginning_with(
         parameters: Parameters,
         seed: u64,
@@ -236,6 +242,10 @@ impl Instrument {
     }
 
     /// Does `action` and logs it. On error nothing changes and nothing is logged.
+    ///
+    /// # Errors
+    /// The action names what is not there, or a value out of its range; or the gallery refuses, as where
+    /// nothing was chosen to breed.
     pub fn apply(&mut self, moment: Moment, action: Action) -> Result<(), MusicError> {
         self.act(moment, &action)?;
         self.log.push(LoggedAction { moment, action });
@@ -244,6 +254,9 @@ impl Instrument {
 
     /// All actions replayed, with the beat of each recomputed by `beats` from its time: for a song whose
     /// beats become known while it plays.
+    ///
+    /// # Errors
+    /// Bugs only: all of these actions were done before.
     pub fn with_beats(&self, beats: impl Fn(f64) -> f64) -> Result<Self, MusicError> {
         let mut again =
             Self::beginning_with(self.beginning.clone(), self.seed, self.size, self.shape.clone())?;

@@ -27,6 +27,8 @@
 //! a few probes); that symmetry classes are right on a shape without a mirror plane; bit-identical
 //! coefficients between machines of different floating-point behavior.
 
+#![warn(clippy::missing_errors_doc)]
+
 mod autopilot;
 mod breeding;
 mod clock;

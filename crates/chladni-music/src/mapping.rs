@@ -93,6 +93,9 @@ impl Mapping {
 
     /// Checks lengths (1 to 16384), that every number is finite, and the ranges above
     /// (the gain lies in [0, 100]).
+    ///
+    /// # Errors
+    /// Names what is wrong.
     pub fn validate(&self) -> Result<(), MusicError> {
         let bad = |what, why: String| Err(MusicError::BadMapping { what, why });
         for (what, values, low) in

@@ -263,6 +263,9 @@ impl Parameters {
     }
 
     /// Turns a knob; errors outside its range.
+    ///
+    /// # Errors
+    /// A value out of the knob's [range](Parameter::range).
     pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), MusicError> {
         let (low, high) = parameter.range();
         if !(low..=high).contains(&value) {
@@ -320,6 +323,9 @@ impl Parameters {
     }
 
     /// Applies `settings`; what they do not name stays. On error nothing changes.
+    ///
+    /// # Errors
+    /// A setting out of its range.
     pub fn apply(&mut self, settings: &Settings) -> Result<(), MusicError> {
         settings.validate()?;
         self.form = settings.form.unwrap_or(self.form);

@@ -82,7 +82,8 @@ pub struct Player {
 impl Player {
     /// Compiles `mapping` for `bands` sound bands.
     ///
-    /// Errors if the mapping is invalid or `playing` is out of its ranges.
+    /// # Errors
+    /// The mapping is invalid, or `playing` is out of its ranges.
     pub fn new(
         mapping: &Mapping,
         dancer: &Arc<Dancer>,
@@ -195,6 +196,9 @@ impl Player {
     /// Writes what the sound does into `item`, which [`item`](Self::item) of a player of the
     /// same form and dancer made. Returns the share of the limit that the movement reached
     /// before it was softened. Nothing is allocated.
+    ///
+    /// # Errors
+    /// Bands of another number than the mapping was compiled for, or an item of another form or dancer.
     pub fn play(&mut self, bands: &Bands<'_>, item: &mut Item) -> Result<f32, MusicError> {
         self.check(bands)?;
         let terms = self.terms();
@@ -347,6 +351,9 @@ pub(crate) fn soft_limit(reach: f32) -> f32 {
 
 /// Moves `item` toward `other`, made by a player of the same form and dancer: weight 0 keeps it, 1 replaces
 /// it. This is how one mapping morphs into another on stage.
+///
+/// # Errors
+/// Items of another form or dancer.
 pub fn blend(item: &mut Item, other: &Item, weight: f32) -> Result<(), MusicError> {
     if item.terms.len() != other.terms.len() {
         return Err(MusicError::Size { what: "terms", found: other.terms.len(), expected: item.terms.len() });

@@ -138,6 +138,9 @@ impl Default for Playing {
 
 impl Playing {
     /// Checks the ranges that the fields state.
+    ///
+    /// # Errors
+    /// Names the field that is out of its range.
     pub fn validate(&self) -> Result<(), MusicError> {
         let check = |name, value: f32, ok: bool, range| {
             if ok {

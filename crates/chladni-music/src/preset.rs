@@ -135,7 +135,10 @@ impl Preset {
         })
     }
 
-    /// Reads the text of a preset file. Errors name the line, or a newer format version.
+    /// Reads the text of a preset file.
+    ///
+    /// # Errors
+    /// Text that is not a preset, with its line; a newer format version; a value out of its range.
     pub fn from_text(text: &str) -> Result<Self, MusicError> {
         let version = text_file::version("preset", text)?;
         let mut preset: Self = text_file::parse("preset", text)?;
@@ -147,16 +150,25 @@ impl Preset {
     }
 
     /// The text of a preset file.
+    ///
+    /// # Errors
+    /// Bugs only: every preset can be written.
     pub fn to_text(&self) -> Result<String, MusicError> {
         text_file::print("preset", self)
     }
 
     /// Reads a preset file of at most 16 MiB.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is too large, and what [`from_text`](Self::from_text) refuses.
     pub fn load(path: &Path) -> Result<Self, MusicError> {
         Self::from_text(&text_file::read(path, 16)?)
     }
 
     /// Writes a preset file whole or not at all.
+    ///
+    /// # Errors
+    /// The file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), MusicError> {
         text_file::write(path, &self.to_text()?)
     }

@@ -227,6 +227,9 @@ impl Show {
     }
 
     /// The instrument at its beginning, for a body; apply `actions` as time goes by.
+    ///
+    /// # Errors
+    /// A setting out of its range, or a size that a gallery cannot have.
     pub fn begin(&self, shape: GalleryShape) -> Result<Instrument, MusicError> {
         let mut parameters = Parameters::default();
         parameters.apply(&self.beginning)?;
@@ -234,6 +237,9 @@ impl Show {
     }
 
     /// The instrument after all actions.
+    ///
+    /// # Errors
+    /// As [`begin`](Self::begin), or an action that cannot be done ([`Instrument::apply`]).
     pub fn replay(&self, shape: GalleryShape) -> Result<Instrument, MusicError> {
         let mut instrument = self.begin(shape)?;
         for line in &self.actions {
@@ -251,6 +257,9 @@ impl Show {
     }
 
     /// Reads the text of a show file, or of a session of version 1.
+    ///
+    /// # Errors
+    /// Text that is neither, with its line; a newer format version; a value out of its range.
     pub fn from_text(text: &str) -> Result<Self, MusicError> {
         let version = text_file::version("show", text)?;
         let mut show = if version < 2 {
@@ -285,16 +294,25 @@ impl Show {
     }
 
     /// The text of a show file.
+    ///
+    /// # Errors
+    /// Bugs only: every show can be written.
     pub fn to_text(&self) -> Result<String, MusicError> {
         text_file::print("show", self)
     }
 
     /// Reads a show file of at most 64 MiB: enough for hours of continuously turned knobs.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is too large, and what [`from_text`](Self::from_text) refuses.
     pub fn load(path: &Path) -> Result<Self, MusicError> {
         Self::from_text(&text_file::read(path, 64)?)
     }
 
     /// Writes a show file whole or not at all.
+    ///
+    /// # Errors
+    /// The file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), MusicError> {
         text_file::write(path, &self.to_text()?)
     }

@@ -71,6 +71,9 @@ impl VoiceSettings {
     }
 
     /// Checks that the band lies in [0, 1] and the gain in [−10, 10].
+    ///
+    /// # Errors
+    /// Names the one that is out of its range.
     pub fn validate(&self) -> Result<(), MusicError> {
         let check = |name, value: f32, low: f32, high: f32, range| {
             let ok = (low..=high).contains(&value);
@@ -111,8 +114,8 @@ impl Voices {
     /// Voices for a dancer; `limit` is the share of its bounding box's diagonal that no probe
     /// is to exceed, (0, 1].
     ///
-    /// Errors if a gain or the limit is out of range, or a term has more coefficients than
-    /// the dancer has harmonics.
+    /// # Errors
+    /// A gain or the limit is out of range, or a term has more coefficients than the dancer has harmonics.
     pub fn new(voices: Vec<Voice>, dancer: &Dancer, limit: f32) -> Result<Self, MusicError> {
         for voice in &voices {
             voice.settings.validate()?;
@@ -145,6 +148,9 @@ impl Voices {
     }
 
     /// Another limit, (0, 1].
+    ///
+    /// # Errors
+    /// A limit out of that range.
     pub fn set_limit(&mut self, limit: f32) -> Result<(), MusicError> {
         if !(limit > 0.0 && limit <= 1.0) {
             return Err(MusicError::OutOfRange {
@@ -158,6 +164,9 @@ impl Voices {
     }
 
     /// Lets a voice listen to something else.
+    ///
+    /// # Errors
+    /// There is no such voice, or a setting is out of its range.
     pub fn tune(&mut self, voice: usize, settings: VoiceSettings) -> Result<(), MusicError> {
         settings.validate()?;
         let count = self.voices.len();
@@ -173,6 +182,9 @@ impl Voices {
 
     /// Writes what the sound does into `item`, made by [`item`](Self::item). Returns the share
     /// of the limit reached before it was softened. Allocates nothing after the first call.
+    ///
+    /// # Errors
+    /// An item of another number of voices.
     pub fn play(&mut self, bands: &Bands<'_>, beat: Beat, item: &mut Item) -> Result<f32, MusicError> {
         if item.terms.len() != self.voices.len() {
             return Err(MusicError::Size {

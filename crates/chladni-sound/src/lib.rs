@@ -21,6 +21,8 @@
 //! Not guaranteed: the exact samples that a lossy codec decodes to (they may change with the
 //! decoder's version), and that a tracker's beats are a listener's beats: read its confidence.
 
+#![warn(clippy::missing_errors_doc)]
+
 mod beat;
 #[cfg(feature = "devices")]
 mod capture;

@@ -28,6 +28,7 @@
 //! Not guaranteed: pixels differ in their last bits from driver to driver, and from the processor. Translucent figures
 //! are not sorted. Only the key light casts shadows, within a cell.
 
+#![warn(clippy::missing_errors_doc)]
 #![cfg_attr(
     not(feature = "gpu"),
     allow(

@@ -109,12 +109,18 @@ pub struct Symmetry {
 
 impl Symmetry {
     /// Classifies the harmonics of `body` with the usual settings.
+    ///
+    /// # Errors
+    /// As [`with`](Self::with).
     pub fn of(body: &Body, task: &Task) -> Result<Self, MusicError> {
         Self::with(body, &SymmetrySettings::default(), task)
     }
 
     /// Classifies the harmonics of `body`: the paper's test for extrema and pairs, from them
     /// a mirror plane, and from that the class of each harmonic and cluster.
+    ///
+    /// # Errors
+    /// A body without harmonics or vertices, or the task was cancelled.
     pub fn with(body: &Body, settings: &SymmetrySettings, task: &Task) -> Result<Self, MusicError> {
         let basis = &*body.basis;
         if basis.harmonics() == 0 || basis.vertices() == 0 || body.positions.len() != basis.vertices() {

@@ -69,6 +69,9 @@ struct Taps {
 
 impl BeatFollower {
     /// For samples at `rate_hz`.
+    ///
+    /// # Errors
+    /// A rate out of the range of this crate.
     pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
         let meter = Meter::new();
         let states = meter.expected.len();
@@ -175,6 +178,9 @@ impl BeatFollower {
     }
 
     /// Forgets everything, as after a seek; taps and halving too.
+    ///
+    /// # Errors
+    /// None in practice: the rate was accepted before.
     pub fn reset(&mut self) -> Result<(), SoundError> {
         *self = Self::new(self.rate_hz as u32)?;
         Ok(())

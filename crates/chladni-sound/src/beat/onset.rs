@@ -68,6 +68,9 @@ struct Channel {
 
 impl OnsetDetector {
     /// For samples at `rate_hz`.
+    ///
+    /// # Errors
+    /// A rate out of the range of this crate.
     pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
         crate::check_rate("onset detector", rate_hz)?;
         let rate = f64::from(rate_hz);

@@ -60,6 +60,9 @@ impl Beats {
 }
 
 /// The most likely beats, given the whole song: the best path of the bar pointer (Viterbi).
+///
+/// # Errors
+/// A rate out of range, or the task was cancelled.
 pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let onsets = onsets(song, task)?;
     let heard = Normaliser::both_ways(&onsets);
@@ -75,6 +78,9 @@ pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
 
 /// The beats without knowledge of the future: what [`BeatFollower`] announces while the song is played to it
 /// in blocks of 10 ms.
+///
+/// # Errors
+/// A rate out of range, or the task was cancelled.
 pub fn track_beats_causally(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let mut follower = BeatFollower::new(song.rate_hz)?;
     let block = (song.rate_hz / 100) as usize;

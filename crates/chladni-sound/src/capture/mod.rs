@@ -87,6 +87,9 @@ impl Inlet {
 
 impl Capture {
     /// Opens a source and begins to listen.
+    ///
+    /// # Errors
+    /// The source is gone, busy or forbidden, or has no format that can be read.
     pub fn start(source: &CaptureSource) -> Result<Self, SoundError> {
         let (inlet, consumer) = inlet();
         let lost = Arc::clone(&inlet.lost);
@@ -104,6 +107,9 @@ impl Capture {
     }
 
     /// A capture of what the program itself writes, at `rate_hz`.
+    ///
+    /// # Errors
+    /// A rate out of the range of this crate.
     ///
     /// ```
     /// let (mut capture, mut feed) = chladni_sound::Capture::fed(48_000)?;

@@ -33,6 +33,9 @@ pub struct CaptureSource {
 }
 
 /// What can be listened to now: the default input first, then loopbacks, then other inputs.
+///
+/// # Errors
+/// The sound system does not answer.
 pub fn capture_sources() -> Result<Vec<CaptureSource>, SoundError> {
     let host = cpal::default_host();
     let failed = |error: cpal::Error| SoundError::Device { what: error.to_string() };

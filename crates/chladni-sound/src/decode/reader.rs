@@ -62,6 +62,9 @@ pub struct SongReader {
 
 impl SongReader {
     /// Opens a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, of no known kind, with a codec that is not supported, or without sound.
     pub fn open(path: &Path) -> Result<Self, SoundError> {
         let name = path.display().to_string();
         let unreadable = |source| SoundError::Read { name: name.clone(), source };
@@ -70,6 +73,9 @@ impl SongReader {
     }
 
     /// Reads a file that is in memory; `name` is used in messages.
+    ///
+    /// # Errors
+    /// Bytes of no known kind, with a codec that is not supported, or without sound.
     pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, SoundError> {
         Self::from_source(name, Box::new(Cursor::new(bytes)))
     }
@@ -177,6 +183,9 @@ impl SongReader {
 
     /// The next block of interleaved stereo, full scale ±1 (lossy codecs exceed it now and
     /// then); `None` at the end. Damaged packets are left out and counted.
+    ///
+    /// # Errors
+    /// The file cannot be read on, its rate changes within, or too many packets in a row are damaged.
     pub fn next_block(&mut self) -> Result<Option<&[f32]>, SoundError> {
         if !self.pending && !self.decode_block()? {
             return Ok(None);
@@ -187,6 +196,9 @@ impl SongReader {
     }
 
     /// Goes to a frame of the song, exactly; beyond the end the next block is `None`.
+    ///
+    /// # Errors
+    /// The file cannot be read from its start again.
     pub fn seek(&mut self, frame: u64) -> Result<(), SoundError> {
         self.pending = false;
         let target = frame.saturating_add(self.audible.skip);

@@ -24,6 +24,9 @@ pub struct StereoResampler {
 
 impl StereoResampler {
     /// From `from_hz` to `to_hz`, both in [[`MIN_RATE_HZ`](crate::MIN_RATE_HZ), [`MAX_RATE_HZ`](crate::MAX_RATE_HZ)].
+    ///
+    /// # Errors
+    /// A rate out of that range.
     pub fn new(from_hz: u32, to_hz: u32) -> Result<Self, SoundError> {
         for rate_hz in [from_hz, to_hz] {
             crate::check_rate("resampler", rate_hz)?;
@@ -46,6 +49,9 @@ impl StereoResampler {
     }
 
     /// Takes interleaved stereo and appends what is ready to `out`.
+    ///
+    /// # Errors
+    /// Bugs of the transform only.
     pub fn process(&mut self, interleaved: &[f32], out: &mut Vec<f32>) -> Result<(), SoundError> {
         self.frames_in += (interleaved.len() / 2) as u64;
         if self.fft.is_none() {
@@ -58,6 +64,9 @@ impl StereoResampler {
     }
 
     /// Ends the stream: appends the remaining frames. The resampler is then as new.
+    ///
+    /// # Errors
+    /// Bugs of the transform only.
     pub fn finish(&mut self, out: &mut Vec<f32>) -> Result<(), SoundError> {
         let due = (self.frames_in * u64::from(self.to_hz)).div_ceil(u64::from(self.from_hz));
         // The transform spans at most two seconds of input: that much silence flushes it.

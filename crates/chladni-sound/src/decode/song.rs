@@ -40,11 +40,18 @@ impl Default for SongOptions {
 
 impl Song {
     /// Reads a whole file at its own rate.
+    ///
+    /// # Errors
+    /// As those of [`SongReader::open`] and [`Song::read`].
     pub fn open(path: &Path) -> Result<Self, SoundError> {
         Self::read(&mut SongReader::open(path)?, &SongOptions::default(), &Task::new())
     }
 
     /// Reads the part given by `options` from `reader`, which then reports [`damage`](SongReader::damage).
+    ///
+    /// # Errors
+    /// A part that is out of the song, a song that is longer than the memory allowed, a damaged file, or the
+    /// task was cancelled.
     pub fn read(reader: &mut SongReader, options: &SongOptions, task: &Task) -> Result<Self, SoundError> {
         let positive = |secs: f64| secs.is_finite() && secs >= 0.0;
         if !positive(options.start_secs) || options.duration_secs.is_some_and(|d| !positive(d)) {

@@ -14,7 +14,10 @@ pub enum WavSample {
     Float32,
 }
 
-/// A stereo WAV file in memory. Fails where the file would exceed the 4 GiB of the format.
+/// A stereo WAV file in memory.
+///
+/// # Errors
+/// The file would exceed the 4 GiB of the format.
 pub fn wav_bytes(song: &Song, sample: WavSample) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     write_to(&mut bytes, song, sample)?;
@@ -22,6 +25,9 @@ pub fn wav_bytes(song: &Song, sample: WavSample) -> io::Result<Vec<u8>> {
 }
 
 /// Writes a stereo WAV file that appears whole or not at all.
+///
+/// # Errors
+/// The file cannot be written, or would exceed the 4 GiB of the format.
 pub fn write_wav(path: &Path, song: &Song, sample: WavSample) -> Result<(), SoundError> {
     chladni_task::write_atomic_with(path, |file| write_to(file, song, sample))
         .map_err(|source| SoundError::Write { path: path.to_owned(), source })

@@ -113,6 +113,9 @@ pub struct Player {
 
 impl Player {
     /// Starts the thread. A missing device is not an error: an event reports it.
+    ///
+    /// # Errors
+    /// The system grants no thread.
     pub fn start(settings: PlayerSettings) -> Result<Self, SoundError> {
         let clock = Arc::new(Clock::new());
         clock.set_volume(settings.volume.clamp(0.0, 1.0));

@@ -31,6 +31,9 @@ pub struct OutputDevice {
 }
 
 /// The devices that can play, the system's default first.
+///
+/// # Errors
+/// The sound system does not answer.
 pub fn output_devices() -> Result<Vec<OutputDevice>, SoundError> {
     let host = cpal::default_host();
     let default = host.default_output_device().and_then(|device| device.id().ok());

@@ -193,7 +193,10 @@ pub struct SpectrumAnalyser {
 }
 
 impl SpectrumAnalyser {
-    /// Makes the window, the bands and the FFT plan. Errors where a setting is out of range.
+    /// Makes the window, the bands and the FFT plan.
+    ///
+    /// # Errors
+    /// A setting out of range.
     pub fn new(settings: SpectrumSettings) -> Result<Self, SoundError> {
         settings.check()?;
         let n = settings.window_frames;

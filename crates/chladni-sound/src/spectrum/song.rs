@@ -43,7 +43,10 @@ impl SongSpectrum {
     /// Seconds between two hops.
     pub const HOP_SECS: f32 = 1.0 / HOPS_PER_SEC as f32;
 
-    /// Of the stretch of `song` that begins at `from_secs`. Errors where a setting is out of range.
+    /// Of the stretch of `song` that begins at `from_secs`.
+    ///
+    /// # Errors
+    /// A setting out of range.
     pub fn new(song: Arc<Song>, settings: SpectrumSettings, from_secs: f64) -> Result<Self, SoundError> {
         let analyser = SpectrumAnalyser::new(settings)?;
         let window = vec![0.0; analyser.window_frames()];
@@ -126,7 +129,10 @@ const PROBES: usize = 240;
 
 impl Song {
     /// The amplitude of the loudest band, as an analyzer of default settings at fixed level 1 hears it, that one moment
-    /// in ten exceeds; 0 for silence. Takes some 40 ms for a long song. Errors where the rate is out of range.
+    /// in ten exceeds; 0 for silence. Takes some 40 ms for a long song.
+    ///
+    /// # Errors
+    /// A rate out of range.
     pub fn loud_level(&self) -> Result<f32, SoundError> {
         let settings =
             SpectrumSettings { decay: 0.0, level: Level::Fixed(1.0), ..SpectrumSettings::new(self.rate_hz) };
