@@ -1,6 +1,7 @@
 // The page: its front, the way into both rooms, and the files that are brought.
 import init, { kind } from "./chladni_web.js";
 import { ask, compiled, giveUp } from "./work.js";
+import { openCard } from "./card.js";
 import { hands } from "./hands.js";
 import { attempt, of, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
@@ -67,6 +68,7 @@ const start = attempt(async () => {
   const tune = ask({ work: "decode", name: "sample:tune" });
   tune.catch(() => {});
   const { memory } = await init({ module_or_path: await compiled });
+  await openCard();
   listen();
   draw(memory);
   await music.front();

@@ -4,7 +4,7 @@ import { Sound } from "./sound.js";
 import { ask } from "./work.js";
 import { drawCells } from "./cells.js";
 import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
-import { show as showPicture } from "./picture.js";
+import { nextPicture, show as showPicture } from "./picture.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
@@ -100,6 +100,8 @@ const room = {
   name: "A shape that moves with the sound.",
   frame: (now, width, height) => !!concert && concert.frame(now / 1000, sound.number, sound.position(), sound.duration, width, height),
   pixels: () => concert.pixels(),
+  judge: (rgba, width, height) => concert.judge(rgba, width, height),
+  byProcessor: () => concert?.draw_by_processor(),
   drawn: (width, height) => {
     drawCells(of("cells"), concert.cells(), state, width, height, choices);
     if (!of("seek").matches(":active")) of("seek").value = sound.duration ? sound.position() / sound.duration : 0;
@@ -179,7 +181,7 @@ export function listen() {
   on("sand", () => { concert.sand(!state.sand); refresh(); });
   on("save-show", () => save("chladni-show.toml", concert.save_show()));
   on("save-preset", () => save("chladni-dance.toml", concert.save_preset(Math.max(0, state.dances.findIndex((dance) => dance.chosen)))));
-  on("save-picture", () => of("picture").toBlob((png) => save("chladni.png", png), "image/png"));
+  on("save-picture", async () => save("chladni.png", await nextPicture()));
   of("seek").addEventListener("input", () => sound.seek(of("seek").value * sound.duration));
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));
   of("look").addEventListener("change", () => { concert.set_look(JSON.stringify({ look: of("look").value })); refresh(); });

@@ -3,26 +3,25 @@
 
 mod doings;
 mod files;
+mod stage;
 mod state;
 
 use std::sync::Arc;
 
 use chladni_music::{
     Dancer, Ensemble, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction, Switch,
-    Viewpoint,
+    Veil, Viewpoint,
 };
 use chladni_program::work::{
-    Error, FrameGuard, Hearing, KnownSong, Playing, Programme, SandTable, ShowClock, Staging, along,
-    chooses_shots, look_named, opening_looks, opening_view,
+    Error, Hearing, KnownSong, Playing, Programme, SandTable, ShowClock, Staging, along, chooses_shots,
+    look_named, opening_looks, opening_view,
 };
 use chladni_sound::Song;
-use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
-use chladni_view::{
-    Canvas, Device, Figure, ItemBuffers, Look, Mood, Picture, Rect, Renderer, RestShape, Topology,
-};
+use chladni_synth::SynthModel;
+use chladni_view::{Device, Figure, Look, Mood, Rect};
 use wasm_bindgen::prelude::*;
 
-use crate::coarse::coarse;
+use self::stage::{Figures, Stage};
 use crate::parcel::Parcel;
 
 /// A shape, its dances, what is heard, and the picture of it.
@@ -44,28 +43,6 @@ pub struct Concert {
     songs: Vec<String>,
     stage: Stage,
 }
-
-/// What draws, and the picture that was drawn last.
-struct Stage {
-    synthesizer: CpuSynthesizer,
-    topology: Topology,
-    /// For a gallery, whose pictures are small; none where the body has few vertices anyway.
-    small: Option<Topology>,
-    rest: RestShape,
-    buffers: ItemBuffers,
-    renderer: Renderer,
-    canvas: Canvas,
-    guard: FrameGuard,
-    picture: Picture,
-    /// x, y, width and height of each item's cell.
-    cells: Vec<u32>,
-}
-
-/// Vertices of a body in a gallery.
-const SMALL: usize = 1600;
-
-/// Who draws: the page has no other device yet.
-const DEVICE: Device = Device::Processor;
 
 /// What beat and sound do to one picture.
 struct Shot {
@@ -95,7 +72,7 @@ impl Concert {
         let mut hearing = Hearing::default();
         hearing.tune(0.0, instrument.parameters());
         Ok(Self {
-            stage: Stage::new(model, &body.triangles, &staging)?,
+            stage: Stage::new(model, body.triangles.clone(), &staging)?,
             hearing,
             clock: ShowClock::default(),
             instrument,
@@ -170,7 +147,28 @@ impl Concert {
 
     /// Where the pixels of the last picture begin in the module's memory: RGBA, rows from the top.
     pub fn pixels(&self) -> *const u8 {
-        self.stage.picture.rgba.as_ptr()
+        self.stage.figures.screen.picture().rgba.as_ptr()
+    }
+
+    /// Looks at the picture that a graphics card drew last, made small: RGBA, rows from the top. How opaque the veil is
+    /// under which it may be shown, of 255: above 0 of white, below of black.
+    pub fn judge(&mut self, rgba: &[u8], width: u32, height: u32) -> i32 {
+        if !self.instrument.parameters().is_on(Switch::FlashLimit) {
+            return 0;
+        }
+        match self.stage.guard.judge(self.clock.at_secs(), rgba.as_chunks().0, [width, height]) {
+            Veil::Clear => 0,
+            Veil::Black(opacity) => -i32::from(opacity),
+            Veil::White(opacity) => opacity.into(),
+        }
+    }
+
+    /// The processor draws from now on: the page has lost its graphics card.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn draw_by_processor(&mut self) -> Result<(), JsError> {
+        Ok(self.stage.draw_by(Device::Processor, &self.staging)?)
     }
 
     /// x, y, width and height, in pixels, of the cell of each dance in the last picture.
@@ -200,54 +198,27 @@ impl Concert {
         let Shot { at_secs, reaction, framing, mood } = shot;
         let look = self.look().answering(&mood);
         let stage = &mut self.stage;
-        if (stage.canvas.width(), stage.canvas.height()) != (width, height) {
-            stage.canvas = Canvas::new(&DEVICE, width, height)?;
-        }
-        let items = stage.buffers.items();
+        let Figures { topology, small, rest, buffers, renderer, screen } = &mut stage.figures;
+        screen.fit(width, height)?;
+        let items = buffers.items();
         let from = (&self.viewpoint, framing.as_ref());
         let area = Rect::of_size(width, height);
         let staged = self.staging.set(area, items, from, &look, reaction, &self.instrument);
         let grains = self.sand.drawn();
-        let small = stage.small.as_ref().filter(|_| items > 1);
-        let topology = small.unwrap_or(&stage.topology);
+        let topology = small.as_ref().filter(|_| items > 1).unwrap_or(topology);
         let figure = |item| Figure {
             grains: grains.get(item).copied(),
-            ..staged.figure(topology, &stage.buffers, item, &stage.rest)
+            ..staged.figure(topology, buffers, item, rest)
         };
         let figures: Vec<Figure<'_>> = (0..items).map(figure).collect();
         let cells = staged.cells(&figures);
-        stage.renderer.draw_finished(&stage.canvas, &cells, &staged.look.finish, at_secs)?;
-        stage.picture = stage.canvas.read(&DEVICE)?;
-        if self.instrument.parameters().is_on(Switch::FlashLimit) {
-            stage.guard.pass(at_secs, &mut stage.picture);
+        renderer.draw_finished(screen.canvas(), &cells, &staged.look.finish, at_secs)?;
+        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
+        if let Some(picture) = screen.show()?.filter(|_| limited) {
+            stage.guard.pass(at_secs, picture);
         }
         let of = |cell: &Rect| [cell.x, cell.y, cell.width, cell.height];
         stage.cells = staged.viewports.iter().flat_map(of).collect();
         Ok(())
-    }
-}
-
-impl Stage {
-    fn new(model: SynthModel, triangles: &[[u32; 3]], staging: &Staging) -> Result<Self, Error> {
-        let vertices = model.vertices();
-        let small = coarse(model.rest_positions(), model.rest_normals(), triangles, SMALL);
-        let small = small.map(|triangles| Topology::new(&DEVICE, vertices, &triangles)).transpose()?;
-        Ok(Self {
-            small,
-            topology: Topology::new(&DEVICE, vertices, triangles)?,
-            rest: staging.rest_on(&DEVICE)?,
-            buffers: ItemBuffers::new(&DEVICE, vertices, 0),
-            synthesizer: CpuSynthesizer::new(model),
-            renderer: Renderer::new(&DEVICE),
-            canvas: Canvas::new(&DEVICE, 1, 1)?,
-            guard: FrameGuard::new(true),
-            picture: Picture::filled(1, 1, [0; 4]),
-            cells: Vec::new(),
-        })
-    }
-
-    fn deform(&mut self, items: &[Item], settings: &FrameSettings) -> Result<(), Error> {
-        self.synthesizer.synthesize(items, settings)?;
-        Ok(self.buffers.take_frame(&DEVICE, &self.synthesizer)?)
     }
 }

@@ -12,8 +12,8 @@ export const browser = await launch(out);
 const WAIT = { timeout: 180_000 };
 export const step = (text) => console.log(`web: ${text}`);
 
-export async function opened(viewport, touch) {
-  const context = await browser.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true });
+export async function opened(viewport, touch, { within = browser, query = "", prepare } = {}) {
+  const context = await within.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true });
   const page = await context.newPage();
   const wrong = [];
   const elsewhere = [];
@@ -24,7 +24,8 @@ export async function opened(viewport, touch) {
     if (!url.startsWith(address) && !url.startsWith("blob:") && !url.startsWith("data:")) elsewhere.push(url);
     assert.equal(request.method(), "GET", "nothing is uploaded");
   });
-  await page.goto(address);
+  if (prepare) await page.addInitScript(prepare);
+  await page.goto(address + query);
   await page.waitForFunction(() => window.chladni?.frames > 3 && window.chladni.sound.duration > 0, null, WAIT);
   return { page, wrong, elsewhere, shot: (name) => page.screenshot({ path: join(screens, `${name}.png`) }) };
 }
