@@ -7,6 +7,8 @@ pub mod body;
 mod cast;
 mod clock;
 pub mod dancer;
+pub mod drawn_curve;
+mod ear;
 mod error;
 mod files;
 #[cfg(feature = "desktop")]
@@ -45,6 +47,7 @@ mod watcher;
 pub use bars::{bar_lines, read_beats};
 pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
+pub use ear::Ear;
 pub use error::{Error, Warning};
 pub use files::{refer, resolve};
 pub use frame_guard::FrameGuard;
@@ -70,7 +73,6 @@ pub use theatre::{
 };
 #[cfg(feature = "desktop")]
 pub use titles::{TITLE, title_opacity};
-pub use tuning::spectrum_settings;
 pub use watcher::{Aside, Watcher};
 
 /// The default K, in the window and on the command line.
