@@ -25,6 +25,9 @@ export const WITHOUT_CARD = ["--disable-gpu"];
 export const WITH_CARD = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan",
   "--use-vulkan=swiftshader", "--use-angle=vulkan"];
 
+/** Flags with which a WAV file plays into a microphone that nobody has to allow. */
+export const microphone = (wav) => ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream", `--use-file-for-fake-audio-capture=${wav}`];
+
 /** Chromium of the system, driven by playwright-core of the tools folder. */
 export async function launch(out, flags = WITHOUT_CARD) {
   const { chromium } = createRequire(join(out, "tools/"))("playwright-core");

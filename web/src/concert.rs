@@ -1,8 +1,10 @@
 //! One body that dances: the music room without a window. The page says what plays and how large its picture
 //! is, and gets the pixels.
 
+mod curves;
 mod doings;
 mod files;
+mod live;
 mod stage;
 mod state;
 
@@ -21,6 +23,7 @@ use chladni_synth::SynthModel;
 use chladni_view::{Device, Figure, Look, Mood, Rect};
 use wasm_bindgen::prelude::*;
 
+use self::live::Live;
 use self::stage::{Figures, Stage};
 use crate::parcel::Parcel;
 
@@ -29,6 +32,8 @@ use crate::parcel::Parcel;
 pub struct Concert {
     name: String,
     hearing: Hearing,
+    /// What is heard in place of a song.
+    live: Option<Live>,
     clock: ShowClock,
     instrument: Instrument,
     ensemble: Ensemble,
@@ -74,6 +79,7 @@ impl Concert {
         Ok(Self {
             stage: Stage::new(model, body.triangles.clone(), &staging)?,
             hearing,
+            live: None,
             clock: ShowClock::default(),
             instrument,
             ensemble: Ensemble::new(dancer),
@@ -112,7 +118,7 @@ impl Concert {
     }
 
     /// Draws what is heard at `now_secs` of any steady clock, while the song of a number (below 0: none) is
-    /// heard at a position of it, in a picture of `width` × `height` pixels. False where nothing is known of
+    /// heard at a position of it, or what comes in from a microphone, in a picture of `width` × `height` pixels. False where nothing is known of
     /// that song yet: the picture stays.
     ///
     /// # Errors
@@ -126,20 +132,37 @@ impl Concert {
         width: u32,
         height: u32,
     ) -> Result<bool, JsError> {
-        let song = usize::try_from(song).ok();
-        let duration_secs = (duration_secs > 0.0).then_some(duration_secs);
-        if let Some(stretch) = self.clock.follow(now_secs, Playing { song, position_secs, duration_secs }) {
+        let playing = match usize::try_from(song).ok().filter(|_| self.live.is_none()) {
+            None => Playing { song: None, position_secs: 0.0, duration_secs: None },
+            song => {
+                Playing { song, position_secs, duration_secs: Some(duration_secs).filter(|secs| *secs > 0.0) }
+            }
+        };
+        if let Some(stretch) = self.clock.follow(now_secs, playing) {
             self.hearing.begin(stretch)?;
         }
         let at_secs = self.clock.at_secs();
         self.follow_programme(at_secs)?;
         let (hearing, ensemble) = (&mut self.hearing, &mut self.ensemble);
-        self.sand.follow(hearing, ensemble, &self.instrument, at_secs)?;
-        let framing = hearing.framing_at(at_secs, self.instrument.seed());
-        let Some(heard) = hearing.hear(at_secs)? else { return Ok(false) };
+        let is_live = self.live.is_some();
+        let (heard, framing) = match &mut self.live {
+            Some(live) => {
+                let framing = live.framing();
+                (live.hear(at_secs, self.instrument.parameters())?, framing)
+            }
+            None => {
+                self.sand.follow(hearing, ensemble, &self.instrument, at_secs)?;
+                let framing = hearing.framing_at(at_secs, self.instrument.seed());
+                let Some(heard) = hearing.hear(at_secs)? else { return Ok(false) };
+                (heard, framing)
+            }
+        };
         let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
         let shot = Shot { at_secs, reaction: heard.reaction(&self.instrument), framing, mood: heard.mood() };
         let items = ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
+        while is_live && self.sand.due(at_secs).is_some() {
+            self.sand.step(items, &self.instrument);
+        }
         self.stage.deform(items, &self.instrument.parameters().frame_settings())?;
         self.draw(shot, width, height)?;
         Ok(true)

@@ -60,6 +60,32 @@ export async function pictures() {
   } finally { await within.close(); }
 }
 
+/** The small picture in which flashes are looked for is that of the card; and where it strobes, it is veiled. */
+async function strobes(page) {
+  const bright = await page.evaluate(async () => {
+    const { smallPicture } = await import("./card.js");
+    const { frames } = window.chladni;
+    return new Promise((done) => requestAnimationFrame(function look() {
+      if (window.chladni.frames === frames) return requestAnimationFrame(look);
+      done(smallPicture()[0].filter((value, i) => i % 4 < 3 && value > 60).length);
+    }));
+  });
+  assert.ok(bright > 500, `the small picture has ${bright} bright values`);
+  await page.evaluate(() => {
+    const read = CanvasRenderingContext2D.prototype.getImageData;
+    let white = false;
+    CanvasRenderingContext2D.prototype.getImageData = function (...where) {
+      const image = read.apply(this, where);
+      image.data.fill((white = !white) ? 255 : 0);
+      return image;
+    };
+    window.calm = () => { CanvasRenderingContext2D.prototype.getImageData = read; };
+  });
+  await until(page, () => /^rgb/.test(document.getElementById("picture").style.background));
+  await page.evaluate(() => window.calm());
+  step("a strobe of the card's is veiled");
+}
+
 export async function loss() {
   const within = await launch(out, WITH_CARD);
   const prepare = () => {
@@ -75,6 +101,7 @@ export async function loss() {
     const save = page.waitForEvent("download");
     await page.click("#save-picture");
     assert.equal((await save).suggestedFilename(), "chladni.png");
+    await strobes(page);
     const { dances } = await page.evaluate(() => window.chladni.state);
     await page.evaluate(() => window.device.destroy());
     await until(page, () => document.querySelector("#controls .drawn-by").textContent === "Drawn by the processor.");

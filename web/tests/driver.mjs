@@ -41,11 +41,11 @@ export async function moves(page, what, least = 60) {
   assert.ok(most >= least, `${what}: only ${most} of 4000 pixels have changed`);
 }
 
-export const drop = (page, name, bytes) => page.evaluate(([name, bytes]) => {
-  const files = new DataTransfer();
-  files.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
-  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: files, bubbles: true, cancelable: true }));
-}, [name, bytes.toString("base64")]);
+export const drop = (page, ...files) => page.evaluate((files) => {
+  const dropped = new DataTransfer();
+  for (const [name, bytes] of files) dropped.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true, cancelable: true }));
+}, files.map(([name, bytes]) => [name, bytes.toString("base64")]));
 export const until = (page, condition, argument) => page.waitForFunction(condition, argument, WAIT);
 export const state = (page) => page.evaluate(() => window.chladni.state);
 
