@@ -5,7 +5,7 @@ import { existsSync, readFileSync } from "node:fs";
 import { extname, join } from "node:path";
 
 const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
-const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+const FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync"];
 
 /** Serves a folder; resolves to its address. */
@@ -20,11 +20,19 @@ export function serve(folder) {
     done({ address: `http://localhost:${server.address().port}/`, stop: () => { server.close(); server.closeAllConnections(); } })));
 }
 
+/** Flags with which no graphics card is asked, and with which a processor plays one. */
+export const WITHOUT_CARD = ["--disable-gpu"];
+export const WITH_CARD = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan",
+  "--use-vulkan=swiftshader", "--use-angle=vulkan"];
+
+/** Flags with which a WAV file plays into a microphone that nobody has to allow. */
+export const microphone = (wav) => ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream", `--use-file-for-fake-audio-capture=${wav}`];
+
 /** Chromium of the system, driven by playwright-core of the tools folder. */
-export async function launch(out) {
+export async function launch(out, flags = WITHOUT_CARD) {
   const { chromium } = createRequire(join(out, "tools/"))("playwright-core");
   const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
-  return chromium.launch({ executablePath, args: FLAGS });
+  return chromium.launch({ executablePath, args: [...FLAGS, ...flags] });
 }
 
 /** The picture's pixels, thinned out. */

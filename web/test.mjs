@@ -1,14 +1,18 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|caricature|offline]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|microphone|caricature|card|offline]; pictures of it go into OUT/screens.
 import { browser, stop } from "./tests/driver.mjs";
+import * as card from "./tests/card.mjs";
 import * as caricature from "./tests/caricature.mjs";
+import * as microphone from "./tests/microphone.mjs";
 import * as music from "./tests/music.mjs";
 import { offline } from "./tests/offline.mjs";
 
 const only = process.argv[4];
 const rooms = {
   music: [music.laptop, music.phone],
+  microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],
+  card: [card.pictures, card.loss],
   offline: [offline],
 };
 try {

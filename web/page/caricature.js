@@ -35,6 +35,7 @@ const room = {
   rests: true,
   frame: (now, width, height) => !!sitting && sitting.frame(width, height),
   pixels: () => sitting.pixels(),
+  byProcessor: () => sitting?.draw_by_processor(),
 };
 
 // ---- shapes, matches, projects

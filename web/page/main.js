@@ -1,6 +1,7 @@
 // The page: its front, the way into both rooms, and the files that are brought.
 import init, { kind } from "./chladni_web.js";
 import { ask, compiled, giveUp } from "./work.js";
+import { openCard } from "./card.js";
 import { hands } from "./hands.js";
 import { attempt, of, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
@@ -27,7 +28,6 @@ function enterCaricature() {
 /** Opens what was brought where it belongs. */
 async function take(name, bytes) {
   switch (kind(name)) {
-    case "song": enterMusic(); return music.openSong(name, bytes);
     case "text": enterMusic(); return music.openText(name, bytes);
     case "project": enterCaricature(); return caricature.openProject(name, bytes);
     case "mesh":
@@ -39,7 +39,11 @@ async function take(name, bytes) {
 }
 
 const open = attempt(async (files) => {
-  for (const file of files) await take(file.name, new Uint8Array(await file.arrayBuffer()));
+  const songs = files.filter(({ name }) => kind(name) === "song");
+  for (const file of files) if (!songs.includes(file)) await take(file.name, new Uint8Array(await file.arrayBuffer()));
+  if (!songs.length) return;
+  enterMusic();
+  await music.openSongs(songs);
 });
 
 function listen() {
@@ -67,6 +71,7 @@ const start = attempt(async () => {
   const tune = ask({ work: "decode", name: "sample:tune" });
   tune.catch(() => {});
   const { memory } = await init({ module_or_path: await compiled });
+  await openCard();
   listen();
   draw(memory);
   await music.front();
@@ -78,5 +83,6 @@ start();
 // What was loaded once opens without a connection, too.
 navigator.serviceWorker?.register("offline.js").then(() => navigator.serviceWorker.ready).then(({ active }) => {
   const loaded = performance.getEntriesByType("resource").map(({ name }) => name);
-  active.postMessage([location.href, new URL("worker.js", location).href, ...loaded]);
+  const later = ["worker.js", "capture.js"].map((name) => new URL(name, location).href);
+  active.postMessage([location.href, ...later, ...loaded]);
 }).catch(() => { /* Not every browser lets a page be kept. */ });

@@ -1,10 +1,13 @@
 // The music room: it shows a concert, and passes on what a person does. All that dances is in the module.
 import { Concert, looks, needs_of_show, samples } from "./chladni_web.js";
+import { Microphone } from "./microphone.js";
 import { Sound } from "./sound.js";
+import * as songs from "./songs.js";
 import { ask } from "./work.js";
 import { drawCells } from "./cells.js";
+import * as curves from "./curves.js";
 import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
-import { show as showPicture } from "./picture.js";
+import { nextPicture, show as showPicture } from "./picture.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
@@ -14,7 +17,12 @@ const FRONT = JSON.stringify({ material: "dark", lights: "studio", background: "
 const gallerySize = () => (innerWidth < 700 ? 6 : 12);
 
 const sound = new Sound();
-const songs = [];
+/** Songs that this concert has heard, by their numbers. */
+const heard = [];
+/** What is heard in place of a song. */
+let microphone;
+/** The curves of the dance on stage are shown. */
+let drawing = false;
 let concert;
 let state;
 Object.assign(report, { position: () => sound.position(), sound });
@@ -36,16 +44,46 @@ function show(body) {
   concert = new Concert(body, gallerySize(), Math.floor(Math.random() * 2 ** 31));
   before?.free();
   // A new concert has heard nothing yet: its first song is the one that plays.
-  songs.splice(0, songs.length - 1);
-  if (songs.length) songs[0].number = sound.number = 0;
+  heard.length = 0;
   hear();
   refresh();
 }
 
-/** Tells the concert of the song that plays. */
+/** Tells the concert what is heard: a microphone, or the song that plays. */
 function hear() {
-  const song = songs.at(-1);
-  if (song) concert.know_song(song.number, song.name, song.rate, song.left, song.right, song.beats);
+  if (microphone) concert.listen(microphone.rate);
+  const song = songs.current();
+  if (!song) return;
+  if (!heard.includes(song)) heard.push(song);
+  sound.number = heard.indexOf(song);
+  const { rate_hz, left, right, beats } = song.sound;
+  concert.know_song(sound.number, song.name, rate_hz, left, right, beats);
+}
+
+// ---- a microphone
+
+/** Listens to a microphone in place of a song. */
+async function listenTo(id) {
+  const take = (left, right) => concert?.take_sound(left, right);
+  const lost = attempt(async () => { await stopListening(); throw new Error("The microphone is gone."); });
+  const opened = await Microphone.open(id, take, lost);
+  await stopListening();
+  sound.pause();
+  microphone = opened;
+  concert.listen(microphone.rate);
+  const all = await Microphone.all();
+  of("microphone").replaceChildren(...all.map(([each, name]) => new Option(name, each)));
+  of("microphone").value = microphone.id;
+  refresh();
+}
+
+/** Back to the songs. */
+async function stopListening() {
+  const closing = microphone;
+  microphone = undefined;
+  concert?.stop_listening();
+  refresh();
+  await closing?.close();
 }
 
 async function dance(name) {
@@ -62,21 +100,45 @@ export async function openMesh(name, bytes) {
   say(`${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s`);
 }
 
-export async function openSong(name, bytes) {
-  try {
-    const song = await busy(name, (tell) => ask({ work: "decode", name, bytes }, tell));
-    const aloud = sound.isHeard;
-    const number = songs.length;
-    songs.push({ number, name, rate: song.rate_hz, left: song.left, right: song.right, beats: song.beats });
-    // Samples of songs before are not heard again.
-    songs.slice(0, -1).forEach((old) => { old.left = old.right = new Float32Array(); });
-    sound.load(number, song.rate_hz, song.left, song.right);
-    if (concert) hear();
-    of("song").textContent = name;
-    if (bytes || aloud) await sound.play();
-    say("");
-  } finally { refresh(); }
+// ---- songs
+
+function unreadable(error) {
+  say(error.message ?? String(error), true);
+  refresh();
 }
+
+/** Counts what was asked for: only the last is played. */
+let turn = 0;
+
+/** Plays a song of the list; one that cannot be read leaves it to the next. */
+async function playSong(song) {
+  const mine = ++turn;
+  while (song) {
+    try {
+      const decoded = await songs.soundOf(song);
+      if (mine !== turn) return;
+      const aloud = !!song.file || sound.isHeard;
+      songs.play(song, decoded);
+      sound.load(decoded, songs.count() === 1);
+      if (concert) hear();
+      if (microphone) await stopListening();
+      if (aloud) await sound.play();
+      songs.prepare(unreadable);
+      break;
+    } catch (error) {
+      if (mine !== turn) return;
+      unreadable(error);
+      song = error.name === "AbortError" ? undefined : songs.strike(song);
+    }
+  }
+  refresh();
+}
+
+/** Songs play one after the other, behind those of the list. */
+export const openSongs = (files) => playSong(songs.add(files));
+
+const playBeside = attempt((steps) => playSong(songs.beside(songs.current(), steps)));
+sound.onend = () => playBeside(1);
 
 export async function openText(name, bytes) {
   const text = new TextDecoder().decode(bytes);
@@ -89,7 +151,7 @@ export async function openText(name, bytes) {
   if (needs.body?.startsWith("sample:") && needs.body !== state.body) await dance(needs.body);
   concert.open_show(text);
   refresh();
-  const missing = needs.songs.filter((song) => !songs.some((known) => known.name === song));
+  const missing = needs.songs.filter((song) => !songs.names().includes(song));
   if (needs.body && needs.body !== state.body) say(`${name} was danced by ${needs.body}: drop that mesh, then the show again.`);
   else say(missing.length ? `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.` : needs.caution ?? `${name} is open.`);
 }
@@ -100,8 +162,11 @@ const room = {
   name: "A shape that moves with the sound.",
   frame: (now, width, height) => !!concert && concert.frame(now / 1000, sound.number, sound.position(), sound.duration, width, height),
   pixels: () => concert.pixels(),
+  judge: (rgba, width, height) => concert.judge(rgba, width, height),
+  byProcessor: () => concert?.draw_by_processor(),
   drawn: (width, height) => {
     drawCells(of("cells"), concert.cells(), state, width, height, choices);
+    if (microphone) of("loudness").value = Math.sqrt(microphone.loudest);
     if (!of("seek").matches(":active")) of("seek").value = sound.duration ? sound.position() / sound.duration : 0;
   },
 };
@@ -114,6 +179,12 @@ const choices = {
   perform: (item) => act({ do: "perform", item }),
 };
 
+function songName() {
+  const { name } = songs.current() ?? { name: songs.TUNE };
+  if (name === songs.TUNE) return "Our own tune";
+  return songs.count() > 1 ? `${songs.place() + 1} of ${songs.count()}: ${name}` : name;
+}
+
 function refresh() {
   if (!concert) return;
   state = report.state = JSON.parse(concert.state());
@@ -122,8 +193,17 @@ function refresh() {
   of("breed").disabled = chosen < 2 || state.on_stage;
   of("breed").title = chosen < 2 ? "Choose two dances or more that you love" : "Their children take the place of all";
   of("back").disabled = !state.on_stage;
+  const shown = JSON.parse(concert.curves());
+  of("draw").disabled = !shown;
+  of("draw").setAttribute("aria-pressed", drawing && !!shown);
+  curves.show(drawing ? shown : undefined);
   of("pilot").setAttribute("aria-pressed", state.piloted);
   of("sand").setAttribute("aria-pressed", state.sand);
+  of("listen").setAttribute("aria-pressed", !!microphone);
+  of("heard").hidden = !microphone;
+  of("where-in-song").hidden = !!microphone;
+  of("song").textContent = of("song").title = songName();
+  for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || !!microphone;
   of("play").setAttribute("aria-pressed", sound.isHeard);
   of("play").textContent = sound.isHeard ? "Pause" : "Play";
   of("look").value = state.look;
@@ -144,7 +224,10 @@ export async function enter() {
 /** Goes in with what is there, for a file that was brought. */
 export const open = () => showPicture(room);
 
-export const leave = () => sound.pause();
+export function leave() {
+  sound.pause();
+  stopListening();
+}
 
 /** The plate with sand on it, which moves as soon as the tune is there. */
 export async function front() {
@@ -163,23 +246,31 @@ export async function front() {
 
 /** The tune, which runs silently until somebody asks for sound. */
 export async function know(tune) {
-  const { left, right, rate_hz, beats } = await tune;
-  songs.push({ number: 0, name: "sample:tune", rate: rate_hz, left, right, beats });
-  sound.load(0, rate_hz, left, right);
+  sound.load(songs.begin(await tune).sound, true);
   hear();
 }
 
 export function listen() {
   of("shape").append(...options(JSON.parse(samples()).map(([name]) => name), (name) => `sample:${name}`), new Option("Other…", ""));
   of("look").append(...options(JSON.parse(looks()), (name) => name));
-  on("play", async () => { if (sound.isHeard) sound.pause(); else await sound.play(); refresh(); });
+  on("play", async () => {
+    await stopListening();
+    if (sound.isHeard) sound.pause(); else await sound.play();
+    refresh();
+  });
+  curves.listen(act);
+  on("draw", () => { drawing = !drawing; refresh(); });
+  on("previous", () => playBeside(-1));
+  on("next", () => playBeside(1));
+  on("listen", () => (microphone ? stopListening() : listenTo()));
+  of("microphone").addEventListener("change", attempt(() => listenTo(of("microphone").value)));
   on("breed", () => act({ do: "breed" }));
   on("back", () => { if (state.piloted) concert.autopilot(false); else if (state.sand) concert.sand(false); else act({ do: "leave-stage" }); refresh(); });
   on("pilot", () => { concert.autopilot(!state.piloted); refresh(); });
   on("sand", () => { concert.sand(!state.sand); refresh(); });
   on("save-show", () => save("chladni-show.toml", concert.save_show()));
   on("save-preset", () => save("chladni-dance.toml", concert.save_preset(Math.max(0, state.dances.findIndex((dance) => dance.chosen)))));
-  on("save-picture", () => of("picture").toBlob((png) => save("chladni.png", png), "image/png"));
+  on("save-picture", async () => save("chladni.png", await nextPicture()));
   of("seek").addEventListener("input", () => sound.seek(of("seek").value * sound.duration));
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));
   of("look").addEventListener("change", () => { concert.set_look(JSON.stringify({ look: of("look").value })); refresh(); });

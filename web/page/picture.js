@@ -1,8 +1,10 @@
 // The picture that both rooms draw into, in as many pixels as this machine draws in time.
+import { card, loseCard, smallPicture } from "./card.js";
 import { of, report, say } from "./page.js";
 
 const picture = of("picture");
-const brush = picture.getContext("2d", { alpha: false });
+/** Of what the processor draws; where the graphics card does, the picture lets its canvas through. */
+let brush;
 /** A picture may take so long, in milliseconds; else it gets fewer pixels. */
 const [SLOWEST, FASTEST] = [40, 22];
 /** Fewer pixels than this share of those of the page look like fog. */
@@ -16,15 +18,23 @@ let sinceChange = 0;
 let stirredAt = 0;
 let room;
 let memory;
+/** All rooms that were shown. */
+const rooms = new Set();
+/** Those who wait for the next picture. */
+const waiting = [];
+let across = 1;
 
 /** Pixels of the picture for each of the page, as it is now. */
-export const scale = () => picture.width / Math.max(1, picture.clientWidth);
+export const scale = () => across / Math.max(1, picture.clientWidth);
 
 /** Shows a room from now on: its `name` is that of the picture, `frame(now, width, height)` draws, true where it did, `pixels()` says where, and `drawn`
- * is called after. A room that `rests` changes by hand alone. */
+ * is called after. A room that `rests` changes by hand alone; one that may flash has a `judge` of the card's pictures.
+ * `byProcessor` has the processor draw it from then on. */
 export function show(next) {
   if (room === next) return;
   room = next;
+  rooms.add(room);
+  picture.style.background = "";
   picture.setAttribute("aria-label", `${room.name} Drag or use the arrow keys to turn it, plus and minus to come nearer.`);
   detail = finest();
   report.drawMs = 0;
@@ -49,11 +59,15 @@ function draw(now) {
   let drawn = false;
   try {
     drawn = room.frame(now, width, height);
-  } catch (error) { say(error.message ?? String(error), true); }
+  } catch (error) {
+    const why = error.message ?? String(error);
+    say(card() ? `The graphics card is gone (${why}): the processor draws.` : why, true);
+    if (card()) withoutCard();
+  }
   if (!drawn) return;
-  if (picture.width !== width || picture.height !== height) [picture.width, picture.height] = [width, height];
-  const pixels = new Uint8ClampedArray(memory.buffer, room.pixels(), 4 * width * height);
-  brush.putImageData(new ImageData(pixels, width, height), 0, 0);
+  across = width;
+  if (card()) veil(); else paint(width, height);
+  for (const done of waiting.splice(0)) (card() ?? picture).toBlob(done, "image/png");
   const took = performance.now() - began;
   if (report.frames++ === 0) report.firstPictureMs = performance.now();
   if (!resting || detail === finest()) {
@@ -62,6 +76,32 @@ function draw(now) {
   }
   room.drawn?.(width, height);
 }
+
+/** Shows the pixels of the processor. */
+function paint(width, height) {
+  if (picture.width !== width || picture.height !== height) [picture.width, picture.height] = [width, height];
+  brush ??= picture.getContext("2d", { alpha: false });
+  const pixels = new Uint8ClampedArray(memory.buffer, room.pixels(), 4 * width * height);
+  brush.putImageData(new ImageData(pixels, width, height), 0, 0);
+}
+
+/** Veils the card's picture where it would flash. */
+function veil() {
+  if (!room.judge) return;
+  const opacity = room.judge(...smallPicture()) / 255;
+  const tone = opacity < 0 ? 0 : 255;
+  picture.style.background = opacity ? `rgb(${tone} ${tone} ${tone} / ${Math.abs(opacity)})` : "";
+}
+
+/** Goes on by the processor where the graphics card has failed. */
+function withoutCard() {
+  loseCard();
+  picture.style.background = "";
+  for (const one of rooms) one.byProcessor();
+}
+
+/** The next picture, as a PNG. */
+export const nextPicture = () => new Promise((done) => waiting.push(done));
 
 function suit() {
   if (++sinceChange < (room.rests ? 3 : 12)) return;

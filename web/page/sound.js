@@ -10,25 +10,26 @@ export class Sound {
     this.playing = true;
   }
 
-  /** Song `number` from its beginning. */
-  load(number, rate, left, right) {
+  /** A song from its beginning. One that does not repeat calls `onend` at its end, where it is heard. */
+  load({ rate_hz: rate, left, right }, repeats) {
     this.stopSource();
     this.samples = { rate, left, right };
     this.buffer = undefined;
-    this.number = number;
+    this.repeats = repeats;
     this.duration = left.length / rate;
     this.seek(0);
   }
 
   get isHeard() { return this.context?.state === "running" && !!this.source; }
 
-  /** Seconds into the song; it begins anew when it ends. */
+  /** Seconds into the song; one that repeats, or is not heard, begins anew when it ends. */
   position() {
     if (!this.duration) return 0;
     let gone = 0;
     if (this.source) gone = this.heardNow() - this.began;
     else if (this.playing) gone = performance.now() / 1000 - this.silentSince;
-    return (this.from + Math.max(0, gone)) % this.duration;
+    const at = this.from + Math.max(0, gone);
+    return this.source && !this.repeats ? Math.min(at, this.duration) : at % this.duration;
   }
 
   /** The context's time of what leaves the loudspeaker now. */
@@ -73,7 +74,8 @@ export class Sound {
     if (!this.buffer) return;
     this.source = this.context.createBufferSource();
     this.source.buffer = this.buffer;
-    this.source.loop = true;
+    this.source.loop = this.repeats;
+    this.source.onended = () => this.onend?.();
     this.source.connect(this.context.destination);
     this.began = this.context.currentTime;
     this.from = at;
@@ -81,6 +83,7 @@ export class Sound {
   }
 
   stopSource() {
+    if (this.source) this.source.onended = null;
     this.source?.stop();
     this.source?.disconnect();
     this.source = undefined;

@@ -28,7 +28,7 @@ function start(name) {
 }
 
 /** Ends what the workers of these names, or all of them, work on; whoever waits for it gets `why`. */
-export function giveUp(why = new Error("Cancelled"), names = [...workers.keys()]) {
+export function giveUp(why = new DOMException("Cancelled", "AbortError"), names = [...workers.keys()]) {
   for (const name of names) {
     workers.get(name)?.terminate();
     workers.delete(name);

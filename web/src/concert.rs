@@ -1,28 +1,30 @@
 //! One body that dances: the music room without a window. The page says what plays and how large its picture
 //! is, and gets the pixels.
 
+mod curves;
 mod doings;
 mod files;
+mod live;
+mod stage;
 mod state;
 
 use std::sync::Arc;
 
 use chladni_music::{
     Dancer, Ensemble, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction, Switch,
-    Viewpoint,
+    Veil, Viewpoint,
 };
 use chladni_program::work::{
-    Error, FrameGuard, Hearing, KnownSong, Playing, Programme, SandTable, ShowClock, Staging, along,
-    chooses_shots, look_named, look_on_stage, opening_looks, opening_view,
+    Error, Hearing, KnownSong, Playing, Programme, SandTable, ShowClock, Staging, along, chooses_shots,
+    look_named, look_on_stage, opening_looks, opening_view,
 };
 use chladni_sound::Song;
-use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
-use chladni_view::{
-    Canvas, Device, Figure, ItemBuffers, Look, Mood, Picture, Rect, Renderer, RestShape, Topology,
-};
+use chladni_synth::SynthModel;
+use chladni_view::{Device, Figure, Look, Mood, Rect};
 use wasm_bindgen::prelude::*;
 
-use crate::coarse::coarse;
+use self::live::Live;
+use self::stage::{Figures, Stage};
 use crate::parcel::Parcel;
 
 /// A shape, its dances, what is heard, and the picture of it.
@@ -30,6 +32,8 @@ use crate::parcel::Parcel;
 pub struct Concert {
     name: String,
     hearing: Hearing,
+    /// What is heard in place of a song.
+    live: Option<Live>,
     clock: ShowClock,
     instrument: Instrument,
     ensemble: Ensemble,
@@ -44,28 +48,6 @@ pub struct Concert {
     songs: Vec<String>,
     stage: Stage,
 }
-
-/// What draws, and the picture that was drawn last.
-struct Stage {
-    synthesizer: CpuSynthesizer,
-    topology: Topology,
-    /// For a gallery, whose pictures are small; none where the body has few vertices anyway.
-    small: Option<Topology>,
-    rest: RestShape,
-    buffers: ItemBuffers,
-    renderer: Renderer,
-    canvas: Canvas,
-    guard: FrameGuard,
-    picture: Picture,
-    /// x, y, width and height of each item's cell.
-    cells: Vec<u32>,
-}
-
-/// Vertices of a body in a gallery.
-const SMALL: usize = 1600;
-
-/// Who draws: the page has no other device yet.
-const DEVICE: Device = Device::Processor;
 
 /// What beat and sound do to one picture.
 struct Shot {
@@ -95,8 +77,9 @@ impl Concert {
         let mut hearing = Hearing::default();
         hearing.tune(0.0, instrument.parameters());
         Ok(Self {
-            stage: Stage::new(model, &body.triangles, &staging)?,
+            stage: Stage::new(model, body.triangles.clone(), &staging)?,
             hearing,
+            live: None,
             clock: ShowClock::default(),
             instrument,
             ensemble: Ensemble::new(dancer),
@@ -135,7 +118,7 @@ impl Concert {
     }
 
     /// Draws what is heard at `now_secs` of any steady clock, while the song of a number (below 0: none) is
-    /// heard at a position of it, in a picture of `width` × `height` pixels. False where nothing is known of
+    /// heard at a position of it, or what comes in from a microphone, in a picture of `width` × `height` pixels. False where nothing is known of
     /// that song yet: the picture stays.
     ///
     /// # Errors
@@ -149,20 +132,37 @@ impl Concert {
         width: u32,
         height: u32,
     ) -> Result<bool, JsError> {
-        let song = usize::try_from(song).ok();
-        let duration_secs = (duration_secs > 0.0).then_some(duration_secs);
-        if let Some(stretch) = self.clock.follow(now_secs, Playing { song, position_secs, duration_secs }) {
+        let playing = match usize::try_from(song).ok().filter(|_| self.live.is_none()) {
+            None => Playing { song: None, position_secs: 0.0, duration_secs: None },
+            song => {
+                Playing { song, position_secs, duration_secs: Some(duration_secs).filter(|secs| *secs > 0.0) }
+            }
+        };
+        if let Some(stretch) = self.clock.follow(now_secs, playing) {
             self.hearing.begin(stretch)?;
         }
         let at_secs = self.clock.at_secs();
         self.follow_programme(at_secs)?;
         let (hearing, ensemble) = (&mut self.hearing, &mut self.ensemble);
-        self.sand.follow(hearing, ensemble, &self.instrument, at_secs)?;
-        let framing = hearing.framing_at(at_secs, self.instrument.seed());
-        let Some(heard) = hearing.hear(at_secs)? else { return Ok(false) };
+        let is_live = self.live.is_some();
+        let (heard, framing) = match &mut self.live {
+            Some(live) => {
+                let framing = live.framing();
+                (live.hear(at_secs, self.instrument.parameters())?, framing)
+            }
+            None => {
+                self.sand.follow(hearing, ensemble, &self.instrument, at_secs)?;
+                let framing = hearing.framing_at(at_secs, self.instrument.seed());
+                let Some(heard) = hearing.hear(at_secs)? else { return Ok(false) };
+                (heard, framing)
+            }
+        };
         let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
         let shot = Shot { at_secs, reaction: heard.reaction(&self.instrument), framing, mood: heard.mood() };
         let items = ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
+        while is_live && self.sand.due(at_secs).is_some() {
+            self.sand.step(items, &self.instrument);
+        }
         self.stage.deform(items, &self.instrument.parameters().frame_settings())?;
         self.draw(shot, width, height)?;
         Ok(true)
@@ -170,7 +170,28 @@ impl Concert {
 
     /// Where the pixels of the last picture begin in the module's memory: RGBA, rows from the top.
     pub fn pixels(&self) -> *const u8 {
-        self.stage.picture.rgba.as_ptr()
+        self.stage.figures.screen.picture().rgba.as_ptr()
+    }
+
+    /// Looks at the picture that a graphics card drew last, made small: RGBA, rows from the top. How opaque the veil is
+    /// under which it may be shown, of 255: above 0 of white, below of black.
+    pub fn judge(&mut self, rgba: &[u8], width: u32, height: u32) -> i32 {
+        if !self.instrument.parameters().is_on(Switch::FlashLimit) {
+            return 0;
+        }
+        match self.stage.guard.judge(self.clock.at_secs(), rgba.as_chunks().0, [width, height]) {
+            Veil::Clear => 0,
+            Veil::Black(opacity) => -i32::from(opacity),
+            Veil::White(opacity) => opacity.into(),
+        }
+    }
+
+    /// The processor draws from now on: the page has lost its graphics card.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn draw_by_processor(&mut self) -> Result<(), JsError> {
+        Ok(self.stage.draw_by(Device::Processor, &self.staging)?)
     }
 
     /// x, y, width and height, in pixels, of the cell of each dance in the last picture.
@@ -199,54 +220,27 @@ impl Concert {
         let Shot { at_secs, reaction, framing, mood } = shot;
         let look = self.look().answering(&mood);
         let stage = &mut self.stage;
-        if (stage.canvas.width(), stage.canvas.height()) != (width, height) {
-            stage.canvas = Canvas::new(&DEVICE, width, height)?;
-        }
-        let items = stage.buffers.items();
+        let Figures { topology, small, rest, buffers, renderer, screen } = &mut stage.figures;
+        screen.fit(width, height)?;
+        let items = buffers.items();
         let from = (&self.viewpoint, framing.as_ref());
         let area = Rect::of_size(width, height);
         let staged = self.staging.set(area, items, from, &look, reaction, &self.instrument);
         let grains = self.sand.drawn();
-        let small = stage.small.as_ref().filter(|_| items > 1);
-        let topology = small.unwrap_or(&stage.topology);
+        let topology = small.as_ref().filter(|_| items > 1).unwrap_or(topology);
         let figure = |item| Figure {
             grains: grains.get(item).copied(),
-            ..staged.figure(topology, &stage.buffers, item, &stage.rest)
+            ..staged.figure(topology, buffers, item, rest)
         };
         let figures: Vec<Figure<'_>> = (0..items).map(figure).collect();
         let cells = staged.cells(&figures);
-        stage.renderer.draw_finished(&stage.canvas, &cells, &staged.look.finish, at_secs)?;
-        stage.picture = stage.canvas.read(&DEVICE)?;
-        if self.instrument.parameters().is_on(Switch::FlashLimit) {
-            stage.guard.pass(at_secs, &mut stage.picture);
+        renderer.draw_finished(screen.canvas(), &cells, &staged.look.finish, at_secs)?;
+        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
+        if let Some(picture) = screen.show()?.filter(|_| limited) {
+            stage.guard.pass(at_secs, picture);
         }
         let of = |cell: &Rect| [cell.x, cell.y, cell.width, cell.height];
         stage.cells = staged.viewports.iter().flat_map(of).collect();
         Ok(())
-    }
-}
-
-impl Stage {
-    fn new(model: SynthModel, triangles: &[[u32; 3]], staging: &Staging) -> Result<Self, Error> {
-        let vertices = model.vertices();
-        let small = coarse(model.rest_positions(), model.rest_normals(), triangles, SMALL);
-        let small = small.map(|triangles| Topology::new(&DEVICE, vertices, &triangles)).transpose()?;
-        Ok(Self {
-            small,
-            topology: Topology::new(&DEVICE, vertices, triangles)?,
-            rest: staging.rest_on(&DEVICE)?,
-            buffers: ItemBuffers::new(&DEVICE, vertices, 0),
-            synthesizer: CpuSynthesizer::new(model),
-            renderer: Renderer::new(&DEVICE),
-            canvas: Canvas::new(&DEVICE, 1, 1)?,
-            guard: FrameGuard::new(true),
-            picture: Picture::filled(1, 1, [0; 4]),
-            cells: Vec::new(),
-        })
-    }
-
-    fn deform(&mut self, items: &[Item], settings: &FrameSettings) -> Result<(), Error> {
-        self.synthesizer.synthesize(items, settings)?;
-        Ok(self.buffers.take_frame(&DEVICE, &self.synthesizer)?)
     }
 }

@@ -14,6 +14,7 @@ mod numbers;
 mod parcel;
 mod prepare;
 mod reporter;
+mod screen;
 mod sitting;
 mod solve;
 
@@ -21,6 +22,7 @@ use chladni_program::work::formats;
 pub use concert::Concert;
 pub use decode::{DecodedSong, decode};
 pub use prepare::prepare;
+pub use screen::{close_card, open_card};
 pub use sitting::Sitting;
 use wasm_bindgen::prelude::*;
 

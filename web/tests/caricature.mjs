@@ -120,13 +120,13 @@ export async function laptop() {
   assert.ok(png.readUInt32BE(16) === 2000 || png.readUInt32BE(20) === 2000, "a picture of 2000 pixels");
   step("OBJ, GLB and a picture were exported");
 
-  await drop(page, "broken.obj", Buffer.from("v 1 2\nf 1 2 3\n"));
+  await drop(page, ["broken.obj", Buffer.from("v 1 2\nf 1 2 3\n")]);
   await page.click('#which button[value="shape"]');
   await until(page, () => document.getElementById("status").className === "bad");
   assert.equal((await sitting(page)).shape, "sample:head");
   const own = head(72, 48);
   writeFileSync(join(screens, "plain.obj"), own);
-  await drop(page, "plain.obj", own);
+  await drop(page, ["plain.obj", own]);
   await page.click('#which button[value="shape"]');
   await until(page, () => window.chladni.sitting.shape === "plain.obj" && window.chladni.sitting.solved);
   await page.selectOption("#add", { label: "Ellipsoid" });
@@ -150,7 +150,7 @@ export async function laptop() {
   await until(page, () => window.chladni.sitting.solved);
   step("a solve is cancelled, and asked for again");
 
-  await drop(page, "other.obj", head(40, 30));
+  await drop(page, ["other.obj", head(40, 30)]);
   await page.click('#which button[value="template"]');
   await until(page, () => window.chladni.sitting.layers.length === 1);
   await acts(page);

@@ -12,8 +12,8 @@ export const browser = await launch(out);
 const WAIT = { timeout: 180_000 };
 export const step = (text) => console.log(`web: ${text}`);
 
-export async function opened(viewport, touch) {
-  const context = await browser.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true });
+export async function opened(viewport, touch, { within = browser, query = "", prepare } = {}) {
+  const context = await within.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true });
   const page = await context.newPage();
   const wrong = [];
   const elsewhere = [];
@@ -24,7 +24,8 @@ export async function opened(viewport, touch) {
     if (!url.startsWith(address) && !url.startsWith("blob:") && !url.startsWith("data:")) elsewhere.push(url);
     assert.equal(request.method(), "GET", "nothing is uploaded");
   });
-  await page.goto(address);
+  if (prepare) await page.addInitScript(prepare);
+  await page.goto(address + query);
   await page.waitForFunction(() => window.chladni?.frames > 3 && window.chladni.sound.duration > 0, null, WAIT);
   return { page, wrong, elsewhere, shot: (name) => page.screenshot({ path: join(screens, `${name}.png`) }) };
 }
@@ -40,11 +41,11 @@ export async function moves(page, what, least = 60) {
   assert.ok(most >= least, `${what}: only ${most} of 4000 pixels have changed`);
 }
 
-export const drop = (page, name, bytes) => page.evaluate(([name, bytes]) => {
-  const files = new DataTransfer();
-  files.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
-  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: files, bubbles: true, cancelable: true }));
-}, [name, bytes.toString("base64")]);
+export const drop = (page, ...files) => page.evaluate((files) => {
+  const dropped = new DataTransfer();
+  for (const [name, bytes] of files) dropped.items.add(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name));
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true, cancelable: true }));
+}, files.map(([name, bytes]) => [name, bytes.toString("base64")]));
 export const until = (page, condition, argument) => page.waitForFunction(condition, argument, WAIT);
 export const state = (page) => page.evaluate(() => window.chladni.state);
 

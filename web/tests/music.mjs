@@ -4,6 +4,30 @@ import { join } from "node:path";
 import { song, torus } from "../browser.mjs";
 import { drop, moves, opened, screens, state, step, until } from "./driver.mjs";
 
+/** Draws a curve of the dance on stage, by pointer and by keys. */
+async function draws(page) {
+  await page.click("#draw");
+  const curves = () => page.evaluate(() => ["transfer", "amplification"].map((id) => Number(document.getElementById(id).getAttribute("aria-valuenow"))));
+  const { x, y, width, height } = await page.locator("#amplification").boundingBox();
+  await page.mouse.move(x + 4, y + 4);
+  await page.mouse.down();
+  for (let i = 1; i <= 10; i++) await page.mouse.move(x + (i * width) / 10 - 4, y + (i * height) / 10 - 4);
+  await page.mouse.up();
+  await page.focus("#amplification");
+  for (let i = 0; i < 40; i++) await page.keyboard.press("ArrowLeft");
+  const [, first] = await curves();
+  assert.ok(first > 0.9, `the curve begins at ${first}`);
+  for (let i = 0; i < 4; i++) await page.keyboard.press("ArrowDown");
+  assert.ok(Math.abs((await curves())[1] - (first - 0.4)) < 0.02, "a key goes a twentieth of the range");
+  await page.click("#smooth-amplification");
+  await page.focus("#transfer");
+  const [before] = await curves();
+  await page.keyboard.press(before > 0.5 ? "ArrowDown" : "ArrowUp");
+  assert.ok(Math.abs((await curves())[0] - before) > 0.04);
+  await moves(page, "a dance whose curves were drawn");
+  step("curves are drawn by pointer and by keys");
+}
+
 export async function laptop() {
   const { page, wrong, elsewhere, shot } = await opened({ width: 1440, height: 900 }, false);
   await moves(page, "sand on the plate");
@@ -31,7 +55,10 @@ export async function laptop() {
   await moves(page, "the stage");
   await page.waitForTimeout(2000);
   await shot("laptop-stage");
+  await draws(page);
+  await shot("laptop-curves");
   await page.click("#back");
+  assert.ok(await page.isHidden("#curves"), "curves are those of the stage");
   await until(page, () => !window.chladni.state.on_stage);
   await page.selectOption("#look", "ember");
   await page.click("#pilot");
@@ -40,11 +67,11 @@ export async function laptop() {
   await page.click("#back");
   step("stage, look and autopilot");
 
-  await drop(page, "torus.obj", torus(60, 30));
+  await drop(page, ["torus.obj", torus(60, 30)]);
   await until(page, () => window.chladni.state.body === "torus.obj");
   await moves(page, "a mesh that was dropped");
   await shot("laptop-mesh");
-  await drop(page, "clicks.wav", song(12));
+  await drop(page, ["clicks.wav", song(12)]);
   await until(page, () => document.getElementById("song").textContent === "clicks.wav");
   await until(page, () => window.chladni.position() > 1);
   await moves(page, "a song that was dropped");
@@ -65,12 +92,26 @@ export async function laptop() {
   assert.deepEqual({ dances, settings }, { dances: before.dances, settings: before.settings });
   step("a show was saved and opened again");
 
-  await drop(page, "broken.obj", Buffer.from("v 1 2\nf 1 2 3\n"));
+  await drop(page, ["broken.obj", Buffer.from("v 1 2\nf 1 2 3\n")]);
   await until(page, () => document.getElementById("status").className === "bad");
-  await drop(page, "broken.ogg", Buffer.from("OggS, but no more"));
+  await drop(page, ["broken.ogg", Buffer.from("OggS, but no more")]);
   await until(page, () => document.getElementById("status").textContent.includes("broken.ogg"));
   await moves(page, "after broken files");
   step("broken files are reported, and the dance goes on");
+
+  const plays = (text) => until(page, (text) => document.getElementById("song").textContent === text, text);
+  await drop(page, ["one.wav", song(4)], ["two.wav", Buffer.from("RIFF, but no more")], ["three.wav", song(3)]);
+  await plays("2 of 3: one.wav");
+  await until(page, () => !document.getElementById("next").hidden);
+  await shot("laptop-songs");
+  await plays("3 of 3: three.wav");
+  await plays("1 of 3: clicks.wav");
+  await page.click("#previous");
+  await plays("3 of 3: three.wav");
+  await page.click("#next");
+  await plays("1 of 3: clicks.wav");
+  await moves(page, "a song of a list");
+  step("songs play one after the other");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }
@@ -89,6 +130,9 @@ export async function phone() {
   await until(page, () => window.chladni.state.on_stage);
   await moves(page, "the stage");
   await shot("phone-stage");
+  await page.tap("#draw");
+  await shot("phone-curves");
+  await page.tap("#draw");
 
   const touches = await page.context().newCDPSession(page);
   const touch = (type, ...points) => touches.send("Input.dispatchTouchEvent", {

@@ -113,7 +113,10 @@ impl Concert {
     /// Does what the autopilot wants by a time of the show.
     pub(super) fn follow_programme(&mut self, now_secs: f64) -> Result<(), Error> {
         let Some(programme) = &mut self.programme else { return Ok(()) };
-        let bars = self.hearing.bars_between(programme.heard_secs(), now_secs);
+        let bars = match &mut self.live {
+            Some(live) => live.new_bars(now_secs),
+            None => self.hearing.bars_between(programme.heard_secs(), now_secs),
+        };
         for (at_secs, action) in programme.hear(&bars, now_secs, &self.instrument) {
             self.act_at(at_secs, action)?;
         }

@@ -106,6 +106,14 @@ impl Sitting {
         Ok(self.stage.draw(width, height)?)
     }
 
+    /// The processor draws from now on: the page has lost its graphics card.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn draw_by_processor(&mut self) -> Result<(), JsError> {
+        Ok(self.stage.draw_by_processor()?)
+    }
+
     /// Where the pixels of the last picture begin in the module's memory: RGBA, rows from the top.
     pub fn pixels(&self) -> *const u8 {
         self.stage.picture().rgba.as_ptr()

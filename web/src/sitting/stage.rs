@@ -1,4 +1,4 @@
-//! The picture of a sitting: one figure, drawn by the processor.
+//! The picture of a sitting: one figure.
 
 use std::sync::Arc;
 
@@ -11,8 +11,8 @@ use chladni_view::{
     PickTree, Picture, Rect, Renderer, Skin, Topology, VertexPaint, View,
 };
 
-/// Who draws: the page has no other device yet.
-const DEVICE: Device = Device::Processor;
+use crate::screen::{Screen, device};
+
 /// The figure's share of the picture's sides.
 const FILL: f32 = 0.86;
 
@@ -20,11 +20,13 @@ const FILL: f32 = 0.86;
 pub struct Stage {
     pub camera: Camera,
     triangles: Arc<[[u32; 3]]>,
+    /// What the shape brought along.
+    look: Option<OwnLook>,
     positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
     model: Dressed,
     renderer: Renderer,
-    canvas: Canvas,
-    picture: Picture,
+    screen: Screen,
     pick: Option<PickTree>,
     /// What is shown is not what was drawn.
     stale: bool,
@@ -39,8 +41,8 @@ struct Dressed {
     topology: Topology,
     buffers: ItemBuffers,
     tints: VertexPaint,
-    /// A region is shown in place of the shape's own colors.
-    tinted: bool,
+    /// How much of each vertex is in the region that is shown in place of the shape's own colors.
+    region: Option<Vec<f32>>,
     own: Own,
     ring: BrushRing,
 }
@@ -48,7 +50,7 @@ struct Dressed {
 impl Dressed {
     fn figure(&self) -> Figure<'_> {
         let paint = match &self.own {
-            _ if self.tinted => Paint::Colors(&self.tints),
+            _ if self.region.is_some() => Paint::Colors(&self.tints),
             Own::Colors(colors) => Paint::Colors(colors),
             Own::Image(skin) => Paint::Skin(skin),
             Own::None => Paint::Material,
@@ -64,39 +66,60 @@ enum Own {
     Image(Skin),
 }
 
-impl Stage {
-    pub fn new(body: &Body, look: Option<OwnLook>, stands: Orientation) -> Result<Self, Error> {
-        let n = body.positions.len();
-        let topology = match &look {
-            Some(OwnLook::Image { corner_uvs, .. }) => {
-                Topology::with_uvs(&DEVICE, n, &body.triangles, corner_uvs)?
-            }
-            _ => Topology::new(&DEVICE, n, &body.triangles)?,
+impl Dressed {
+    /// A shape of these positions and normals, for a device.
+    fn new(
+        device: &Device,
+        (positions, normals): (&[[f32; 3]], &[[f32; 3]]),
+        triangles: &[[u32; 3]],
+        look: Option<&OwnLook>,
+    ) -> Result<Self, Error> {
+        let n = positions.len();
+        let topology = match look {
+            Some(OwnLook::Image { corner_uvs, .. }) => Topology::with_uvs(device, n, triangles, corner_uvs)?,
+            _ => Topology::new(device, n, triangles)?,
         };
         let own = match look {
             Some(OwnLook::Image { picture, .. }) => {
-                Own::Image(Skin::new(&DEVICE, picture.width, picture.height, &picture.rgba)?)
+                Own::Image(Skin::new(device, picture.width, picture.height, &picture.rgba)?)
             }
             Some(OwnLook::Colors(colors)) => {
-                let paint = VertexPaint::new(&DEVICE, n);
-                paint.write_colors(&DEVICE, &colors)?;
+                let paint = VertexPaint::new(device, n);
+                paint.write_colors(device, colors)?;
                 Own::Colors(paint)
             }
             None => Own::None,
         };
+        let buffers = ItemBuffers::new(device, n, 1);
+        buffers.write(device, 0, positions, normals)?;
+        let (tints, ring) = (VertexPaint::new(device, n), BrushRing::new(device, n, RING));
+        Ok(Self { topology, buffers, tints, region: None, own, ring })
+    }
+
+    /// Shows a region on the material, or, without one, the shape as it looks.
+    fn show_region(&mut self, device: &Device, region: Option<&[f32]>) -> Result<(), Error> {
+        if let Some(values) = region {
+            self.tints.write_colors(device, &tints(values, PAINTED, Material::CLAY))?;
+        }
+        self.region = region.map(<[f32]>::to_vec);
+        Ok(())
+    }
+}
+
+impl Stage {
+    pub fn new(body: &Body, look: Option<OwnLook>, stands: Orientation) -> Result<Self, Error> {
+        let device = device();
         let positions = single(&body.positions);
-        let buffers = ItemBuffers::new(&DEVICE, n, 1);
         let normals = chladni_view::smooth_normals(&positions, &body.triangles);
-        buffers.write(&DEVICE, 0, &positions, &normals)?;
-        let (tints, ring) = (VertexPaint::new(&DEVICE, n), BrushRing::new(&DEVICE, n, RING));
         Ok(Self {
             camera: Camera::on(stands, View::ThreeQuarter),
             triangles: body.triangles.as_slice().into(),
+            model: Dressed::new(&device, (&positions, &normals), &body.triangles, look.as_ref())?,
+            look,
             positions,
-            model: Dressed { topology, buffers, tints, tinted: false, own, ring },
-            renderer: Renderer::new(&DEVICE),
-            canvas: Canvas::new(&DEVICE, 1, 1)?,
-            picture: Picture::filled(1, 1, [0; 4]),
+            normals,
+            renderer: Renderer::new(&device),
+            screen: Screen::new(device)?,
             pick: None,
             stale: true,
             fitted: false,
@@ -104,10 +127,25 @@ impl Stage {
         })
     }
 
+    /// The shape as it is now, for the processor.
+    fn on_processor(&self) -> Result<Dressed, Error> {
+        let shape = (self.positions.as_slice(), self.normals.as_slice());
+        let mut model = Dressed::new(&Device::Processor, shape, &self.triangles, self.look.as_ref())?;
+        model.show_region(&Device::Processor, self.model.region.as_deref())?;
+        Ok(model)
+    }
+
+    /// The processor draws from now on.
+    pub fn draw_by_processor(&mut self) -> Result<(), Error> {
+        (self.model, self.renderer) = (self.on_processor()?, Renderer::new(&Device::Processor));
+        (self.screen, self.stale) = (Screen::new(Device::Processor)?, true);
+        Ok(())
+    }
+
     /// Shows another pose of the shape.
     pub fn take(&mut self, result: &Base) -> Result<(), Error> {
-        self.positions = single(&result.positions);
-        self.model.buffers.write(&DEVICE, 0, &self.positions, &single(result.normals()))?;
+        (self.positions, self.normals) = (single(&result.positions), single(result.normals()));
+        self.model.buffers.write(self.screen.device(), 0, &self.positions, &self.normals)?;
         if let Some(pick) = &mut self.pick {
             pick.refit(&self.positions, &self.triangles);
         }
@@ -117,12 +155,8 @@ impl Stage {
 
     /// Shows a region on the material, or, without one, the shape as it looks.
     pub fn show_region(&mut self, region: Option<&[f32]>) -> Result<(), Error> {
-        if let Some(values) = region {
-            self.model.tints.write_colors(&DEVICE, &tints(values, PAINTED, Material::CLAY))?;
-        }
-        self.model.tinted = region.is_some();
         self.stale = true;
-        Ok(())
+        self.model.show_region(self.screen.device(), region)
     }
 
     /// Lays the ring where a brush would paint; lifts it where there is none.
@@ -135,7 +169,7 @@ impl Stage {
         let triangles = reach.triangles.iter().filter_map(|t| surface.triangles.get(*t as usize));
         let triangles: Vec<[u32; 3]> = triangles.copied().collect();
         let distances = reach.distances.iter().map(|(v, distance)| (*v, *distance as f32));
-        Ok(self.model.ring.lay(&DEVICE, reach.radius as f32, distances, &triangles)?)
+        Ok(self.model.ring.lay(self.screen.device(), reach.radius as f32, distances, &triangles)?)
     }
 
     /// Turns the viewer where the shape stands otherwise.
@@ -159,12 +193,8 @@ impl Stage {
 
     /// Draws it, if it has changed; whether it was drawn.
     pub fn draw(&mut self, width: u32, height: u32) -> Result<bool, Error> {
-        let same = (self.canvas.width(), self.canvas.height()) == (width, height);
-        if same && !self.stale {
+        if self.screen.fit(width, height)? && !self.stale {
             return Ok(false);
-        }
-        if !same {
-            self.canvas = Canvas::new(&DEVICE, width, height)?;
         }
         let aspect = width as f32 / height as f32;
         let points = self.positions.iter().copied();
@@ -175,24 +205,25 @@ impl Stage {
             self.camera.hold(points, aspect, 0.97);
         }
         let figure = Figure { brush: Some(&self.model.ring), ..self.model.figure() };
-        draw(&mut self.renderer, &self.canvas, self.camera, &[figure], Background::SLATE)?;
-        self.picture = self.canvas.read(&DEVICE)?;
+        draw(&mut self.renderer, self.screen.canvas(), self.camera, &[figure], Background::SLATE)?;
+        self.screen.show()?;
         self.stale = false;
         Ok(true)
     }
 
-    /// A picture of its own as PNG, on paper.
+    /// A picture of its own as PNG, on paper. The processor draws it: its pixels are there at once.
     pub fn png(&mut self, width: u32, height: u32) -> Result<Vec<u8>, Error> {
-        let canvas = Canvas::new(&DEVICE, width, height)?;
+        let canvas = Canvas::new(&Device::Processor, width, height)?;
         let mut camera = self.camera;
         camera.hold(self.positions.iter().copied(), width as f32 / height as f32, FILL);
-        let figure = self.model.figure();
-        draw(&mut Renderer::new(&DEVICE), &canvas, camera, &[figure], Background::PAPER)?;
-        Ok(canvas.read(&DEVICE)?.to_png()?)
+        let model = self.on_processor()?;
+        let mut renderer = Renderer::new(&Device::Processor);
+        draw(&mut renderer, &canvas, camera, &[model.figure()], Background::PAPER)?;
+        Ok(canvas.read(&Device::Processor)?.to_png()?)
     }
 
     pub fn picture(&self) -> &Picture {
-        &self.picture
+        self.screen.picture()
     }
 
     pub fn triangles(&self) -> &Arc<[[u32; 3]]> {
@@ -215,7 +246,7 @@ impl Stage {
 
     /// All of the last picture.
     pub fn area(&self) -> Rect {
-        Rect::of_size(self.canvas.width(), self.canvas.height())
+        Rect::of_size(self.screen.canvas().width(), self.screen.canvas().height())
     }
 }
 

@@ -25,13 +25,23 @@ impl FrameGuard {
         }
     }
 
-    /// Looks at some pixels of the frame of `time_secs`, all of a small one, and veils the frame
-    /// where it would flash.
+    /// Looks at the frame of `time_secs` and veils it where it would flash.
     pub fn pass(&mut self, time_secs: f64, picture: &mut Picture) {
+        let veil = self.judge(time_secs, picture.rgba.as_chunks().0, [picture.width, picture.height]);
+        if veil != Veil::Clear {
+            let table: [u8; 256] = std::array::from_fn(|value| veil.over(value as u8));
+            for pixel in picture.rgba.as_chunks_mut::<4>().0 {
+                for channel in &mut pixel[..3] {
+                    *channel = table[usize::from(*channel)];
+                }
+            }
+        }
+    }
+
+    /// Looks at some pixels of the frame of `time_secs`, all of a small one: the veil under which it is to be shown.
+    pub fn judge(&mut self, time_secs: f64, pixels: &[[u8; 4]], size: [u32; 2]) -> Veil {
         self.histogram.clear();
-        let pixels = picture.rgba.as_chunks().0;
-        let step = step(pixels.len(), picture.width as usize);
-        let size = [picture.width, picture.height];
+        let step = step(pixels.len(), size[0] as usize);
         let places = (0u32..).step_by(step).map(|i| [i % size[0], i / size[0]]);
         for ([r, g, b, _], at) in pixels.iter().step_by(step).zip(places) {
             self.histogram.add(at, size, [*r, *g, *b]);
@@ -40,16 +50,9 @@ impl FrameGuard {
             Some(guard) => guard.veil(time_secs, &self.histogram),
             None => Veil::Clear,
         };
-        if veil != Veil::Clear {
-            let table: [u8; 256] = std::array::from_fn(|value| veil.over(value as u8));
-            for pixel in picture.rgba.as_chunks_mut::<4>().0 {
-                for channel in &mut pixel[..3] {
-                    *channel = table[usize::from(*channel)];
-                }
-            }
-            self.damped += 1;
-        }
+        self.damped += usize::from(veil != Veil::Clear);
         self.shown.note(time_secs, &self.histogram, veil);
+        veil
     }
 
     /// How many frames were changed.

@@ -7,6 +7,8 @@ pub mod body;
 mod cast;
 mod clock;
 pub mod dancer;
+pub mod drawn_curve;
+mod ear;
 mod error;
 mod files;
 #[cfg(feature = "desktop")]
@@ -46,6 +48,7 @@ mod watcher;
 pub use bars::{bar_lines, read_beats};
 pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
+pub use ear::Ear;
 pub use error::{Error, Warning};
 pub use files::{refer, resolve};
 pub use frame_guard::FrameGuard;
@@ -73,7 +76,6 @@ pub use theatre::{
 };
 #[cfg(feature = "desktop")]
 pub use titles::{TITLE, title_opacity};
-pub use tuning::spectrum_settings;
 pub use watcher::{Aside, Watcher};
 
 /// The default K, in the window and on the command line.

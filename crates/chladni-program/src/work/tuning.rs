@@ -33,6 +33,6 @@ impl Tuning {
 }
 
 /// The settings of an analyzer of sound at `rate_hz`.
-pub fn spectrum_settings(rate_hz: u32, parameters: &Parameters) -> SpectrumSettings {
+pub(super) fn spectrum_settings(rate_hz: u32, parameters: &Parameters) -> SpectrumSettings {
     Tuning::of(parameters).settings(rate_hz)
 }

@@ -64,8 +64,15 @@ impl Gpu {
     }
 
     fn open(adapter: &wgpu::Adapter) -> Result<Self, ViewError> {
-        let adapter_name = adapter.get_info().name;
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        pollster::block_on(Self::on_adapter(adapter))
+    }
+
+    /// Opens an adapter that somebody else has chosen, where nobody may wait, as in a browser.
+    ///
+    /// # Errors
+    /// [`ViewError::NoDevice`] where it refuses.
+    pub async fn on_adapter(adapter: &wgpu::Adapter) -> Result<Self, ViewError> {
+        let wanted = wgpu::DeviceDescriptor {
             label: Some("chladni"),
             // What the card allows: synthesis binds large buffers.
             required_limits: adapter.limits(),
@@ -73,8 +80,12 @@ impl Gpu {
             required_features: adapter.features()
                 & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS),
             ..Default::default()
-        }))
-        .map_err(|error| ViewError::NoDevice { adapter: adapter_name, reason: error.to_string() })?;
+        };
+        let refused = |error: wgpu::RequestDeviceError| ViewError::NoDevice {
+            adapter: adapter.get_info().name,
+            reason: error.to_string(),
+        };
+        let (device, queue) = adapter.request_device(&wanted).await.map_err(refused)?;
         let loss = DeviceLoss::watch(&device);
         let gpu = Self { device, queue, loss, refusal: Arc::default() };
         let refusal = Arc::clone(&gpu.refusal);

@@ -10,6 +10,7 @@ use super::wish::Wish;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{FAVORITE, STAGE};
 use crate::studio::theme;
+use crate::work::drawn_curve::smooth;
 
 /// Height of the plots with their head.
 const BENCH: f32 = 230.0;
@@ -217,7 +218,7 @@ fn shapes_menu(
         entry(ui, "t: reversed", &|| transfer(mapping.transfer.iter().map(|t| 1.0 - t).collect()));
         entry(ui, "t: smooth", &|| {
             let mut values = mapping.transfer.clone();
-            curve::smooth(&mut values);
+            smooth(&mut values);
             transfer(values)
         });
         ui.separator();
@@ -227,7 +228,7 @@ fn shapes_menu(
         });
         entry(ui, "a: smooth", &|| {
             let mut values = mapping.amplification.clone();
-            curve::smooth(&mut values);
+            smooth(&mut values);
             amplification(values)
         });
     });

@@ -26,7 +26,7 @@ impl Listening {
         });
         match known {
             Some((number, gap_secs)) => self.read_otherwise(number, |reading| reading.shift_secs += gap_secs),
-            None => self.follower.tap(self.follower.now_secs()),
+            None => self.ear.follower.tap(self.ear.follower.now_secs()),
         }
     }
 
@@ -39,7 +39,7 @@ impl Listening {
             Some(number) => {
                 self.read_otherwise(number, |reading| reading.octave = (reading.octave - 1).max(-3))
             }
-            None => self.follower.halve(),
+            None => self.ear.follower.halve(),
         }
     }
 
@@ -52,7 +52,7 @@ impl Listening {
             Some(number) => {
                 self.read_otherwise(number, |reading| reading.octave = (reading.octave + 1).min(3))
             }
-            None => self.follower.double(),
+            None => self.ear.follower.double(),
         }
     }
 
@@ -76,7 +76,7 @@ impl Listening {
         if let Some(moment) = self.clock_moment() {
             return moment;
         }
-        let Some((_, beats)) = self.known_beats() else { return self.follower.moment() };
+        let Some((_, beats)) = self.known_beats() else { return self.ear.follower.moment() };
         let beat = self.hearing.beat_at(self.clock.at_secs());
         let phase = beat.count.rem_euclid(1.0);
         let left_secs = if beats.tempo_bpm > 0.0 { (1.0 - phase) * 60.0 / beats.tempo_bpm } else { 0.0 };

@@ -1,10 +1,9 @@
-//! Live hearing: an analyzer and a beat tracker that know only what was heard so far.
+//! What the ear is given that knows only what was heard so far.
 
-use chladni_music::{BarLine, Director, Parameters};
-use chladni_sound::{BeatFollower, HeardBar, PlayerStatus, SpectrumAnalyser};
+use chladni_music::{BarLine, Director};
+use chladni_sound::PlayerStatus;
 
 use super::{LIVE_SEED, Listening};
-use crate::work::{Error, spectrum_settings};
 
 /// If the song's position deviates from the clock by more than this, the user has sought: the beat tracker is
 /// reset.
@@ -32,45 +31,17 @@ impl Loudness {
     }
 }
 
-/// The number of beats so far. A tracker sometimes corrects its phase backward; what the beat has moved must
-/// not jump back.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BeatCount {
-    pub gone: f64,
-    shown: f64,
-}
-
-impl BeatCount {
-    /// With the place within the present beat; never less than before.
-    pub fn at(&mut self, phase: f64) -> f64 {
-        self.shown = self.shown.max(self.gone + phase.clamp(0.0, 1.0));
-        self.shown
-    }
-}
-
 impl Listening {
-    pub(super) fn follow_rate(&mut self, rate_hz: u32, parameters: &Parameters) -> Result<(), Error> {
-        let rate_hz = if rate_hz > 0 { rate_hz } else { self.analyzer.settings().rate_hz };
-        if rate_hz != self.analyzer.settings().rate_hz {
-            self.follower = BeatFollower::new(rate_hz)?;
-        }
-        let wanted = spectrum_settings(rate_hz, parameters);
-        if *self.analyzer.settings() != wanted {
-            self.analyzer = SpectrumAnalyser::new(wanted)?;
-        }
-        Ok(())
-    }
-
     /// The samples to analyze: around what is heard of a song, later by what the decay holds back;
     /// the newest ones of live input.
     pub(super) fn take_window(&mut self, playing: bool) {
-        let window = self.analyzer.window_frames();
+        let window = self.ear.analyzer().window_frames();
         self.left.resize(window, 0.0);
         self.right.resize(window, 0.0);
         match &self.live {
             Some(live) => live.capture.window(&mut self.left, &mut self.right),
             None => {
-                let late = self.analyzer.lag_secs() * f64::from(self.analyzer.settings().rate_hz);
+                let late = self.ear.analyzer().lag_secs() * f64::from(self.ear.rate_hz());
                 let ahead = window / 2 + late as usize;
                 self.player.heard_window(ahead, &mut self.left, &mut self.right);
             }
@@ -92,8 +63,7 @@ impl Listening {
             tee.left.extend_from_slice(&self.left);
             tee.right.extend_from_slice(&self.right);
         }
-        self.follower.push(&self.left, &self.right);
-        self.count_beats();
+        self.follow_beat();
     }
 
     /// Feeds the tracker with what was heard since the last frame.
@@ -109,19 +79,12 @@ impl Listening {
         self.left.resize(frames, 0.0);
         self.right.resize(frames, 0.0);
         self.player.heard_window(0, &mut self.left, &mut self.right);
-        self.follower.push(&self.left, &self.right);
-        self.count_beats();
+        self.follow_beat();
     }
 
-    fn count_beats(&mut self) {
-        while self.follower.take_beat().is_some() {
-            self.beats.gone += 1.0;
-        }
-        if let Some(bar) = self.follower.take_bar() {
-            let beat_secs = 60.0 / self.follower.moment().tempo_bpm.max(1.0);
-            let HeardBar { at_secs, energy, begins_section, .. } = bar;
-            let secs = f64::from(bar.beats) * beat_secs;
-            let bar = BarLine { at_secs, secs, energy, begins_section };
+    /// Feeds the tracker with what was taken.
+    fn follow_beat(&mut self) {
+        if let Some(bar) = self.ear.follow(&self.left, &self.right) {
             if !self.follows_clock() {
                 self.director.hear(bar);
             }
@@ -133,23 +96,9 @@ impl Listening {
 
     /// After a seek the old beat is meaningless; a tracker that cannot be reset continues as it is.
     pub(super) fn forget_beat(&mut self) {
-        let _ = self.follower.reset();
+        let _ = self.ear.follower.reset();
         if !self.follows_clock() {
             self.director = Director::live(LIVE_SEED);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn beats_never_go_back() {
-        let mut beats = BeatCount::default();
-        // The tracker takes a beat back that it had not announced yet.
-        assert_eq!([0.5, 0.99, 0.02, 0.6].map(|phase| beats.at(phase)), [0.5, 0.99, 0.99, 0.99]);
-        beats.gone += 1.0;
-        assert_eq!([0.05, 0.5].map(|phase| beats.at(phase)), [1.05, 1.5]);
     }
 }

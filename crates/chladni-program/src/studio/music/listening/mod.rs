@@ -11,26 +11,23 @@ pub use outer::Progress;
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{
-    Bands, BarLine, Beat, BeatReading, Director, Framing, Harmony, Parameters, Resonators, Stretch, Timbre,
-};
+use chladni_music::{BarLine, Beat, BeatReading, Director, Framing, Parameters, Stretch};
 use chladni_sound::{
-    BeatFollower, Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings, PlayerState,
-    PlayerStatus, Repeat, Spectrum, SpectrumAnalyser, SpectrumSettings, WavSample, sample_tune, write_wav,
+    Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat,
+    Spectrum, WavSample, sample_tune, write_wav,
 };
 
-use ear::BeatCount;
 use outer::Outer;
 
 use super::study::{Learned, Study};
 use crate::work::source::TUNE;
-use crate::work::{Error, Heard, Hearing, Playing, ShowClock, bands_of, read_beats};
+use crate::work::{Ear, Error, Heard, Hearing, Playing, ShowClock, read_beats};
 
 /// Seed of the shots of what is not known as a whole.
 const LIVE_SEED: u64 = 1;
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
-/// song until it is read, through an analyzer and a beat tracker that know only what was heard so far.
+/// song until it is read, through an ear that knows only what was heard so far.
 pub struct Listening {
     player: Player,
     live: Option<Live>,
@@ -41,21 +38,14 @@ pub struct Listening {
     study: Option<Study>,
     /// Beats have become known that were unknown when some action was logged.
     beats_changed: bool,
-    /// What is heard comes from the analyzer and the tracker below.
+    /// What is heard comes from the ear below.
     by_ear: bool,
     last_beat: Beat,
-    analyzer: SpectrumAnalyser,
-    follower: BeatFollower,
-    /// What live input strikes, and how long the last piece of it has rung.
-    resonators: Option<Resonators>,
-    rung_secs: f32,
-    /// Its chords.
-    harmony: Harmony,
+    ear: Ear,
     left: Vec<f32>,
     right: Vec<f32>,
     last_secs: f64,
     last_position_secs: f64,
-    beats: BeatCount,
     /// Films what is not known as a whole.
     director: Director,
     /// Bars that began by ear, and up to when those of known songs were reported.
@@ -126,9 +116,6 @@ impl Listening {
         let tune = folder.path().join("sample tune.wav");
         write_wav(&tune, &sample_tune(), WavSample::Int16)?;
         let player = Player::start(PlayerSettings { device: device.clone(), volume, audible: true })?;
-        let rate_hz = 44_100;
-        let analyzer = SpectrumAnalyser::new(SpectrumSettings::new(rate_hz))?;
-        let follower = BeatFollower::new(rate_hz)?;
         let mut listening = Self {
             player,
             live: None,
@@ -139,16 +126,11 @@ impl Listening {
             beats_changed: false,
             by_ear: true,
             last_beat: Beat::default(),
-            analyzer,
-            follower,
-            resonators: None,
-            rung_secs: 0.0,
-            harmony: Harmony::default(),
+            ear: Ear::new(44_100)?,
             left: Vec::new(),
             right: Vec::new(),
             last_secs: 0.0,
             last_position_secs: 0.0,
-            beats: BeatCount::default(),
             director: Director::live(LIVE_SEED),
             fresh_bars: Vec::new(),
             bars_told_secs: 0.0,
@@ -266,7 +248,7 @@ impl Listening {
 
     /// The last spectrum, and where its bands lie.
     pub fn spectrum(&self) -> (&Spectrum, &[f32]) {
-        let by_ear = (self.analyzer.spectrum(), self.analyzer.bands_hz());
+        let by_ear = (self.ear.analyzer().spectrum(), self.ear.analyzer().bands_hz());
         self.hearing.spectrum().filter(|_| !self.by_ear).unwrap_or(by_ear)
     }
 
@@ -317,13 +299,11 @@ impl Listening {
         let known = self.live.is_none() && self.hearing.hear(at_secs)?.is_some();
         let has_beats = known && self.known_beats().is_some();
         if known && std::mem::replace(&mut self.by_ear, !known) {
-            let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
-            let heard = (self.analyzer.spectrum().clone(), ringing, self.harmony);
-            self.hearing.fade_from(at_secs, heard, self.last_beat);
+            self.hearing.fade_from(at_secs, self.ear.heard(), self.last_beat);
         }
         self.by_ear = !known;
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
-        self.follow_rate(rate_hz, parameters)?;
+        self.ear.tune(if rate_hz > 0 { rate_hz } else { self.ear.rate_hz() }, parameters)?;
         if self.live.is_some() {
             self.take_live();
         } else if !has_beats {
@@ -334,23 +314,13 @@ impl Listening {
         self.take_window(is_playing);
         let heard = [&self.left, &self.right];
         self.levels = std::array::from_fn(|side| Loudness::of(heard[side], self.levels[side], dt_secs));
-        let moment = self.follower.moment();
-        let confidence = if is_playing { moment.confidence as f32 } else { self.last_beat.confidence };
-        let by_ear = Beat { count: self.beats.at(moment.phase), confidence };
+        let by_ear = self.ear.beat();
+        let confidence = if is_playing { by_ear.confidence } else { self.last_beat.confidence };
+        let by_ear = Beat { confidence, ..by_ear };
         if !known {
-            self.analyzer.analyse(&self.left, &self.right, dt_secs);
             let beat = self.beat_or(by_ear);
             self.last_beat = beat;
-            let spectrum = self.analyzer.spectrum();
-            self.harmony.hear(&spectrum.mid, self.analyzer.bands_hz(), dt_secs as f32);
-            let timbre = Timbre::of(parameters);
-            Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
-            let ringing = self.resonators.as_mut().map(|bank| {
-                bank.hear(&bands_of(spectrum), std::mem::replace(&mut self.rung_secs, dt_secs as f32));
-                bank.ring(dt_secs as f32)
-            });
-            let bands = Bands { ringing, ..bands_of(spectrum) };
-            let harmony = self.harmony;
+            let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, dt_secs);
             return Ok(Heard { at_secs, is_known: false, bands, harmony, beat, fading: None });
         }
         let by_music = if has_beats { self.hearing.beat_at(at_secs) } else { by_ear };
@@ -386,7 +356,7 @@ impl Listening {
             return self.director.at(self.last_secs);
         }
         if self.by_ear || self.known_beats().is_none() {
-            return self.director.at(self.follower.now_secs());
+            return self.director.at(self.ear.follower.now_secs());
         }
         self.hearing.framing_at(self.clock.at_secs(), seed)
     }

@@ -145,7 +145,7 @@ impl Listening {
         if follows {
             self.outer.tempo.go_on_from(self.last_beat.count, self.last_secs);
         } else {
-            self.beats.gone = self.outer_beat.count.ceil();
+            self.ear.beats.gone = self.outer_beat.count.ceil();
             // What was done is counted again in the beats of the song, where they are known.
             self.beats_changed |= self.known_beats().is_some();
         }

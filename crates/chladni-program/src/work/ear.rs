@@ -1,0 +1,136 @@
+//! An ear that knows only what was heard so far: that of live input, and of a song until it is read.
+
+use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing, Timbre};
+use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalyser, SpectrumSettings};
+
+use super::hearing::bands_of;
+use super::tuning::spectrum_settings;
+
+/// An analyzer and a beat tracker, what is struck by what they hear, and its chords.
+pub struct Ear {
+    analyzer: SpectrumAnalyser,
+    /// The beat tracker, for corrections by hand.
+    pub follower: BeatFollower,
+    /// The beats that it has found.
+    pub beats: BeatCount,
+    resonators: Option<Resonators>,
+    /// How long the last piece has rung.
+    rung_secs: f32,
+    harmony: Harmony,
+}
+
+/// The number of beats so far. A tracker sometimes corrects its phase backward; what the beat has moved must
+/// not jump back.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BeatCount {
+    /// Whole beats.
+    pub gone: f64,
+    shown: f64,
+}
+
+impl BeatCount {
+    /// With the place within the present beat; never less than before.
+    pub fn at(&mut self, phase: f64) -> f64 {
+        self.shown = self.shown.max(self.gone + phase.clamp(0.0, 1.0));
+        self.shown
+    }
+}
+
+impl Ear {
+    /// For sound of this rate.
+    ///
+    /// # Errors
+    /// [`SoundError::Setting`] where the rate is out of range.
+    pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
+        Ok(Self {
+            analyzer: SpectrumAnalyser::new(SpectrumSettings::new(rate_hz))?,
+            follower: BeatFollower::new(rate_hz)?,
+            beats: BeatCount::default(),
+            resonators: None,
+            rung_secs: 0.0,
+            harmony: Harmony::default(),
+        })
+    }
+
+    /// Of the sound that it is tuned to.
+    pub fn rate_hz(&self) -> u32 {
+        self.analyzer.settings().rate_hz
+    }
+
+    /// What hears the sound.
+    pub fn analyzer(&self) -> &SpectrumAnalyser {
+        &self.analyzer
+    }
+
+    /// Listens to sound of this rate from now on, as the knobs say.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn tune(&mut self, rate_hz: u32, parameters: &Parameters) -> Result<(), SoundError> {
+        if rate_hz != self.rate_hz() {
+            self.follower = BeatFollower::new(rate_hz)?;
+        }
+        let wanted = spectrum_settings(rate_hz, parameters);
+        if *self.analyzer.settings() != wanted {
+            self.analyzer = SpectrumAnalyser::new(wanted)?;
+        }
+        Ok(())
+    }
+
+    /// Takes sound that has come in, for its beat; the bar that it begins, by the tracker's own time.
+    pub fn follow(&mut self, left: &[f32], right: &[f32]) -> Option<BarLine> {
+        self.follower.push(left, right);
+        while self.follower.take_beat().is_some() {
+            self.beats.gone += 1.0;
+        }
+        let HeardBar { at_secs, beats, energy, begins_section, .. } = self.follower.take_bar()?;
+        let beat_secs = 60.0 / self.follower.moment().tempo_bpm.max(1.0);
+        Some(BarLine { at_secs, secs: f64::from(beats) * beat_secs, energy, begins_section })
+    }
+
+    /// The beat now.
+    pub fn beat(&mut self) -> Beat {
+        let moment = self.follower.moment();
+        Beat { count: self.beats.at(moment.phase), confidence: moment.confidence as f32 }
+    }
+
+    /// What is heard in a window of the sound ([`SpectrumAnalyser::window_frames`]), which ends `dt_secs` after the
+    /// last one.
+    pub fn hear(
+        &mut self,
+        (left, right): (&[f32], &[f32]),
+        parameters: &Parameters,
+        dt_secs: f64,
+    ) -> (Bands<'_>, Harmony) {
+        self.analyzer.analyse(left, right, dt_secs);
+        let (spectrum, dt_secs) = (self.analyzer.spectrum(), dt_secs as f32);
+        self.harmony.hear(&spectrum.mid, self.analyzer.bands_hz(), dt_secs);
+        let timbre = Timbre::of(parameters);
+        Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
+        let ringing = self.resonators.as_mut().map(|bank| {
+            bank.hear(&bands_of(spectrum), std::mem::replace(&mut self.rung_secs, dt_secs));
+            bank.ring(dt_secs)
+        });
+        (Bands { ringing, ..bands_of(spectrum) }, self.harmony)
+    }
+
+    /// What it heard last, for [`Hearing::fade_from`](super::Hearing::fade_from).
+    pub fn heard(&self) -> (Spectrum, Ringing, Harmony) {
+        let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
+        (self.analyzer.spectrum().clone(), ringing, self.harmony)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beats_never_go_back() {
+        let mut beats = BeatCount::default();
+        // The tracker takes a beat back that it had not announced yet.
+        assert_eq!([0.5, 0.99, 0.02, 0.6].map(|phase| beats.at(phase)), [0.5, 0.99, 0.99, 0.99]);
+        beats.gone += 1.0;
+        assert_eq!([0.05, 0.5].map(|phase| beats.at(phase)), [1.05, 1.5]);
+    }
+}

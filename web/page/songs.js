@@ -1,0 +1,77 @@
+// The list of songs: one plays after the other, and each is decoded while the one before it plays.
+import { busy } from "./page.js";
+import { ask } from "./work.js";
+
+/** Our own, which makes room for any other. */
+export const TUNE = "sample:tune";
+
+/** Each is what it is called and its file; what plays has its sound, too. */
+const list = [];
+let playing;
+/** What comes after it, once it was asked for. */
+let ahead;
+
+export const current = () => playing;
+export const count = () => list.length;
+export const place = () => list.indexOf(playing);
+export const names = () => list.map(({ name }) => name);
+
+/** Adds songs at the end of the list; gives the first of them. */
+export function add(files) {
+  const songs = files.map((file) => ({ name: file.name, file }));
+  list.push(...songs);
+  return songs[0];
+}
+
+/** The tune alone, as it was decoded. */
+export function begin(sound) {
+  playing = { name: TUNE, sound };
+  list.push(playing);
+  return playing;
+}
+
+/** So many places after a song, or before it; the first comes after the last. */
+export const beside = (song, steps) => list.at((list.indexOf(song) + steps) % list.length);
+
+/** Takes out a song that cannot be read; gives what stands in its place, if anything does. */
+export function strike(song) {
+  const index = list.indexOf(song);
+  if (index >= 0) list.splice(index, 1);
+  return list[index];
+}
+
+async function decode(song, report, worker) {
+  const bytes = song.file && new Uint8Array(await song.file.arrayBuffer());
+  return ask({ work: "decode", name: song.name, bytes }, report, worker);
+}
+
+/** The sound of a song: the one that was decoded beforehand, where that went well. */
+export async function soundOf(song) {
+  const early = ahead?.song === song ? ahead.sound : undefined;
+  ahead = undefined;
+  return (await early?.catch(() => undefined)) ?? busy(song.name, (tell) => decode(song, tell));
+}
+
+/** A song plays from now on, as it sounds. */
+export function play(song, sound) {
+  // Samples of the one before are not heard until it comes again.
+  if (playing) playing.sound = undefined;
+  song.sound = sound;
+  playing = song;
+  if (list.length > 1 && list[0].name === TUNE) list.shift();
+}
+
+/** Decodes what comes next, beside what plays. What cannot be read is struck and reported to `failed`, and the next is
+ * taken. */
+export function prepare(failed) {
+  const song = beside(playing, 1);
+  if (song === playing || ahead?.song === song) return;
+  ahead = { song, sound: decode(song, undefined, "ahead") };
+  ahead.sound.catch((error) => {
+    // Cancelled: it is decoded when it is to play.
+    if (error.name === "AbortError" || ahead?.song !== song) return;
+    strike(song);
+    failed(error);
+    prepare(failed);
+  });
+}

@@ -1,0 +1,55 @@
+//! The two curves of the dance on stage, drawn by hand.
+
+use chladni_program::work::drawn_curve;
+use serde::Serialize;
+use wasm_bindgen::prelude::*;
+
+use super::Concert;
+
+#[derive(Serialize)]
+struct Curves<'a> {
+    /// Of the dance, in the gallery.
+    item: usize,
+    transfer: &'a [f32],
+    amplification: &'a [f32],
+}
+
+#[wasm_bindgen]
+impl Concert {
+    /// t and a of the dance of the gallery that is on stage, as JSON; `null` where none is.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn curves(&self) -> Result<String, JsError> {
+        let scene = self.instrument.scene(self.hearing.beat_at(self.clock.at_secs()).count);
+        let items = self.instrument.gallery().items();
+        let found = scene.and_then(|scene| items.iter().position(|item| item.id == scene.to));
+        let curves = found.map(|item| {
+            let mapping = &items[item].genome;
+            Curves { item, transfer: &mapping.transfer, amplification: &mapping.amplification }
+        });
+        Ok(serde_json::to_string(&curves)?)
+    }
+}
+
+/// The values of a curve between `low` and `high` after a stroke from one point to another: x in [0, 1], y a value.
+#[wasm_bindgen]
+pub fn draw_curve(
+    mut values: Vec<f32>,
+    low: f32,
+    high: f32,
+    from_x: f32,
+    from_y: f32,
+    to_x: f32,
+    to_y: f32,
+) -> Vec<f32> {
+    drawn_curve::draw(&mut values, (low, high), [from_x, from_y], [to_x, to_y]);
+    values
+}
+
+/// The same curve, smoother.
+#[wasm_bindgen]
+pub fn smooth_curve(mut values: Vec<f32>) -> Vec<f32> {
+    drawn_curve::smooth(&mut values);
+    values
+}

@@ -1,0 +1,100 @@
+//! A microphone in place of a song.
+
+use chladni_music::{BarLine, Director, Framing, Parameters};
+use chladni_program::work::{Ear, Error, Heard};
+use wasm_bindgen::prelude::*;
+
+use super::Concert;
+
+/// Seed of the shots of what is not known as a whole.
+const SEED: u64 = 1;
+
+/// What came in last, and who listens to it.
+pub(super) struct Live {
+    rate_hz: u32,
+    ear: Ear,
+    /// As long as the analyzer's window; silence before the first sound.
+    left: Vec<f32>,
+    right: Vec<f32>,
+    last_secs: f64,
+    director: Director,
+    /// Bars that began since they were asked for.
+    bars: Vec<BarLine>,
+}
+
+impl Live {
+    fn new(rate_hz: u32, parameters: &Parameters) -> Result<Self, Error> {
+        let mut ear = Ear::new(rate_hz)?;
+        ear.tune(rate_hz, parameters)?;
+        let silence = vec![0.0; ear.analyzer().window_frames()];
+        let (left, right) = (silence.clone(), silence);
+        let director = Director::live(SEED);
+        Ok(Self { rate_hz, ear, left, right, last_secs: 0.0, director, bars: Vec::new() })
+    }
+
+    fn take(&mut self, left: &[f32], right: &[f32]) {
+        if let Some(bar) = self.ear.follow(left, right) {
+            self.director.hear(bar);
+            // Only an autopilot asks for them.
+            self.bars.truncate(8);
+            self.bars.push(bar);
+        }
+        for (kept, new) in [(&mut self.left, left), (&mut self.right, right)] {
+            let fresh = &new[new.len().saturating_sub(kept.len())..];
+            kept.drain(..fresh.len());
+            kept.extend_from_slice(fresh);
+        }
+    }
+
+    /// What is heard now, at `at_secs` of the show.
+    pub fn hear(&mut self, at_secs: f64, parameters: &Parameters) -> Result<Heard<'_>, Error> {
+        self.ear.tune(self.rate_hz, parameters)?;
+        let window = self.ear.analyzer().window_frames();
+        for kept in [&mut self.left, &mut self.right] {
+            let longer = kept.len().saturating_sub(window);
+            kept.drain(..longer);
+            let missing = window - kept.len();
+            kept.splice(..0, std::iter::repeat_n(0.0, missing));
+        }
+        let dt_secs = (at_secs - std::mem::replace(&mut self.last_secs, at_secs)).clamp(1e-3, 0.25);
+        let beat = self.ear.beat();
+        let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, dt_secs);
+        Ok(Heard { at_secs, is_known: false, bands, harmony, beat, fading: None })
+    }
+
+    /// How the camera frames it.
+    pub fn framing(&mut self) -> Framing {
+        self.director.at(self.ear.follower.now_secs())
+    }
+
+    /// The bars that have begun since the last call, as of `at_secs` of the show.
+    pub fn new_bars(&mut self, at_secs: f64) -> Vec<BarLine> {
+        self.bars.drain(..).map(|bar| BarLine { at_secs, ..bar }).collect()
+    }
+}
+
+#[wasm_bindgen]
+impl Concert {
+    /// Listens to sound as it comes in at `rate_hz`, in place of a song.
+    ///
+    /// # Errors
+    /// A rate out of range.
+    pub fn listen(&mut self, rate_hz: u32) -> Result<(), JsError> {
+        self.live = Some(Live::new(rate_hz, self.instrument.parameters())?);
+        Ok(())
+    }
+
+    /// Takes sound that has come in since the last call, as many frames of both channels.
+    pub fn take_sound(&mut self, left: &[f32], right: &[f32]) {
+        if let Some(live) = &mut self.live {
+            live.take(left, right);
+        }
+    }
+
+    /// Back to the songs.
+    pub fn stop_listening(&mut self) {
+        if let Some(mut live) = self.live.take() {
+            self.hearing.fade_from(self.clock.at_secs(), live.ear.heard(), live.ear.beat());
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! What deforms the dancers and draws them.
+
+use chladni_program::work::{Error, FrameGuard, Staging};
+use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
+use chladni_view::{Device, ItemBuffers, Renderer, RestShape, Topology};
+
+use crate::coarse::coarse;
+use crate::screen::{Screen, device};
+
+/// Vertices of a body in a gallery.
+const SMALL: usize = 1600;
+
+pub(super) struct Stage {
+    synthesizer: CpuSynthesizer,
+    triangles: Vec<[u32; 3]>,
+    pub figures: Figures,
+    pub guard: FrameGuard,
+    /// x, y, width and height of each item's cell.
+    pub cells: Vec<u32>,
+}
+
+/// What draws, and what it draws.
+pub(super) struct Figures {
+    pub topology: Topology,
+    /// For a gallery, whose pictures are small; none where the body has few vertices anyway.
+    pub small: Option<Topology>,
+    pub rest: RestShape,
+    pub buffers: ItemBuffers,
+    pub renderer: Renderer,
+    pub screen: Screen,
+}
+
+impl Stage {
+    pub fn new(model: SynthModel, triangles: Vec<[u32; 3]>, staging: &Staging) -> Result<Self, Error> {
+        Ok(Self {
+            figures: Figures::new(device(), &model, &triangles, staging)?,
+            synthesizer: CpuSynthesizer::new(model),
+            triangles,
+            guard: FrameGuard::new(true),
+            cells: Vec::new(),
+        })
+    }
+
+    /// Somebody else draws from now on.
+    pub fn draw_by(&mut self, device: Device, staging: &Staging) -> Result<(), Error> {
+        self.figures = Figures::new(device, self.synthesizer.model(), &self.triangles, staging)?;
+        Ok(())
+    }
+
+    pub fn deform(&mut self, items: &[Item], settings: &FrameSettings) -> Result<(), Error> {
+        self.synthesizer.synthesize(items, settings)?;
+        Ok(self.figures.buffers.take_frame(self.figures.screen.device(), &self.synthesizer)?)
+    }
+}
+
+impl Figures {
+    fn new(
+        device: Device,
+        model: &SynthModel,
+        triangles: &[[u32; 3]],
+        staging: &Staging,
+    ) -> Result<Self, Error> {
+        let vertices = model.vertices();
+        let small = coarse(model.rest_positions(), model.rest_normals(), triangles, SMALL);
+        let small = small.map(|triangles| Topology::new(&device, vertices, &triangles)).transpose()?;
+        Ok(Self {
+            small,
+            topology: Topology::new(&device, vertices, triangles)?,
+            rest: staging.rest_on(&device)?,
+            buffers: ItemBuffers::new(&device, vertices, 0),
+            renderer: Renderer::new(&device),
+            screen: Screen::new(device)?,
+        })
+    }
+}

@@ -1,0 +1,147 @@
+//! Who draws, and how a picture comes to the page: a graphics card draws straight into it, once the page has opened
+//! one; the pixels of the processor are fetched.
+
+use std::cell::RefCell;
+
+use chladni_program::work::Error;
+use chladni_view::{Canvas, Device, Gpu, Picture, ViewError};
+use wasm_bindgen::prelude::*;
+use web_sys::HtmlCanvasElement;
+
+/// The device of the page, and what it shows.
+struct Card {
+    gpu: Gpu,
+    surface: wgpu::Surface<'static>,
+    /// Of what is shown.
+    size: (u32, u32),
+}
+
+thread_local! {
+    static CARD: RefCell<Option<Card>> = const { RefCell::new(None) };
+}
+
+/// From now on a graphics card draws, straight into `picture`; its name. Concerts and sittings that are there already
+/// stay with whoever draws them.
+///
+/// # Errors
+/// A browser that has no such device, or a device that cannot draw into a page.
+#[wasm_bindgen]
+pub async fn open_card(picture: HtmlCanvasElement) -> Result<String, JsError> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let options = wgpu::RequestAdapterOptions {
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        ..Default::default()
+    };
+    let adapter = instance.request_adapter(&options).await?;
+    let gpu = Gpu::on_adapter(&adapter).await?;
+    // The last step: a canvas that has shown a card's pictures takes no others.
+    let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(picture))?;
+    let description = gpu.description();
+    CARD.set(Some(Card { gpu, surface, size: (0, 0) }));
+    Ok(description)
+}
+
+/// No graphics card draws from now on: the page has lost it.
+#[wasm_bindgen]
+pub fn close_card() {
+    CARD.set(None);
+}
+
+/// Who draws what is made from now on.
+pub fn device() -> Device {
+    CARD.with_borrow(|card| card.as_ref().map_or(Device::Processor, |card| (&card.gpu).into()))
+}
+
+/// A picture on its way to the page.
+pub struct Screen {
+    device: Device,
+    canvas: Canvas,
+    picture: Picture,
+}
+
+impl Screen {
+    pub fn new(device: Device) -> Result<Self, Error> {
+        let (canvas, picture) = (Canvas::new(&device, 1, 1)?, Picture::filled(1, 1, [0; 4]));
+        Ok(Self { device, canvas, picture })
+    }
+
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Where its renderer draws.
+    pub fn canvas(&self) -> &Canvas {
+        &self.canvas
+    }
+
+    /// The pixels that were fetched last.
+    pub fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
+    /// Sees to it that it has this size; whether it had.
+    pub fn fit(&mut self, width: u32, height: u32) -> Result<bool, Error> {
+        let had = (self.canvas.width(), self.canvas.height()) == (width, height);
+        if !had {
+            self.canvas = Canvas::new(&self.device, width, height)?;
+        }
+        Ok(had)
+    }
+
+    /// Shows what was drawn. Where the processor draws, the page has yet to fetch it: the pixels.
+    pub fn show(&mut self) -> Result<Option<&mut Picture>, Error> {
+        match &self.device {
+            Device::Processor => {
+                self.picture = self.canvas.read(&self.device)?;
+                Ok(Some(&mut self.picture))
+            }
+            Device::Graphics(gpu) => {
+                CARD.with_borrow_mut(|card| match card {
+                    Some(card) => card.show(gpu, &self.canvas),
+                    None => Err(lost("the page has closed it")),
+                })?;
+                Ok(None)
+            }
+        }
+    }
+}
+
+impl Card {
+    fn show(&mut self, gpu: &Gpu, canvas: &Canvas) -> Result<(), Error> {
+        let size = (canvas.width(), canvas.height());
+        if self.size != size {
+            self.surface.configure(
+                &gpu.device,
+                &wgpu::SurfaceConfiguration {
+                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_DST,
+                    format: Canvas::FORMAT,
+                    color_space: wgpu::SurfaceColorSpace::Auto,
+                    width: size.0,
+                    height: size.1,
+                    present_mode: wgpu::PresentMode::Fifo,
+                    desired_maximum_frame_latency: 2,
+                    alpha_mode: wgpu::CompositeAlphaMode::Opaque,
+                    view_formats: Vec::new(),
+                },
+            );
+            self.size = size;
+        }
+        let page = match self.surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(page) | wgpu::CurrentSurfaceTexture::Suboptimal(page) => {
+                page
+            }
+            other => return Err(lost(&format!("{other:?}"))),
+        };
+        let whole = wgpu::Extent3d { width: size.0, height: size.1, depth_or_array_layers: 1 };
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let drawn = canvas.view()?.texture().as_image_copy();
+        encoder.copy_texture_to_texture(drawn, page.texture.as_image_copy(), whole);
+        gpu.queue.submit([encoder.finish()]);
+        gpu.queue.present(page);
+        Ok(())
+    }
+}
+
+fn lost(why: &str) -> Error {
+    ViewError::Device(why.to_owned()).into()
+}

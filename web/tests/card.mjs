@@ -1,0 +1,114 @@
+// The picture by a graphics card, which a processor plays here: it is that of our own processor, and where the card is
+// lost, that draws on.
+import assert from "node:assert/strict";
+import { WITH_CARD, launch } from "../browser.mjs";
+import { acts } from "./caricature.mjs";
+import { moves, opened, out, step, until } from "./driver.mjs";
+
+const SMALL = { width: 640, height: 480 };
+const drawnBy = (page) => page.textContent("#front .drawn-by");
+
+/** The pixels of the whole page as it is seen, thinned out, where the shape is. */
+async function seen(page) {
+  const { x, y, width, height } = await page.locator("#picture").boundingBox();
+  const png = await page.screenshot({ clip: { x, y, width, height } });
+  return page.evaluate(async (bytes) => {
+    const picture = await createImageBitmap(new Blob([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))]));
+    const brush = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
+    brush.drawImage(picture, 0, 0);
+    return [...brush.getImageData(0, 0, picture.width, picture.height).data];
+  }, png.toString("base64"));
+}
+
+/** The page as it is seen once it changes no more. */
+async function rested(page) {
+  let before = await seen(page);
+  for (let i = 0; i < 60; i++) {
+    await page.waitForTimeout(1000);
+    const now = await seen(page);
+    if (now.every((value, i) => value === before[i])) return now;
+    before = now;
+  }
+  throw new Error("the picture never comes to rest");
+}
+
+/** The same head by whoever is asked to draw. */
+async function head(within, draw) {
+  const { page, wrong } = await opened(SMALL, false, { within, query: `?draw=${draw}` });
+  const by = await drawnBy(page);
+  await page.click("#exaggerate");
+  await acts(page);
+  const picture = await rested(page);
+  assert.deepEqual(wrong, []);
+  await page.context().close();
+  return { by, picture };
+}
+
+export async function pictures() {
+  const within = await launch(out, WITH_CARD);
+  try {
+    const [card, processor] = [await head(within, "gpu"), await head(within, "cpu")];
+    assert.deepEqual([card.by, processor.by], ["Drawn by the graphics card.", "Drawn by the processor."]);
+    assert.equal(card.picture.length, processor.picture.length);
+    const apart = card.picture.map((value, i) => Math.abs(value - processor.picture[i]));
+    const [mean, plain] = [apart.reduce((sum, a) => sum + a, 0) / apart.length, apart.filter((a) => a > 24).length / apart.length];
+    assert.ok(mean < 0.5 && plain < 0.005, `the two pictures are ${mean} apart in the mean, ${plain} of the values plainly`);
+    step(`a head by the card and by the processor: ${mean.toFixed(3)} of 255 apart in the mean, ${(100 * plain).toFixed(2)} % of it by more than 24`);
+    const { page } = await opened(SMALL, false, { within });
+    assert.equal(await drawnBy(page), "Drawn by the processor.", "a processor in disguise is not asked by itself");
+    await page.context().close();
+  } finally { await within.close(); }
+}
+
+/** The small picture in which flashes are looked for is that of the card; and where it strobes, it is veiled. */
+async function strobes(page) {
+  const bright = await page.evaluate(async () => {
+    const { smallPicture } = await import("./card.js");
+    const { frames } = window.chladni;
+    return new Promise((done) => requestAnimationFrame(function look() {
+      if (window.chladni.frames === frames) return requestAnimationFrame(look);
+      done(smallPicture()[0].filter((value, i) => i % 4 < 3 && value > 60).length);
+    }));
+  });
+  assert.ok(bright > 500, `the small picture has ${bright} bright values`);
+  await page.evaluate(() => {
+    const read = CanvasRenderingContext2D.prototype.getImageData;
+    let white = false;
+    CanvasRenderingContext2D.prototype.getImageData = function (...where) {
+      const image = read.apply(this, where);
+      image.data.fill((white = !white) ? 255 : 0);
+      return image;
+    };
+    window.calm = () => { CanvasRenderingContext2D.prototype.getImageData = read; };
+  });
+  await until(page, () => /^rgb/.test(document.getElementById("picture").style.background));
+  await page.evaluate(() => window.calm());
+  step("a strobe of the card's is veiled");
+}
+
+export async function loss() {
+  const within = await launch(out, WITH_CARD);
+  const prepare = () => {
+    const request = GPUAdapter.prototype.requestDevice;
+    GPUAdapter.prototype.requestDevice = async function (...wanted) {
+      return (window.device = await request.apply(this, wanted));
+    };
+  };
+  try {
+    const { page } = await opened(SMALL, false, { within, query: "?draw=gpu", prepare });
+    await page.click("#enter");
+    await until(page, () => window.chladni.state.body === "sample:octopus");
+    const save = page.waitForEvent("download");
+    await page.click("#save-picture");
+    assert.equal((await save).suggestedFilename(), "chladni.png");
+    await strobes(page);
+    const { dances } = await page.evaluate(() => window.chladni.state);
+    await page.evaluate(() => window.device.destroy());
+    await until(page, () => document.querySelector("#controls .drawn-by").textContent === "Drawn by the processor.");
+    assert.match(await page.textContent("#status"), /graphics card is gone/);
+    await moves(page, "by the processor");
+    assert.deepEqual((await page.evaluate(() => window.chladni.state)).dances, dances);
+    step("where the graphics card is lost, the processor goes on");
+    await page.context().close();
+  } finally { await within.close(); }
+}

@@ -1,0 +1,82 @@
+// The music room listens to a microphone, into which a file plays here.
+import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { WITHOUT_CARD, launch, microphone, song } from "../browser.mjs";
+import { moves, opened, out, screens, state, step, still, until } from "./driver.mjs";
+
+const LAPTOP = { width: 1100, height: 760 };
+
+async function enter(within, viewport = LAPTOP, touch = false) {
+  const opening = await opened(viewport, touch, { within });
+  await opening.page.click("#enter");
+  await until(opening.page, () => window.chladni.state.body === "sample:octopus");
+  return opening;
+}
+
+const listens = (page) => until(page, () => document.getElementById("listen").getAttribute("aria-pressed") === "true");
+
+export async function heard() {
+  const wav = join(screens, "clicks.wav");
+  writeFileSync(wav, song(12));
+  const within = await launch(out, [...WITHOUT_CARD, ...microphone(wav)]);
+  try {
+    const { page, wrong, elsewhere, shot } = await enter(within);
+    await page.click("#play");
+    await until(page, () => !window.chladni.sound.isHeard);
+    await still(page);
+    await page.click("#listen");
+    await listens(page);
+    await moves(page, "to the microphone");
+    await until(page, () => document.getElementById("loudness").value > 0.1);
+    assert.ok(!(await page.evaluate(() => window.chladni.sound.isHeard)), "the song is silent meanwhile");
+    assert.ok((await page.locator("#microphone option").count()) >= 1);
+    assert.ok(await page.isHidden("#seek"));
+    const other = await page.locator("#microphone option").last().getAttribute("value");
+    await page.selectOption("#microphone", other);
+    await listens(page);
+    await page.waitForTimeout(1500);
+    await shot("laptop-microphone");
+    await page.selectOption("#shape", "sample:bell");
+    await until(page, () => window.chladni.state.body === "sample:bell");
+    await moves(page, "another shape, to the microphone");
+    await page.click("#sand");
+    await moves(page, "sand, to the microphone");
+    await page.click("#sand");
+    await page.click("#pilot");
+    await until(page, () => window.chladni.state.piloted);
+    await moves(page, "the autopilot, to the microphone");
+    await page.click("#back");
+    await page.click("#listen");
+    await page.waitForSelector("#microphone", { state: "hidden" });
+    await still(page);
+    await page.click("#play");
+    await moves(page, "to the song again");
+    assert.equal((await state(page)).dances.length, 12);
+    step("a shape dances to a microphone, and to the song again");
+    assert.deepEqual([wrong, elsewhere], [[], []]);
+    await page.context().close();
+
+    const phone = await enter(within, { width: 390, height: 844 }, true);
+    await phone.page.tap("#listen");
+    await listens(phone.page);
+    await phone.page.waitForTimeout(1500);
+    await phone.shot("phone-microphone");
+    await phone.page.context().close();
+  } finally { await within.close(); }
+}
+
+/** Without a microphone, and where it is refused: the page says so, and the song goes on. */
+export async function refused() {
+  const { page } = await enter();
+  await page.click("#listen");
+  await until(page, () => /microphone/i.test(document.getElementById("status").textContent));
+  assert.equal(await page.getAttribute("#listen", "aria-pressed"), "false");
+  const refuse = () => navigator.mediaDevices.getUserMedia = () => Promise.reject(new DOMException("no", "NotAllowedError"));
+  await page.evaluate(refuse);
+  await page.click("#listen");
+  await until(page, () => document.getElementById("status").textContent.includes("allow it for this page"));
+  await moves(page, "the song goes on");
+  step("a microphone that is not lent is reported, and the song goes on");
+  await page.context().close();
+}
