@@ -107,7 +107,7 @@ pub use show::{BeatReading, FileRef, Looks, Show, SongRef, Stretch, Viewpoint};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react, smooth};
 pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
-pub use target::{Cue, Kind, Target, Which, controls_page, osc_cue, setting};
+pub use target::{CHOIRS, Cue, FORMS, Kind, Target, Which, controls_page, osc_cue, setting};
 pub use tempo::Tempo;
 pub use text_file::FORMAT_VERSION;
 pub use touch::{Control, Touch};

@@ -223,9 +223,11 @@ impl Cue {
 }
 
 /// The forms and choirs by their names, in the order of their numbers.
-const FORMS: [(&str, Form); 3] =
+/// All forms, by their names.
+pub const FORMS: [(&str, Form); 3] =
     [("filter", Form::Filter), ("modal", Form::Modal), ("half-mask", Form::HalfMask)];
-const CHOIRS: [(&str, Choir); 3] =
+/// All choirs, by their names.
+pub const CHOIRS: [(&str, Choir); 3] =
     [("all", Choir::All), ("symmetric", Choir::Symmetric), ("antisymmetric", Choir::Antisymmetric)];
 /// Harmonics at the top of a fader.
 const MOST_HARMONICS: f32 = 512.0;

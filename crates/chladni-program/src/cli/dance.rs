@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use chladni_music::{
-    Action, BeatReading, Choir, Form, PAPER_MODE, Parameter, Preset, Show, Switch, Timbre, setting,
+    Action, BeatReading, CHOIRS, Choir, FORMS, Form, PAPER_MODE, Parameter, Preset, Show, Switch, Timbre,
+    setting,
 };
 use chladni_synth::Backend;
 use chladni_view::film::RawFormat;
 use chladni_view::{Answer, Background, Lights, Look, Material, Palette, Samples};
 
 use super::Terminal;
+use super::choice::one_of;
 use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
@@ -34,7 +36,7 @@ pub struct Dance {
     #[arg(short, long, value_name = "FILM")]
     output: Option<PathBuf>,
     /// What -o - writes: rgba (8 bits each, row by row; the reader has to know size and rate) or y4m, which says both.
-    #[arg(long, value_name = "FORMAT", default_value = "rgba", value_parser = named(RawFormat::named, "rgba, y4m".into()))]
+    #[arg(long, value_name = "FORMAT", default_value = "rgba", value_parser = one_of(RawFormat::NAMED))]
     format: RawFormat,
     /// Write PNG frames and sound.wav into this folder; needs no other program.
     #[arg(long, value_name = "DIR", conflicts_with = "output")]
@@ -77,14 +79,13 @@ pub struct Dance {
     /// half-mask: each half dances to its own channel; modal: along the normals, as a sounding plate;
     /// filter: the paper's, which shows left and right alike. A show's or preset's own form unless given,
     /// else half-mask.
-    #[arg(long, value_parser = parse_form)]
+    #[arg(long, value_parser = one_of(FORMS))]
     form: Option<Form>,
-    /// How harmonics ring when the sound strikes them: rubber, jelly, bell, drum, cloth, metal; none: they follow its
-    /// level, as in the paper. A show's or preset's own unless given, else rubber.
-    #[arg(long, value_parser = parse_timbre)]
+    /// How harmonics ring when the sound strikes them; none: they follow its level, as in the paper. A show's or preset's own unless given, else rubber.
+    #[arg(long, value_parser = one_of(rings()))]
     timbre: Option<Ring>,
-    /// Which harmonics may sound: all, symmetric or antisymmetric.
-    #[arg(long, value_parser = parse_choir)]
+    /// Which harmonics may sound.
+    #[arg(long, value_parser = one_of(CHOIRS))]
     choir: Option<Choir>,
     /// How strongly it moves, 0 to 20.
     #[arg(long)]
@@ -119,23 +120,20 @@ pub struct Dance {
     /// Show the shape at rest, too, as dots.
     #[arg(long)]
     rest: bool,
-    /// The whole scene: aurora, ember, abyss, neon, contour, prism, dusk, nodes, chrome, gold, velvet, noir,
-    /// porcelain, candy, moss, print, spark, opal, patina, figures, plain. That of the show unless given, else
-    /// aurora, or plain where parts of it are given.
-    #[arg(long, value_name = "LOOK", value_parser = named(Look::named, names(&Look::PRESETS)))]
+    /// The whole scene. That of the show unless given, else aurora, or plain where parts of it are given.
+    #[arg(long, value_name = "LOOK", value_parser = one_of(Look::PRESETS))]
     look: Option<Look>,
-    /// Color by movement: aurora, ember, abyss, orchid, gold, moss, patina, ink, nodes, prism, neon, dusk,
-    /// candy, contour. The look's own unless given.
-    #[arg(long, value_name = "PALETTE", value_parser = named(Palette::named, Palette::ALL.map(Palette::name).join(", ")))]
+    /// Color by movement. The look's own unless given.
+    #[arg(long, value_name = "PALETTE", value_parser = one_of(Palette::ALL.map(|palette| (palette.name(), palette))))]
     palette: Option<Palette>,
-    /// Lights: studio, soft, dramatic, stage. Those of the look unless given.
-    #[arg(long, value_parser = named(Lights::named, names(&Lights::PRESETS)))]
+    /// Lights. Those of the look unless given.
+    #[arg(long, value_parser = one_of(Lights::PRESETS))]
     lights: Option<Lights>,
-    /// Material: clay, porcelain, bronze, pearl, dark; without palette, unless one is given.
-    #[arg(long, value_parser = named(Material::named, names(&Material::PRESETS)))]
+    /// Material; without palette, unless one is given.
+    #[arg(long, value_parser = one_of(Material::PRESETS))]
     material: Option<Material>,
-    /// Background: paper, slate, night, white, transparent. That of the look unless given.
-    #[arg(long, value_parser = named(Background::named, names(&Background::PRESETS)))]
+    /// Background. That of the look unless given.
+    #[arg(long, value_parser = one_of(Background::PRESETS))]
     background: Option<Background>,
     /// A picture behind all, in the place of the background: a PNG or JPEG file.
     #[arg(long, value_name = "FILE")]
@@ -152,8 +150,8 @@ pub struct Dance {
     /// the processor, which knows no others, and 1 on a software device.
     #[arg(long, value_name = "1|4")]
     samples: Option<Samples>,
-    /// Where shapes are deformed: cpu, gpu, or auto, which is the graphics card where there is one.
-    #[arg(long, value_name = "WHERE", default_value = "auto", value_parser = parse_backend)]
+    /// Where shapes are deformed; auto is the graphics card where there is one.
+    #[arg(long, value_name = "WHERE", default_value = "auto", value_parser = one_of(BACKENDS))]
     synthesis: Backend,
     /// Name each song as it begins, as on stage: its tags' artist and title, else its file.
     #[arg(long)]
@@ -354,59 +352,19 @@ impl Dance {
     }
 }
 
+const BACKENDS: [(&str, Backend); 3] =
+    [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("gpu", Backend::Gpu)];
+
+fn rings() -> impl Iterator<Item = (&'static str, Ring)> {
+    let timbres = Timbre::NAMED.into_iter().map(|(name, timbre)| (name, Ring::As(timbre)));
+    std::iter::once(("none", Ring::Not)).chain(timbres)
+}
+
 /// Whether harmonics ring.
 #[derive(Clone, Copy, Debug)]
 enum Ring {
     Not,
     As(Timbre),
-}
-
-fn parse_timbre(name: &str) -> Result<Ring, Error> {
-    let known = || Timbre::NAMED.map(|(name, _)| name).join(", ");
-    match name {
-        "none" => Ok(Ring::Not),
-        name => Timbre::named(name)
-            .map(Ring::As)
-            .ok_or_else(|| Error::input(format!("expected none, {}", known()))),
-    }
-}
-
-fn parse_backend(text: &str) -> Result<Backend, Error> {
-    match text {
-        "auto" => Ok(Backend::Auto),
-        "cpu" => Ok(Backend::Cpu),
-        "gpu" => Ok(Backend::Gpu),
-        _ => Err(Error::input("expected auto, cpu or gpu")),
-    }
-}
-
-fn parse_form(text: &str) -> Result<Form, Error> {
-    match text {
-        "filter" => Ok(Form::Filter),
-        "modal" => Ok(Form::Modal),
-        "half-mask" => Ok(Form::HalfMask),
-        _ => Err(Error::input("expected filter, modal or half-mask")),
-    }
-}
-
-fn parse_choir(text: &str) -> Result<Choir, Error> {
-    match text {
-        "all" => Ok(Choir::All),
-        "symmetric" => Ok(Choir::Symmetric),
-        "antisymmetric" => Ok(Choir::Antisymmetric),
-        _ => Err(Error::input("expected all, symmetric or antisymmetric")),
-    }
-}
-
-fn named<T: Send + Sync + Clone + 'static>(
-    find: fn(&str) -> Option<T>,
-    known: String,
-) -> impl Fn(&str) -> Result<T, Error> + Clone {
-    move |name| find(name).ok_or_else(|| Error::input(format!("expected one of {known}")))
-}
-
-fn names<T>(presets: &[(&str, T)]) -> String {
-    presets.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
 }
 
 fn in_file(path: &Path, error: chladni_music::MusicError) -> Error {

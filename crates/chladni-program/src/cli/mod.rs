@@ -3,6 +3,7 @@
 mod basis;
 mod beats;
 mod caricature;
+mod choice;
 mod choose_file;
 mod controls;
 mod dance;

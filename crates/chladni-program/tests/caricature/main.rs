@@ -255,7 +255,7 @@ fn bad_arguments_are_told_apart() {
         ("dance shape.obj sample:tune", "--output <FILM>|--frames <DIR>|--coefficients <C.npz>"),
         (
             "dance shape.obj sample:tune -o out.gif --lights moon",
-            "expected one of studio, soft, dramatic, stage",
+            "[possible values: studio, soft, dramatic, stage]",
         ),
         ("dance shape.obj sample:tune -o out.gif --gain 99 -k 9", "[0, 20]"),
         ("project", "a subcommand is missing"),

@@ -17,13 +17,8 @@ pub enum RawFormat {
 }
 
 impl RawFormat {
-    /// `rgba` or `y4m`.
-    pub fn named(name: &str) -> Option<Self> {
-        [("rgba", Self::Rgba), ("y4m", Self::Y4m)]
-            .into_iter()
-            .find(|known| known.0 == name)
-            .map(|known| known.1)
-    }
+    /// All of them, by their names.
+    pub const NAMED: [(&'static str, Self); 2] = [("rgba", Self::Rgba), ("y4m", Self::Y4m)];
 }
 
 /// Writes each frame at once.
@@ -159,7 +154,5 @@ mod tests {
         let stopped =
             (0..100).find_map(|_| film.push(picture(1)).err()).unwrap_or_else(|| film.finish().unwrap_err());
         assert!(stopped.to_string().contains("has gone"), "{stopped}");
-        assert_eq!(RawFormat::named("y4m"), Some(RawFormat::Y4m));
-        assert_eq!(RawFormat::named("mp4"), None);
     }
 }
