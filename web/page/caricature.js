@@ -4,7 +4,7 @@ import { ask, giveUp } from "./work.js";
 import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
 import { show as showPicture, stir } from "./picture.js";
 import { PLAIN_HEAD, matchedBefore } from "./plain_head.js";
-import { drawLayers, drawParts, number } from "./layers.js";
+import { drawLayers, drawParts, number, offerResults } from "./layers.js";
 
 /** Harmonics of a new project; its file says so, and the desktop takes as many. */
 const harmonicsOf = (bytes) => ((bytes?.length ?? 0) < 8e6 ? 256 : 128);
@@ -156,6 +156,7 @@ function refresh() {
   if (!sitting) return;
   state = report.sitting = JSON.parse(sitting.state());
   drawLayers(of("layers"), state, layerChoices);
+  offerResults(of("add"), state);
   const layer = state.layers.find(({ id }) => id === state.selected);
   of("undo").disabled = !state.undo;
   of("redo").disabled = !state.redo;
@@ -300,7 +301,8 @@ export function listen() {
     const { value } = of("add");
     of("add").value = "";
     if (value === "mesh") return of("file").click();
-    sitting.begin(Number(value));
+    if (value.startsWith("layer:")) sitting.compare_with_layer(Number(value.slice(6)));
+    else sitting.begin(Number(value));
     return changed();
   }));
   on("solve", () => solve(opened));

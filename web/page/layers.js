@@ -14,9 +14,9 @@ export const number = (x) => x.toFixed(2).replace("-", "−");
 
 const said = ({ state, why, mu, template, folds }) => {
   if (state === "failed") return why;
-  if (state === "waiting") return `waits for ${template.replace("sample:", "sample ")}…`;
+  if (state === "waiting") return `waits for ${template}…`;
   const folded = folds ? `, ${folds} folded` : "";
-  return `μ ${number(mu)} · ${template.replace("sample:", "sample ")}${folded}`;
+  return `μ ${number(mu)} · ${template}${folded}`;
 };
 
 function row(layer, chosen, top, choices) {
@@ -48,6 +48,16 @@ export function drawLayers(parent, { layers, selected }, choices) {
   const held = parent.contains(document.activeElement) && document.activeElement.getAttribute("aria-label");
   parent.replaceChildren(...layers.map((layer, i) => row(layer, layer.id === selected, i === layers.length - 1, choices)).reverse());
   if (held) parent.querySelector(`[aria-label="${CSS.escape(held)}"]`)?.focus();
+}
+
+/** Offers the results of the layers as templates of a layer above them. */
+export function offerResults(select, { layers }) {
+  const group = select.querySelector("optgroup") ?? select.appendChild(Object.assign(document.createElement("optgroup"), { label: "The result of" }));
+  const names = JSON.stringify(layers.map(({ id, name }) => [id, name]));
+  if (group.dataset.shown === names) return;
+  group.dataset.shown = names;
+  group.hidden = layers.length === 0;
+  group.replaceChildren(...layers.map(({ id, name }) => Object.assign(new Option(name, `layer:${id}`), { title: "What comes above it grows" })));
 }
 
 /** Shows the parts as buttons, where they have changed. */

@@ -92,7 +92,14 @@ export async function laptop() {
   await acts(page);
   await slide(page, "mu", -0.9);
   await until(page, () => window.chladni.sitting.layers.length === 2 && window.chladni.sitting.layers[1].mu === -0.9);
-  assert.ok(differing(nosy, await still(page)) > 100, "a second layer changes the face");
+  const second = await still(page);
+  assert.ok(differing(nosy, second) > 100, "a second layer changes the face");
+  await page.selectOption("#add", { label: "Plain head 1" });
+  await until(page, () => window.chladni.sitting.layers[2]?.template === "the result of Plain head 1");
+  await acts(page);
+  await slide(page, "mu", -1.2);
+  await until(page, () => window.chladni.sitting.layers[2].mu === -1.2);
+  assert.ok(differing(second, await still(page)) > 20, "what the second layer did grows");
   await page.setInputFiles("#file", project);
   await until(page, () => window.chladni.sitting.layers.length === 1);
   await acts(page);

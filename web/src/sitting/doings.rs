@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use chladni_caricature::{Action, Layer, LayerId, Property, ScaleCurve};
 use chladni_mesh::Axis;
-use chladni_program::work::{Aside, Error, STARTING_POINTS, Stance, layer_against};
+use chladni_program::work::{Aside, Error, STARTING_POINTS, Stance, layer_against, layer_since};
 use chladni_task::Task;
 use chladni_view::View;
 use wasm_bindgen::prelude::*;
@@ -88,6 +88,17 @@ impl Sitting {
     /// Bugs only.
     pub fn compare(&mut self, name: &str) -> Result<(), JsError> {
         let layer = layer_against(self.history.project(), PathBuf::from(name));
+        Ok(self.add(layer)?)
+    }
+
+    /// Puts a layer on top, against the shape as it is after one of its layers.
+    ///
+    /// # Errors
+    /// A layer that is not there.
+    pub fn compare_with_layer(&mut self, below: u32) -> Result<(), JsError> {
+        let (project, below) = (self.history.project(), LayerId(below.into()));
+        let found = project.layer(below).ok_or_else(|| JsError::new("there is no such layer"))?;
+        let layer = layer_since(project, below, &found.name);
         Ok(self.add(layer)?)
     }
 

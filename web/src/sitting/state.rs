@@ -2,7 +2,7 @@
 
 use chladni_caricature::{Layer, LayerId, LayerState, Model, Painted, ScaleCurve, Smoothing};
 use chladni_mesh::Axis;
-use chladni_program::work::STARTING_POINTS;
+use chladni_program::work::{STARTING_POINTS, template_name};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -123,7 +123,7 @@ impl Sitting {
         ShownLayer {
             id,
             name: &layer.name,
-            template: layer.template.to_string(),
+            template: template_name(&layer.template, self.history.project()),
             model: layer.model,
             mu: layer.mu,
             least_mu: if layer.model == Model::Distance { -8.0 } else { -3.0 },

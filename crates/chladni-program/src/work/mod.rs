@@ -39,6 +39,7 @@ mod stance;
 mod starting_point;
 mod symmetry_figure;
 mod template;
+mod template_name;
 mod theatre;
 #[cfg(feature = "desktop")]
 mod titles;
@@ -70,6 +71,7 @@ pub use stance::Stance;
 pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against, layer_since};
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, matched_with, template_mesh};
+pub use template_name::template_name;
 pub use theatre::{
     FIRST_VIEW, Staged, Staging, along, chooses_shots, dots, first_looks, is_flat, look_named, look_on_stage,
     reaction, unknown_looks,

@@ -7,8 +7,8 @@ use egui::{DragValue, RichText, Ui};
 
 use super::edits::Edits;
 use super::session::Session;
-use super::template_name::template_name;
 use crate::studio::theme;
+use crate::work::template_name;
 
 /// The initial numbers of the scaled and the smoothed template.
 const SCALED: Template = Template::Scaled(0.9);

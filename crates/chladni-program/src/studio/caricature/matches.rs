@@ -10,12 +10,12 @@ use super::head_sliders;
 use super::landmarks;
 use super::session::Session;
 use super::shelf;
-use super::template_name::template_name;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::formats::MESHES;
+use crate::work::template_name;
 
 /// Draws the panel for the selected layer.
 ///

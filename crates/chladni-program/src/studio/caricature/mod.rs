@@ -31,7 +31,6 @@ mod session;
 mod shelf;
 mod shot;
 mod stage;
-mod template_name;
 mod thumbnails;
 mod toolbar;
 

@@ -9,10 +9,9 @@ use chladni_task::Task;
 
 use super::super::crossings::CrossingMeter;
 use super::super::edits::Edit;
-use super::super::template_name::template_name;
 use super::Session;
 use crate::studio::job::Job;
-use crate::work::{Aside, Error, Warning, body, matched};
+use crate::work::{Aside, Error, Warning, body, matched, template_name};
 
 /// A shape with its harmonics and the warnings about them.
 pub type Solved = (Body, Vec<Warning>);

@@ -1,9 +1,9 @@
-//! What a template is called in the window.
+//! What a template is called in window and page.
 
 use chladni_caricature::{Project, Template};
 use chladni_mesh::samples::portrait_sliders;
 
-/// What a template of a layer of `project` is called in the window.
+/// What a template of a layer of `project` is called where it is shown.
 pub fn template_name(template: &Template, project: &Project) -> String {
     match template {
         Template::File(path) => path
