@@ -118,8 +118,8 @@ impl Concert {
     }
 
     /// Draws what is heard at `now_secs` of any steady clock, while the song of a number (below 0: none) is
-    /// heard at a position of it, or what comes in from a microphone, in a picture of `width` × `height` pixels. False where nothing is known of
-    /// that song yet: the picture stays.
+    /// heard at a position of it, or what comes in from a microphone, in a picture of `width` × `height` pixels.
+    /// False where nothing is known of that song yet: the picture stays.
     ///
     /// # Errors
     /// A picture without pixels or too large, and bugs.

@@ -84,6 +84,13 @@ pub enum Action {
     SetLook { look: String },
 }
 
+impl Action {
+    /// Whether it brings something on stage.
+    pub fn opens_stage(&self) -> bool {
+        matches!(self, Self::Perform { .. } | Self::PerformFavorites { .. } | Self::Go)
+    }
+}
+
 /// The longest name of a look, in characters.
 const LOOK_NAME: usize = 64;
 
@@ -349,10 +356,7 @@ impl Instrument {
             }
         }
         // Another dance comes in the show's own look; who wants another says so afterwards.
-        if matches!(
-            action,
-            Action::Perform { .. } | Action::PerformFavorites { .. } | Action::Go | Action::LeaveStage
-        ) {
+        if action.opens_stage() || *action == Action::LeaveStage {
             self.look.clear();
         }
         Ok(())

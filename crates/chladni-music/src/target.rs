@@ -222,11 +222,10 @@ impl Cue {
     }
 }
 
-/// The forms and choirs by their names, in the order of their numbers.
-/// All forms, by their names.
+/// All forms by their names, in the order of their numbers.
 pub const FORMS: [(&str, Form); 3] =
     [("filter", Form::Filter), ("modal", Form::Modal), ("half-mask", Form::HalfMask)];
-/// All choirs, by their names.
+/// All choirs by their names, in the order of their numbers.
 pub const CHOIRS: [(&str, Choir); 3] =
     [("all", Choir::All), ("symmetric", Choir::Symmetric), ("antisymmetric", Choir::Antisymmetric)];
 /// Harmonics at the top of a fader.

@@ -1,7 +1,7 @@
 //! Shows and presets, as the texts that the desktop reads and writes, too.
 
 use chladni_music::{Action, FileRef, Preset, Show, SongRef};
-use chladni_program::work::unknown_looks;
+use chladni_program::work::cautions;
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -23,10 +23,7 @@ struct Needs {
 pub fn needs_of_show(text: &str) -> Result<String, JsError> {
     let show = Show::from_text(text)?;
     let needs = Needs {
-        caution: [show.caution().map(str::to_owned), unknown_looks(&show)]
-            .into_iter()
-            .flatten()
-            .reduce(|a, b| format!("{a} {b}")),
+        caution: cautions(&show).reduce(|a, b| format!("{a} {b}")),
         body: show.body.map(|body| body.path),
         songs: show.songs.into_iter().map(|song| song.path).collect(),
     };

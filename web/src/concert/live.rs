@@ -1,13 +1,10 @@
 //! A microphone in place of a song.
 
 use chladni_music::{BarLine, Director, Framing, Parameters};
-use chladni_program::work::{Ear, Error, Heard};
+use chladni_program::work::{Ear, Error, Heard, LIVE_SEED};
 use wasm_bindgen::prelude::*;
 
 use super::Concert;
-
-/// Seed of the shots of what is not known as a whole.
-const SEED: u64 = 1;
 
 /// What came in last, and who listens to it.
 pub(super) struct Live {
@@ -28,7 +25,7 @@ impl Live {
         ear.tune(rate_hz, parameters)?;
         let silence = vec![0.0; ear.analyzer().window_frames()];
         let (left, right) = (silence.clone(), silence);
-        let director = Director::live(SEED);
+        let director = Director::live(LIVE_SEED);
         Ok(Self { rate_hz, ear, left, right, last_secs: 0.0, director, bars: Vec::new() })
     }
 

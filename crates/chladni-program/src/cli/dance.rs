@@ -15,7 +15,7 @@ use super::choice::one_of;
 use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
-use crate::work::{Error, Piece, Watcher, resolve, unknown_looks};
+use crate::work::{Error, Piece, Watcher, cautions, resolve};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -81,7 +81,8 @@ pub struct Dance {
     /// else half-mask.
     #[arg(long, value_parser = one_of(FORMS))]
     form: Option<Form>,
-    /// How harmonics ring when the sound strikes them; none: they follow its level, as in the paper. A show's or preset's own unless given, else rubber.
+    /// How harmonics ring when the sound strikes them; none: they follow its level, as in the paper. A show's or
+    /// preset's own unless given, else rubber.
     #[arg(long, value_parser = one_of(rings()))]
     timbre: Option<Ring>,
     /// Which harmonics may sound.
@@ -230,11 +231,8 @@ impl Dance {
         let mut film = match &self.show {
             Some(path) => {
                 let show = Show::load(path).map_err(|error| in_file(path, error))?;
-                if let Some(caution) = show.caution() {
+                for caution in cautions(&show) {
                     terminal.note(format_args!("{}: {caution}", path.display()));
-                }
-                if let Some(unknown) = unknown_looks(&show) {
-                    terminal.note(format_args!("{}: {unknown}", path.display()));
                 }
                 let folder = path.parent();
                 let file = |file: &chladni_music::FileRef| -> Result<String, Error> {
@@ -284,7 +282,7 @@ impl Dance {
         film.autopilot = self.autopilot;
         film.start_secs = self.start;
         film.duration_secs = self.duration;
-        film.beginning.keeps_look = self.chooses_look();
+        film.beginning.keeps_look = self.look.is_some() || self.palette.is_some() || self.chooses_parts();
         film.look = self.look(film.look);
         film.picture = self.picture.clone().unwrap_or(film.picture);
         film.panorama = self.panorama.clone().unwrap_or(film.panorama);
@@ -296,17 +294,15 @@ impl Dance {
         Ok(film)
     }
 
-    /// Whether the arguments say anything of the look.
-    fn chooses_look(&self) -> bool {
-        let parts = [self.material.is_some(), self.lights.is_some(), self.background.is_some()];
-        self.look.is_some() || self.palette.is_some() || parts.contains(&true)
+    /// Whether the arguments name parts of a scene, which a whole one may not suit.
+    fn chooses_parts(&self) -> bool {
+        self.material.is_some() || self.lights.is_some() || self.background.is_some()
     }
 
     /// A look with what the arguments change of it.
     fn look(&self, of_show: Look) -> Look {
-        let parts = self.material.is_some() || self.lights.is_some() || self.background.is_some();
-        // Parts alone are those of the plain look: a whole one may not suit them.
-        let whole = if parts && self.show.is_none() { Look::PLAIN } else { of_show };
+        // Parts alone are those of the plain look.
+        let whole = if self.chooses_parts() && self.show.is_none() { Look::PLAIN } else { of_show };
         let mut look = self.look.unwrap_or(whole);
         if let Some(material) = self.material {
             look = Look { material, answer: None, ..look };

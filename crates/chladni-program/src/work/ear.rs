@@ -6,6 +6,9 @@ use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalys
 use super::hearing::bands_of;
 use super::tuning::spectrum_settings;
 
+/// Seed of the shots of what is not known as a whole.
+pub const LIVE_SEED: u64 = 1;
+
 /// An analyzer and a beat tracker, what is struck by what they hear, and its chords.
 pub struct Ear {
     analyzer: SpectrumAnalyser,

@@ -49,7 +49,7 @@ mod watcher;
 pub use bars::{bar_lines, read_beats};
 pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
-pub use ear::Ear;
+pub use ear::{Ear, LIVE_SEED};
 pub use error::{Error, Warning};
 pub use files::{refer, resolve};
 pub use frame_guard::FrameGuard;
@@ -68,13 +68,13 @@ pub use scenery::{PANORAMAS, PICTURES, Scenery};
 pub use sculpture::{Made, Sculpture, make, settled};
 pub use sitter::{head_parts, sitter};
 pub use stance::Stance;
-pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against, layer_since};
+pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against, layer_since, results};
 pub use symmetry_figure::figure_markers;
 pub use template::{matched, matched_with, template_mesh};
 pub use template_name::template_name;
 pub use theatre::{
-    FIRST_VIEW, Staged, Staging, along, chooses_shots, dots, first_looks, is_flat, look_named, look_on_stage,
-    reaction, unknown_looks,
+    FIRST_VIEW, Staged, Staging, along, cautions, chooses_shots, dots, first_looks, is_flat, look_named,
+    look_on_stage, reaction,
 };
 #[cfg(feature = "desktop")]
 pub use titles::{TITLE, title_opacity};

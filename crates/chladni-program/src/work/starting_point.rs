@@ -1,6 +1,7 @@
 //! New layers: against templates that need no file, and against a mesh.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use chladni_caricature::{Layer, LayerId, Project, Template};
 
@@ -38,6 +39,11 @@ impl StartingPoint {
     pub fn layer(&self, project: &Project) -> Layer {
         project.new_layer(format!("{} {}", self.name, project.layers().len() + 1), (self.template)())
     }
+}
+
+/// The layers whose results a new layer on top can be compared with. Not the topmost: nothing comes between them.
+pub fn results(project: &Project) -> &[(LayerId, Arc<Layer>)] {
+    project.layers().split_last().map_or(&[], |(_, below)| below)
 }
 
 /// A layer of `project` against the result of its layer `below`, which is called `name`, to be put on top.

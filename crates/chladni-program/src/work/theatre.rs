@@ -38,8 +38,12 @@ pub fn look_on_stage(instrument: &Instrument) -> Option<Look> {
     instrument.look().and_then(Look::named)
 }
 
-/// What to say of a show that names looks, or parts of them, which this version does not know.
-pub fn unknown_looks(show: &Show) -> Option<String> {
+/// What to say to whoever opens a show: that it is old, or names looks, or parts of them, which this version does not know.
+pub fn cautions(show: &Show) -> impl Iterator<Item = String> {
+    show.caution().map(str::to_owned).into_iter().chain(unknown_looks(show))
+}
+
+fn unknown_looks(show: &Show) -> Option<String> {
     let mut unknown = show.looks.as_ref().map_or_else(Vec::new, |looks| look_named(looks).1);
     for line in &show.actions {
         if let Action::SetLook { look } = &line.action

@@ -257,6 +257,7 @@ fn bad_arguments_are_told_apart() {
             "dance shape.obj sample:tune -o out.gif --lights moon",
             "[possible values: studio, soft, dramatic, stage]",
         ),
+        ("dance shape.obj sample:tune -o - --format mp4", "[possible values: rgba, y4m]"),
         ("dance shape.obj sample:tune -o out.gif --gain 99 -k 9", "[0, 20]"),
         ("project", "a subcommand is missing"),
         ("project new shape.obj -o p.txt", ".chladni"),

@@ -8,7 +8,7 @@ use super::thumbnails::Thumbnails;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{ADD_MESH, DELETE, DUPLICATE, HIDE, SOLO};
 use crate::studio::theme;
-use crate::work::{STARTING_POINTS, layer_since};
+use crate::work::{STARTING_POINTS, layer_since, results};
 
 /// Side of a layer's picture, points.
 const THUMBNAIL: f32 = 38.0;
@@ -237,10 +237,9 @@ impl LayerList {
     }
 }
 
-/// The choice of a layer whose result is the template of a new one on top. The topmost is not offered: the new layer would
-/// be compared with itself.
+/// The choice of a layer whose result is the template of a new one on top.
 fn result_of_layer(ui: &mut Ui, project: &Project, edits: &mut Edits) {
-    let below = project.layers().split_last().map_or(&[][..], |(_, below)| below);
+    let below = results(project);
     let menu = |ui: &mut Ui| {
         for (id, layer) in below.iter().rev() {
             if ui.button(&layer.name).clicked() {

@@ -10,7 +10,7 @@ use super::view::View;
 use super::{MusicRoom, Names};
 use crate::studio::room::Shared;
 use crate::work::formats::TEXT;
-use crate::work::{Error, refer, resolve, unknown_looks};
+use crate::work::{Error, cautions, refer, resolve};
 
 /// The most harmonics that dance live.
 pub const MOST_HARMONICS: usize = 512;
@@ -38,11 +38,8 @@ impl MusicRoom {
     /// Opens a show's shape first where another one dances.
     fn open_show(&mut self, path: PathBuf, show: Show, shared: &mut Shared<'_>) {
         let Some(concert) = &self.concert else { return };
-        if let Some(caution) = show.caution() {
+        for caution in cautions(&show) {
             shared.notices.warn(format!("{}: {caution}", path.display()));
-        }
-        if let Some(unknown) = unknown_looks(&show) {
-            shared.notices.warn(format!("{}: {unknown}", path.display()));
         }
         let Some(body) = show.body.clone() else { return self.go_on_with(&path, &show, shared) };
         match resolve(&body, path.parent()) {

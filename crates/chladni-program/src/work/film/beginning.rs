@@ -22,7 +22,7 @@ pub struct Beginning {
     /// Sand lies on the shape; where neither show, preset, seed nor gallery says what dances, the figures of
     /// Chladni's experiment do.
     pub sand: bool,
-    /// Its looks on stage are left out of a show: the film's own holds throughout.
+    /// The looks that came on stage in a show are left out: the film's own holds throughout.
     pub keeps_look: bool,
     /// Done before anything else.
     pub changes: Vec<Action>,

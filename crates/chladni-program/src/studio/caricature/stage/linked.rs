@@ -12,8 +12,8 @@ use crate::studio::{theme, viewport};
 const RADIUS: f32 = 5.0;
 
 impl Stage {
-    /// Draws the marks of `touch` over the `figures` in their `cells` of the canvas that fills `rect`: a disk where the
-    /// place faces the viewer, a ring where the shape hides it.
+    /// Draws the marks of `touch` over the figures that are `shown`, each in its cell of the canvas that fills `rect`: a disk
+    /// where the place faces the viewer, a ring where it faces away.
     pub(super) fn mark_on_each(&self, ui: &Ui, rect: egui::Rect, touch: &Touch, shown: &[(usize, Rect)]) {
         let scale = 1.0 / ui.pixels_per_point();
         let (accent, edge) = (theme::palette(ui).accent, Color32::from_black_alpha(200));

@@ -216,7 +216,7 @@ impl Concert {
     /// Applies an action at the moment being heard. Refuses to open or close the stage so often that the
     /// window would flash.
     pub fn act(&mut self, action: Action) -> Result<(), Error> {
-        let opens = matches!(action, Action::Perform { .. } | Action::PerformFavorites { .. } | Action::Go);
+        let opens = action.opens_stage();
         let curtain = if self.on_stage() { action == Action::LeaveStage } else { opens };
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         if curtain && limited && !self.pane.guard.may_step(self.seconds) {

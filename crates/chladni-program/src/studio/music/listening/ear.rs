@@ -1,9 +1,10 @@
-//! What the ear is given that knows only what was heard so far.
+//! The samples that the live ear is given, and when it forgets the beat.
 
 use chladni_music::{BarLine, Director};
 use chladni_sound::PlayerStatus;
 
-use super::{LIVE_SEED, Listening};
+use super::Listening;
+use crate::work::LIVE_SEED;
 
 /// If the song's position deviates from the clock by more than this, the user has sought: the beat tracker is
 /// reset.

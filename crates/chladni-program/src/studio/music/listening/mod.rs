@@ -21,10 +21,7 @@ use outer::Outer;
 
 use super::study::{Learned, Study};
 use crate::work::source::TUNE;
-use crate::work::{Ear, Error, Heard, Hearing, Playing, ShowClock, read_beats};
-
-/// Seed of the shots of what is not known as a whole.
-const LIVE_SEED: u64 = 1;
+use crate::work::{Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock, read_beats};
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
 /// song until it is read, through an ear that knows only what was heard so far.

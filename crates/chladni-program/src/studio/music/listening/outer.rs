@@ -3,7 +3,8 @@
 use chladni_music::{BarLine, Beat, ClockMessage, Director, Tempo};
 use chladni_sound::BeatMoment;
 
-use super::{LIVE_SEED, Listening};
+use super::Listening;
+use crate::work::LIVE_SEED;
 
 /// An outer clock, and what the music tells that it does not: energy and sections.
 #[derive(Default)]
