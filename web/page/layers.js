@@ -51,13 +51,13 @@ export function drawLayers(parent, { layers, selected }, choices) {
 }
 
 /** Offers the results of the layers as templates of a layer above them. */
-export function offerResults(select, { layers }) {
+export function offerResults(select, { results }) {
   const group = select.querySelector("optgroup") ?? select.appendChild(Object.assign(document.createElement("optgroup"), { label: "The result of" }));
-  const names = JSON.stringify(layers.map(({ id, name }) => [id, name]));
+  const names = JSON.stringify(results);
   if (group.dataset.shown === names) return;
   group.dataset.shown = names;
-  group.hidden = layers.length === 0;
-  group.replaceChildren(...layers.map(({ id, name }) => Object.assign(new Option(name, `layer:${id}`), { title: "What comes above it grows" })));
+  group.hidden = results.length === 0;
+  group.replaceChildren(...results.map(([id, name]) => Object.assign(new Option(name, `layer:${id}`), { title: "What comes above it grows" })));
 }
 
 /** Shows the parts as buttons, where they have changed. */

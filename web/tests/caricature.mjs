@@ -94,6 +94,7 @@ export async function laptop() {
   await until(page, () => window.chladni.sitting.layers.length === 2 && window.chladni.sitting.layers[1].mu === -0.9);
   const second = await still(page);
   assert.ok(differing(nosy, second) > 100, "a second layer changes the face");
+  assert.deepEqual(await page.locator("#add optgroup option").allTextContents(), ["Plain head 1"], "the topmost is not compared with itself");
   await page.selectOption("#add", { label: "Plain head 1" });
   await until(page, () => window.chladni.sitting.layers[2]?.template === "the result of Plain head 1");
   await acts(page);

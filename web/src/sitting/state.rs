@@ -2,7 +2,7 @@
 
 use chladni_caricature::{Layer, LayerId, LayerState, Model, Painted, ScaleCurve, Smoothing};
 use chladni_mesh::Axis;
-use chladni_program::work::{STARTING_POINTS, template_name};
+use chladni_program::work::{STARTING_POINTS, results, template_name};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -47,6 +47,8 @@ struct State<'a> {
     harmonics: usize,
     solved: bool,
     layers: Vec<ShownLayer<'a>>,
+    /// Layers whose results a new one can be compared with, by their names.
+    results: Vec<(LayerId, &'a str)>,
     selected: Option<LayerId>,
     undo: Option<&'static str>,
     redo: Option<&'static str>,
@@ -81,6 +83,7 @@ impl Sitting {
             harmonics: self.stack.body().basis.harmonics(),
             solved: self.solved,
             layers: project.layers().iter().map(|(id, layer)| self.shown(*id, layer)).collect(),
+            results: results(project).iter().map(|(id, layer)| (*id, layer.name.as_str())).collect(),
             selected: self.selected,
             undo: self.history.undo_label(),
             redo: self.history.redo_label(),
