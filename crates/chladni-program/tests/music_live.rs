@@ -12,10 +12,9 @@ use chladni_mesh::{samples, save_mesh};
 use chladni_music::{Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
 use chladni_program::studio::{Folders, Opening};
 use chladni_sound::{Capture, CaptureFeed};
-use driving::{Answers, Window, no_time, open_with, shows, wait};
+use driving::{Answers, Window, control, no_time, open_with, shows, wait};
 use egui::{Event, Key, Pos2, ViewportCommand};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
 
 const RATE_HZ: u32 = 44_100;
 
@@ -165,10 +164,11 @@ fn a_strobing_track_on_stage_never_flashes_more_than_three_times_a_second() {
 #[test]
 fn nor_does_a_background_that_changes_all_the_time() {
     free_and_limited(60, "", "", |evening| {
-        evening.window.get_by_label("Look").click();
+        control(&evening.window, "drawer/look").click();
         evening.window.run_steps(2);
         evening.flashes(24, |evening, step| {
-            evening.window.get_by_label(if step % 2 == 0 { "White" } else { "Night" }).click();
+            let background = if step % 2 == 0 { "background/white" } else { "background/night" };
+            control(&evening.window, background).click();
             evening.step(|_| 0.0);
         })
     });
@@ -221,9 +221,9 @@ fn the_set_is_recorded_with_its_sound_while_it_is_played() {
     evening.answers.add(&path);
     // A picture is there once its brightness is known.
     (0..10).for_each(|_| evening.step(kick));
-    evening.window.get_by_label("File").click();
+    control(&evening.window, "file").click();
     evening.window.run_steps(2);
-    evening.window.get_by_label("Record the set …").click();
+    control(&evening.window, "file/record").click();
     for step in 0..60 {
         evening.step(kick);
         if step == 30 {
@@ -235,7 +235,7 @@ fn the_set_is_recorded_with_its_sound_while_it_is_played() {
     }
     evening.window.key_press(Key::Escape);
     evening.window.run_steps(20);
-    evening.window.get_by_label("End the recording").click();
+    control(&evening.window, "recording-end").click();
     wait(&mut evening.window, "the recording", |w| shows(w, "Recorded"));
     let probe = std::process::Command::new("ffprobe")
         .args(["-v", "error", "-count_frames", "-show_entries", "stream=codec_type,duration,nb_read_frames"])

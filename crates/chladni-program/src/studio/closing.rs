@@ -1,5 +1,6 @@
 //! Leaving the window: unsaved work is asked about first.
 
+use super::author_id::AuthorId;
 use super::{Studio, theme};
 
 /// The state of closing the window.
@@ -63,14 +64,14 @@ fn ask(ctx: &egui::Context, unsaved: &[String]) -> Option<Answer> {
         }
         ui.add_space(theme::GAP_LARGE);
         ui.horizontal(|ui| {
-            if theme::primary_button(ui, "Save and close").clicked() {
+            if theme::primary_button(ui, "Save and close").author_id("save-and-close").clicked() {
                 answer = Some(Answer::Save);
             }
-            if ui.button("Keep working").clicked() {
+            if ui.button("Keep working").author_id("keep-working").clicked() {
                 answer = Some(Answer::Stay);
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.button("Close and lose changes").clicked() {
+                if ui.button("Close and lose changes").author_id("lose-changes").clicked() {
                     answer = Some(Answer::Discard);
                 }
             });

@@ -2,6 +2,7 @@
 //!
 //! Rooms read their engines' state and emit actions; only the engines change state.
 
+mod author_id;
 mod awake;
 mod card;
 mod caricature;

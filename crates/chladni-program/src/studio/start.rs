@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use chladni_mesh::samples::SAMPLES;
 use egui::{Align, Layout, RichText, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2, vec2};
 
+use super::author_id::AuthorId;
 use super::card::card;
 use super::icon::{self, Icon};
 use super::keys::start::OPEN;
@@ -70,7 +71,8 @@ impl Studio {
             ui.spacing_mut().item_spacing.x = theme::GAP_LARGE;
             let width = (COLUMN - theme::GAP_LARGE) / 2.0;
             for (index, room) in self.rooms.iter().enumerate() {
-                if room_card(ui, width, room.icon(), room.name(), room.invitation()) {
+                let card = room_card(ui, width, room.icon(), room.name(), room.invitation());
+                if card.author_id(format!("room/{index}")).clicked() {
                     chosen = Some((index, Vec::new()));
                 }
             }
@@ -135,8 +137,8 @@ fn heading(ui: &mut Ui, name: &str) {
     ui.add_space(theme::GAP_SMALL);
 }
 
-/// A large card that opens a room; true when clicked.
-fn room_card(ui: &mut Ui, width: f32, mark: Icon, name: &str, invitation: &str) -> bool {
+/// A large card that opens a room.
+fn room_card(ui: &mut Ui, width: f32, mark: Icon, name: &str, invitation: &str) -> egui::Response {
     let palette = theme::palette(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(width, 108.0), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Open {name}")));
@@ -149,5 +151,5 @@ fn room_card(ui: &mut Ui, width: f32, mark: Icon, name: &str, invitation: &str) 
         ui.label(RichText::new(name).size(19.0).strong());
     });
     inside.add(egui::Label::new(RichText::new(invitation).color(palette.weak)).wrap().selectable(false));
-    response.clicked()
+    response
 }

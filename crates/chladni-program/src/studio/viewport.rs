@@ -280,6 +280,7 @@ pub fn navigate_by(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera
         node.set_role(Role::Canvas);
         if node.label().is_none() {
             node.set_label("3D view");
+            node.set_author_id("view");
         }
     });
     let (modifiers, scroll, zoom) =

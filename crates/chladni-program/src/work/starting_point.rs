@@ -8,6 +8,8 @@ use chladni_caricature::{Layer, LayerId, Project, Template};
 /// A template that needs no file.
 #[derive(Clone, Copy, Debug)]
 pub struct StartingPoint {
+    /// What it is known by, whatever it is called.
+    pub id: &'static str,
     /// What it is called, and its layers, with a number.
     pub name: &'static str,
     /// What it compares the shape with.
@@ -17,21 +19,30 @@ pub struct StartingPoint {
 
 /// All of them, in the order of menus.
 pub const STARTING_POINTS: [StartingPoint; 7] = [
-    point("Ellipsoid", "Against the ellipsoid that fits the shape", || Template::Ellipsoid),
-    point("Sphere", "Against the sphere that fits the shape", || Template::Sphere),
-    point("Plain head", "Against the sample head", || Template::Sample("template".into())),
-    point("Head of sliders", "Against a head that is made by sliders", || {
+    point("ellipsoid", "Ellipsoid", "Against the ellipsoid that fits the shape", || Template::Ellipsoid),
+    point("sphere", "Sphere", "Against the sphere that fits the shape", || Template::Sphere),
+    point("head", "Plain head", "Against the sample head", || Template::Sample("template".into())),
+    point("sliders", "Head of sliders", "Against a head that is made by sliders", || {
         Template::Sample("portrait".into())
     }),
-    point("Own detail", "Against a smooth version of itself: its own detail grows", || Template::LowPass(20)),
-    point("Magnify all", "Against itself scaled down: all that is there grows", || Template::Scaled(0.9)),
-    point("Layers below", "Against the shape under all layers: all changes below grow", || {
+    point("own-detail", "Own detail", "Against a smooth version of itself: its own detail grows", || {
+        Template::LowPass(20)
+    }),
+    point("magnify", "Magnify all", "Against itself scaled down: all that is there grows", || {
+        Template::Scaled(0.9)
+    }),
+    point("original", "Layers below", "Against the shape under all layers: all changes below grow", || {
         Template::Original
     }),
 ];
 
-const fn point(name: &'static str, tip: &'static str, template: fn() -> Template) -> StartingPoint {
-    StartingPoint { name, tip, template }
+const fn point(
+    id: &'static str,
+    name: &'static str,
+    tip: &'static str,
+    template: fn() -> Template,
+) -> StartingPoint {
+    StartingPoint { id, name, tip, template }
 }
 
 impl StartingPoint {

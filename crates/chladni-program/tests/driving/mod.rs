@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use chladni_program::studio::{Chooser, FileKind, Opening, Studio};
 use eframe::wgpu;
 use egui_kittest::kittest::Queryable;
-use egui_kittest::{Harness, HarnessBuilder};
+use egui_kittest::{Harness, HarnessBuilder, Node};
 
 /// The window and what is on it.
 pub type Window = Harness<'static, Studio>;
@@ -93,6 +93,17 @@ pub fn open_with_device(opening: Opening, size: [f32; 2]) -> (Window, wgpu::Devi
 pub fn lose(device: &wgpu::Device) {
     device.destroy();
     device.poll(wgpu::PollType::wait_indefinitely()).expect("the device");
+}
+
+/// The control that is known as `id`, whatever it is called.
+pub fn control<'a, State>(window: &'a Harness<'_, State>, id: &'a str) -> Node<'a> {
+    window.get_by(move |node| node.author_id() == Some(id))
+}
+
+/// Whether there is a control that is known as `id`.
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn is_there(window: &Window, id: &str) -> bool {
+    window.query_by(|node| node.author_id() == Some(id)).is_some()
 }
 
 /// Whether something whose name contains `text` is there.

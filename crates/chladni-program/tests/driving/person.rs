@@ -7,7 +7,6 @@ use std::path::PathBuf;
 use chladni_mesh::{TriMesh, samples, save_mesh};
 use chladni_program::studio::{Folders, Opening};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect};
-use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::{self as driving, Answers, Window};
 
@@ -99,18 +98,9 @@ impl Person {
         self.wait(&format!("the end of “{text}”"), |window| !driving::shows(window, text));
     }
 
-    /// Clicks the only thing called exactly `name`.
-    pub fn click(&mut self, name: &str) {
-        self.0.get_by_label(name).click();
-        self.0.run_steps(3);
-    }
-
-    /// Clicks the first button whose name ends in `end`, after its icon.
-    pub fn click_button(&mut self, end: &str) {
-        let buttons = self.0.get_all_by_role(egui::accesskit::Role::Button);
-        let named =
-            |node: &egui_kittest::Node<'_>| node.accesskit_node().label().is_some_and(|l| l.ends_with(end));
-        buttons.into_iter().find(named).unwrap_or_else(|| panic!("no button “{end}”")).click();
+    /// Clicks the control that is known as `id`.
+    pub fn click(&mut self, id: &str) {
+        driving::control(&self.0, id).click();
         self.0.run_steps(3);
     }
 
@@ -146,8 +136,8 @@ impl Person {
         self.drag(&[pos]);
     }
 
-    pub fn place_of(&self, name: &str) -> Rect {
-        self.0.get_by_label(name).rect()
+    pub fn place_of(&self, id: &str) -> Rect {
+        driving::control(&self.0, id).rect()
     }
 
     /// Asks the window to close, as its frame's cross does.

@@ -37,7 +37,7 @@ fn the_beat_comes_from_outside_and_goes_out_again() {
     let settings = folders.settings.clone().unwrap();
     std::fs::write(&settings, format!("harmonics = 24\n[music]\n{music}")).unwrap();
     let mut window = enter(Opening { folders, ..Opening::default() });
-    click(&mut window, "Remote");
+    click(&mut window, "drawer/remote");
     assert!(shows(&window, "No clock is heard yet"));
     send_until(&mut window, port, &packet("/tempo", 133.0), "133 BPM");
     window.run_steps(2);
@@ -86,7 +86,7 @@ fn the_beat_comes_from_outside_and_goes_out_again() {
     window.run_steps(2);
     assert!(shows(&window, "45 BPM"));
     // Back to the music.
-    click(&mut window, "Follow MIDI clock and OSC");
+    click(&mut window, "follow-clock");
     window.run_steps(2);
     assert!(shows(&window, "The beat is that of the music") && !shows(&window, "45 BPM"));
 }

@@ -35,7 +35,7 @@ fn what_cannot_be_opened_is_told_and_the_dance_goes_on() {
         answers.add(path(name));
         window.key_press_modifiers(Modifiers::COMMAND, Key::O);
         wait(&mut window, &format!("word of {name}"), |w| shows(w, message));
-        assert!(window.query_by_label("Dance 6").is_some(), "{name} took the gallery away");
+        assert!(is_there(&window, "dance/6"), "{name} took the gallery away");
     }
     screenshot(&mut window, "window-music-trouble.png");
     // A good song after bad ones plays.
@@ -53,7 +53,7 @@ fn songs_looks_harmonics_and_a_caricature_whose_layers_are_voices() {
     let answers = Answers::default();
     let chooser = Box::new(answers.clone());
     let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
-    click(&mut window, "Songs");
+    click(&mut window, "drawer/songs");
     assert!(shows(&window, "sample tune"));
     let songs = ["first.wav", "second.wav"].map(|name| folder.path().join(name));
     for song in &songs {
@@ -62,15 +62,15 @@ fn songs_looks_harmonics_and_a_caricature_whose_layers_are_voices() {
         write_wav(song, &silence, WavSample::Int16).unwrap();
         answers.add(song.clone());
     }
-    click_containing(&mut window, "Add songs …");
+    click(&mut window, "songs-add");
     assert!(shows(&window, "first") && shows(&window, "second") && !shows(&window, "Remove sample tune"));
     screenshot(&mut window, "window-music-songs.png");
-    click(&mut window, "Remove first");
+    click(&mut window, "song-remove/1");
     assert!(!shows(&window, "Remove first") && shows(&window, "Remove second"));
 
-    click(&mut window, "Look");
-    click(&mut window, "Bronze");
-    click(&mut window, "Slate");
+    click(&mut window, "drawer/look");
+    click(&mut window, "material/bronze");
+    click(&mut window, "background/slate");
     window.run_steps(2);
     screenshot(&mut window, "window-music-look.png");
 
@@ -82,19 +82,19 @@ fn songs_looks_harmonics_and_a_caricature_whose_layers_are_voices() {
         assert_eq!(run(&["project", "add-layer", path, "--template", "ellipsoid", "--mu", mu]), 0);
     }
     answers.add(project);
-    click_containing(&mut window, "File");
-    click_containing(&mut window, "Open …");
-    click(&mut window, "Body");
+    click(&mut window, "file");
+    click(&mut window, "file/open");
+    click(&mut window, "drawer/body");
     wait(&mut window, "the voices", |w| w.query_all_by_label("Beat").count() == 2);
     screenshot(&mut window, "window-music-voices.png");
-    click_containing(&mut window, "Show harmonics");
+    click(&mut window, "show-harmonics");
     window.run_steps(2);
     assert!(shows(&window, "Extrema and their") && shows(&window, "antisymmetric"));
     screenshot(&mut window, "window-music-harmonics.png");
     wait(&mut window, "rest", |w| !pause(w).is_zero());
     window.key_press(Key::Escape);
     window.run_steps(2);
-    assert!(window.query_by_label("Dance 1").is_some());
+    assert!(is_there(&window, "dance/1"));
 }
 
 #[test]
@@ -102,10 +102,9 @@ fn a_show_opens_with_its_shape_its_songs_its_look_and_its_view() {
     let folder = tempfile::tempdir().unwrap();
     let trace = Trace::default();
     let (mut window, answers) = recorded(folder.path(), &trace);
-    click(&mut window, "Look");
-    click(&mut window, "Clay");
-    window.get_by_label("Dance 3").hover();
-    window.run_steps(2);
+    click(&mut window, "drawer/look");
+    click(&mut window, "material/clay");
+    point_at(&mut window, "dance/3");
     window.key_press(Key::F);
     run_for(&mut window, 0.3);
     let show_file = folder.path().join("evening.toml");
@@ -124,7 +123,7 @@ fn a_show_opens_with_its_shape_its_songs_its_look_and_its_view() {
     window.key_press_modifiers(Modifiers::COMMAND, Key::O);
     wait(&mut window, "the song of the show", |w| w.query_by_label("song").is_some());
     wait(&mut window, "what it sounds like", |_| again.borrow().last().is_some_and(|frame| frame.is_known));
-    click(&mut window, "Shelf");
+    click(&mut window, "drawer/shelf");
     assert!(shows(&window, "Keep on the shelf: Dance 3"));
     answers.add(folder.path().join("later.toml"));
     window.key_press_modifiers(Modifiers::COMMAND, Key::S);
@@ -154,7 +153,7 @@ fn every_format_that_is_decoded_is_offered_and_volume_and_device_are_chosen_and_
     {
         assert!(offered.iter().any(|known| known == format), "{format} is not offered");
     }
-    click(&mut window, "Songs");
+    click(&mut window, "drawer/songs");
     window.get_by_role_and_label(Role::SpinButton, "Volume").focus();
     window.run_steps(2);
     window.get_by_role_and_label(Role::SpinButton, "Volume").type_text("0.25");
@@ -183,6 +182,6 @@ fn a_room_whose_first_shape_cannot_be_opened_asks_for_another() {
     wait(&mut window, "the way out", |w| shows(w, "Nothing dances yet"));
     screenshot(&mut window, "window-music-nothing.png");
     answers.add(path("ball.obj"));
-    click_containing(&mut window, "Open …");
+    click(&mut window, "open");
     wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
 }

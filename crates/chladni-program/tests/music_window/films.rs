@@ -16,10 +16,10 @@ fn what_dances_is_filmed_beside_the_window() {
     answers.add(path("film.gif"));
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);
     window.run_steps(3);
-    click(&mut window, "Small");
-    click(&mut window, "12");
+    click(&mut window, "size/640x360");
+    click(&mut window, "fps/12");
     screenshot(&mut window, "window-music-film.png");
-    click(&mut window, "Film to …");
+    click(&mut window, "film-begin");
     // A short film may be done before the window is seen again.
     wait(&mut window, "progress", |w| shows(w, "Filming film.gif") || shows(w, "Filmed"));
     screenshot(&mut window, "window-music-filming.png");
@@ -35,21 +35,20 @@ fn a_run_of_the_window_filmed_by_the_command_has_the_same_coefficients_bit_for_b
     let trace = Trace::default();
     let (mut window, answers) = recorded(folder.path(), &trace);
     // It plays, breeds, turns knobs, pauses, leaps, and puts a dance on stage.
-    click(&mut window, "Dance 2");
-    click(&mut window, "Dance 5");
-    click_containing(&mut window, "Breed 2");
+    click(&mut window, "dance/2");
+    click(&mut window, "dance/5");
+    click(&mut window, "breed");
     run_for(&mut window, 0.4);
-    click(&mut window, "Halves");
+    click(&mut window, "form/halves");
     run_for(&mut window, 0.3);
     window.key_press(Key::Space);
     run_for(&mut window, 1.0);
     window.key_press(Key::Space);
     run_for(&mut window, 0.3);
-    let slider = window.get_by_label("Where in the song").rect();
+    let slider = control(&window, "seek").rect();
     drag(&mut window, &[slider.lerp_inside([0.12, 0.5])]);
     run_for(&mut window, 0.5);
-    window.get_by_label("Dance 3").hover();
-    window.run_steps(2);
+    point_at(&mut window, "dance/3");
     window.key_press(Key::S);
     run_for(&mut window, 0.6);
     window.key_press(Key::Escape);
@@ -100,10 +99,10 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
     let folder = tempfile::tempdir().unwrap();
     let trace = Trace::default();
     let (mut window, answers) = recorded(folder.path(), &trace);
-    click(&mut window, "Look");
-    click(&mut window, "Bronze");
+    click(&mut window, "drawer/look");
+    click(&mut window, "material/bronze");
     // Turned, shifted and nearer.
-    let middle = window.get_by_label("Dance 6").rect().center();
+    let middle = control(&window, "dance/6").rect().center();
     for (modifiers, by) in [(Modifiers::NONE, [60.0, 25.0]), (Modifiers::SHIFT, [18.0, -9.0])] {
         let button =
             |pos, pressed| Event::PointerButton { pos, button: PointerButton::Middle, pressed, modifiers };
@@ -127,7 +126,7 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
         });
     }
     run_for(&mut window, 0.5);
-    window.event(Event::PointerMoved(window.get_by_label("Dance 3").rect().center()));
+    window.event(Event::PointerMoved(control(&window, "dance/3").rect().center()));
     window.run_steps(2);
     window.key_press(Key::S);
     // Before the song is studied the camera follows what is heard; a film knows the song.

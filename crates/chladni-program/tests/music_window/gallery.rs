@@ -27,13 +27,13 @@ fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
     let size = [1000.0, 640.0];
     let (mut window, device) = open_with_device(opening(), size);
     window.run_steps(3);
-    window.get_by_label("Open Music").click();
+    control(&window, "room/1").click();
     wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
     window.run_steps(3);
-    click(&mut window, "Dance 2");
-    click(&mut window, "Dance 5");
-    click_containing(&mut window, "Breed 2");
-    click(&mut window, "Dance 5");
+    click(&mut window, "dance/2");
+    click(&mut window, "dance/5");
+    click(&mut window, "breed");
+    click(&mut window, "dance/5");
     assert!(shows(&window, "2 / 2"));
 
     lose(&device);
@@ -44,7 +44,7 @@ fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
     wait(&mut window, "the gallery as it was", |w| {
         shows(w, "The graphics device was lost") && shows(w, "2 / 2")
     });
-    assert!(is_chosen(&window, "Dance 5"));
+    assert!(is_chosen(&window, "dance/5"));
     window.run_steps(10);
     screenshot(&mut window, "lost-device-music.png");
     wait(&mut window, "the dance", |w| pause(w).is_zero());
@@ -60,12 +60,12 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     window.run_steps(10);
     screenshot(&mut window, "window-music.png");
 
-    click(&mut window, "Dance 2");
-    click(&mut window, "Dance 5");
-    assert!(is_chosen(&window, "Dance 5") && !is_chosen(&window, "Dance 1"));
-    click_containing(&mut window, "Breed 2");
+    click(&mut window, "dance/2");
+    click(&mut window, "dance/5");
+    assert!(is_chosen(&window, "dance/5") && !is_chosen(&window, "dance/1"));
+    click(&mut window, "breed");
     assert!(shows(&window, "2 / 2"));
-    for dance in ["Dance 1", "Dance 3", "Dance 8"] {
+    for dance in ["dance/1", "dance/3", "dance/8"] {
         click(&mut window, dance);
     }
     window.key_press(Key::Enter);
@@ -73,12 +73,12 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     assert!(shows(&window, "3 / 3"));
 
     // Back to any generation, and forth again.
-    click(&mut window, "3 / 3");
-    click(&mut window, "Generation 1, the beginning");
-    assert!(shows(&window, "1 / 3") && is_chosen(&window, "Dance 5"));
-    click(&mut window, "1 / 3");
-    click(&mut window, "Generation 3, from 2");
-    assert!(shows(&window, "3 / 3") && !is_chosen(&window, "Dance 5"));
+    click(&mut window, "generations");
+    click(&mut window, "generation/1");
+    assert!(shows(&window, "1 / 3") && is_chosen(&window, "dance/5"));
+    click(&mut window, "generations");
+    click(&mut window, "generation/3");
+    assert!(shows(&window, "3 / 3") && !is_chosen(&window, "dance/5"));
 
     // By keys alone: the mark goes right and down, what is marked is chosen, locked and changed.
     window.hover_at(Pos2::new(500.0, 60.0));
@@ -87,12 +87,12 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
         window.key_press(key);
         window.run_steps(1);
     }
-    assert!(is_chosen(&window, "Dance 6") && !is_chosen(&window, "Dance 5"));
+    assert!(is_chosen(&window, "dance/6") && !is_chosen(&window, "dance/5"));
     for key in [Key::C, Key::M] {
         window.key_press(key);
         window.run_steps(1);
     }
-    assert!(shows(&window, "4 / 4") && !is_chosen(&window, "Dance 6"));
+    assert!(shows(&window, "4 / 4") && !is_chosen(&window, "dance/6"));
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     window.run_steps(2);
     assert!(shows(&window, "3 / 4"));
@@ -101,28 +101,27 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     assert!(shows(&window, "4 / 4"));
 
     // Name one and draw its a by hand: full to the left of the middle, still to the right.
-    window.get_by_label("Dance 4").hover();
-    window.run_steps(2);
+    point_at(&mut window, "dance/4");
     window.key_press(Key::E);
     window.run_steps(3);
     assert!(!shows(&window, "Dance 5"));
-    write(&mut window, "Name", "Squid");
-    let plot = window.get_by_label("a: how strongly each harmonic answers").rect();
+    write(&mut window, "name", "Squid");
+    let plot = control(&window, "curve/a").rect();
     let at = |x: f32, y: f32| plot.lerp_inside([x, y]);
     drag(&mut window, &[at(0.01, 0.05), at(0.3, 0.05), at(0.5, 0.05), at(0.5, 0.547), at(0.99, 0.547)]);
     screenshot(&mut window, "window-music-curves.png");
-    click_containing(&mut window, "Favorite");
-    click_containing(&mut window, "Lineage");
+    click(&mut window, "favorite");
+    click(&mut window, "lineage");
     assert!(shows(&window, "Squid: bred from") && shows(&window, "of generation 2: bred from"));
     assert!(shows(&window, "of generation 1: from seed 2012"));
     screenshot(&mut window, "window-music-lineage.png");
     window.key_press(Key::Escape);
     window.run_steps(2);
 
-    click_containing(&mut window, "Keep …");
-    write(&mut window, "Tags", "slow, sea");
+    click(&mut window, "keep");
+    write(&mut window, "shelf/tags", "slow, sea");
     screenshot(&mut window, "window-music-shelf.png");
-    click(&mut window, "Keep");
+    click(&mut window, "shelf/keep");
     let kept: Vec<_> = std::fs::read_dir(folder.path().join("dances")).unwrap().collect();
     let preset = Preset::load(&kept[0].as_ref().unwrap().path()).unwrap();
     assert_eq!((kept.len(), preset.name.as_str()), (1, "Squid"));
@@ -134,9 +133,9 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     assert!(high[3..].iter().all(|a| a.abs() < 0.1), "{high:?}");
 
     // The stage hides everything; Escape comes back.
-    window.get_by_label_contains("Gallery").click();
+    control(&window, "back-to-gallery").click();
     window.run_steps(2);
-    window.get_all_by_label_contains("Stage").last().unwrap().click();
+    control(&window, "perform-favorites").click();
     window.run_steps(4);
     assert!(!shows(&window, "12 items") && !shows(&window, "Chladni"));
     screenshot(&mut window, "window-music-stage.png");
@@ -145,8 +144,8 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     assert!(shows(&window, "12 items"));
     let session = folder.path().join("evening.toml");
     answers.add(session.clone());
-    click_containing(&mut window, "File");
-    click_containing(&mut window, "Save show");
+    click(&mut window, "file");
+    click(&mut window, "file/save-show");
     drop(window);
 
     // What was done in the window is a film, the same one each time.
@@ -168,20 +167,20 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     wait(&mut window, "the show", |w| shows(w, "4 / 4"));
     window.get_by_role_and_label(Role::CheckBox, "Squid");
     for (size, next) in [(12, 16), (16, 9), (9, 6)] {
-        click_containing(&mut window, &format!("{size} items, seed 2012"));
-        click(&mut window, &format!("{next} items"));
+        assert!(shows(&window, &format!("{size} items, seed 2012")));
+        click(&mut window, "gallery");
+        click(&mut window, &format!("gallery/{next}"));
         assert!(shows(&window, &format!("{next} items, seed 2012")) && shows(&window, "1 / 1"));
-        assert!(window.query_by_label(&format!("Dance {next}")).is_some());
-        assert!(window.query_by_label(&format!("Dance {}", next + 1)).is_none());
+        assert!(is_there(&window, &format!("dance/{next}")));
+        assert!(!is_there(&window, &format!("dance/{}", next + 1)));
     }
-    click(&mut window, "Shelf");
-    let kept = |window: &Window| window.get_by_role_and_label(Role::Button, "Squid").rect().center();
+    click(&mut window, "drawer/shelf");
+    let kept = |window: &Window| control(window, "preset/Squid").rect().center();
     window.hover_at(kept(&window));
     window.run_steps(2);
     // It is tried out where the gallery was.
-    assert!(window.query_by_label("Dance 5").is_none());
-    window.get_by_role_and_label(Role::Button, "Squid").click();
-    window.run_steps(2);
+    assert!(!is_there(&window, "dance/5"));
+    click(&mut window, "preset/Squid");
     window.hover_at(Pos2::new(300.0, 300.0));
     window.run_steps(2);
     assert!(shows(&window, "2 / 2"));
@@ -206,25 +205,22 @@ fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closi
         }
         shows(window, "Save before closing?")
     };
-    click(&mut window, "Dance 2");
-    click(&mut window, "Dance 5");
-    click_containing(&mut window, "Breed 2");
+    click(&mut window, "dance/2");
+    click(&mut window, "dance/5");
+    click(&mut window, "breed");
     assert!(!close(&mut window), "nothing was marked");
-    window.get_by_label("Dance 3").hover();
-    window.run_steps(2);
+    point_at(&mut window, "dance/3");
     window.key_press(Key::F);
     window.run_steps(2);
     // A place that the next gallery does not have.
-    window.get_by_label("Dance 12").hover();
-    window.run_steps(2);
+    point_at(&mut window, "dance/12");
     window.key_press(Key::E);
     window.run_steps(2);
-    assert!(window.query_by_label("Dance 6").is_none());
-    click_containing(&mut window, "12 items, seed 2012");
-    click(&mut window, "6 items");
-    assert!(window.query_by_label("Dance 6").is_some(), "an empty bench");
-    window.get_by_label("Dance 1").hover();
-    window.run_steps(2);
+    assert!(!is_there(&window, "dance/6"));
+    click(&mut window, "gallery");
+    click(&mut window, "gallery/6");
+    assert!(is_there(&window, "dance/6"), "an empty bench");
+    point_at(&mut window, "dance/1");
     window.key_press(Key::M);
     window.run_steps(2);
 
@@ -238,7 +234,7 @@ fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closi
     assert!(close(&mut window) && shows(&window, "with one favorite"));
     let session = folder.path().join("evening.toml");
     answers.add(session.clone());
-    click(&mut window, "Save and close");
+    click(&mut window, "save-and-close");
     assert!(Show::load(&session).unwrap().actions.len() == 6);
 }
 
@@ -246,15 +242,15 @@ fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closi
 fn children_are_suggested_beside_the_frames_and_what_is_chosen_meanwhile_counts() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
-    click(&mut window, "Suggest children");
-    click(&mut window, "Dance 2");
-    click_containing(&mut window, "Breed 1");
+    click(&mut window, "suggest");
+    click(&mut window, "dance/2");
+    click(&mut window, "breed");
     wait(&mut window, "children", |w| shows(w, "2 / 2"));
-    assert!((1..=12).all(|n| !is_chosen(&window, &format!("Dance {n}"))), "a new generation");
+    assert!((1..=12).all(|n| !is_chosen(&window, &format!("dance/{n}"))), "a new generation");
     // What is chosen as soon as they were asked for is a wish, too: judging begins again, and ends.
-    click(&mut window, "Dance 3");
-    window.get_by_label_contains("Breed 1").click();
+    click(&mut window, "dance/3");
+    control(&window, "breed").click();
     window.run_steps(1);
-    window.get_by_label("Dance 4").click();
+    control(&window, "dance/4").click();
     wait(&mut window, "more children", |w| shows(w, "3 / 3"));
 }

@@ -75,9 +75,9 @@ fn gallery_look_and_stage_obey() {
     for dance in [3.0, 5.0] {
         desk.touch("choose", dance);
     }
-    desk.until("two are chosen", |w| is_chosen(w, "Dance 3") && is_chosen(w, "Dance 5"));
+    desk.until("two are chosen", |w| is_chosen(w, "dance/3") && is_chosen(w, "dance/5"));
     desk.touch("choose", 5.0);
-    desk.until("one is not", |w| !is_chosen(w, "Dance 5"));
+    desk.until("one is not", |w| !is_chosen(w, "dance/5"));
     desk.touch("choose", 5.0);
     desk.touch("breed", 1.0);
     desk.until("children", |w| shows(w, "2 / 2"));
@@ -122,25 +122,25 @@ fn gallery_look_and_stage_obey() {
 fn bindings_are_learned_with_a_number_and_go_to_another_machine() {
     let answers = Answers::default();
     let mut desk = Desk::begin(&answers);
-    click(&mut desk.window, "Remote");
+    click(&mut desk.window, "drawer/remote");
     // It may have to be scrolled to.
-    desk.window.get_by_label("Learn Song of the list").click_accesskit();
+    control(&desk.window, "learn/song").click_accesskit();
     desk.window.run_steps(2);
     desk.send(&packet("/pad/1", 1.0));
     assert!(shows(&desk.window, "/pad/1"));
     let file = desk.settings.with_file_name("desk.toml");
     answers.add(&file);
-    click(&mut desk.window, "Export …");
+    click(&mut desk.window, "bindings-export");
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.contains("/pad/1") && text.contains("song"), "{text}");
     std::fs::write(&file, text.replace("/pad/1", "/pad/9")).unwrap();
     answers.add(&file);
-    click(&mut desk.window, "Import …");
+    click(&mut desk.window, "bindings-import");
     desk.window.run_steps(2);
     assert!(desk.settings().contains("/pad/1") && desk.settings().contains("/pad/9"), "{}", desk.settings());
     std::fs::write(&file, "format_version = 99\n").unwrap();
     answers.add(&file);
-    click(&mut desk.window, "Import …");
+    click(&mut desk.window, "bindings-import");
     assert!(shows(&desk.window, "99"));
 }
 

@@ -21,8 +21,8 @@ use chladni_music::{Preset, Show};
 use chladni_program::studio::{Folders, Handover, Opening, Trace};
 use chladni_sound::{Song, WavSample, write_wav};
 use driving::{
-    Answers, Window, lose, no_time, open, open_with, open_with_device, screenshot, shows, takes_pictures,
-    wait,
+    Answers, Window, control, is_there, lose, no_time, open, open_with, open_with_device, screenshot, shows,
+    takes_pictures, wait,
 };
 use egui::accesskit::{Role, Toggled};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
@@ -49,32 +49,32 @@ fn enter(opening: Opening) -> Window {
     let mut window = open_with(opening, builder);
     window.run_steps(3);
     if !named {
-        window.get_by_label("Open Music").click();
+        control(&window, "room/1").click();
     }
     wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
     window.run_steps(3);
     window
 }
 
-fn click(window: &mut Window, label: &str) {
-    window.get_by_label(label).click();
+fn click(window: &mut Window, id: &str) {
+    control(window, id).click();
     window.run_steps(2);
 }
 
-fn click_containing(window: &mut Window, label: &str) {
-    window.get_by_label_contains(label).click();
+/// Points at a control, to press keys there.
+fn point_at(window: &mut Window, id: &str) {
+    control(window, id).hover();
     window.run_steps(2);
 }
 
 fn write(window: &mut Window, field: &str, text: &str) {
-    window.get_by_role_and_label(Role::TextInput, field).click();
-    window.run_steps(2);
-    window.get_by_role_and_label(Role::TextInput, field).type_text(text);
+    click(window, field);
+    control(window, field).type_text(text);
     window.run_steps(2);
 }
 
 fn is_chosen(window: &Window, dance: &str) -> bool {
-    window.get_by_label(dance).accesskit_node().toggled() == Some(Toggled::True)
+    control(window, dance).accesskit_node().toggled() == Some(Toggled::True)
 }
 
 fn drag(window: &mut Window, points: &[Pos2]) {

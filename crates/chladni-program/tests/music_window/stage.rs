@@ -11,8 +11,7 @@ fn enter_with(music: &str) -> (Window, tempfile::TempDir) {
 }
 
 fn press_on(window: &mut Window, dance: &str, key: Key) {
-    window.get_by_label(dance).hover();
-    window.run_steps(2);
+    point_at(window, dance);
     window.key_press(key);
     window.run_steps(4);
 }
@@ -24,7 +23,7 @@ fn corners_are_pinned_on_stage_and_nowhere_else() {
     let trim = "trim = [1.0, 0.5, 1.0]";
     let pinned = format!("{white}[music.projection]\n{corners}\n{trim}\n");
     let (mut window, _folder) = enter_with(&pinned);
-    press_on(&mut window, "Dance 1", Key::S);
+    press_on(&mut window, "dance/1", Key::S);
     window.run_steps(20);
     let picture = window.render().unwrap();
     let at = |x: f32, y: f32| {
@@ -41,9 +40,9 @@ fn corners_are_pinned_on_stage_and_nowhere_else() {
     }
     window.key_press(Key::Escape);
     window.run_steps(20);
-    click(&mut window, "Look");
+    click(&mut window, "drawer/look");
     assert!(shows(&window, "Move the corners"));
-    window.get_by_label("As it is").click_accesskit();
+    control(&window, "projection-reset").click_accesskit();
     window.run_steps(2);
     let settings = std::fs::read_to_string(_folder.path().join("settings.toml")).unwrap();
     assert!(!settings.contains("0.2"), "{settings}");
@@ -54,24 +53,24 @@ fn corners_are_pinned_on_stage_and_nowhere_else() {
 fn breeding_goes_on_while_the_show_has_a_window_of_its_own() {
     let (mut window, _folder) = enter_with("own_window = true\n");
     assert!(!shows(&window, "On stage"));
-    press_on(&mut window, "Dance 2", Key::S);
+    press_on(&mut window, "dance/2", Key::S);
     window.run_steps(10);
     for still_there in ["On stage", "12 items", "Dance 5", "Freeze"] {
         assert!(shows(&window, still_there), "{still_there}");
     }
-    for dance in ["Dance 3", "Dance 4"] {
-        window.get_by_label(dance).click_accesskit();
+    for dance in ["dance/3", "dance/4"] {
+        control(&window, dance).click_accesskit();
         window.run_steps(2);
     }
-    window.get_by_label_contains("Breed 2").click_accesskit();
+    control(&window, "breed").click_accesskit();
     window.run_steps(4);
     assert!(shows(&window, "2 / 2") && shows(&window, "On stage"));
-    press_on(&mut window, "Dance 5", Key::N);
-    for button in ["Go", "Black", "Freeze", "Freeze", "Leave the stage"] {
+    press_on(&mut window, "dance/5", Key::N);
+    for button in ["go", "blackout", "freeze", "freeze", "leave"] {
         // The second window may lie over it.
-        window.get_by_label(button).click_accesskit();
+        control(&window, button).click_accesskit();
         window.run_steps(2);
-        assert_eq!(shows(&window, "On stage"), button != "Leave the stage", "{button}");
+        assert_eq!(shows(&window, "On stage"), button != "leave", "{button}");
     }
     assert!(shows(&window, "12 items") && !shows(&window, "On stage"));
 }

@@ -13,11 +13,11 @@ fn a_limb_is_taken_by_a_click_and_all_is_drawn_in_ink() {
     save_mesh(&samples::sample("octopus").unwrap(), &desk.path("octopus.obj")).unwrap();
     let mut person = desk.sit_down(&["octopus.obj"]);
     person.wait_to_see("Compare with a mesh");
-    person.click("Add");
-    person.click("Ellipsoid");
+    person.click("add");
+    person.click("template/ellipsoid");
     person.wait_until_gone("Matching");
     person.press(Key::B);
-    person.click("Parts");
+    person.click("parts");
     // The octopus stands in the middle of the window.
     person.0.hover_at(pos2(620.0, 430.0));
     person.0.run_steps(4);
@@ -38,11 +38,11 @@ fn a_limb_is_taken_by_a_click_and_all_is_drawn_in_ink() {
     }
     for name in ["out.svg", "out.png"] {
         person.press_with(CTRL, Key::E);
-        person.click(if name == "out.svg" { "SVG" } else { "PNG" });
-        person.click("Usual sizes");
-        person.click_button("640 × 480");
+        person.click(if name == "out.svg" { "export/svg" } else { "export/png" });
+        person.click("sizes");
+        person.click("size/640x480");
         desk.answers.add(desk.path(name));
-        person.click("Export…");
+        person.click("export-begin");
         person.wait_to_see(&format!("Exported {}", desk.path(name).display()));
     }
     let svg = std::fs::read_to_string(desk.path("out.svg")).unwrap();

@@ -20,14 +20,14 @@ fn from_two_meshes_to_sliders_in_another_program() {
     person.drag(&[pos2(600.0, 380.0), pos2(630.0, 400.0), pos2(660.0, 420.0)]);
     person.screenshot("studio-painted.png");
     // A model, a preset of the curve, and a bend of it.
-    person.click("Normal");
-    person.click("Broad");
-    let curve = person.place_of("Scale curve");
+    person.click("model/normal");
+    person.click("curve/broad");
+    let curve = person.place_of("scale-curve");
     let at = |u: f32, v: f32| curve.lerp_inside(vec2(u, v));
     person.drag(&[at(0.5, 0.5), at(0.5, 0.3), at(0.5, 0.15)]);
     // Another layer, taken back, and done again.
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     assert!(person.sees("Magnify all 2"));
     person.press_with(CTRL, Key::Z);
     assert!(!person.sees("Magnify all 2"));
@@ -52,7 +52,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
     // The next day.
     let mut person = desk.sit_down(&["p.chladni"]);
     person.wait_to_see("Magnify all 2");
-    let row = person.place_of("Layer template");
+    let row = person.place_of("layer/1");
     person.click_at(row.center());
     person.wait_to_see("Covered");
     person.press_with(CTRL, Key::E);
@@ -60,12 +60,12 @@ fn from_two_meshes_to_sliders_in_another_program() {
     for name in ["out.glb", "out.png"] {
         if name == "out.png" {
             person.press_with(CTRL, Key::E);
-            person.click("PNG");
-            person.click("Usual sizes");
-            person.click_button("640 × 480");
+            person.click("export/png");
+            person.click("sizes");
+            person.click("size/640x480");
         }
         desk.answers.add(desk.path(name));
-        person.click("Export…");
+        person.click("export-begin");
         // The file is there a moment before the window lets go of it.
         person.wait_to_see(&format!("Exported {}", desk.path(name).display()));
     }
@@ -77,7 +77,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
     // The same layers on another shape: the region goes along.
     save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
     desk.answers.add(desk.path("finer.obj"));
-    person.click("Another shape");
+    person.click("another-shape");
     person.wait_to_see("2\u{202f}562 vertices");
     desk.answers.add(desk.path("finer.chladni"));
     person.press_with(CTRL, Key::S);

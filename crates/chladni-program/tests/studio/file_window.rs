@@ -11,7 +11,7 @@ use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
 use crate::driving::person::Desk;
-use crate::driving::screenshot;
+use crate::driving::{control, screenshot};
 
 /// The file window on a folder with two meshes and another in a folder of its own, and its answer.
 fn file_window(desk: &Desk, purpose: Purpose) -> (Harness<'static, FileWindow>, Rc<RefCell<Vec<PathBuf>>>) {
@@ -61,7 +61,7 @@ fn a_path_is_typed_where_the_system_has_no_file_dialog() {
     type_text(&mut window, "bust.obj");
     window.key_press(Key::Tab);
     window.run_steps(3);
-    assert!(!window.get_by_label("File name or path").is_focused());
+    assert!(!control(&window, "path").is_focused());
     click_line(&mut window, "bust.obj", Modifiers::NONE);
     window.key_press(Key::Enter);
     window.run_steps(2);
@@ -74,14 +74,14 @@ fn what_is_typed_after_files_were_picked_counts_and_enter_on_cancel_is_no_answer
     let (mut window, answer) = file_window(&desk, Purpose::OpenSeveral);
     click_line(&mut window, "shape.obj", Modifiers::NONE);
     click_line(&mut window, "template.obj", CTRL);
-    assert_eq!(window.get_by_label("File name or path").value().as_deref(), Some("2 files"));
-    window.get_by_label("Cancel").focus();
+    assert_eq!(control(&window, "path").value().as_deref(), Some("2 files"));
+    control(&window, "cancel").focus();
     window.run_steps(2);
     window.key_press(Key::Enter);
     window.run_steps(2);
     assert!(answer.borrow().is_empty());
 
-    window.get_by_label("File name or path").click();
+    control(&window, "path").click();
     window.run_steps(2);
     type_text(&mut window, "sculptures/bust.obj");
     window.key_press(Key::Enter);

@@ -15,8 +15,8 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     let copies = || std::fs::read_dir(desk.path("recovery")).into_iter().flatten().flatten();
     let kept = || copies().any(|entry| entry.path().extension().is_some_and(|e| e == "chladni"));
     person.wait("the recovery copy", |_| kept());
@@ -28,7 +28,7 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
     person.wait("the picture of the recent shape", |_| desk.path("pictures").exists());
     person.0.run_steps(20);
     person.screenshot("studio-recover.png");
-    person.click("Recover");
+    person.click("recover");
     person.wait_to_see("Magnify all 1");
     person.wait("the old copy's end", |_| {
         copies().filter(|entry| entry.path().extension().is_some_and(|e| e == "chladni")).count() == 1
@@ -37,11 +37,11 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
     person.close();
     assert!(person.sees("Save before closing?"));
     person.screenshot("studio-close.png");
-    person.click("Keep working");
+    person.click("keep-working");
     assert!(!person.sees("Save before closing?"));
     person.close();
     desk.answers.add(desk.path("kept.chladni"));
-    person.click("Save and close");
+    person.click("save-and-close");
     assert_eq!(Project::load(&desk.path("kept.chladni")).unwrap().layers().len(), 1);
     person.wait("the copy's end", |_| !kept());
 }
@@ -72,18 +72,18 @@ fn opening_another_project_asks_about_unsaved_work() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     let empty = Project::new(ShapeSource::File(desk.path("template.obj")), HARMONICS);
     empty.save(&desk.path("other.chladni")).unwrap();
     desk.answers.add(desk.path("other.chladni"));
     person.press_with(CTRL, Key::O);
     assert!(person.sees("Save before opening another?"));
-    person.click("Keep working");
+    person.click("keep-working");
     assert!(person.sees("Magnify all 1"));
     desk.answers.add(desk.path("other.chladni"));
     person.press_with(CTRL, Key::O);
-    person.click("Lose changes");
+    person.click("lose-changes");
     person.wait_until_gone("Magnify all 1");
 }
 
@@ -108,16 +108,16 @@ fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
     assert!(person.sees("broken.chladni") && !person.sees("Layer template"));
 
     // Nor does what waits until it is known what becomes of unsaved work.
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
     choose(&mut person, &["finer.obj", "template.obj"]);
     assert!(person.sees("Save before opening another?") && !person.sees("Layer template"));
-    person.click("Keep working");
+    person.click("keep-working");
     person.0.run_steps(4);
     assert!(person.sees("Magnify all 1") && !person.sees("Layer template"));
     choose(&mut person, &["finer.obj", "template.obj"]);
-    person.click("Lose changes");
+    person.click("lose-changes");
     person.wait_to_see("2\u{202f}562 vertices");
     person.wait_to_see("Layer template");
     assert!(!person.sees("Magnify all 1"));
@@ -126,7 +126,7 @@ fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
     let project = Project::new(ShapeSource::File(desk.path("shape.obj")), HARMONICS);
     project.save(&desk.path("z.chladni")).unwrap();
     choose(&mut person, &["template.obj", "z.chladni"]);
-    person.click("Lose changes");
+    person.click("lose-changes");
     person.wait_to_see("642 vertices");
     person.wait_to_see("Layer template");
 }
@@ -136,14 +136,14 @@ fn a_project_is_saved_under_a_name_that_opens_again() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     desk.answers.add(desk.path("igea 1.2"));
     person.press_with(CTRL, Key::S);
     assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 1);
     // Saved again, it keeps its name.
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     person.press_with(CTRL, Key::S);
     assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 2);
     assert!(!desk.path("igea 1.2").exists());
@@ -165,8 +165,8 @@ fn files_named_from_the_current_folder_are_found_wherever_the_project_is_saved()
     desk.answers.add(elsewhere.join("p.chladni"));
     person.press_with(CTRL, Key::S);
     // Other harmonics are matched anew.
-    person.click_button("harmonics");
-    person.click("64 harmonics");
+    person.click("harmonics");
+    person.click("harmonics/64");
     person.wait("another match", |window| {
         crate::driving::shows(window, "Try again") || crate::driving::shows(window, "64 harmonics")
     });

@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use chladni_mesh::{samples, save_mesh};
-use egui::accesskit::Role;
 use egui::{Key, Pos2, Rect};
-use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
 use crate::driving;
@@ -31,8 +29,8 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
     let mut person = Person::new(opening);
     person.wait_to_see("Compare with a mesh");
     picture(&mut person, "opened");
-    person.click("Add");
-    person.click("Plain head");
+    person.click("add");
+    person.click("template/head");
     person.wait_to_see("Covered");
     for _ in 0..5 {
         person.press(Key::Comma);
@@ -41,7 +39,7 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
 
     // The middle of the face alone, by a line around it.
     person.press(Key::B);
-    person.click("Lasso");
+    person.click("lasso");
     let stage = Rect::from_min_max(Pos2::new(270.0, 60.0), Pos2::new(940.0, 780.0));
     let around = |i: usize| {
         let angle = i as f32 * std::f32::consts::TAU / 30.0;
@@ -62,30 +60,30 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
     person.press_with(CTRL, Key::S);
     person.wait_to_see("Saved");
     person.press(Key::P);
-    person.click("Look");
-    person.click("Flat tones");
+    person.click("look");
+    person.click("flat-tones");
     person.press(Key::Escape);
     if driving::takes_pictures() {
         let start = std::time::Instant::now();
         person.wait("the drawing", |_| start.elapsed().as_secs() > 6);
     }
     picture(&mut person, "ink");
-    for (what, name) in [("SVG", "me.svg"), ("GIF", "me.gif"), ("GLB", "me.glb")] {
+    for (what, name) in [("export/svg", "me.svg"), ("export/gif", "me.gif"), ("export/glb", "me.glb")] {
         person.press_with(CTRL, Key::E);
         person.click(what);
-        if what == "SVG" {
+        if what == "export/svg" {
             picture(&mut person, "export");
         }
-        if what == "GIF" {
+        if what == "export/gif" {
             // The shortest turn in small pictures.
-            person.click("Usual sizes");
-            person.click_button("640 × 480");
-            for (field, value) in [("Length", "0.5"), ("Frames a second", "4")] {
+            person.click("sizes");
+            person.click("size/640x480");
+            for (field, value) in [("length", "0.5"), ("fps", "4")] {
                 type_into(&mut person, field, value);
             }
         }
         desk.answers.add(desk.path(name));
-        person.click("Export…");
+        person.click("export-begin");
         person.wait_to_see(&format!("Exported {}", desk.path(name).display()));
     }
     let svg = std::fs::read_to_string(desk.path("me.svg")).unwrap();
@@ -96,8 +94,7 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
 
 /// Writes a number into a field that is dragged or typed into.
 fn type_into(person: &mut Person, field: &str, value: &str) {
-    let place = person.0.get_by_role_and_label(Role::SpinButton, field).rect();
-    person.click_at(place.center());
+    person.click_at(person.place_of(field).center());
     person.press_with(CTRL, Key::A);
     person.0.event(egui::Event::Text(value.to_owned()));
     person.0.run_steps(1);

@@ -15,14 +15,14 @@ fn caricatures_are_chosen_bred_and_taken_as_layers_in_one_step() {
     person.press(Key::G);
     person.wait_to_see("Caricature 12");
     person.screenshot("studio-gallery.png");
-    person.click("Caricature 3");
+    person.click("caricature/3");
     person.wait_to_see("Breed 1");
     person.press(Key::ArrowRight);
     person.press(Key::C);
     person.wait_to_see("Breed 2");
     person.press(Key::F);
     person.wait_to_see("Favorites");
-    person.click("Scales");
+    person.click("lock/scales");
     person.press(Key::Enter);
     person.wait("the children", |window| {
         !driving::shows(window, "Breeding") && driving::shows(window, "Breed")

@@ -16,8 +16,7 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     person.wait_to_see("Covered");
     person.press(Key::L);
     person.wait_to_see("Landmarks on the template");
-    let (left, right) =
-        (person.place_of("Landmarks on the shape"), person.place_of("Landmarks on the template"));
+    let (left, right) = (person.place_of("landmarks/shape"), person.place_of("landmarks/template"));
     person.wait_to_see("Click a place on the shape");
     person.wait_until_gone("Reading the template");
     let places = [(0.0, 0.0), (0.1, -0.07), (-0.1, 0.07), (0.12, 0.05)];
@@ -43,7 +42,7 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     let dot = left.min + drawn_at(&desk.path("shape.obj"), picked[0].shape, left.size());
     person.drag(&[dot, dot + vec2(20.0, 10.0), dot + vec2(60.0, 40.0)]);
     person.screenshot("studio-dragged.png");
-    person.click("Remove landmark 2");
+    person.click("landmark-remove/2");
     person.screenshot("studio-removed.png");
     desk.answers.add(desk.path("changed.chladni"));
     person.press_with(CTRL | Modifiers::SHIFT, Key::S);
@@ -53,7 +52,7 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     assert_eq!((changed[0].template, &changed[1..]), (picked[0].template, &picked[2..]));
 
     desk.answers.add(desk.path("landmarks.txt"));
-    person.click("Write the landmarks to a text file");
+    person.click("landmarks-save");
     let text = std::fs::read_to_string(desk.path("landmarks.txt")).unwrap();
     assert_eq!(chladni_match::read_landmarks(&text).unwrap(), changed);
     person.press_with(CTRL, Key::Z);
@@ -61,7 +60,7 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     person.press_with(CTRL, Key::S);
     assert_eq!(landmarks("changed.chladni"), picked);
     desk.answers.add(desk.path("landmarks.txt"));
-    person.click("Read landmarks from a text file");
+    person.click("landmarks-open");
     person.press_with(CTRL, Key::S);
     assert_eq!(landmarks("changed.chladni"), changed);
     person.press(Key::Escape);
@@ -93,9 +92,9 @@ fn picking_ends_where_another_shape_takes_the_place_of_the_one_picked_on() {
     person.wait_to_see("Landmarks on the template");
     save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
     desk.answers.add(desk.path("finer.obj"));
-    person.click("Another shape");
+    person.click("another-shape");
     // The layer is not saved anywhere.
-    person.click("Lose changes");
+    person.click("lose-changes");
     person.wait_to_see("2\u{202f}562 vertices");
     assert!(!person.sees("Landmarks on the shape"), "the old shape is still picked on");
     person.press(Key::L);
@@ -107,8 +106,8 @@ fn the_first_stroke_of_a_brush_is_one_step() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     person.press(Key::B);
     let middle = pos2(620.0, 420.0);
     person.drag(&[middle, middle + vec2(10.0, 0.0), middle + vec2(20.0, 0.0)]);
@@ -133,11 +132,11 @@ fn a_mirrored_stroke_paints_both_sides_and_says_how_well_they_match() {
     save_mesh(&head, &desk.path("head.obj")).unwrap();
     let mut person = desk.sit_down(&["head.obj"]);
     person.wait_to_see("Layers");
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     person.press(Key::B);
     assert!(!person.sees("mirror image misses"));
-    person.click("Mirror");
+    person.click("mirror");
     person.wait_to_see("Its mirror image misses the shape by 0.0");
     // Beside the nose, on one side of it.
     let cheek = pos2(560.0, 430.0);
@@ -161,8 +160,8 @@ fn a_quick_stroke_of_a_small_brush_has_no_gaps() {
     save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
     let mut person = desk.sit_down(&["finer.obj"]);
     person.wait_to_see("Layers");
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     person.press(Key::B);
     (0..6).for_each(|_| person.press(Key::OpenBracket));
     let (left, right) = (pos2(540.0, 420.0), pos2(740.0, 430.0));
@@ -192,8 +191,8 @@ fn layers_are_named_hidden_soloed_and_moved_by_hand() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    for template in ["Magnify all", "Ellipsoid"] {
-        person.click_button("Add");
+    for template in ["template/magnify", "template/ellipsoid"] {
+        person.click("add");
         person.click(template);
     }
     person.wait("the match", |window| !driving::shows(window, "Matching"));
@@ -203,10 +202,9 @@ fn layers_are_named_hidden_soloed_and_moved_by_hand() {
     person.0.event(egui::Event::Text("Round".into()));
     person.press(Key::Enter);
     assert!(person.sees("Layer Round"));
-    let (top, below) = (person.place_of("Layer Round"), person.place_of("Layer Magnify all 1"));
+    let (top, below) = (person.place_of("layer/2"), person.place_of("layer/1"));
     assert!(top.top() < below.top());
-    let order =
-        |person: &Person| person.place_of("Layer Round").top() < person.place_of("Layer Magnify all 1").top();
+    let order = |person: &Person| person.place_of("layer/2").top() < person.place_of("layer/1").top();
     person.drag(&[top.center(), top.center() + vec2(0.0, 20.0), below.center()]);
     assert!(!order(&person), "dragged below the other");
     person.press_with(CTRL, Key::Z);
@@ -255,7 +253,7 @@ fn the_keyboard_reaches_what_is_common_and_crossings_are_counted() {
     let amount = person.0.get_all_by_role(egui::accesskit::Role::SpinButton).next().unwrap();
     assert_eq!(amount.accesskit_node().numeric_value(), Some(-30.0), "beyond the slider's ends");
     person.wait_to_see("crossing triangles");
-    person.click_button("crossing triangles");
+    person.click("crossings");
     person.0.run_steps(2);
     person.screenshot("studio-crossings.png");
     assert!(person.sees("folded triangles"));
@@ -293,10 +291,10 @@ fn what_is_encircled_is_painted_on_the_side_that_is_seen_and_undone_at_once() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     person.press(Key::B);
-    person.click("Lasso");
+    person.click("lasso");
     let middle = pos2(620.0, 420.0);
     let around = |radius: f32| -> Vec<egui::Pos2> {
         (0..24)
@@ -322,22 +320,22 @@ fn a_region_comes_from_curvature_goes_to_a_file_and_comes_back() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click_button("Add");
-    person.click("Magnify all");
-    person.click("By curvature");
+    person.click("add");
+    person.click("template/magnify");
+    person.click("curvature");
     person.screenshot("studio-curvature.png");
-    person.click("Bumps");
+    person.click("curvature/bumps");
     let bumps = painted(&desk, &mut person);
     assert!((60..200).contains(&inside(&bumps)), "{}", inside(&bumps));
     desk.answers.add(desk.path("bumps.ply"));
-    person.click("Mask");
+    person.click("mask");
     person.screenshot("studio-mask.png");
-    person.click("Save mask…");
+    person.click("mask/save");
     person.wait_to_see("Wrote");
     person.press_with(CTRL, Key::Z);
     assert_eq!(painted(&desk, &mut person), Painted::Everywhere);
     desk.answers.add(desk.path("bumps.ply"));
-    person.click("Mask");
-    person.click("Open mask…");
+    person.click("mask");
+    person.click("mask/open");
     assert_eq!(painted(&desk, &mut person), bumps);
 }

@@ -6,6 +6,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
+use crate::driving::control;
 use crate::driving::person::Desk;
 
 /// Taking a picture fails where something on it has no name of its own.
@@ -14,23 +15,25 @@ fn everything_in_a_menu_has_a_name() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Compare with a mesh");
-    for (menu, entry) in [("Add", "Ellipsoid"), ("What colours show", "A harmonic"), ("Look", "Bronze")] {
+    for (menu, entry) in
+        [("add", "template/ellipsoid"), ("colors", "colors/harmonic"), ("look", "material/bronze")]
+    {
         person.click(menu);
-        person.screenshot(&format!("menu-{}.png", menu.replace(' ', "-").to_lowercase()));
+        person.screenshot(&format!("menu-{}.png", menu));
         person.click(entry);
         person.press(Key::Escape);
     }
     person.wait_until_gone("Matching");
-    person.0.get_by_label("Layer Ellipsoid 1").click_secondary();
+    control(&person.0, "layer/1").click_secondary();
     person.0.run_steps(3);
     person.screenshot("menu-layer.png");
-    person.click("Rename");
+    person.click("rename");
     person.screenshot("menu-rename.png");
     person.press(Key::Escape);
     person.press_with(CTRL, Key::E);
-    for what in ["PNG", "GIF"] {
-        person.click(what);
-        person.click("Usual sizes");
+    for what in ["png", "gif"] {
+        person.click(&format!("export/{what}"));
+        person.click("sizes");
         person.screenshot(&format!("menu-sizes-{what}.png"));
         person.press(Key::Escape);
     }
@@ -43,8 +46,8 @@ fn the_keyboard_alone_reaches_every_control() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Compare with a mesh");
-    person.click("Add");
-    person.click("Ellipsoid");
+    person.click("add");
+    person.click("template/ellipsoid");
     person.wait_until_gone("Matching");
     // A small window, where panels scroll.
     person.0.set_size(egui::vec2(900.0, 600.0));
@@ -74,12 +77,12 @@ fn the_keyboard_alone_reaches_every_control() {
     }
 
     // Arrows turn the view that has the focus; letters still do what they do, and Space what the button says.
-    person.0.get_by_label("3D view").focus();
+    control(&person.0, "view").focus();
     person.0.run_steps(3);
     person.press(Key::ArrowRight);
     person.press(Key::B);
     person.wait_to_see("Painting");
-    person.0.get_by_label("Everywhere").focus();
+    control(&person.0, "everywhere").focus();
     person.0.run_steps(3);
     person.press(Key::Tab);
     person.press(Key::Space);
@@ -95,12 +98,12 @@ fn a_layer_is_moved_by_keys() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Compare with a mesh");
-    for layer in ["Ellipsoid", "Sphere"] {
-        person.click("Add");
+    for layer in ["template/ellipsoid", "template/sphere"] {
+        person.click("add");
         person.click(layer);
     }
     let sphere_is_above = |person: &crate::driving::person::Person| {
-        person.place_of("Layer Sphere 2").top() < person.place_of("Layer Ellipsoid 1").top()
+        person.place_of("layer/2").top() < person.place_of("layer/1").top()
     };
     assert!(sphere_is_above(&person));
     person.press_with(CTRL, Key::PageUp);

@@ -20,9 +20,9 @@ fn saved(desk: &Desk, person: &mut Person) -> Vec<chladni_caricature::Layer> {
     Project::load(&path).unwrap().layers().iter().map(|(_, layer)| (**layer).clone()).collect()
 }
 
-/// Types `text` into the field called `name`.
-fn fill(person: &mut Person, name: &str, text: &str) {
-    person.0.get_by_label(name).click();
+/// Types `text` into the field that is known as `id`.
+fn fill(person: &mut Person, id: &str, text: &str) {
+    person.click(id);
     person.0.run_steps(2);
     person.press_with(CTRL, Key::A);
     person.0.event(egui::Event::Text(text.into()));
@@ -35,12 +35,12 @@ fn ellipsoids_are_given_by_numbers_and_all_is_magnified_against_oneself_scaled_o
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click_button("Add");
-    person.click("Ellipsoid");
+    person.click("add");
+    person.click("template/ellipsoid");
     person.wait("the match", |window| !driving::shows(window, "Matching"));
-    person.click("Set by hand");
-    fill(&mut person, "Half axes x", "2.5");
-    fill(&mut person, "Turned z", "30");
+    person.click("ellipsoid-by-hand");
+    fill(&mut person, "semi-axes/x", "2.5");
+    fill(&mut person, "turn/z", "30");
     person.wait("the match", |window| !driving::shows(window, "Matching"));
     person.0.run_steps(2);
     person.screenshot("studio-given.png");
@@ -48,15 +48,15 @@ fn ellipsoids_are_given_by_numbers_and_all_is_magnified_against_oneself_scaled_o
     let Template::Given(given) = &layers[0].template else { panic!("{:?}", layers[0].template) };
     assert_eq!((given.semi_axes[0], given.turn_deg[2]), (2.5, 30.0));
     assert!(given.semi_axes[1] > 2.0 && given.semi_axes[1] != 2.5);
-    person.click("Fit to the shape");
+    person.click("ellipsoid-fit");
     assert_eq!(saved(&desk, &mut person)[0].template, Template::Ellipsoid);
 
-    person.click_button("Add");
-    person.click("Magnify all");
+    person.click("add");
+    person.click("template/magnify");
     assert_eq!(saved(&desk, &mut person)[1].template, Template::Scaled(0.9));
     fill_slider(&mut person, "Scale", 0.5);
     assert_eq!(saved(&desk, &mut person)[1].template, Template::Scaled(0.5));
-    person.click("Smoothed");
+    person.click("itself/smoothed");
     fill_slider(&mut person, "Low-pass", 12.0);
     assert_eq!(saved(&desk, &mut person)[1].template, Template::LowPass(12));
     assert!(person.sees("What grows has waves of"));
@@ -69,23 +69,23 @@ fn a_template_is_taken_from_the_shelf_by_its_picture() {
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
     // Without a layer it becomes one; then it takes the place of that one's template.
-    person.click_button("Shelf");
+    person.click("shelf");
     person.wait("the first picture", |window| driving::shows(window, "Compare with Ring"));
-    person.click("Compare with Ring");
+    person.click("shelf/ring");
     person.wait("the match", |window| !driving::shows(window, "Matching"));
     let layers = saved(&desk, &mut person);
     assert_eq!((layers.len(), &layers[0].name[..]), (1, "Ring"));
     assert_eq!(layers[0].template, Template::Sample("ring".into()));
-    person.click_button("Shelf");
+    person.click("shelf");
     person.screenshot("studio-shelf.png");
-    person.click("Compare with Bell");
+    person.click("shelf/bell");
     person.wait("the match", |window| !driving::shows(window, "Matching"));
     let layers = saved(&desk, &mut person);
     assert_eq!(layers.len(), 1);
     assert_eq!(layers[0].template, Template::Sample("bell".into()));
     // Its ghost is bluish, and gone when it is sent away.
     let mut haunt = || {
-        person.click("Ghost of the template");
+        person.click("ghost");
         person.0.run_steps(4);
         person.0.render().unwrap().pixels().filter(|p| p[2] > p[0].saturating_add(15)).count()
     };
@@ -99,17 +99,17 @@ fn what_came_after_a_layer_is_magnified_and_the_layer_cannot_be_deleted_meanwhil
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    for (add, layers) in [("Ellipsoid", 1), ("Own detail", 2)] {
-        person.click_button("Add");
+    for (add, layers) in [("template/ellipsoid", 1), ("template/own-detail", 2)] {
+        person.click("add");
         person.click(add);
         person.wait("the match", |window| !driving::shows(window, "Matching"));
         assert_eq!(saved(&desk, &mut person).len(), layers);
     }
-    person.click_button("Add");
-    person.click_button("The result of layer");
+    person.click("add");
+    person.click("result");
     person.0.run_steps(4);
     person.screenshot("studio-result-of-layer.png");
-    person.0.get_by_role_and_label(egui::accesskit::Role::Button, "Ellipsoid 1").click();
+    person.click("result/1");
     person.0.run_steps(4);
     let layers = saved(&desk, &mut person);
     assert_eq!(
@@ -117,14 +117,14 @@ fn what_came_after_a_layer_is_magnified_and_the_layer_cannot_be_deleted_meanwhil
         ("Since Ellipsoid 1", &Template::Layer(LayerId(1)))
     );
     // The layer below has to stay.
-    person.click("Layer Ellipsoid 1");
+    person.click("layer/1");
     person.press(Key::Delete);
     assert!(person.sees("layer Since Ellipsoid 1 is compared with the result of layer Ellipsoid 1"));
     assert_eq!(saved(&desk, &mut person), layers);
-    person.click("Layer Since Ellipsoid 1");
-    person.click("Compare with the shape below");
+    person.click("layer/3");
+    person.click("below");
     person.screenshot("studio-shape-below.png");
-    person.click("the result of Own detail 2");
+    person.click("below/2");
     assert_eq!(saved(&desk, &mut person)[2].template, Template::Layer(LayerId(2)));
 }
 
@@ -137,12 +137,12 @@ fn the_place_under_the_pointer_is_marked_on_the_template_beside_the_shape_and_ba
         person.press(Key::V);
     }
     assert!(!person.sees("Layer "), "no layer, no template: the result stands alone");
-    person.click_button("Add");
-    person.click("Ellipsoid");
+    person.click("add");
+    person.click("template/ellipsoid");
     person.wait("the match", |window| !driving::shows(window, "Matching"));
-    person.click("What colours show");
-    person.click("Place on the original");
-    let stage = person.place_of("3D view");
+    person.click("colors");
+    person.click("colors/place");
+    let stage = person.place_of("view");
     person.press(Key::Home);
     let middle = stage.center().x;
     // What changes in the other half of the picture, where there is no pointer: the middle of the mark.
@@ -187,13 +187,13 @@ fn a_cut_template_is_filled_in_as_far_as_asked_and_may_keep_its_size() {
     save_mesh(&cut, &desk.path("cut.obj")).unwrap();
     let mut person = desk.sit_down(&["shape.obj", "cut.obj"]);
     person.wait_to_see("of it is not trusted");
-    person.click_button("of it is not trusted");
+    person.click("trust");
     person.0.run_steps(3);
     person.screenshot("studio-infill.png");
     assert_eq!(saved(&desk, &mut person)[0].infill, 1.0);
     fill_slider(&mut person, "Fill in", 0.25);
     assert_eq!(saved(&desk, &mut person)[0].infill, 0.25);
-    person.click("Fit its size");
+    person.click("fit-size");
     assert_eq!(saved(&desk, &mut person)[0].matching.scaling, Scaling::Rigid);
     person.wait("the match", |window| !driving::shows(window, "Matching"));
 }
@@ -203,14 +203,14 @@ fn another_number_of_harmonics_leaves_curve_and_match_as_they_are() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
     person.wait_to_see("Covered");
-    person.click("Mid");
-    let plot = person.place_of("Scale curve");
+    person.click("curve/mid");
+    let plot = person.place_of("scale-curve");
     person.drag(&[plot.center() + vec2(-30.0, -10.0), plot.center() + vec2(-34.0, -40.0)]);
     let before = saved(&desk, &mut person)[0].clone();
     assert!(before.curve != ScaleCurve::mid() && before.curve.points.len() >= 5, "it was bent");
     person.screenshot("studio-curve.png");
-    person.click_button(" harmonics");
-    person.click("128 harmonics");
+    person.click("harmonics");
+    person.click("harmonics/128");
     person.0.run_steps(2);
     person.wait("the harmonics", |window| {
         assert!(!driving::shows(window, "Matching"), "the match is made anew");

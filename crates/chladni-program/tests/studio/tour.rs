@@ -22,21 +22,21 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
         person.wait("the samples' pictures", |_| start.elapsed().as_secs() > 12);
     }
     person.screenshot("window-start.png");
-    person.click("Open Caricature");
+    person.click("room/0");
     person.wait_to_see("Covered");
     person.0.run_steps(4);
     person.screenshot("window-caricature.png");
     assert!(person.sees("harmonics") && person.sees("vertices"));
 
     // Around the nose, and a second layer that exaggerates it.
-    person.click_button("Add");
-    person.click("Own detail");
+    person.click("add");
+    person.click("template/own-detail");
     person.press(Key::B);
     person.drag(&[pos2(455.0, 520.0), pos2(470.0, 500.0), pos2(490.0, 470.0), pos2(500.0, 440.0)]);
     person.screenshot("window-painting.png");
     person.press(Key::Escape);
     assert!(person.sees("Layer Own detail 2"));
-    person.click_at(person.place_of("Layer Character").center());
+    person.click_at(person.place_of("layer/1").center());
     person.press(Key::V);
     person.0.run_steps(4);
     person.screenshot("window-models.png");
@@ -52,9 +52,9 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     person.press_with(CTRL, Key::Z);
     person.press(Key::V);
     person.press(Key::V);
-    person.click("What colours show");
-    person.click("Place on the original");
-    let stage = person.place_of("3D view");
+    person.click("colors");
+    person.click("colors/place");
+    let stage = person.place_of("view");
     // The tip of the nose.
     person.0.hover_at(stage.center() + vec2(-0.425 * stage.width(), 0.11 * stage.height()));
     person.0.run_steps(4);
@@ -62,7 +62,7 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     person.press(Key::L);
     person.wait_to_see("Landmarks on the template");
     person.wait_until_gone("Reading the template");
-    let sides = ["Landmarks on the shape", "Landmarks on the template"].map(|name| person.place_of(name));
+    let sides = ["landmarks/shape", "landmarks/template"].map(|id| person.place_of(id));
     for (x, y) in [(0.0, 0.02), (-0.12, -0.05), (0.12, -0.05), (0.0, 0.16)] {
         for side in sides {
             person.click_at(side.center() + vec2(x * side.width(), y * side.height()));

@@ -7,6 +7,7 @@ use egui::{DragValue, RichText, Ui};
 
 use super::edits::Edits;
 use super::session::Session;
+use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 use crate::work::template_name;
 
@@ -20,7 +21,7 @@ pub fn show(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, ed
         Template::Scaled(_) | Template::LowPass(_) => itself(ui, session, id, template, edits),
         Template::Ellipsoid | Template::Sphere => {
             let tip = "Give its centre, its axes and its turn by numbers, from those that fit";
-            if ui.button("Set by hand").on_hover_text(tip).clicked() {
+            if ui.button("Set by hand").author_id("ellipsoid-by-hand").on_hover_text(tip).clicked() {
                 let round = *template == Template::Sphere;
                 let fitted = if round { Ellipsoid::fitted_sphere } else { Ellipsoid::fitted };
                 // Without a surface nothing fits; the match says so.
@@ -44,24 +45,30 @@ fn below(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits
         .show_ui(ui, |ui| {
             for choice in std::iter::once(Template::Original).chain(layers.map(Template::Layer)) {
                 let chosen = choice == *template;
-                if ui.selectable_label(chosen, template_name(&choice, project)).clicked() && !chosen {
+                let place = match choice {
+                    Template::Layer(layer) => format!("below/{}", layer.0),
+                    _ => "below/original".to_owned(),
+                };
+                let name = template_name(&choice, project);
+                if ui.selectable_label(chosen, name).author_id(place).clicked() && !chosen {
                     edits.set(id, Property::Template(choice));
                 }
             }
         });
     let tip = "What the layers above it did is exaggerated";
-    choice.response.on_hover_text(tip).accessible_name("Compare with the shape below");
+    choice.response.on_hover_text(tip).accessible_name("Compare with the shape below").author_id("below");
 }
 
 /// The shape of the layers below, scaled down or smoothed: the paper magnifies all against either.
 fn itself(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits: &mut Edits) {
     ui.horizontal(|ui| {
         for (choice, name, tip) in [
-            (SCALED, "Scaled", "Against itself scaled down: all that is there grows"),
-            (SMOOTHED, "Smoothed", "Against itself without its detail: the detail grows"),
+            (SCALED, "scaled", "Against itself scaled down: all that is there grows"),
+            (SMOOTHED, "smoothed", "Against itself without its detail: the detail grows"),
         ] {
             let chosen = std::mem::discriminant(&choice) == std::mem::discriminant(template);
-            if ui.selectable_label(chosen, name).on_hover_text(tip).clicked() && !chosen {
+            let button = ui.selectable_label(chosen, theme::capitalized(name)).on_hover_text(tip);
+            if button.author_id(format!("itself/{name}")).clicked() && !chosen {
                 edits.set(id, Property::Template(choice));
             }
         }
@@ -90,14 +97,15 @@ fn itself(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edit
     }
 }
 
-/// Name, explanation, values, step and range of three numbers.
-type Row<'a> = (&'a str, &'a str, &'a mut [f64; 3], f64, std::ops::RangeInclusive<f64>);
+/// Name for programs and for people, explanation, values, step and range of three numbers.
+type Row<'a> = (&'static str, &'a str, &'a str, &'a mut [f64; 3], f64, std::ops::RangeInclusive<f64>);
 
 fn given(ui: &mut Ui, session: &Session, id: LayerId, known: GivenEllipsoid, edits: &mut Edits) {
     let size = 1.0 / session.stack.body().frame.scale;
     let mut now = known;
     let rows: [Row<'_>; 3] = [
         (
+            "center",
             "Centre",
             "x, y and z in the units of the shape's file",
             &mut now.center,
@@ -105,29 +113,32 @@ fn given(ui: &mut Ui, session: &Session, id: LayerId, known: GivenEllipsoid, edi
             f64::MIN..=f64::MAX,
         ),
         (
+            "semi-axes",
             "Half axes",
             "Half the length of each axis",
             &mut now.semi_axes,
             0.01 * size,
             1e-6 * size..=1e6 * size,
         ),
-        ("Turned", "Degrees about x, then y, then z", &mut now.turn_deg, 0.5, -360.0..=360.0),
+        ("turn", "Turned", "Degrees about x, then y, then z", &mut now.turn_deg, 0.5, -360.0..=360.0),
     ];
     let mut responses = Vec::new();
-    for (name, tip, values, speed, range) in rows {
+    for (id, name, tip, values, speed, range) in rows {
         theme::row(ui, name, tip, |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for (value, axis) in values.iter_mut().zip(["x", "y", "z"]) {
                 let field = DragValue::new(value).speed(speed).range(range.clone()).max_decimals(3);
                 let field = ui.add_sized([52.0, ui.spacing().interact_size.y], field);
-                responses.push(field.accessible_name(format!("{name} {axis}")));
+                responses
+                    .push(field.accessible_name(format!("{name} {axis}")).author_id(format!("{id}/{axis}")));
             }
         });
     }
     for response in responses {
         edits.drag(id, &response, || Property::Template(Template::Given(now)));
     }
-    if ui.button("Fit to the shape").on_hover_text("The ellipsoid that fits the shape").clicked() {
+    let fit = ui.button("Fit to the shape").author_id("ellipsoid-fit");
+    if fit.on_hover_text("The ellipsoid that fits the shape").clicked() {
         edits.set(id, Property::Template(Template::Ellipsoid));
     }
 }

@@ -8,6 +8,7 @@ use super::edits::Edits;
 use super::lasso::LassoTool;
 use super::limb_tool::LimbTool;
 use super::stage::Press;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{BRUSH, ERASE};
 use crate::studio::theme;
@@ -89,6 +90,7 @@ impl BrushTool {
         });
         ui.horizontal(|ui| {
             theme::checkbox(ui, &mut self.mirror, "Mirror")
+                .author_id("mirror")
                 .on_hover_text("Paint both sides of the shape at once");
             theme::checkbox(ui, &mut self.fill, "Fill")
                 .on_hover_text("A click fills everything that is connected");

@@ -14,6 +14,7 @@ use super::footer::grouped;
 use super::heat::Quantity;
 use super::mask_menu::{MaskMenu, MaskWish};
 use super::session::Held;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{FURTHEST, INVERT, NEXT_MODEL, STRONGER, WEAKER};
 use crate::studio::theme;
@@ -98,19 +99,20 @@ impl Controls {
             ui.spacing_mut().item_spacing.x = 3.0;
             ui.spacing_mut().button_padding.x = 7.0;
             let presets = [
-                ("All", "Every scale alike", ScaleCurve::flat(1.0)),
+                ("all", "Every scale alike", ScaleCurve::flat(1.0)),
                 (
-                    "Smooth",
+                    "smooth",
                     "All but the finest, below a quarter of its size, where a match of two meshes is rough",
                     ScaleCurve::smooth(),
                 ),
-                ("Broad", "Large forms only: waves of more than half of its size", ScaleCurve::broad()),
-                ("Mid", "Features of the size of a nose: waves of half of its size", ScaleCurve::mid()),
-                ("Fine", "Wrinkles and edges: waves below a quarter of its size", ScaleCurve::fine()),
+                ("broad", "Large forms only: waves of more than half of its size", ScaleCurve::broad()),
+                ("mid", "Features of the size of a nose: waves of half of its size", ScaleCurve::mid()),
+                ("fine", "Wrinkles and edges: waves below a quarter of its size", ScaleCurve::fine()),
             ];
             for (name, tip, preset) in presets {
                 let chosen = layer.curve == preset;
-                if ui.selectable_label(chosen, name).on_hover_text(tip).clicked() {
+                let button = ui.selectable_label(chosen, theme::capitalized(name)).on_hover_text(tip);
+                if button.author_id(format!("curve/{name}")).clicked() {
                     edits.set(id, Property::Curve(preset));
                 }
             }
@@ -152,7 +154,8 @@ fn model_buttons(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
             (Model::Distance, "Distance", "One filter for all directions: subtle, keeps forms even at −8"),
         ] {
             let tip = NEXT_MODEL.with_key(ui.ctx(), tip);
-            if ui.selectable_label(layer.model == model, name).on_hover_text(tip).clicked() {
+            let button = ui.selectable_label(layer.model == model, name).on_hover_text(tip);
+            if button.author_id(format!("model/{model}")).clicked() {
                 edits.set(id, Property::Model(model));
             }
         }
@@ -228,7 +231,10 @@ fn held_back(ui: &mut Ui, held: Held) -> Option<Wish> {
     };
     let text = format!("{:.0} % of the movement kept", 100.0 * kept);
     let tip = "Mean length of the layer's displacement beside the unlimited one. Click to see where it is held back.";
-    meter(ui, kept >= 0.7, &text, tip).then_some(Wish::SeeWhere(Quantity::HeldBack))
+    meter(ui, kept >= 0.7, &text, tip)
+        .author_id("held-back")
+        .clicked()
+        .then_some(Wish::SeeWhere(Quantity::HeldBack))
 }
 
 /// The fold meter; a click on it shows where.
@@ -239,7 +245,7 @@ fn folds(ui: &mut Ui, folds: usize) -> Option<Wish> {
         more => format!("{} folded triangles", grouped(more)),
     };
     let tip = "Triangles whose front this layer turned to the back. Click to see where.";
-    meter(ui, folds == 0, &text, tip).then_some(Wish::SeeWhere(Quantity::Folds))
+    meter(ui, folds == 0, &text, tip).author_id("folds").clicked().then_some(Wish::SeeWhere(Quantity::Folds))
 }
 
 /// The same for parts that pass through each other.
@@ -259,16 +265,19 @@ fn crossings(ui: &mut Ui, count: Option<crossings::Count>) -> Option<Wish> {
     if from_the_start > 0 {
         tip += &format!(" The shape came with {}.", grouped(from_the_start));
     }
-    meter(ui, now <= from_the_start, &text, &tip).then_some(Wish::SeeWhere(Quantity::Crossings))
+    meter(ui, now <= from_the_start, &text, &tip)
+        .author_id("crossings")
+        .clicked()
+        .then_some(Wish::SeeWhere(Quantity::Crossings))
 }
 
-/// A line of green or red status; true when clicked.
-fn meter(ui: &mut Ui, good: bool, text: &str, tip: &str) -> bool {
+/// A line of green or red status, to be clicked.
+fn meter(ui: &mut Ui, good: bool, text: &str, tip: &str) -> egui::Response {
     let palette = theme::palette(ui);
     let (mark, color) =
         if good { (Icon::CircleCheck, palette.good) } else { (Icon::TriangleAlert, palette.warning) };
     let text = RichText::new(icon::label(mark, text)).color(color).small();
-    ui.add(egui::Button::new(text).frame(false)).on_hover_text(tip).clicked()
+    ui.add(egui::Button::new(text).frame(false)).on_hover_text(tip)
 }
 
 fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
@@ -278,9 +287,8 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
         ui.spacing_mut().item_spacing.x = 3.0;
         ui.spacing_mut().button_padding.x = 6.0;
         let mut paint = |edit: PaintEdit| edits.once(Action::Paint { layer: id, edit });
-        if ui.selectable_label(everywhere, "Everywhere").on_hover_text("The whole shape").clicked()
-            && !everywhere
-        {
+        let all = ui.selectable_label(everywhere, "Everywhere").author_id("everywhere");
+        if all.on_hover_text("The whole shape").clicked() && !everywhere {
             paint(PaintEdit::Set(Painted::Everywhere));
         }
         if ui.button("Clear").on_hover_text("Nothing, to begin painting").clicked() {

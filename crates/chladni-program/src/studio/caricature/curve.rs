@@ -3,6 +3,7 @@
 use chladni_caricature::ScaleCurve;
 use egui::{Color32, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
 
+use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 
 /// The gain at the top of the plot.
@@ -60,11 +61,12 @@ impl Plot {
 /// [`changed`](Response::changed) where the curve was edited, and `drag_stopped` ends an edit.
 pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &Spectrum) -> Response {
     let size = vec2(ui.available_width(), 180.0);
-    let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo {
         current_text_value: Some(in_words(curve)),
         ..egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve")
     });
+    let mut response = response.author_id("scale-curve");
     let plot = Plot::within(rect);
     let before = curve.clone();
     let origin = ui.input(|input| input.pointer.press_origin());

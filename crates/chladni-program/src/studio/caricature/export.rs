@@ -9,6 +9,7 @@ use egui::{DragValue, RichText, Ui};
 
 use super::CaricatureRoom;
 use super::overlay::backdrop;
+use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -231,6 +232,7 @@ impl Export {
                             egui::Button::selectable(self.what == *what, what.extension().to_uppercase());
                         let response = ui.add_enabled(possible, button);
                         let response = response.on_disabled_hover_text("Needs the program ffmpeg");
+                        let response = response.author_id(format!("export/{}", what.extension()));
                         if response.on_hover_text(what.explanation()).clicked() {
                             self.what = *what;
                         }
@@ -248,7 +250,9 @@ impl Export {
         let mut begin = false;
         ui.horizontal(|ui| {
             let busy = self.running.is_some();
-            ui.add_enabled_ui(!busy, |ui| begin = theme::primary_button(ui, "Export…").clicked());
+            ui.add_enabled_ui(!busy, |ui| {
+                begin = theme::primary_button(ui, "Export…").author_id("export-begin").clicked();
+            });
             if ui.button("Cancel").clicked() {
                 self.open = false;
             }
@@ -267,7 +271,7 @@ impl Export {
             ui.add(DragValue::new(width).range(16..=16_384)).accessible_name("Width").on_hover_text(tip);
             ui.label("×");
             ui.add(DragValue::new(height).range(16..=16_384)).accessible_name("Height").on_hover_text(tip);
-            ui.menu_button("Usual sizes", |ui| {
+            let usual = ui.menu_button("Usual sizes", |ui| {
                 let sizes = [
                     ("HD", [1920, 1080]),
                     ("4K", [3840, 2160]),
@@ -275,12 +279,15 @@ impl Export {
                     ("Small", [640, 480]),
                 ];
                 for (name, size) in sizes {
-                    if ui.button(format!("{name}   {} × {}", size[0], size[1])).clicked() {
+                    let [width, height] = size;
+                    let button = ui.button(format!("{name}   {width} × {height}"));
+                    if button.author_id(format!("size/{width}x{height}")).clicked() {
                         self.size = size;
                         ui.close();
                     }
                 }
             });
+            usual.response.author_id("sizes");
         });
         ui.end_row();
         if self.what == What::Drawing {
@@ -309,10 +316,10 @@ impl Export {
         ui.label(RichText::new("Length").color(weak));
         ui.horizontal(|ui| {
             let length = DragValue::new(&mut self.secs).range(0.5..=120.0).speed(0.1).suffix(" s");
-            ui.add(length).accessible_name("Length");
+            ui.add(length).accessible_name("Length").author_id("length");
             ui.label("at");
             let fps = DragValue::new(&mut self.fps).range(1..=60).suffix(" frames/s");
-            ui.add(fps).accessible_name("Frames a second");
+            ui.add(fps).accessible_name("Frames a second").author_id("fps");
         });
         ui.end_row();
     }

@@ -17,6 +17,7 @@ use super::preview::Preview;
 use super::session::Session;
 use super::shot::Shot;
 use super::single;
+use crate::studio::author_id::AuthorId;
 use crate::studio::job::Job;
 use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
@@ -207,9 +208,9 @@ impl CaricatureRoom {
             ui.add_space(theme::GAP_LARGE);
             ui.horizontal(|ui| {
                 save = theme::primary_button(ui, "Save").clicked();
-                stay = ui.button("Keep working").clicked();
+                stay = ui.button("Keep working").author_id("keep-working").clicked();
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    discard = ui.button("Lose changes").clicked();
+                    discard = ui.button("Lose changes").author_id("lose-changes").clicked();
                 });
             });
         });

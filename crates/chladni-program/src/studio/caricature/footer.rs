@@ -6,6 +6,7 @@ use egui::{RichText, Ui};
 
 use super::edits::Edits;
 use super::session::Session;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job;
 use crate::studio::settings::Settings;
@@ -37,7 +38,8 @@ pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut
                 ui.label(RichText::new("How much detail to take apart").color(palette.weak));
                 for choice in CHOICES {
                     let chosen = session.project().harmonics == choice;
-                    if ui.selectable_label(chosen, format!("{} harmonics", grouped(choice))).clicked() {
+                    let button = ui.selectable_label(chosen, format!("{} harmonics", grouped(choice)));
+                    if button.author_id(format!("harmonics/{choice}")).clicked() {
                         settings.harmonics = choice;
                         edits.once(Action::SetHarmonics(choice));
                         ui.close();
@@ -51,7 +53,7 @@ pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut
                     ui.close();
                 }
             });
-            menu.response.on_hover_ui(|ui| certificate(ui, &body.basis));
+            menu.response.author_id("harmonics").on_hover_ui(|ui| certificate(ui, &body.basis));
         });
     });
     ui.add_space(theme::GAP_SMALL);

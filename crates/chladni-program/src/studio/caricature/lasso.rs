@@ -4,6 +4,7 @@ use chladni_caricature::{Action, Dab, LayerId, PaintEdit};
 use egui::{Pos2, Stroke, Ui};
 
 use super::edits::Edits;
+use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 
 /// The line that is being drawn.
@@ -20,7 +21,7 @@ const STEP: f32 = 3.0;
 impl LassoTool {
     /// Draws what turns it on.
     pub fn show_switch(&mut self, ui: &mut Ui) {
-        theme::checkbox(ui, &mut self.active, "Lasso").on_hover_text(
+        theme::checkbox(ui, &mut self.active, "Lasso").author_id("lasso").on_hover_text(
             "Draw around a part of what you see: it is painted, or, with Erase or Ctrl, taken away; what is hidden stays",
         );
     }

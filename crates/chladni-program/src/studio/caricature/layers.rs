@@ -5,6 +5,7 @@ use egui::{RichText, Ui};
 
 use super::edits::Edits;
 use super::thumbnails::Thumbnails;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{ADD_MESH, DELETE, DUPLICATE, HIDE, SOLO};
 use crate::studio::theme;
@@ -91,6 +92,7 @@ impl LayerList {
         response.widget_info(|| {
             egui::WidgetInfo::selected(egui::Role::Button, true, chosen, format!("Layer {}", layer.name))
         });
+        let response = response.author_id(format!("layer/{}", id.0));
         ui.painter().rect_filled(rect, 6.0, fill);
         let inside = egui::UiBuilder::new()
             .max_rect(rect.shrink2(egui::vec2(8.0, 5.0)))
@@ -163,7 +165,7 @@ impl LayerList {
     fn menu(&mut self, ui: &mut Ui, project: &Project, id: LayerId, layer: &Layer, edits: &mut Edits) {
         let place = project.layers().iter().position(|(known, _)| *known == id).unwrap_or(0);
         let top = project.layers().len().saturating_sub(1);
-        if ui.button(icon::label(Icon::Pencil, "Rename")).clicked() {
+        if ui.button(icon::label(Icon::Pencil, "Rename")).author_id("rename").clicked() {
             self.rename(id, layer);
         }
         if ui.button(icon::label(Icon::Copy, "Duplicate")).clicked() {
@@ -198,7 +200,7 @@ impl LayerList {
                 edits.once(Action::Duplicate(layer));
             }
         }
-        ui.menu_button(icon::label(Icon::Plus, "Add"), |ui| {
+        let add = ui.menu_button(icon::label(Icon::Plus, "Add"), |ui| {
             let tip = format!("{}; or drop one on the window", ADD_MESH.tooltip(ui.ctx()));
             if ui.button("A mesh…").on_hover_text(tip).clicked() {
                 self.wants_mesh = true;
@@ -206,7 +208,8 @@ impl LayerList {
             }
             ui.separator();
             for point in STARTING_POINTS {
-                if ui.button(point.name).on_hover_text(point.tip).clicked() {
+                let button = ui.button(point.name).author_id(format!("template/{}", point.id));
+                if button.on_hover_text(point.tip).clicked() {
                     let layer = Box::new(point.layer(project));
                     edits.once(Action::Add { index: project.layers().len(), layer });
                     ui.close();
@@ -214,6 +217,7 @@ impl LayerList {
             }
             result_of_layer(ui, project, edits);
         });
+        add.response.author_id("add");
     }
 
     fn name(&mut self, ui: &mut Ui, id: LayerId, text: RichText, edits: &mut Edits) {
@@ -242,7 +246,7 @@ fn result_of_layer(ui: &mut Ui, project: &Project, edits: &mut Edits) {
     let below = results(project);
     let menu = |ui: &mut Ui| {
         for (id, layer) in below.iter().rev() {
-            if ui.button(&layer.name).clicked() {
+            if ui.button(&layer.name).author_id(format!("result/{}", id.0)).clicked() {
                 let layer = Box::new(layer_since(project, *id, &layer.name));
                 edits.once(Action::Add { index: project.layers().len(), layer });
                 ui.close();
@@ -253,6 +257,7 @@ fn result_of_layer(ui: &mut Ui, project: &Project, edits: &mut Edits) {
         ui.add_enabled_ui(!below.is_empty(), |ui| ui.menu_button("The result of layer", menu).response);
     let tip = "Against the shape after that layer: all changes above it grow";
     menu.inner
+        .author_id("result")
         .on_hover_text(tip)
         .on_disabled_hover_text("With two layers or more: what came after one of them grows");
 }

@@ -8,6 +8,7 @@ use egui::{Modifiers, Slider, Ui};
 
 use super::edits::Edits;
 use super::stage::Press;
+use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 
 /// How parts are taken.
@@ -30,7 +31,7 @@ impl Default for LimbTool {
 impl LimbTool {
     /// Draws what turns it on.
     pub fn show_switch(&mut self, ui: &mut Ui) {
-        theme::checkbox(ui, &mut self.active, "Parts").on_hover_text(
+        theme::checkbox(ui, &mut self.active, "Parts").author_id("parts").on_hover_text(
             "A click takes the part under the pointer as the region; Shift adds it, Erase or Ctrl takes it away",
         );
     }

@@ -10,6 +10,7 @@ use super::head_sliders;
 use super::landmarks;
 use super::session::Session;
 use super::shelf;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job;
 use crate::studio::room::Shared;
@@ -110,7 +111,7 @@ fn infill(ui: &mut Ui, id: LayerId, layer: &Layer, matched: &Matched, edits: &mu
     let text = format!("{share} of it is not trusted");
     let text = RichText::new(icon::label(Icon::Info, &text)).color(theme::palette(ui).weak).small();
     let tip = "By area. Click to see how far the match is trusted, and where.";
-    ui.add(egui::Button::new(text).frame(false)).on_hover_text(tip).clicked()
+    ui.add(egui::Button::new(text).frame(false)).on_hover_text(tip).author_id("trust").clicked()
 }
 
 fn method(ui: &mut Ui, session: &Session, id: LayerId, edits: &mut Edits) {
@@ -127,7 +128,8 @@ fn method(ui: &mut Ui, session: &Session, id: LayerId, edits: &mut Edits) {
     let mut fitted = matching.scaling == Scaling::Free;
     let tip =
         "Off: the template keeps its own size, in the units of its file, and a difference of size counts";
-    if theme::checkbox(ui, &mut fitted, "Fit its size").on_hover_text(tip).changed() {
+    let fit = theme::checkbox(ui, &mut fitted, "Fit its size").author_id("fit-size");
+    if fit.on_hover_text(tip).changed() {
         matching.scaling = if fitted { Scaling::Free } else { Scaling::Rigid };
     }
     if matching != layer.matching {

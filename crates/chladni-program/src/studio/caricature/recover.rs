@@ -5,6 +5,7 @@ use std::time::SystemTime;
 use chladni_caricature::{Recovered, Recovery, ShapeSource};
 use egui::RichText;
 
+use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
@@ -36,7 +37,7 @@ impl Offer {
                     ui.label(RichText::new(describe(recovered)).color(theme::palette(ui).weak));
                     theme::group(ui, &name, |ui| {
                         ui.horizontal(|ui| {
-                            if theme::primary_button(ui, "Recover").clicked() {
+                            if theme::primary_button(ui, "Recover").author_id("recover").clicked() {
                                 answer = Some((index, true));
                             }
                             if ui.button("Throw away").clicked() {

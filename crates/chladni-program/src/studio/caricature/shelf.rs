@@ -3,6 +3,7 @@
 use chladni_caricature::Template;
 use egui::{Ui, Vec2, vec2};
 
+use crate::studio::author_id::AuthorId;
 use crate::studio::card::card;
 use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
@@ -39,7 +40,8 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>) -> Option<(&'static str, Templ
             ui.horizontal(|ui| {
                 for &(name, sample) in row {
                     let picture = shared.pictures.of_sample(ui.ctx(), sample);
-                    if card(ui, CARD, picture.as_ref(), Icon::Box, "Compare with", name).clicked() {
+                    let card = card(ui, CARD, picture.as_ref(), Icon::Box, "Compare with", name);
+                    if card.author_id(format!("shelf/{sample}")).clicked() {
                         taken = Some((name, Template::Sample(sample.into())));
                         ui.close();
                     }
@@ -47,7 +49,9 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>) -> Option<(&'static str, Templ
             });
         }
     });
-    menu.response.on_hover_text("Templates of our own: heads, animals and more, by their pictures");
+    menu.response
+        .author_id("shelf")
+        .on_hover_text("Templates of our own: heads, animals and more, by their pictures");
     taken
 }
 

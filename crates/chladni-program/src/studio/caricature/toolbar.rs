@@ -11,6 +11,7 @@ use super::gallery::GalleryView;
 use super::heat::Quantity;
 use super::look::Show;
 use super::stage::Stage;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{EXPORT, FIT, GALLERY, INK, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::room::Shared;
@@ -41,7 +42,7 @@ impl CaricatureRoom {
         }
         let change = ui.add_enabled(self.session.is_some(), egui::Button::new(icon::text(Icon::Replace)));
         let tip = "The same layers on another shape: regions and landmarks are carried over";
-        if change.accessible_name("Another shape").on_hover_text(tip).clicked() {
+        if change.accessible_name("Another shape").author_id("another-shape").on_hover_text(tip).clicked() {
             self.change_shape(shared);
         }
         let modified = self.session.as_ref().is_some_and(|session| session.history.is_modified());
@@ -91,7 +92,8 @@ impl CaricatureRoom {
         ui.toggle_value(&mut self.look.wire, icon::text(Icon::Grid3x3)).on_hover_text(WIRE.tooltip(ui.ctx()));
         let ghost = ui.toggle_value(&mut self.look.ghost, icon::text(Icon::Ghost));
         let tip = "The template of the selected layer over the shape, as a ghost; ink does not draw it";
-        self.stale |= ghost.accessible_name("Ghost of the template").on_hover_text(tip).changed();
+        self.stale |=
+            ghost.accessible_name("Ghost of the template").author_id("ghost").on_hover_text(tip).changed();
         let (mut quantity, mut harmonic, mut map) =
             (self.heat.quantity(), self.heat.harmonic(), self.heat.map());
         let name = Quantity::ALL.iter().find(|(q, _)| *q == quantity).map_or("", |(_, name)| name);
@@ -100,28 +102,31 @@ impl CaricatureRoom {
             egui::ComboBox::from_id_salt("heat").width(136.0).height(520.0).selected_text(name).show_ui(ui, |ui| {
                 let has_own = self.stage.as_ref().is_some_and(Stage::has_own_look);
                 for (choice, name) in Quantity::ALL.into_iter().filter(|q| q.0 != Quantity::Own || has_own) {
-                    ui.selectable_value(&mut quantity, choice, name);
+                    let button = ui.selectable_value(&mut quantity, choice, name);
+                    button.author_id(format!("colors/{choice:?}").to_lowercase());
                 }
                 ui.separator();
                 for choice in [ColorMap::Viridis, ColorMap::Cividis, ColorMap::Magma] {
                     ui.selectable_value(&mut map, choice, choice.name());
                 }
             });
-        choice.response.accessible_name("What colours show");
+        choice.response.accessible_name("What colours show").author_id("colors");
         if quantity == Quantity::Harmonic {
             let top = self.session.as_ref().map_or(1, |session| session.stack.body().basis.harmonics()) - 1;
             let number = egui::DragValue::new(&mut harmonic).range(0..=top).prefix("H ");
             ui.add(number).accessible_name("Harmonic");
         }
         self.heat.choose(quantity, harmonic, map);
-        ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
+        let look = ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
             ui.toggle_value(&mut self.look.ink, "Ink on paper").on_hover_text(INK.tooltip(ui.ctx()));
             ui.toggle_value(&mut self.look.tones, "Flat tones")
+                .author_id("flat-tones")
                 .on_hover_text("In ink: light as three flat tones instead of hatching");
             ui.separator();
             ui.label(egui::RichText::new("Material").color(theme::palette(ui).weak));
             for (index, (name, _)) in Material::PRESETS.iter().enumerate() {
-                ui.selectable_value(&mut self.look.material, index, theme::capitalized(name));
+                ui.selectable_value(&mut self.look.material, index, theme::capitalized(name))
+                    .author_id(format!("material/{name}"));
             }
             ui.separator();
             ui.label(egui::RichText::new("Light").color(theme::palette(ui).weak));
@@ -129,6 +134,7 @@ impl CaricatureRoom {
                 ui.selectable_value(&mut self.look.lights, index, theme::capitalized(name));
             }
         });
+        look.response.author_id("look");
         if ui.button(icon::text(Icon::Maximize)).on_hover_text(FIT.tooltip(ui.ctx())).clicked()
             && let Some(stage) = &mut self.stage
         {

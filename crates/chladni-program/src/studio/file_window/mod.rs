@@ -21,6 +21,7 @@ use super::folders::Folders;
 use super::icon::{self, Icon};
 use super::settings::Settings;
 use super::theme;
+use crate::studio::author_id::AuthorId;
 use browser::{Browser, Entry, MAX_ENTRIES, Verdict};
 
 /// The name of the command that opens the window; see `ask`.
@@ -143,7 +144,8 @@ impl FileWindow {
             .lock_focus(true)
             .margin(egui::vec2(8.0, 6.0));
         let mut shown = field.show(ui);
-        shown.response.response = shown.response.response.accessible_name("File name or path");
+        shown.response.response =
+            shown.response.response.accessible_name("File name or path").author_id("path");
         if !std::mem::replace(&mut self.begun, true) {
             shown.response.request_focus();
         }
@@ -258,7 +260,7 @@ impl FileWindow {
                     _ => "Open",
                 };
                 go = theme::primary_button(ui, label).clicked();
-                if ui.button("Cancel").on_hover_text("Escape").clicked() {
+                if ui.button("Cancel").author_id("cancel").on_hover_text("Escape").clicked() {
                     ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
                 }
             });

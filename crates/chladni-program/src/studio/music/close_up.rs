@@ -7,6 +7,7 @@ use super::curve::{self, Plot};
 use super::lineage;
 use super::view::View;
 use super::wish::Wish;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{FAVORITE, STAGE};
 use crate::studio::theme;
@@ -73,6 +74,7 @@ pub fn show(
     let right = left.translate(vec2(width + theme::GAP, 0.0));
     let mut mapping = draft.as_ref().map_or_else(|| item.genome.clone(), |draft| draft.mapping.clone());
     let transfer = Plot {
+        id: "curve/t",
         name: "t: which harmonic each sound band drives",
         range: (0.0, 1.0),
         color: curve::transfer_color(ui),
@@ -85,6 +87,7 @@ pub fn show(
     }
     let answered = answered(&mapping, heard);
     let amplification = Plot {
+        id: "curve/a",
         name: "a: how strongly each harmonic answers",
         range: (-1.0, 1.0),
         color: theme::palette(ui).accent,
@@ -125,28 +128,28 @@ fn header(
     heard: &HeardBands<'_>,
     wishes: &mut Vec<Wish>,
 ) {
-    let back = ui.button(icon::label(Icon::ChevronLeft, "Gallery"));
+    let back = ui.button(icon::label(Icon::ChevronLeft, "Gallery")).author_id("back-to-gallery");
     if back.on_hover_text("Back to all dances (Escape)").clicked() {
         wishes.push(Wish::Show(View::Gallery));
     }
     let mut name = item.name.clone();
     let hint = format!("Name of dance {}", index + 1);
     let edit = TextEdit::singleline(&mut name).hint_text(hint).desired_width(120.0);
-    let edit = ui.add(edit).accessible_name("Name");
+    let edit = ui.add(edit).accessible_name("Name").author_id("name");
     if edit.changed() {
         wishes.push(Wish::Do(Action::Rename { item: index, name }));
     }
     let favorite = instrument.favorites().iter().any(|known| known.id == item.id);
     let star = egui::Button::selectable(favorite, text(ui, Icon::Star, "Favorite"));
-    if button(ui, star, "Favorite", FAVORITE.tooltip(ui.ctx())) {
+    if button(ui, star, "favorite", "Favorite", FAVORITE.tooltip(ui.ctx())) {
         wishes.push(Wish::Do(Action::Favorite { item: index, on: !favorite }));
     }
     let keep = egui::Button::new(text(ui, Icon::BookmarkPlus, "Keep …"));
-    if button(ui, keep, "Keep …", "Put it on the shelf".into()) {
+    if button(ui, keep, "keep", "Keep …", "Put it on the shelf".into()) {
         wishes.push(Wish::Keep(item.id));
     }
     let stage = egui::Button::new(text(ui, Icon::Presentation, "Stage"));
-    if button(ui, stage, "Stage", STAGE.tooltip(ui.ctx())) {
+    if button(ui, stage, "perform", "Stage", STAGE.tooltip(ui.ctx())) {
         wishes.push(Wish::Do(Action::Perform { item: index }));
     }
     let name = text(ui, Icon::GitFork, "Lineage");
@@ -188,8 +191,8 @@ pub fn text(ui: &Ui, mark: Icon, name: &str) -> String {
     if ui.max_rect().width() < WIDE { icon::text(mark) } else { icon::label(mark, name) }
 }
 
-fn button(ui: &mut Ui, button: egui::Button<'_>, name: &str, tip: String) -> bool {
-    ui.add(button).on_hover_text(tip).accessible_name(name).clicked()
+fn button(ui: &mut Ui, button: egui::Button<'_>, id: &str, name: &str, tip: String) -> bool {
+    ui.add(button).author_id(id).on_hover_text(tip).accessible_name(name).clicked()
 }
 
 /// Ready-made curves, to begin from.
@@ -232,7 +235,11 @@ fn shapes_menu(
             amplification(values)
         });
     });
-    button.response.accessible_name("Curves").on_hover_text("Ready-made curves, to begin from");
+    button
+        .response
+        .accessible_name("Curves")
+        .author_id("curves")
+        .on_hover_text("Ready-made curves, to begin from");
 }
 
 /// What arrives at each harmonic now, coarsely: the background of a.

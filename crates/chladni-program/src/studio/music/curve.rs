@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
+use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 use crate::work::drawn_curve::draw;
 
@@ -15,6 +16,8 @@ pub fn transfer_color(ui: &Ui) -> Color32 {
 
 /// How a curve looks and what its values may be.
 pub struct Plot<'a> {
+    /// Names it where words change.
+    pub id: &'static str,
     /// What it is called, on screen and for screen readers.
     pub name: &'a str,
     /// Lowest and highest value.
@@ -30,8 +33,9 @@ pub struct Plot<'a> {
 /// a stroke. With Shift a stroke keeps the height at which it began.
 pub fn edit(ui: &mut Ui, rect: Rect, plot: &Plot<'_>, values: &mut [f32]) -> Response {
     let id = ui.scope_id().with(plot.name);
-    let mut response = ui.interact(rect, id, Sense::click_and_drag());
+    let response = ui.interact(rect, id, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, plot.name));
+    let mut response = response.author_id(plot.id);
     let inside = inside(rect);
     let held = response.is_pointer_button_down_on()
         && ui.input(|input| input.pointer.button_down(egui::PointerButton::Primary));

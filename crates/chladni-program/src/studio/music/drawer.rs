@@ -11,6 +11,7 @@ use super::songs::{self, Devices};
 use super::view::View;
 use super::wish::Wish;
 use super::{knobs, look, voices};
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -33,13 +34,13 @@ pub enum Drawer {
     Remote,
 }
 
-const DRAWERS: [(Drawer, Icon, &str); 6] = [
-    (Drawer::Knobs, Icon::SlidersHorizontal, "Knobs"),
-    (Drawer::Songs, Icon::ListMusic, "Songs"),
-    (Drawer::Shelf, Icon::Library, "Shelf"),
-    (Drawer::Look, Icon::Palette, "Look"),
-    (Drawer::Body, Icon::Drama, "Body"),
-    (Drawer::Remote, Icon::Cable, "Remote"),
+const DRAWERS: [(Drawer, Icon, &str, &str); 6] = [
+    (Drawer::Knobs, Icon::SlidersHorizontal, "drawer/knobs", "Knobs"),
+    (Drawer::Songs, Icon::ListMusic, "drawer/songs", "Songs"),
+    (Drawer::Shelf, Icon::Library, "drawer/shelf", "Shelf"),
+    (Drawer::Look, Icon::Palette, "drawer/look", "Look"),
+    (Drawer::Body, Icon::Drama, "drawer/body", "Body"),
+    (Drawer::Remote, Icon::Cable, "drawer/remote", "Remote"),
 ];
 
 /// What the drawers keep between frames.
@@ -92,14 +93,14 @@ impl Drawers {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             let width = (ui.available_width() - 2.0 * DRAWERS.len() as f32) / DRAWERS.len() as f32;
-            for (drawer, mark, name) in DRAWERS {
+            for (drawer, mark, id, name) in DRAWERS {
                 let text = RichText::new(icon::text(mark)).size(17.0);
                 let tab = egui::Button::selectable(self.open == drawer, text);
                 let tab = ui.add_sized([width, 30.0], tab);
                 tab.widget_info(|| {
                     egui::WidgetInfo::selected(egui::Role::Tab, true, self.open == drawer, name)
                 });
-                if tab.on_hover_text(name).clicked() {
+                if tab.author_id(id).on_hover_text(name).clicked() {
                     self.open = drawer;
                 }
             }
@@ -120,7 +121,8 @@ fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
         View::Harmonics(first) => Some(first),
         _ => None,
     };
-    if ui.selectable_label(shown.is_some(), icon::label(Icon::FlipHorizontal2, "Show harmonics")).clicked() {
+    let button = ui.selectable_label(shown.is_some(), icon::label(Icon::FlipHorizontal2, "Show harmonics"));
+    if button.author_id("show-harmonics").clicked() {
         let first = harmonics.first_waving();
         wishes.push(Wish::Show(if shown.is_some() { View::Gallery } else { View::Harmonics(first) }));
     }

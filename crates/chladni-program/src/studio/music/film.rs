@@ -8,6 +8,7 @@ use chladni_view::{FrameRate, Look, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 use super::view::View;
+use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -105,7 +106,11 @@ impl Filming {
         dialog.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).open(&mut open).show(ctx, |ui| {
             form.show(ui, window, show_secs);
             ui.add_space(theme::GAP);
-            film = ui.button("Film to …").on_hover_text("Choose where it goes, and begin").clicked();
+            film = ui
+                .button("Film to …")
+                .author_id("film-begin")
+                .on_hover_text("Choose where it goes, and begin")
+                .clicked();
         });
         if ctx.input(|input| input.key_pressed(egui::Key::Escape)) || !open {
             self.form = None;
@@ -202,7 +207,9 @@ impl Form {
         theme::group(ui, "Size", |ui| {
             ui.horizontal_wrapped(|ui| {
                 for (name, size) in SIZES.into_iter().chain([("As here", window)]) {
-                    if ui.selectable_label(self.size == size, name).clicked() {
+                    let [width, height] = size;
+                    let button = ui.selectable_label(self.size == size, name);
+                    if button.author_id(format!("size/{width}x{height}")).clicked() {
                         self.size = size;
                     }
                 }
@@ -220,7 +227,7 @@ impl Form {
         theme::group(ui, "Frames a second", |ui| {
             ui.horizontal(|ui| {
                 for fps in RATES {
-                    ui.selectable_value(&mut self.fps, fps, fps.to_string());
+                    ui.selectable_value(&mut self.fps, fps, fps.to_string()).author_id(format!("fps/{fps}"));
                 }
             });
         });

@@ -7,6 +7,7 @@ use super::curve;
 use super::lineage;
 use super::view::View;
 use super::wish::Wish;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{DRAW, FAVORITE, LOCK, MUTATE, STAGE};
 use crate::studio::shortcut::Shortcut;
@@ -32,6 +33,7 @@ pub fn overlay(
         let response = ui.interact(*cell, ui.scope_id().with(("dance", index)), Sense::click());
         let title = title(item, index);
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title));
+        let response = response.author_id(format!("dance/{}", index + 1));
         if response.contains_pointer() {
             hovered = Some(index);
         }

@@ -4,6 +4,7 @@ use chladni_music::{Action, Choir, Form, FormControl, Instrument, Parameter, Par
 use egui::{RichText, Slider, Ui};
 
 use super::wish::Wish;
+use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 
 /// Width of the names.
@@ -58,21 +59,22 @@ fn sand(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
 fn form(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
     ui.horizontal(|ui| {
         for (form, name, tip) in [
-            (Form::HalfMask, "Halves", "The left channel moves the left half, the right one the right"),
+            (Form::HalfMask, "halves", "The left channel moves the left half, the right one the right"),
             (
                 Form::Modal,
-                "Modal",
+                "modal",
                 "Along the normals, as a sounding plate: the middle moves symmetric harmonics, the side \
                  antisymmetric ones, towards the louder channel",
             ),
             (
                 Form::Filter,
-                "Filter",
+                "filter",
                 "The paper's: the shape's own harmonics grow and shrink; a symmetric shape stays so, and left \
                  and right look alike",
             ),
         ] {
-            if ui.selectable_label(parameters.form == form, name).on_hover_text(tip).clicked() {
+            let button = ui.selectable_label(parameters.form == form, theme::capitalized(name));
+            if button.author_id(format!("form/{name}")).on_hover_text(tip).clicked() {
                 wishes.push(Wish::Do(Action::SetForm { form }));
             }
         }
@@ -289,7 +291,10 @@ fn knob(
         _ => slider.fixed_decimals(2),
     };
     let slider = theme::wide_row(ui, LABEL, name, tip, |ui| ui.add_enabled(idle.is_none(), slider));
-    let slider = slider.on_hover_text(tip).on_disabled_hover_text(idle.unwrap_or_default());
+    let slider = slider
+        .author_id(parameter.name())
+        .on_hover_text(tip)
+        .on_disabled_hover_text(idle.unwrap_or_default());
     if slider.changed() {
         wishes.push(Wish::Do(Action::Set { parameter, value }));
     }

@@ -4,6 +4,7 @@ use chladni_music::{Action, Gallery, GalleryItem, Instrument, ItemId, Origin, li
 use egui::{RichText, ScrollArea, Ui};
 
 use super::wish::Wish;
+use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 
 /// A menu called `label` of an item and its ancestors, newest first; a click goes to the generation of one.
@@ -32,7 +33,7 @@ pub fn menu(ui: &mut Ui, label: &str, instrument: &Instrument, item: &GalleryIte
             }
         });
     });
-    button.response.accessible_name("Lineage").on_hover_text("Where it comes from");
+    button.response.accessible_name("Lineage").author_id("lineage").on_hover_text("Where it comes from");
 }
 
 /// "Squid", or "3 of generation 2".

@@ -6,6 +6,7 @@ use egui::{RichText, Ui};
 use std::path::Path;
 
 use super::preferences::Screen;
+use crate::studio::author_id::AuthorId;
 use crate::studio::choose::Chooser;
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -29,9 +30,9 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool) {
         ];
         parts.into_iter().for_each(String::clear);
     }
-    part(ui, "Material", &mut preferences.material, Material::PRESETS.map(|preset| preset.0));
-    part(ui, "Light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));
-    part(ui, "Background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));
+    part(ui, "material", &mut preferences.material, Material::PRESETS.map(|preset| preset.0));
+    part(ui, "light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));
+    part(ui, "background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));
     palette(ui, &mut preferences.palette);
     let chooser = &mut *shared.chooser;
     let tip = "A picture of your own (PNG or JPEG) behind all, in the place of the background";
@@ -113,21 +114,23 @@ fn palette(ui: &mut Ui, chosen: &mut String) {
 }
 
 /// A part of the look: no name is the look's own.
-fn part<const N: usize>(ui: &mut Ui, heading: &str, chosen: &mut String, names: [&str; N]) {
+fn part<const N: usize>(ui: &mut Ui, id: &str, chosen: &mut String, names: [&str; N]) {
     let all: Vec<&str> = [""].into_iter().chain(names).collect();
-    choose(ui, heading, chosen, &all);
+    choose(ui, id, chosen, &all);
 }
 
-fn choose(ui: &mut Ui, heading: &str, chosen: &mut String, names: &[&str]) {
-    ui.label(RichText::new(heading).strong());
+fn choose(ui: &mut Ui, id: &str, chosen: &mut String, names: &[&str]) {
+    let heading = theme::capitalized(id);
+    ui.label(RichText::new(&heading).strong());
     let choices = |ui: &mut Ui| {
         for name in names {
             let label = if name.is_empty() { "As the look".to_owned() } else { theme::capitalized(name) };
-            if ui.selectable_label(chosen == name, label).clicked() {
+            let button = ui.selectable_label(chosen == name, label);
+            if button.author_id(format!("{id}/{name}")).clicked() {
                 *chosen = (*name).to_owned();
             }
         }
     };
-    theme::group(ui, heading, |ui| ui.horizontal_wrapped(choices));
+    theme::group(ui, &heading, |ui| ui.horizontal_wrapped(choices));
     ui.add_space(theme::GAP);
 }

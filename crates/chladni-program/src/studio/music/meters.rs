@@ -5,6 +5,7 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Stroke, Ui, pos
 
 use super::curve;
 use super::listening::{Listening, Loudness};
+use crate::studio::author_id::AuthorId;
 use crate::studio::keys::music::{DOUBLE, HALVE, TAP};
 use crate::studio::theme;
 
@@ -141,7 +142,7 @@ fn beat(ui: &mut Ui, listening: &mut Listening) {
             if ui.small_button("×2").on_hover_text(DOUBLE.tooltip(ui.ctx())).clicked() {
                 listening.double();
             }
-            if ui.small_button("Tap").on_hover_text(TAP.tooltip(ui.ctx())).clicked() {
+            if ui.small_button("Tap").author_id("tap").on_hover_text(TAP.tooltip(ui.ctx())).clicked() {
                 listening.tap();
             }
         });

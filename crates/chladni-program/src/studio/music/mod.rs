@@ -60,6 +60,7 @@ use super::job::{self, Job};
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::{keys, theme};
+use crate::studio::author_id::AuthorId;
 use crate::studio::keys::music::OPEN;
 use crate::work::Error;
 use crate::work::formats::{self, Kind, LISTS, SONGS, TEXT};
@@ -419,8 +420,8 @@ fn nothing_dances(ui: &mut Ui, wishes: &mut Vec<Wish>) {
         ui.add_space(ui.available_height() * 0.4);
         ui.label("Nothing dances yet: drop a shape anywhere, or open one.");
         ui.add_space(theme::GAP);
-        if ui.button(icon::label(Icon::FolderOpen, "Open …")).on_hover_text(OPEN.tooltip(ui.ctx())).clicked()
-        {
+        let open = ui.button(icon::label(Icon::FolderOpen, "Open …")).author_id("open");
+        if open.on_hover_text(OPEN.tooltip(ui.ctx())).clicked() {
             wishes.push(Wish::Open);
         }
     });

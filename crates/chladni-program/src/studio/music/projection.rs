@@ -3,6 +3,7 @@
 use egui::{Color32, Mesh, Pos2, Rect, Sense, Stroke, TextureId, Ui, Vec2, pos2, vec2};
 use serde::{Deserialize, Serialize};
 
+use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 
 /// Where the corners of the picture go, and its trim.
@@ -155,7 +156,9 @@ impl Projection {
             let slider = theme::slider(trim, 0.0..=1.0).fixed_decimals(2);
             theme::row(ui, name, "How bright this color is on stage", |ui| ui.add(slider));
         }
-        let reset = ui.add_enabled(*self != Self::default(), egui::Button::new("As it is"));
+        let reset = ui
+            .add_enabled(*self != Self::default(), egui::Button::new("As it is"))
+            .author_id("projection-reset");
         if reset.on_hover_text("Straight corners and full colors").clicked() {
             *self = Self::default();
         }

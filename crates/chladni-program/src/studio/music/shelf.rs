@@ -7,6 +7,7 @@ use egui::{RichText, Sense, Stroke, TextEdit, Ui, vec2};
 
 use super::curve;
 use super::wish::Wish;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::notices::Notices;
 use crate::studio::theme;
@@ -133,8 +134,9 @@ impl Shelf {
             ui.label(RichText::new("Keep this dance").strong());
             let width = ui.available_width();
             let name = ui.add(TextEdit::singleline(&mut form.name).hint_text("Name").desired_width(width));
+            let name = name.author_id("shelf/name");
             let tags = TextEdit::singleline(&mut form.tags).hint_text("Tags, with commas");
-            let tags = ui.add(tags.desired_width(width));
+            let tags = ui.add(tags.desired_width(width)).author_id("shelf/tags");
             for (field, label) in [(&name, "Name of the dance"), (&tags, "Tags")] {
                 field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, label));
             }
@@ -142,7 +144,8 @@ impl Shelf {
                 && ui.input(|input| input.key_pressed(egui::Key::Enter));
             ui.horizontal(|ui| {
                 let named = !form.name.trim().is_empty();
-                keep = ui.add_enabled(named, egui::Button::new("Keep")).clicked() || (entered && named);
+                let button = ui.add_enabled(named, egui::Button::new("Keep")).author_id("shelf/keep");
+                keep = button.clicked() || (entered && named);
                 cancel = ui.button("Cancel").clicked();
             });
         });
@@ -216,6 +219,7 @@ fn favorites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
 fn preset_row(ui: &mut Ui, path: Option<&Path>, preset: &Preset, wishes: &mut Vec<Wish>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 40.0), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &preset.name));
+    let response = response.author_id(format!("preset/{}", preset.name));
     // A long shelf is mostly out of sight.
     if !ui.is_rect_visible(rect) {
         return;

@@ -5,6 +5,7 @@ use egui::{RichText, Ui};
 
 use super::concert::Concert;
 use super::wish::Wish;
+use crate::studio::author_id::AuthorId;
 use crate::studio::keys::music::{BLACKOUT, FREEZE, GO, LEAVE, NEXT_UP};
 use crate::studio::theme;
 
@@ -24,7 +25,7 @@ pub fn show(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
             Some(name) => ui.label(RichText::new(name).strong()),
             None => ui.label("–").on_hover_text(NEXT_UP.tooltip(ui.ctx())),
         };
-        let go = ui.add_enabled(next.is_some(), egui::Button::new("Go"));
+        let go = ui.add_enabled(next.is_some(), egui::Button::new("Go")).author_id("go");
         if go.on_hover_text(GO.tooltip(ui.ctx())).clicked() {
             wishes.push(Wish::Do(Action::Go));
         }
@@ -41,11 +42,13 @@ pub fn show(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
             (concert.house.is_black(), "Black", BLACKOUT, Target::Blackout),
             (concert.house.frozen, "Freeze", FREEZE, Target::Freeze),
         ] {
-            if ui.selectable_label(on, text).on_hover_text(key.tooltip(ui.ctx())).clicked() {
+            let button = ui.selectable_label(on, text).author_id(target.name());
+            if button.on_hover_text(key.tooltip(ui.ctx())).clicked() {
                 wishes.push(Wish::Press(target));
             }
         }
-        if ui.button("Leave the stage").on_hover_text(LEAVE.tooltip(ui.ctx())).clicked() {
+        let leave = ui.button("Leave the stage").author_id("leave");
+        if leave.on_hover_text(LEAVE.tooltip(ui.ctx())).clicked() {
             wishes.push(Wish::Do(Action::LeaveStage));
         }
     });

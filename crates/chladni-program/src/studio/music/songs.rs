@@ -9,6 +9,7 @@ use super::listening::Listening;
 use super::meters;
 use super::preferences::Preferences;
 use super::wish::Wish;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job::Job;
 use crate::studio::notices::Notices;
@@ -119,6 +120,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
             }
             let out = ui.small_button(icon::text(Icon::X));
             let out = out.accessible_name(format!("Remove {}", listening.name_of(song)));
+            let out = out.author_id(format!("song-remove/{}", song + 1));
             if out.on_hover_text("Take it out of the list").clicked() {
                 remove = Some(song);
             }
@@ -131,7 +133,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
         listening.remove(song);
     }
     ui.horizontal(|ui| {
-        if ui.button(icon::label(Icon::Plus, "Add songs …")).clicked() {
+        if ui.button(icon::label(Icon::Plus, "Add songs …")).author_id("songs-add").clicked() {
             wishes.push(Wish::AddSongs);
         }
         let shuffle = ui.button(icon::text(Icon::Shuffle)).on_hover_text("Another order, by chance");

@@ -9,6 +9,7 @@ use super::film;
 use super::listening::Listening;
 use super::view::View;
 use super::wish::Wish;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{
     BACK, BREED, FILM, FORTH, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW,
@@ -43,41 +44,52 @@ fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
         0 => "Recording: end it".to_owned(),
         _ => format!("Recording, {left_out} pictures left out so far: end it"),
     };
-    let end = ui.button(text).accessible_name("End the recording");
+    let end = ui.button(text).accessible_name("End the recording").author_id("recording-end");
     if end.on_hover_text(tip).clicked() {
         wishes.push(Wish::Record);
     }
 }
 
 fn files(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
-    ui.menu_button(icon::label(Icon::FolderOpen, "File"), |ui| {
-        for (mark, name, tip, wish) in [
-            (Icon::FolderOpen, "Open …", OPEN.tooltip(ui.ctx()), Wish::Open),
-            (Icon::Music, "Add songs …", "To the end of the list".into(), Wish::AddSongs),
+    let menu = ui.menu_button(icon::label(Icon::FolderOpen, "File"), |ui| {
+        for (id, mark, name, tip, wish) in [
+            ("open", Icon::FolderOpen, "Open …", OPEN.tooltip(ui.ctx()), Wish::Open),
+            ("add-songs", Icon::Music, "Add songs …", "To the end of the list".into(), Wish::AddSongs),
             (
+                "save-show",
                 Icon::Save,
                 "Save show …",
                 format!("{}: all that was done, to go on with or to film later", SAVE.tooltip(ui.ctx())),
                 Wish::SaveShow,
             ),
             (
+                "record",
                 Icon::Circle,
                 if concert.recorder.is_some() { "End the recording" } else { "Record the set …" },
                 "Picture and sound as they are played now, to an MP4".into(),
                 Wish::Record,
             ),
-            (Icon::Clapperboard, "Film …", format!("{} ({})", film::TIP, FILM.text(ui.ctx())), Wish::Film),
+            (
+                "film",
+                Icon::Clapperboard,
+                "Film …",
+                format!("{} ({})", film::TIP, FILM.text(ui.ctx())),
+                Wish::Film,
+            ),
         ] {
-            if ui.button(icon::label(mark, name)).on_hover_text(tip).clicked() {
+            let button = ui.button(icon::label(mark, name)).author_id(format!("file/{id}"));
+            if button.on_hover_text(tip).clicked() {
                 wishes.push(wish);
                 ui.close();
             }
         }
     });
+    menu.response.author_id("file");
 }
 
 fn song(ui: &mut Ui, listening: &mut Listening) {
-    let back = ui.button(icon::text(Icon::SkipBack)).accessible_name("Previous song");
+    let back =
+        ui.button(icon::text(Icon::SkipBack)).accessible_name("Previous song").author_id("previous-song");
     if back.on_hover_text(PREVIOUS_SONG.tooltip(ui.ctx())).clicked() {
         listening.player().previous();
     }
@@ -85,10 +97,11 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
     let playing = status.state == PlayerState::Playing && listening.live().is_none();
     let mark = if playing { Icon::Pause } else { Icon::Play };
     let button = ui.button(icon::text(mark)).accessible_name(if playing { "Pause" } else { "Play" });
+    let button = button.author_id("play");
     if button.on_hover_text(PLAY.tooltip(ui.ctx())).clicked() {
         listening.toggle();
     }
-    let next = ui.button(icon::text(Icon::SkipForward)).accessible_name("Next song");
+    let next = ui.button(icon::text(Icon::SkipForward)).accessible_name("Next song").author_id("next-song");
     if next.on_hover_text(NEXT_SONG.tooltip(ui.ctx())).clicked() {
         listening.player().next();
     }
@@ -100,7 +113,7 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
     let mut at = status.position_secs;
     ui.spacing_mut().slider_width = 110.0;
     let slider = ui.add_enabled(length > 0.0, Slider::new(&mut at, 0.0..=length.max(0.1)).show_value(false));
-    if slider.on_hover_text("Where in the song").changed() {
+    if slider.author_id("seek").on_hover_text("Where in the song").changed() {
         listening.player().seek(at);
     }
     ui.monospace(format!("{} / {}", clock(status.position_secs), clock(length)));
@@ -112,6 +125,7 @@ fn stage(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let button = egui::Button::new(icon::label(Icon::Presentation, "Stage"));
     let button = ui
         .add_enabled(favorites > 0, button)
+        .author_id("perform-favorites")
         .on_hover_text(SHOW.tooltip(ui.ctx()))
         .on_disabled_hover_text("Favorite a dance first: mark it and press F");
     if button.clicked() {
@@ -145,6 +159,7 @@ fn breeding(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     }
     if ui
         .add_enabled(chosen >= least && !concert.is_judging(), button)
+        .author_id("breed")
         .on_hover_text(tip.clone())
         .on_disabled_hover_text(tip)
         .clicked()
@@ -160,6 +175,7 @@ fn suggesting(ui: &mut Ui, on: bool, wishes: &mut Vec<Wish>) {
     let button = egui::Button::selectable(on, icon::text(Icon::Sparkles));
     let response = ui.add(button).on_hover_text(tip);
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, "Suggest children"));
+    let response = response.author_id("suggest");
     if response.clicked() {
         wishes.push(Wish::Do(Action::Switch { switch: Switch::Suggest, on: !on }));
     }
@@ -181,7 +197,8 @@ fn generations(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
                     Some(from) => format!("{}, from {}", index + 1, from + 1),
                     None => "1, the beginning".into(),
                 };
-                if ui.selectable_label(index == current, format!("Generation {from}")).clicked() {
+                let button = ui.selectable_label(index == current, format!("Generation {from}"));
+                if button.author_id(format!("generation/{}", index + 1)).clicked() {
                     wishes.push(Wish::Do(Action::GoTo { generation: index }));
                     ui.close();
                 }
@@ -189,6 +206,7 @@ fn generations(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
         });
     })
     .response
+    .author_id("generations")
     .on_hover_text("All generations: go back to any");
 }
 
@@ -196,26 +214,29 @@ fn sizes(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let gallery = concert.instrument().gallery();
     let (seed, size) = (gallery.seed(), gallery.items().len());
     ui.menu_button(format!("{size} items, seed {seed}"), |ui| {
-        let mut entry = |ui: &mut Ui, name: String, wish: Wish| {
-            if ui.button(name).clicked() {
+        let mut entry = |ui: &mut Ui, id: &str, name: String, wish: Wish| {
+            if ui.button(name).author_id(format!("gallery/{id}")).clicked() {
                 wishes.push(wish);
                 ui.close();
             }
         };
         for size in chladni_music::GALLERY_SIZES {
-            entry(ui, format!("{size} items"), Wish::Do(Action::NewGallery { seed, size }));
+            let wish = Wish::Do(Action::NewGallery { seed, size });
+            entry(ui, &size.to_string(), format!("{size} items"), wish);
         }
         let another = Action::NewGallery { seed: (seed + 1) % (1 << 53), size };
-        entry(ui, icon::label(Icon::Dices, "Another seed"), Wish::Do(another));
+        entry(ui, "seed", icon::label(Icon::Dices, "Another seed"), Wish::Do(another));
         let first = concert.harmonics().first_waving();
         ui.separator();
         entry(
             ui,
+            "harmonics",
             icon::label(Icon::FlipHorizontal2, "Harmonics and symmetry"),
             Wish::Show(View::Harmonics(first)),
         );
     })
     .response
+    .author_id("gallery")
     .on_hover_text("How many dances there are, and the seed of all that is random");
 }
 

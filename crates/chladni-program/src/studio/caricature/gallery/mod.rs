@@ -14,6 +14,7 @@ use super::edits::Edits;
 use super::look::Portrayal;
 use super::session::Session;
 use super::stage;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job::{self, Job};
 use crate::studio::keys::breeding::{
@@ -189,8 +190,9 @@ impl GalleryView {
             for group in Group::ALL {
                 let mut locked = shown.gallery.is_locked(group);
                 let tip = "Children have it from one parent unchanged";
-                if ui.toggle_value(&mut locked, theme::capitalized(group.name())).on_hover_text(tip).changed()
-                {
+                let toggle =
+                    ui.toggle_value(&mut locked, theme::capitalized(group.name())).on_hover_text(tip);
+                if toggle.author_id(format!("lock/{}", group.name())).changed() {
                     shown.gallery.lock(group, locked);
                 }
             }
@@ -291,6 +293,7 @@ impl GalleryView {
             let title = format!("Caricature {}", index + 1);
             response
                 .widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title));
+            let response = response.author_id(format!("caricature/{}", index + 1));
             let doing = sitter.title(&item.genome);
             frame(ui, cell, index, (item.chosen, favorite, item.locked), index == self.marked, &doing);
             let wish = |ui: &mut Ui, mark: Icon, name: &str| {

@@ -8,6 +8,7 @@ use super::super::edits::Edits;
 use super::super::layers::icon_button;
 use super::super::session::Session;
 use super::color;
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::LANDMARKS;
 use crate::studio::room::Shared;
@@ -28,10 +29,15 @@ pub fn show_list(
         ui.label("Landmarks").on_hover_text("Pairs of places that belong together; 3 or more lead the match");
         ui.label(RichText::new(settings.landmarks.len().to_string()).color(theme::palette(ui).weak));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if icon_button(ui, Icon::Save, "Write the landmarks to a text file").clicked() {
+            if icon_button(ui, Icon::Save, "Write the landmarks to a text file")
+                .author_id("landmarks-save")
+                .clicked()
+            {
                 save(session, settings, shared);
             }
-            if icon_button(ui, Icon::FolderOpen, "Read landmarks from a text file").clicked()
+            if icon_button(ui, Icon::FolderOpen, "Read landmarks from a text file")
+                .author_id("landmarks-open")
+                .clicked()
                 && let Some(landmarks) = load(shared)
             {
                 edits.set(layer, Property::Matching(MatchSettings { landmarks, ..settings.clone() }));
@@ -50,7 +56,11 @@ pub fn show_list(
             let text = format!("vertex {} on {}", landmark.shape, landmark.template);
             ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if icon_button(ui, Icon::X, &format!("Remove landmark {}", index + 1)).clicked() {
+                let name = format!("Remove landmark {}", index + 1);
+                if icon_button(ui, Icon::X, &name)
+                    .author_id(format!("landmark-remove/{}", index + 1))
+                    .clicked()
+                {
                     removed = Some(index);
                 }
             });

@@ -20,6 +20,7 @@ use super::edits::Edits;
 use super::look::Portrayal;
 use super::overlay::backdrop;
 use super::session::Session;
+use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -200,8 +201,12 @@ impl Picking {
         let cell = cell_of(ui, area, whole);
         let response =
             ui.interact(area, ui.scope_id().with(("landmarks", which as u8)), egui::Sense::click_and_drag());
-        let name = if which == Which::Shape { "Landmarks on the shape" } else { "Landmarks on the template" };
+        let (name, id) = match which {
+            Which::Shape => ("Landmarks on the shape", "landmarks/shape"),
+            Which::Template => ("Landmarks on the template", "landmarks/template"),
+        };
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
+        let response = response.author_id(id);
         let held = self.held.filter(|(side, ..)| *side == which);
         let side = self.side(which)?;
         side.fit(cell.aspect());

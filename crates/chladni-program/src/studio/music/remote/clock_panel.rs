@@ -4,6 +4,7 @@ use egui::{RichText, TextEdit, Ui};
 
 use super::panel::weak;
 use super::{Midi, Remote};
+use crate::studio::author_id::AuthorId;
 use crate::studio::keys::music::{LOCK_BEAT, NUDGE_BACK, NUDGE_ON};
 use crate::studio::music::listening::Listening;
 use crate::studio::music::preferences::Preferences;
@@ -18,7 +19,9 @@ impl Remote {
         ui.label(RichText::new("Clock").strong());
         let tip =
             "MIDI clock of any device, and /tempo and /beat over OSC, in place of the beat that is heard";
-        theme::checkbox(ui, &mut preferences.follows_clock, "Follow MIDI clock and OSC").on_hover_text(tip);
+        theme::checkbox(ui, &mut preferences.follows_clock, "Follow MIDI clock and OSC")
+            .author_id("follow-clock")
+            .on_hover_text(tip);
         let message = match (listening.is_locked(), listening.follows_clock()) {
             (true, _) => "The tempo is held.",
             (false, true) => "The beat is that of the clock.",

@@ -9,6 +9,7 @@ use super::super::knobs;
 use super::super::listening::Listening;
 use super::super::preferences::Preferences;
 use super::{Midi, Remote};
+use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -53,7 +54,8 @@ impl Remote {
     /// Bindings as a file, for another machine.
     fn files(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
         ui.horizontal(|ui| {
-            if ui.button("Export …").on_hover_text("All bindings as a file").clicked()
+            let export = ui.button("Export …").author_id("bindings-export");
+            if export.on_hover_text("All bindings as a file").clicked()
                 && let Some(path) = shared.chooser.save(&[FILES], Path::new("bindings.toml"))
             {
                 match self.export(&path) {
@@ -61,7 +63,8 @@ impl Remote {
                     Err(why) => shared.notices.failed(why),
                 }
             }
-            if ui.button("Import …").on_hover_text("Those of a file, beside what there is").clicked()
+            let import = ui.button("Import …").author_id("bindings-import");
+            if import.on_hover_text("Those of a file, beside what there is").clicked()
                 && let Some(path) = shared.chooser.open(&[FILES])
             {
                 match self.import(&path) {
@@ -169,6 +172,7 @@ fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
             learn.widget_info(|| {
                 egui::WidgetInfo::selected(egui::Role::Button, true, waits, format!("Learn {name}"))
             });
+            let learn = learn.author_id(format!("learn/{}", target.name()));
             if learn.clicked() {
                 *number = 0;
                 bindings.learn((!waits).then_some((target, None)));
