@@ -10,7 +10,7 @@ from .functional_maps import FM_to_p2p, p2p_to_FM, zoomout_refine
 from .geodesics import MeshHeatMethodDistanceSolver, compute_distance, compute_distance_multisource
 from .shapes import Basis, Match, Symmetry, caricature, match, read_mesh, symmetry, write_mesh
 from .signatures import HKS, WKS, auto_HKS, auto_WKS
-from .spectrum import eigsh, mesh_laplacian
+from .spectrum import eigsh, mesh_laplacian, point_cloud_laplacian
 
 __all__ = [
     "HKS",
@@ -36,6 +36,7 @@ __all__ = [
     "match",
     "mesh_laplacian",
     "p2p_to_FM",
+    "point_cloud_laplacian",
     "read_mesh",
     "symmetry",
     "write_mesh",

@@ -18,7 +18,10 @@ class Basis(_chladni.Basis):
     With ``engine="slepc"``, SLEPc solves on so many ``ranks`` of MPI, in ``groups`` that each have a factor, on the machines
     of a file of ``hosts`` that share the folder ``scratch``; the certificate is still measured here (docs/scale.md).
 
-    Borders are free (Neumann). ``eigenvectors.T @ (mass[:, None] * eigenvectors)`` is the identity.
+    Borders are free (``boundary="neumann"``) or held: with ``boundary="dirichlet"`` harmonics are zero along them. Held ones
+    can be used in all that takes eigenvalues and eigenvectors, not in ``caricature`` and ``symmetry``.
+
+    ``eigenvectors.T @ (mass[:, None] * eigenvectors)`` is the identity.
     """
 
     __slots__ = ()

@@ -29,7 +29,36 @@ def mesh_laplacian(verts, faces, mollify_factor=1e-5):
         The mixed Voronoi areas (robust_laplacian has a third of the triangles' areas). A vertex that no triangle uses
         has zeros in both.
     """
-    starts, rows, values, mass = _chladni.mesh_laplacian(verts, faces, mollify_factor)
+    return _matrices(*_chladni.mesh_laplacian(verts, faces, mollify_factor))
+
+
+def point_cloud_laplacian(points, mollify_factor=1e-5, n_neighbors=30):
+    """The Laplacian of points on a surface: signature and sign of ``robust_laplacian.point_cloud_laplacian``.
+
+    Each point is joined to its Delaunay neighbors among its ``n_neighbors`` nearest, in the plane that fits these best.
+    The triangles that this gives, each up to three times, have the Laplacian of ``mesh_laplacian``; S and M are a third of
+    it.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like
+        Points on a surface, in any order. One in the place of another has zeros in both matrices.
+    mollify_factor : float
+        As in ``mesh_laplacian``.
+    n_neighbors : int
+        How many points around each are looked at; two or more.
+
+    Returns
+    -------
+    S : (n, n) scipy.sparse.csc_matrix
+        Positive semidefinite, nothing off the diagonal above zero, rows that sum to zero.
+    M : (n, n) scipy.sparse.dia_matrix
+        The mixed Voronoi areas.
+    """
+    return _matrices(*_chladni.point_cloud_laplacian(points, mollify_factor, n_neighbors))
+
+
+def _matrices(starts, rows, values, mass):
     n = len(mass)
     return scipy.sparse.csc_matrix((values, rows, starts), shape=(n, n)), scipy.sparse.diags(mass)
 

@@ -70,6 +70,8 @@ pub struct Basis {
     eigenvectors: Py<PyArray2<f64>>,
     mass: Py<PyArray1<f64>>,
     certificate: harmonics::Certificate,
+    /// Whether its borders are.
+    held: bool,
 }
 
 #[pymethods]
@@ -77,7 +79,7 @@ impl Basis {
     #[new]
     #[pyo3(signature = (
         V, F, k, *, whole_clusters=false, threads=None, progress=None, engine="chladni", ranks=None, groups=None,
-        hosts=None, scratch=None
+        hosts=None, scratch=None, boundary="neumann"
     ))]
     #[expect(
         non_snake_case,
@@ -97,9 +99,11 @@ impl Basis {
         groups: Option<&Bound<'_, PyAny>>,
         hosts: Option<PathBuf>,
         scratch: Option<PathBuf>,
+        boundary: &str,
     ) -> PyResult<Self> {
         let mesh = arrays::mesh(V, F, ["V", "F"])?;
         let ranks = ranks_of(engine, ranks, groups, hosts, scratch)?;
+        let held = is_held(boundary, ranks.is_some())?;
         let harmonics = arrays::count(k, "k", 1)?;
         if harmonics > mesh.positions.len() {
             let n = mesh.positions.len();
@@ -111,6 +115,7 @@ impl Basis {
         let settings = BasisSettings { threads, whole_clusters, ..BasisSettings::new(harmonics) };
         let (body, report) = work::run(py, progress, |task| {
             Ok(match &ranks {
+                None if held => Body::with_held_border(&mesh, &settings, task)?,
                 None => Body::load_or_build(&mesh, &settings, None, task)?,
                 Some(ranks) => {
                     let operator = Operator::of(&mesh)?;
@@ -133,6 +138,7 @@ impl Basis {
             eigenvectors: give_matrix(py, rows.vectors, shape)?.unbind(),
             mass: give(py, rows.mass).unbind(),
             certificate: rows.certificate,
+            held,
         })
     }
 
@@ -170,6 +176,10 @@ impl Basis {
 
     /// The body as the engines take it, from the arrays as they are now.
     pub fn body(&self, py: Python<'_>) -> PyResult<Body> {
+        if self.held {
+            let reason = "the borders of this basis are held: shapes are deformed with boundary='neumann'";
+            return Err(InputError::new_err(reason));
+        }
         let scale = self.frame.scale;
         // A vertex of the file for each operator vertex, and how many share it.
         let mut row = vec![0; self.positions.len()];
@@ -203,6 +213,20 @@ impl Basis {
             operator_vertex: self.operator_vertex.clone(),
             basis: Arc::new(basis),
         })
+    }
+}
+
+/// Whether borders are held instead of free.
+fn is_held(boundary: &str, on_ranks: bool) -> PyResult<bool> {
+    match boundary {
+        "neumann" => Ok(false),
+        "dirichlet" if on_ranks => {
+            Err(InputError::new_err("boundary='dirichlet' is solved with engine='chladni' only"))
+        }
+        "dirichlet" => Ok(true),
+        _ => Err(InputError::new_err(format!(
+            "boundary is {boundary:?}, where 'neumann' or 'dirichlet' is needed"
+        ))),
     }
 }
 

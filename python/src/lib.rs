@@ -26,5 +26,5 @@ mod _chladni {
     #[pymodule_export]
     use crate::matching::match_meshes;
     #[pymodule_export]
-    use crate::spectrum::{eigsh, mesh_laplacian};
+    use crate::spectrum::{eigsh, mesh_laplacian, point_cloud_laplacian};
 }

@@ -23,11 +23,32 @@ pub fn mesh_laplacian<'py>(
 ) -> PyResult<Laplacian<'py>> {
     let mesh = arrays::mesh(verts, faces, ["verts", "faces"])?;
     let mollify = arrays::number(mollify_factor, "mollify_factor")?;
-    let (stiffness, mass) = work::run(py, None, |_| Ok(chladni_harmonics::mesh_laplacian(&mesh, mollify)?))?;
+    let laplacian = work::run(py, None, |_| Ok(chladni_harmonics::mesh_laplacian(&mesh, mollify)?))?;
+    Ok(given(py, laplacian))
+}
+
+/// See `chladni.point_cloud_laplacian`.
+#[pyfunction]
+pub fn point_cloud_laplacian<'py>(
+    py: Python<'py>,
+    points: &Bound<'py, PyAny>,
+    mollify_factor: &Bound<'py, PyAny>,
+    n_neighbors: &Bound<'py, PyAny>,
+) -> PyResult<Laplacian<'py>> {
+    let points = arrays::points(points, "points")?;
+    let mollify = arrays::number(mollify_factor, "mollify_factor")?;
+    let neighbors = arrays::count(n_neighbors, "n_neighbors", 2)?;
+    let laplacian = work::run(py, None, move |_| {
+        Ok(chladni_harmonics::point_cloud_laplacian(&points, neighbors, mollify)?)
+    })?;
+    Ok(given(py, laplacian))
+}
+
+fn given(py: Python<'_>, (stiffness, mass): (SymmetricSparse, Vec<f64>)) -> Laplacian<'_> {
     let SymmetricSparse { column_starts, rows, values } = stiffness;
     let starts = column_starts.into_iter().map(|start| start as i64).collect();
     let rows = rows.into_iter().map(i64::from).collect();
-    Ok((give(py, starts), give(py, rows), give(py, values), give(py, mass)))
+    (give(py, starts), give(py, rows), give(py, values), give(py, mass))
 }
 
 /// A matrix in compressed columns, as `chladni.eigsh` makes them: (n, starts, rows, values).

@@ -29,6 +29,24 @@ def test_a_square_is_free_at_its_border(square):
     assert np.allclose(basis.eigenvalues, exact, rtol=0.01)
 
 
+def test_a_square_can_be_held_at_its_border(square):
+    V, F = square
+    basis = chladni.Basis(3 * V, F, 10, boundary="dirichlet")
+    exact = np.sort([(i * i + j * j) * np.pi**2 for i in range(1, 6) for j in range(1, 6)])[:10]
+    assert np.allclose(basis.eigenvalues * 9, exact, rtol=0.01)
+    on_border = (np.abs(V[:, :2] - 0.5) > 0.499).any(axis=1)
+    h = basis.eigenvectors
+    assert (h[on_border] == 0).all() and basis.mass.sum() == pytest.approx(9)
+    assert np.abs(h.T @ (basis.mass[:, None] * h) - np.eye(10)).max() < 1e-10
+    assert basis.certificate.is_precise
+    with pytest.raises(chladni.InputError, match="held"):
+        chladni.caricature(basis)
+    with pytest.raises(chladni.InputError, match="'neumann' or 'dirichlet'"):
+        chladni.Basis(V, F, 10, boundary="fixed")
+    with pytest.raises(chladni.InputError, match="engine='chladni'"):
+        chladni.Basis(V, F, 10, boundary="dirichlet", engine="slepc", ranks=2)
+
+
 def test_the_vectors_are_handed_over_and_not_copied(ball):
     basis = chladni.Basis(*ball, 5)
     assert basis.eigenvectors is basis.eigenvectors

@@ -18,12 +18,19 @@ def test_the_laplacian_is_that_of_robust_laplacian(sphere, square, pebble):
         assert np.allclose(ours, theirs, rtol=1e-8, atol=1e-9)
 
 
-def test_point_clouds_of_robust_laplacian_are_solved(sphere):
+def test_the_laplacian_of_points_is_that_of_robust_laplacian(sphere, pebble):
     peer = pytest.importorskip("robust_laplacian")
-    L, M = peer.point_cloud_laplacian(sphere[0])
-    ours = chladni.eigsh(L, 25, M, sigma=1e-8)[0]
-    theirs = np.sort(scipy.sparse.linalg.eigsh(L, 25, M, sigma=-1e-3)[0])
-    assert np.allclose(ours, theirs, rtol=1e-7, atol=1e-8)
+    for V in (sphere[0], pebble[0]):
+        S, M = chladni.point_cloud_laplacian(V)
+        L, areas = peer.point_cloud_laplacian(V)
+        # Neighbors are chosen by another rule where four of them lie nearly on one circle.
+        assert M.sum() == pytest.approx(areas.sum(), rel=1e-3)
+        ours = chladni.eigsh(S, 20, areas, sigma=-0.01)[0]
+        theirs = np.sort(scipy.sparse.linalg.eigsh(L, 20, areas, sigma=-0.01)[0])
+        assert np.allclose(ours, theirs, rtol=1e-3, atol=1e-8)
+        # Their matrices are solved, too.
+        ours = chladni.eigsh(L, 20, areas, sigma=1e-8)[0]
+        assert np.allclose(ours, theirs, rtol=1e-7, atol=1e-8)
 
 
 def test_distances_are_those_of_potpourri3d(sphere, pebble):

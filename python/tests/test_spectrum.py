@@ -133,6 +133,19 @@ def test_a_vertex_that_is_not_used_has_zeros(ball):
     assert abs(S[:642, :642] - chladni.mesh_laplacian(V, F)[0]).max() < 1e-12
 
 
+def test_points_without_triangles_have_a_laplacian(sphere):
+    V = 2 * sphere[0] + [5, 0, 0]
+    S, M = chladni.point_cloud_laplacian(V)
+    assert np.abs(S @ np.ones(len(V))).max() < 1e-12 and (S - S.T).nnz == 0
+    assert M.sum() == pytest.approx(16 * np.pi, rel=0.01)
+    degree = np.repeat(np.arange(4), 2 * np.arange(4) + 1)
+    assert np.allclose(chladni.eigsh(S, 16, M, sigma=0)[0] * 4, degree * (degree + 1), rtol=0.02, atol=1e-6)
+    with pytest.raises(chladni.InputError, match="one line"):
+        chladni.point_cloud_laplacian(np.arange(30)[:, None] * [1.0, 2.0, 3.0])
+    with pytest.raises(chladni.InputError, match="n_neighbors"):
+        chladni.point_cloud_laplacian(V, n_neighbors=1)
+
+
 def test_a_held_border_is_rows_and_columns_left_out(square, elements):
     V, F = square
     inside = np.flatnonzero((np.abs(V[:, :2] - 0.5) < 0.499).all(axis=1))

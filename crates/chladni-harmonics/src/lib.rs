@@ -40,6 +40,7 @@ mod error;
 mod functional_map;
 mod geodesic;
 mod heat;
+mod held;
 mod laplacian;
 mod ldlt;
 mod memory;
@@ -66,7 +67,7 @@ pub use error::HarmonicsError;
 pub use functional_map::{Eigenvectors, FunctionalMap};
 pub use geodesic::HeatGeodesics;
 pub use heat::{HeatFlow, HeatStep};
-pub use operator::{Operator, mesh_laplacian};
+pub use operator::{Operator, mesh_laplacian, point_cloud_laplacian};
 pub use pencil::{ConsistentPencil, Eigenpairs, Pencil};
 #[cfg(not(target_family = "wasm"))]
 pub use ranks::{Ranks, RanksReport, RanksSeconds};

@@ -1,6 +1,8 @@
 //! From a file's mesh to the stiffness and mass of its welded surface.
 
-use chladni_mesh::surface::{Weld, components, total_area, weld};
+use std::num::NonZeroUsize;
+
+use chladni_mesh::surface::{Weld, components, delaunay_stars, total_area, weld};
 use chladni_mesh::{Frame, TriMesh};
 
 use crate::laplacian::{MOLLIFY, Refusal, cotangent_laplacian, delaunay_laplacian};
@@ -90,6 +92,33 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
     let stiffness = SymmetricSparse::from_entries(local.len(), entries)?;
     let mut mass = vec![0.0; local.len()];
     used.iter().zip(areas).for_each(|(v, a)| mass[*v] = a / (frame.scale * frame.scale));
+    Ok((stiffness, mass))
+}
+
+/// S and the diagonal of M of points on a surface that has no triangles, in their own units: a third of
+/// [`mesh_laplacian`] of the stars that [`delaunay_stars`](chladni_mesh::surface::delaunay_stars) finds among the `neighbors` ≥ 2 nearest of each point (Sharp &
+/// Crane 2020, on point clouds; 30 is usual). A point without a star, such as one in the place of another, has zeros.
+///
+/// # Errors
+/// As [`mesh_laplacian`]; and fewer than two neighbors, or points that all lie in one line.
+pub fn point_cloud_laplacian(
+    points: &[[f64; 3]],
+    neighbors: usize,
+    mollify: f64,
+) -> Result<(SymmetricSparse, Vec<f64>), HarmonicsError> {
+    let refused = |reason: String| HarmonicsError::BadPencil { reason };
+    let mut cloud = TriMesh { positions: points.to_vec(), ..TriMesh::default() };
+    check_mesh(&cloud)?;
+    let Some(neighbors) = NonZeroUsize::new(neighbors).filter(|count| count.get() >= 2) else {
+        return Err(refused(format!("{neighbors} neighbors of a point have no triangles: two or more do")));
+    };
+    cloud.triangles = delaunay_stars(points, neighbors);
+    if cloud.triangles.is_empty() {
+        return Err(refused(format!("{} points that lie in one line have no surface", points.len())));
+    }
+    let (mut stiffness, mut mass) = mesh_laplacian(&cloud, mollify)?;
+    // Each triangle comes from all three of its corners.
+    stiffness.values.iter_mut().chain(&mut mass).for_each(|value| *value /= 3.0);
     Ok((stiffness, mass))
 }
 

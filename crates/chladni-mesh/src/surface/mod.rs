@@ -8,6 +8,7 @@ mod curvature;
 mod normals;
 mod point;
 mod spread;
+mod stars;
 mod tree;
 pub mod vec3;
 mod walk;
@@ -22,6 +23,7 @@ pub use normals::{
 };
 pub use point::{SurfacePoint, closest_on_triangle, mixed};
 pub use spread::spread;
+pub use stars::delaunay_stars;
 pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub use walk::Ground;
 pub use weld::{Weld, places, weld};

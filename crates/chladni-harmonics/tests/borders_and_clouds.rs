@@ -1,0 +1,122 @@
+//! Surfaces with held borders, and points without triangles.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+use std::f64::consts::PI;
+
+use chladni_harmonics::{BasisSettings, Body, Pencil, mesh_laplacian, point_cloud_laplacian};
+use chladni_mesh::{TriMesh, samples};
+use chladni_task::Task;
+
+/// The rectangle [0, 2] × [0, 1], shifted, in (2n + 1) × (n + 1) vertices.
+fn rectangle(n: u32) -> TriMesh {
+    let (columns, rows) = (2 * n + 1, n + 1);
+    let at = |x: u32, y: u32| y * columns + x;
+    let step = 1.0 / f64::from(n);
+    let positions = (0..columns * rows)
+        .map(|v| [5.0 + step * f64::from(v % columns), step * f64::from(v / columns), 3.0])
+        .collect();
+    let squares = (0..n).flat_map(|y| (0..2 * n).map(move |x| (x, y)));
+    let triangles = squares
+        .flat_map(|(x, y)| {
+            [[at(x, y), at(x + 1, y), at(x + 1, y + 1)], [at(x, y), at(x + 1, y + 1), at(x, y + 1)]]
+        })
+        .collect();
+    TriMesh { positions, triangles, ..TriMesh::default() }
+}
+
+#[test]
+fn a_held_rectangle_has_the_tones_of_a_membrane() {
+    let mesh = rectangle(40);
+    let (body, report) = Body::with_held_border(&mesh, &BasisSettings::new(12), &Task::new()).unwrap();
+    assert!(report.warnings(&body.basis.certificate).is_empty());
+    let mut tones: Vec<f64> = (1..9)
+        .flat_map(|i| (1..9).map(move |j| PI * PI * (f64::from(i * i) / 4.0 + f64::from(j * j))))
+        .collect();
+    tones.sort_by(f64::total_cmp);
+    for (k, (lambda, tone)) in body.basis.eigenvalues.iter().zip(&tones).enumerate() {
+        let found = body.eigenvalue_in_file(*lambda);
+        assert!((found / tone - 1.0).abs() < 0.01, "{k}: {found} of {tone}");
+    }
+    let on_border = |p: &[f64; 3]| p[0] == 5.0 || p[0] == 7.0 || p[1] == 0.0 || p[1] == 1.0;
+    let (basis, n) = (&body.basis, mesh.positions.len());
+    for k in 0..12 {
+        let h = basis.harmonic(k);
+        for (p, v) in mesh.positions.iter().zip(&body.operator_vertex) {
+            assert!(!on_border(p) || h[v.unwrap() as usize] == 0.0, "harmonic {k} at {p:?}");
+        }
+        for l in 0..=k {
+            let product: f64 = (0..n).map(|v| basis.mass[v] * h[v] * basis.harmonic(l)[v]).sum();
+            assert!((product - f64::from(u8::from(k == l))).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_closed_surface_has_no_border_to_hold_and_one_triangle_nothing_else() {
+    let (sphere, settings) = (samples::icosphere(3), BasisSettings::new(9));
+    let held = Body::with_held_border(&sphere, &settings, &Task::new()).unwrap().0;
+    let free = Body::build(&sphere, &settings, &Task::new()).unwrap();
+    for (a, b) in held.basis.eigenvalues.iter().zip(&free.basis.eigenvalues) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+    let triangle = TriMesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2]],
+        ..TriMesh::default()
+    };
+    let refused = Body::with_held_border(&triangle, &settings, &Task::new()).unwrap_err();
+    assert!(refused.to_string().contains("border"), "{refused}");
+}
+
+/// λ = l (l + 1), 2 l + 1 times, on the unit sphere.
+#[test]
+fn points_on_a_sphere_have_its_spectrum_in_any_units() {
+    for (scale, shift) in [(1.0, 0.0), (250.0, 1000.0)] {
+        let points: Vec<[f64; 3]> =
+            samples::icosphere(4).positions.iter().map(|p| p.map(|x| scale * x + shift)).collect();
+        let (stiffness, mass) = point_cloud_laplacian(&points, 30, 1e-5).unwrap();
+        let area = mass.iter().sum::<f64>() / (scale * scale);
+        assert!((area / (4.0 * PI) - 1.0).abs() < 0.02, "{area}");
+        let pencil = Pencil::new(&stiffness, &mass).unwrap();
+        let (basis, _) = pencil.solve(&BasisSettings::new(16), &Task::new()).unwrap();
+        let expected = (0..4).flat_map(|l| std::iter::repeat_n(f64::from(l * (l + 1)), 2 * l as usize + 1));
+        for (lambda, expected) in basis.eigenvalues.iter().zip(expected) {
+            let found = lambda * scale * scale;
+            assert!((found - expected).abs() <= 0.02 * expected + 1e-6, "{found} of {expected}");
+        }
+    }
+}
+
+/// Points of a flat grid are their own Delaunay triangulation: the Laplacian of the mesh.
+#[test]
+fn points_of_a_flat_grid_have_the_laplacian_of_its_mesh() {
+    let mesh = rectangle(12);
+    let (of_points, areas) = point_cloud_laplacian(&mesh.positions, 30, 1e-5).unwrap();
+    let (of_mesh, _) = mesh_laplacian(&mesh, 1e-5).unwrap();
+    assert!((areas.iter().sum::<f64>() - 2.0).abs() < 1e-9);
+    for j in 0..mesh.positions.len() {
+        let row = |s: &chladni_harmonics::SymmetricSparse| -> Vec<(usize, f64)> {
+            s.column(j).filter(|(_, value)| value.abs() > 1e-9).collect()
+        };
+        let (a, b) = (row(&of_points), row(&of_mesh));
+        assert_eq!(a.len(), b.len(), "row {j}");
+        for ((i, x), (k, y)) in a.into_iter().zip(b) {
+            assert!(i == k && (x - y).abs() < 1e-9, "({i}, {j}): {x} and {y}");
+        }
+    }
+}
+
+#[test]
+fn points_without_a_surface_are_refused() {
+    let line: Vec<[f64; 3]> = (0..50).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+    for (points, neighbors, word) in [
+        (&line[..], 30, "line"),
+        (&[][..], 30, "line"),
+        (&line, 1, "neighbors"),
+        (&[[f64::NAN; 3], [0.0; 3], [1.0; 3]], 30, "finite"),
+    ] {
+        let refused = point_cloud_laplacian(points, neighbors, 1e-5).unwrap_err().to_string();
+        assert!(refused.contains(word), "{refused}");
+    }
+}

@@ -1,0 +1,202 @@
+//! Triangles for points that come without any.
+
+use std::num::NonZeroUsize;
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use rayon::prelude::*;
+
+use super::vec3::{Vec3, add, dot, scaled, sub};
+use crate::eigen::symmetric_eigen;
+
+/// Below this share of the lengths involved an angle or a distance counts as zero.
+const NOTHING: f64 = 1e-9;
+
+/// The stars of all points: for each of them the triangles at it in the Delaunay triangulation of its `neighbors`
+/// nearest points, projected along the normal of the plane that fits these best. Each begins with its point.
+///
+/// Where a surface is sampled well, neighbors agree, and each triangle comes three times, once from each corner.
+/// Points in the place of another one have no part in that one's star. Fewer than three points have no triangles.
+pub fn delaunay_stars(points: &[Vec3], neighbors: NonZeroUsize) -> Vec<[u32; 3]> {
+    if points.len() < 3 {
+        return Vec::new();
+    }
+    let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(points) else { return Vec::new() };
+    // The point itself is among those that are found.
+    let count = neighbors.saturating_add(1);
+    let star = |v: usize| {
+        let found = tree.query(&points[v]).nearest_n::<SquaredEuclidean<f64>>(count).execute();
+        let around: Vec<u32> = found.iter().map(|n| n.item as u32).filter(|u| *u as usize != v).collect();
+        star(points, v as u32, &around)
+    };
+    (0..points.len()).into_par_iter().flat_map_iter(star).collect()
+}
+
+/// A neighbor in the plane around the point in the middle, at its place inverted in the unit circle.
+#[derive(Clone, Copy)]
+struct Inverted {
+    vertex: u32,
+    at: [f64; 2],
+}
+
+/// The triangles at `v`. Inversion turns a circle through the middle into a line, and its inside into the side away from
+/// the middle, so that the Delaunay neighbors are the corners of the convex hull of the inverted points and the middle.
+fn star(points: &[Vec3], v: u32, around: &[u32]) -> Vec<[u32; 3]> {
+    let [x, y] = plane(points, around);
+    let offset = |u: &u32| sub(points[*u as usize], points[v as usize]);
+    let farthest = around.iter().map(|u| dot(offset(u), offset(u))).fold(0.0, f64::max).sqrt();
+    let inverted = |u: &u32| {
+        let offset = scaled(offset(u), 1.0 / farthest);
+        let (x, y) = (dot(offset, x), dot(offset, y));
+        let square = x * x + y * y;
+        (square > NOTHING * NOTHING).then(|| Inverted { vertex: *u, at: [x / square, y / square] })
+    };
+    let mut seen: Vec<Inverted> = around.iter().filter_map(inverted).collect();
+    let middle = Inverted { vertex: v, at: [0.0; 2] };
+    seen.push(middle);
+    let hull = convex_hull(&mut seen);
+    let next = hull.iter().skip(1).chain(hull.first());
+    let mut fan = Vec::with_capacity(hull.len());
+    for (a, b) in hull.iter().zip(next) {
+        // A side through the middle is a border: the fan is open there.
+        if turns_left(*a, *b, middle) {
+            let ring = side(&seen, v, *a, *b);
+            fan.extend(ring.windows(2).map(|pair| [v, pair[0], pair[1]]));
+        }
+    }
+    fan
+}
+
+/// Two directions at right angles that span the plane of best fit.
+fn plane(points: &[Vec3], around: &[u32]) -> [Vec3; 2] {
+    let sum = around.iter().fold([0.0; 3], |sum, u| add(sum, points[*u as usize]));
+    let center = scaled(sum, 1.0 / around.len().max(1) as f64);
+    let mut spread = [[0.0; 3]; 3];
+    for u in around {
+        let d = sub(points[*u as usize], center);
+        (0..3).for_each(|i| (0..3).for_each(|j| spread[i][j] += d[i] * d[j]));
+    }
+    let (_, [x, y, _]) = symmetric_eigen(spread);
+    [x, y]
+}
+
+/// Whether a, b and c turn left.
+fn turns_left(a: Inverted, b: Inverted, c: Inverted) -> bool {
+    let [u, v] = [(a, b), (b, c)].map(|(p, q)| [q.at[0] - p.at[0], q.at[1] - p.at[1]]);
+    u[0] * v[1] - u[1] * v[0] > NOTHING * (u[0].hypot(u[1]) * v[0].hypot(v[1]))
+}
+
+/// The corners of the convex hull, counterclockwise (Andrew 1979); sorts the points.
+fn convex_hull(points: &mut [Inverted]) -> Vec<Inverted> {
+    points.sort_by(|a, b| {
+        a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1])).then(a.vertex.cmp(&b.vertex))
+    });
+    let mut hull: Vec<Inverted> = Vec::new();
+    let mut half = |points: &mut dyn Iterator<Item = &Inverted>| {
+        let first = hull.len();
+        for point in points {
+            while let [.., a, b] = hull[first..] {
+                if turns_left(a, b, *point) {
+                    break;
+                }
+                hull.pop();
+            }
+            hull.push(*point);
+        }
+        hull.pop();
+    };
+    half(&mut points.iter());
+    half(&mut points.iter().rev());
+    hull
+}
+
+/// The ring from a to b along a side of the hull. Points on the side lie on one circle with a, b and the middle `v`; of
+/// the polygon that all of them form, every star takes the same triangles: those at its vertex of least number.
+fn side(seen: &[Inverted], v: u32, a: Inverted, b: Inverted) -> Vec<u32> {
+    let mut ring = vec![a.vertex, b.vertex];
+    let [u, w] = [b.at[0] - a.at[0], b.at[1] - a.at[1]];
+    let square = u * u + w * w;
+    let mut between: Vec<(f64, u32)> = seen
+        .iter()
+        .filter(|point| ![v, a.vertex, b.vertex].contains(&point.vertex))
+        .filter_map(|point| {
+            let [x, y] = [point.at[0] - a.at[0], point.at[1] - a.at[1]];
+            let along = (x * u + y * w) / square;
+            let is_on_it = (x * w - y * u).abs() < NOTHING * square;
+            (is_on_it && along > NOTHING && along < 1.0 - NOTHING).then_some((along, point.vertex))
+        })
+        .collect();
+    between.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    between.dedup_by(|a, b| a.0 - b.0 < NOTHING);
+    let least = between.iter().map(|(_, vertex)| *vertex).chain([a.vertex, b.vertex, v]).min();
+    let kept = between.iter().map(|(_, vertex)| *vertex);
+    ring.splice(1..1, kept.filter(|vertex| least == Some(v) || least == Some(*vertex)));
+    ring
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+    use crate::surface::{doubled_area_normal, vec3::length};
+
+    fn stars(points: &[Vec3]) -> Vec<[u32; 3]> {
+        delaunay_stars(points, NonZeroUsize::new(30).unwrap())
+    }
+
+    fn area(points: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
+        let of = |t: &[u32; 3]| 0.5 * length(doubled_area_normal(t.map(|v| points[v as usize])));
+        triangles.iter().map(of).sum()
+    }
+
+    /// How often each triangle comes, whatever corner it begins with.
+    fn counts(triangles: &[[u32; 3]]) -> std::collections::HashMap<[u32; 3], usize> {
+        let mut counts = std::collections::HashMap::new();
+        for triangle in triangles {
+            let mut sorted = *triangle;
+            sorted.sort_unstable();
+            *counts.entry(sorted).or_insert(0) += 1;
+        }
+        counts
+    }
+
+    /// In one plane all stars see the same circles: they are the Delaunay triangulation, which covers the square once.
+    #[test]
+    fn stars_of_a_plane_agree_also_where_many_points_lie_on_one_circle() {
+        let grid: Vec<Vec3> = (0..225)
+            .map(|i| [f64::from(i % 15) * 0.6, f64::from(i / 15) * 0.6, f64::from(i % 15) * 0.8])
+            .collect();
+        let jittered = |p: &Vec3, i: usize| {
+            let by = 0.3 * ((i * 7919) as f64).sin();
+            [p[0] + 0.6 * by, p[1] + 0.2 * ((i * 104_729) as f64).sin(), p[2] + 0.8 * by]
+        };
+        let jittered: Vec<Vec3> = grid.iter().enumerate().map(|(i, p)| jittered(p, i)).collect();
+        let whole = 14.0 * 14.0 * 0.6;
+        for (points, expected) in [(&grid, Some(whole)), (&jittered, None)] {
+            let triangles = stars(points);
+            let counts = counts(&triangles);
+            // Along the border of a jittered grid lie slivers that reach beyond 30 neighbors.
+            let thrice = counts.values().filter(|count| **count == 3).count();
+            match expected {
+                Some(expected) => {
+                    assert!(counts.values().all(|count| *count == 3) && counts.len() == 2 * 14 * 14);
+                    assert!((area(points, &triangles) / 3.0 - expected).abs() < 1e-9 * expected);
+                }
+                None => assert!(thrice as f64 > 0.95 * counts.len() as f64, "{thrice} of {}", counts.len()),
+            }
+        }
+    }
+
+    #[test]
+    fn stars_of_a_sphere_cover_it_and_points_in_one_place_do_no_harm() {
+        let sphere = samples::icosphere(4).positions;
+        let triangles = stars(&sphere);
+        assert!((area(&sphere, &triangles) / 3.0 / (4.0 * std::f64::consts::PI) - 1.0).abs() < 0.01);
+        let mut twice = sphere.clone();
+        twice.extend(&sphere[..50]);
+        assert!(stars(&twice).iter().all(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
+        assert!(stars(&sphere[..2]).is_empty());
+        let line: Vec<Vec3> = (0..40).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+        assert!(stars(&line).is_empty(), "a line has no triangles");
+        assert!(stars(&[[1.0; 3]; 40]).is_empty(), "one place has no triangles");
+    }
+}
