@@ -25,7 +25,7 @@ pub fn delaunay_stars(points: &[Vec3], neighbors: NonZeroUsize) -> Vec<[u32; 3]>
     let count = neighbors.saturating_add(1);
     let star = |v: usize| {
         let found = tree.query(&points[v]).nearest_n::<SquaredEuclidean<f64>>(count).execute();
-        let around: Vec<u32> = found.iter().map(|n| n.item as u32).filter(|u| *u as usize != v).collect();
+        let around: Vec<u32> = found.iter().map(|n| n.item).filter(|u| *u as usize != v).collect();
         star(points, v as u32, &around)
     };
     (0..points.len()).into_par_iter().flat_map_iter(star).collect()
