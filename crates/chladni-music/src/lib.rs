@@ -101,7 +101,7 @@ pub use preset::{Ancestor, Preset, lineage};
 pub use repertoire::repertoire;
 pub use resonance::{Resonators, Ringing, TONES, Timbre};
 pub use sand::{Grain, SAND_STEP_SECS, Sand, Tray};
-pub use sand_mode::{SAND_MODE, experiment};
+pub use sand_mode::{SAND_MODE, experiment, without_sand};
 pub use settings::Settings;
 pub use show::{BeatReading, FileRef, Looks, Show, SongRef, Stretch, Viewpoint};
 pub use sides::{SideSource, Sides};

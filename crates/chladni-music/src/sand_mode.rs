@@ -1,6 +1,6 @@
 //! The instrument as in Chladni's experiment.
 
-use crate::{Action, Class, Form, Mapping, Parameter, Switch};
+use crate::{Action, Class, Form, Mapping, Parameter, Parameters, Switch};
 
 /// Actions that set an instrument up for sand: it lies on the shape, which moves along its normals, as a plate
 /// does, so little that the sand is what is seen; and nothing turns on the beat.
@@ -11,6 +11,17 @@ pub const SAND_MODE: [Action; 5] = [
     Action::Switch { switch: Switch::BeatTurns, on: false },
     Action::Switch { switch: Switch::BeatLights, on: false },
 ];
+
+/// What takes [`SAND_MODE`] back, to where knobs and switches stood `before`.
+pub fn without_sand(before: &Parameters) -> Vec<Action> {
+    let back = SAND_MODE.into_iter().map(|action| match action {
+        Action::SetForm { .. } => Action::SetForm { form: before.form },
+        Action::Set { parameter, .. } => Action::Set { parameter, value: before.get(parameter) },
+        Action::Switch { switch, .. } => Action::Switch { switch, on: before.is_on(switch) },
+        other => other,
+    });
+    back.collect()
+}
 
 /// [`SAND_MODE`], and a dance on stage in which a higher tone draws a finer figure, for a shape whose harmonics
 /// have `classes`. It takes the place of the gallery's first item.

@@ -221,6 +221,18 @@ impl Camera {
         self.distance = self.distance.max(near + CLEARANCE * reach);
     }
 
+    /// Looks higher until no point, raised by `rises` in the picture, is more than `top` of half a picture above its
+    /// middle; what does not fit is then cut off below.
+    pub fn keep_below(&mut self, points: impl IntoIterator<Item = [f32; 3]>, rises: f32, top: f32) {
+        let [_, up, back] = self.axes();
+        let target = Vec3::from(self.target);
+        let edge = top * (0.5 * self.fov_y_rad).tan();
+        let above = |p: Vec3| p.dot(up) + rises - edge * (self.distance - p.dot(back));
+        let finite = points.into_iter().map(|p| Vec3::from(p) - target).filter(|p| p.is_finite());
+        let most = finite.map(above).fold(0.0, f32::max);
+        self.target = (target + up * most).to_array();
+    }
+
     /// As [`fit`](Self::fit), but so that `points` stay in the frame at every yaw: for turntables.
     pub fn fit_turntable(&mut self, points: &[[f32; 3]], aspect: f32, fill: f32) {
         // Only the profile counts: the widest radius about the vertical through the centre at each height.

@@ -12,55 +12,58 @@ const PITCHES: [f32; 6] = [-0.8, -0.4, 0.0, 0.4, 0.8, 1.2];
 const ROWS: usize = 24;
 /// Halvings until a distance is found.
 const HALVINGS: usize = 9;
-/// The upper end of a figure that has risen is at most this share of half a picture above the middle.
-const TOP: f32 = 0.97;
-/// A figure that has risen is at most this many pictures high, so that a standing one is seen down to its knees,
-/// however slim.
-const MOST_HEIGHTS: f32 = 0.93;
-/// And a part of one that is looked at.
-const MOST_HEIGHTS_OF_PART: f32 = 1.7;
+/// The upper end of a figure is at most this share of half a picture above the middle.
+pub const TOP: f32 = 0.94;
+/// How many pictures high a figure may be that is seen as a whole, however slim.
+pub const WHOLE_HEIGHTS: f32 = 0.92;
+/// And one that is seen from near: the upper part of it fills the picture.
+pub const NEAR_HEIGHTS: f32 = 1.7;
+/// How far the lower end sinks, as a share of how far the upper one rises.
+const SINKS: f32 = 0.3;
+/// The point looked at is at most this many pictures below the upper end.
+const DEEPEST: f32 = 0.8;
 /// The nearest an eye comes to a shape, as a share of the shape's reach about the point looked at.
 const CLEARANCE: f32 = 0.15;
 
-/// Where the eye is to be so that a shape covers a share of the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Standpoint {
-    /// From the eye to the point looked at.
-    pub distance: f32,
-    /// How far the point looked at is below the middle of the picture, in heights of the picture.
-    pub lift: f32,
-}
-
-/// The standpoints around a shape.
+/// Distances from the eye to the point looked at, all around a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filling {
-    around: Vec<[Standpoint; PITCHES.len()]>,
+    around: Vec<[f32; PITCHES.len()]>,
+}
+
+/// How far the upper end of a shape is from where it is at rest, and how many pictures high it may be with that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Headroom {
+    /// In the shape's units.
+    pub rises: f32,
+    /// [`WHOLE_HEIGHTS`] or [`NEAR_HEIGHTS`].
+    pub most_heights: f32,
 }
 
 impl Filling {
     /// Around `target`, so that what has these `points` spread evenly over its surface covers `share` of a picture of
-    /// `aspect`, or less where it would not have room to rise by `rises`. Where it does not fit, its lower part is
-    /// cut off, not its upper one. `None` for a part of a shape, of which anything may be cut off.
+    /// `aspect`, or less where it would not have the room it needs. A camera that stands there and
+    /// [keeps the upper end](Camera::keep_below) in the picture cuts off the lower part of what does not fit.
     pub fn new(
         points: &[[f32; 3]],
         stands: Orientation,
         target: [f32; 3],
         aspect: f32,
         share: f32,
-        rises: Option<f32>,
+        room: Headroom,
     ) -> Self {
         let of_yaw = |yaw: usize| {
             let yaw_rad = yaw as f32 * std::f32::consts::TAU / YAWS as f32;
             PITCHES.map(|pitch_rad| {
                 let camera = Camera { yaw_rad, pitch_rad, target, stands, ..Camera::default() };
-                standpoint(&camera, points, aspect.clamp(0.05, 20.0), share, rises)
+                distance(&camera, points, aspect.clamp(0.05, 20.0), share, room)
             })
         };
         Self { around: (0..YAWS).map(of_yaw).collect() }
     }
 
-    /// Seen from there.
-    pub fn from(&self, yaw_rad: f32, pitch_rad: f32) -> Standpoint {
+    /// The distance from that side.
+    pub fn from(&self, yaw_rad: f32, pitch_rad: f32) -> f32 {
         let turn = (yaw_rad / std::f32::consts::TAU).rem_euclid(1.0) * YAWS as f32;
         let step = PITCHES[1] - PITCHES[0];
         let height = ((pitch_rad - PITCHES[0]) / step).clamp(0.0, (PITCHES.len() - 1) as f32);
@@ -72,18 +75,11 @@ impl Filling {
 }
 
 /// Distances are mixed as factors.
-fn mix(a: Standpoint, b: Standpoint, share: f32) -> Standpoint {
-    let distance = a.distance * (b.distance / a.distance).powf(share);
-    Standpoint { distance, lift: a.lift + share * (b.lift - a.lift) }
+fn mix(a: f32, b: f32, share: f32) -> f32 {
+    a * (b / a).powf(share)
 }
 
-fn standpoint(
-    camera: &Camera,
-    points: &[[f32; 3]],
-    aspect: f32,
-    share: f32,
-    rises: Option<f32>,
-) -> Standpoint {
+fn distance(camera: &Camera, points: &[[f32; 3]], aspect: f32, share: f32, room: Headroom) -> f32 {
     let axes = camera.axes();
     let target = Vec3::from(camera.target);
     let seen: Vec<Vec3> = points
@@ -96,9 +92,11 @@ fn standpoint(
     let near = seen.iter().fold(0.0f32, |near, p| near.max(p.z)) + CLEARANCE * reach;
     let tan_y = (0.5 * camera.fov_y_rad).tan();
     let (bottom, top) = seen.iter().fold((0.0f32, 0.0f32), |(b, t), p| (b.min(p.y), t.max(p.y)));
-    let most = if rises.is_some() { MOST_HEIGHTS } else { MOST_HEIGHTS_OF_PART };
-    let near = near.max((top + rises.unwrap_or(0.0) - bottom) / (2.0 * tan_y * most));
-    let lift = |distance| rises.map_or(0.0, |rises| lift(&seen, rises, distance, tan_y));
+    // What rises in loud music sinks a little, too.
+    let heights = (top - bottom + (1.0 + SINKS) * room.rises) / room.most_heights;
+    let heights = heights.max((top + room.rises) / DEEPEST);
+    let near = near.max(heights / (2.0 * tan_y));
+    let lift = |distance| lift(&seen, room.rises, distance, tan_y);
     let (mut low, mut high) = (near, 6.0 * (near + reach) / tan_y.min(tan_y * aspect));
     for _ in 0..HALVINGS {
         let distance = (low * high).sqrt();
@@ -108,11 +106,10 @@ fn standpoint(
             high = distance;
         }
     }
-    let distance = (low * high).sqrt();
-    Standpoint { distance, lift: lift(distance) }
+    (low * high).sqrt()
 }
 
-/// How far the shape is lowered so that its upper end is seen when it has risen.
+/// How far the shape is lowered so that its upper end is seen when it has risen, in heights of the picture.
 fn lift(seen: &[Vec3], rises: f32, distance: f32, tan_y: f32) -> f32 {
     let top = seen.iter().fold(f32::NEG_INFINITY, |top, p| top.max((p.y + rises) / (distance - p.z)));
     ((top - TOP * tan_y) / (2.0 * tan_y)).max(0.0)
@@ -162,6 +159,7 @@ pub fn surface_points(positions: &[[f32; 3]], triangles: &[[u32; 3]], count: usi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Rect;
 
     /// A box of this size: its corners and twelve triangles.
     fn cuboid(size: [f32; 3]) -> Vec<[f32; 3]> {
@@ -173,19 +171,23 @@ mod tests {
         surface_points(&corners, &triangles, 6000)
     }
 
+    fn whole(rises: f32) -> Headroom {
+        Headroom { rises, most_heights: WHOLE_HEIGHTS }
+    }
+
     #[test]
     fn a_wall_covers_what_it_should_from_every_side() {
         let points = cuboid([2.0, 1.0, 0.8]);
         assert!((5000..7000).contains(&points.len()));
-        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.5, 0.27, Some(0.0));
+        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.5, 0.27, whole(0.0));
         for (yaw_rad, pitch_rad) in [(0.0, 0.0), (0.6, 0.1), (3.0, -0.4), (-1.2, 0.8), (7.0, 0.5)] {
-            let Standpoint { distance, lift } = filling.from(yaw_rad, pitch_rad);
+            let distance = filling.from(yaw_rad, pitch_rad);
             let camera = Camera { yaw_rad, pitch_rad, ..Camera::default() };
             let axes = camera.axes();
             let seen: Vec<Vec3> =
                 points.iter().map(|p| Vec3::from(axes.map(|a| Vec3::from(*p).dot(a)))).collect();
             let tan_y = (0.5 * camera.fov_y_rad).tan();
-            let share = covered(&seen, distance, lift, tan_y, 1.5);
+            let share = covered(&seen, distance, lift(&seen, 0.0, distance, tan_y), tan_y, 1.5);
             assert!((share - 0.27).abs() < 0.06, "from {yaw_rad}, {pitch_rad}: {share}");
         }
     }
@@ -193,20 +195,34 @@ mod tests {
     #[test]
     fn the_head_of_a_tall_figure_is_seen_and_the_eye_stays_outside() {
         let points = cuboid([0.3, 2.0, 0.3]);
-        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 0.4, Some(0.4));
-        let Standpoint { distance, lift } = filling.from(0.0, 0.0);
-        let tan_y = (0.5 * Camera::default().fov_y_rad).tan();
-        let [rest, risen] = [1.0, 1.4].map(|y| y / (distance * tan_y) - 2.0 * lift);
-        assert!(lift > 0.05 && rest > 0.4 && (0.85..0.98).contains(&risen), "{lift} {rest} {risen}");
-        let near = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 1.0, None);
-        assert!(near.from(0.0, 0.0).distance > 0.15);
+        let seen_from = |most_heights: f32, target: [f32; 3], share: f32| {
+            let room = Headroom { rises: 0.4, most_heights };
+            let filling = Filling::new(&points, Orientation::Y_UP, target, 1.7, share, room);
+            let mut camera = Camera { target, distance: filling.from(0.0, 0.0), ..Camera::default() };
+            camera.keep_below(points.iter().copied(), room.rises, TOP);
+            let at = |y: f32| {
+                let picture = Rect::of_size(1700, 1000);
+                let ([_, down], _) = camera.project([0.0, y, 0.15], picture).unwrap();
+                1.0 - down / 500.0
+            };
+            [-1.0, target[1], 1.0, 1.4].map(at)
+        };
+        let [feet, _, head, risen] = seen_from(WHOLE_HEIGHTS, [0.0; 3], 0.4);
+        assert!(feet > -1.0 && head > 0.3 && risen <= TOP + 1e-3, "{feet} {head} {risen}");
+        let [feet, _, head, risen] = seen_from(NEAR_HEIGHTS, [0.0; 3], 1.0);
+        assert!(feet < -1.2 && head > 0.3 && risen <= TOP + 1e-3, "{feet} {head} {risen}");
+        // What is looked at is seen, too, even at the feet.
+        let [_, looked_at, head, risen] = seen_from(NEAR_HEIGHTS, [0.0, -0.9, 0.0], 1.0);
+        assert!(looked_at > -0.95 && head > 0.3 && risen <= TOP + 1e-3, "{looked_at} {head} {risen}");
+        let near = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 1.0, whole(0.0));
+        assert!(near.from(0.0, 0.0) > 0.15);
     }
 
     #[test]
     fn it_changes_smoothly_with_the_side() {
         let filling =
-            Filling::new(&cuboid([2.0, 0.7, 0.4]), Orientation::Y_UP, [0.2, 0.0, 0.0], 1.5, 0.42, Some(0.1));
-        let steps = (0..2000).map(|i| filling.from(0.005 * i as f32, (0.01 * i as f32).sin()).distance);
+            Filling::new(&cuboid([2.0, 0.7, 0.4]), Orientation::Y_UP, [0.2, 0.0, 0.0], 1.5, 0.42, whole(0.1));
+        let steps = (0..2000).map(|i| filling.from(0.005 * i as f32, (0.01 * i as f32).sin()));
         let distances: Vec<f32> = steps.collect();
         let most = distances.windows(2).map(|pair| (pair[1] / pair[0]).ln().abs()).fold(0.0, f32::max);
         assert!(most < 0.03, "{most}");

@@ -1,6 +1,6 @@
 //! What a person does to a concert.
 
-use chladni_music::{Action, Moment, Parameters, SAND_MODE, experiment};
+use chladni_music::{Action, Moment, SAND_MODE, experiment, without_sand};
 use chladni_program::work::{Error, Programme, opening_view};
 use chladni_view::Camera;
 use wasm_bindgen::prelude::*;
@@ -33,7 +33,11 @@ impl Concert {
                 self.before_sand = before.or_else(|| Some(self.instrument.parameters().clone()));
                 experiment(&self.ensemble.dancer().classes, self.instrument.shape().bands)
             }
-            (false, Some(before)) => without_sand(&before),
+            (false, Some(before)) => {
+                let mut actions = without_sand(&before);
+                actions.push(Action::LeaveStage);
+                actions
+            }
             (false, None) => Vec::new(),
         };
         for action in actions {
@@ -122,15 +126,4 @@ impl Concert {
         }
         Ok(())
     }
-}
-
-/// What takes back [`SAND_MODE`], to how the knobs stood before.
-fn without_sand(before: &Parameters) -> Vec<Action> {
-    let back = SAND_MODE.into_iter().map(|action| match action {
-        Action::SetForm { .. } => Action::SetForm { form: before.form },
-        Action::Set { parameter, .. } => Action::Set { parameter, value: before.get(parameter) },
-        Action::Switch { switch, .. } => Action::Switch { switch, on: before.is_on(switch) },
-        other => other,
-    });
-    back.chain([Action::LeaveStage]).collect()
 }

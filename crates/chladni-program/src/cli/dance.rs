@@ -115,7 +115,8 @@ pub struct Dance {
     #[arg(long, value_name = "DIR")]
     presets: Option<PathBuf>,
     /// Strew sand on the shape and set all up for it: form modal, little gain, nothing turns on the beat, and, where
-    /// nothing else says what dances, a higher tone draws a finer figure. What else is given comes after.
+    /// nothing else says what dances, a higher tone draws a finer figure. What else is given comes after. On a flat sheet
+    /// this is how it begins, unless --form, --preset, --show, --paper or --autopilot is given.
     #[arg(long)]
     sand: bool,
     /// Show the shape at rest, too, as dots.
@@ -289,7 +290,9 @@ impl Dance {
         if let Some(yaw) = self.yaw {
             film.viewpoint.yaw_rad = yaw.to_radians();
         }
-        film.beginning.sand = self.sand;
+        // Whoever names a form wants to see it, and the autopilot changes what sand needs.
+        let moves_itself = self.form.is_some() || self.paper || self.autopilot;
+        film.beginning.sand = (self.sand || moves_itself).then_some(self.sand);
         film.beginning.changes = changes;
         Ok(film)
     }

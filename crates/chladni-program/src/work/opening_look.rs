@@ -12,7 +12,7 @@ use super::{FIRST_VIEW, first_looks};
 const OWN: [(&str, &[&str], [f32; 2]); 8] = [
     ("plate", &["dark", "studio", "paper"], [0.30, 0.88]),
     ("disc", &["dark", "studio", "paper"], [0.0, 0.85]),
-    ("drum", &["clay", "studio", "slate"], [0.0, 0.52]),
+    ("drum", &["ember"], [0.0, 0.52]),
     ("bell", &["gold"], [0.25, 0.12]),
     ("ring", &["chrome"], [0.45, 0.25]),
     ("jellyfish", &["abyss"], [0.15, 0.05]),

@@ -9,7 +9,7 @@ use chladni_music::{
     Action, Beat, Class, Dancer, Framing, Instrument, Looks, Parameter, Parameters, Reaction, Show, Switch,
     Viewpoint, react,
 };
-use chladni_view::filling::{Filling, Standpoint, surface_points};
+use chladni_view::filling::{Filling, Headroom, NEAR_HEIGHTS, TOP, WHOLE_HEIGHTS, surface_points};
 use chladni_view::framing::extremes;
 use chladni_view::{
     Answer, Background, Camera, Cell, Device, Figure, Floor, ItemBuffers, Lights, Look, Marker, Material,
@@ -172,8 +172,11 @@ pub struct Staging {
 /// From how far the shape fills pictures of about one aspect.
 struct Filled {
     aspect: f32,
-    /// The limit of displacement for which there is room.
+    /// The limit of displacement for which there is room, and by how much the shape may rise.
     limit: f32,
+    rises: f32,
+    /// The points that reach farthest.
+    ends: Vec<[f32; 3]>,
     /// The middle of the shape, and where the whole of it is seen from.
     middle: [f32; 3],
     whole: Filling,
@@ -206,21 +209,24 @@ impl Filled {
             std::array::from_fn(|i| if low[i] <= high[i] { 0.5 * (low[i] + high[i]) } else { 0.0 });
         let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
         let rises = RISES * limit * dancer.box_diagonal;
-        let whole = Filling::new(surface, stands, middle, aspect, COVERS[0], Some(rises));
-        let near = Filling::new(surface, stands, part, aspect, COVERS[1], None);
-        Self { aspect, limit, middle, whole, part, near }
+        let [whole, near] = [(middle, WHOLE_HEIGHTS, COVERS[0]), (part, NEAR_HEIGHTS, COVERS[1])].map(
+            |(target, most_heights, share)| {
+                let room = Headroom { rises, most_heights };
+                Filling::new(surface, stands, target, aspect, share, room)
+            },
+        );
+        Self { aspect, limit, rises, ends: extremes(surface), middle, whole, part, near }
     }
 
     /// A camera that sees it so, before the viewer's own distance and shift.
     fn camera(&self, yaw_rad: f32, pitch_rad: f32, framing: &Framing, stands: Orientation) -> Camera {
         let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
         let (whole, near) = (self.whole.from(yaw_rad, pitch_rad), self.near.from(yaw_rad, pitch_rad));
-        let Standpoint { lift, .. } = whole;
         let target =
             std::array::from_fn(|i| mix(self.middle[i], self.part[i], framing.toward_part.clamp(0.0, 1.0)));
-        let distance = mix(whole.distance.ln(), near.distance.ln(), framing.closeness).exp();
+        let distance = mix(whole.ln(), near.ln(), framing.closeness).exp();
         let mut camera = Camera { yaw_rad, pitch_rad, target, distance, stands, ..Camera::default() };
-        camera.pan(0.0, lift * (1.0 - framing.toward_part), 1.0);
+        camera.keep_below(self.ends.iter().copied(), self.rises, TOP);
         camera
     }
 }

@@ -20,8 +20,9 @@ pub struct Beginning {
     /// All of a gallery of this many items is shown.
     pub gallery: Option<usize>,
     /// Sand lies on the shape; where neither show, preset, seed nor gallery says what dances, the figures of
-    /// Chladni's experiment do.
-    pub sand: bool,
+    /// Chladni's experiment do. `None`: on a flat sheet, on which other forms than sand's show little, where neither a show
+    /// nor a preset says how it moves.
+    pub sand: Option<bool>,
     /// The looks that came on stage in a show are left out: the film's own holds throughout.
     pub keeps_look: bool,
     /// Done before anything else.
@@ -29,12 +30,17 @@ pub struct Beginning {
 }
 
 impl Beginning {
-    /// The instrument on `dancer`, and what will be done to it.
-    pub(super) fn begin(self, dancer: &Dancer) -> Result<(Instrument, Vec<LoggedAction>), Error> {
+    /// The instrument on `dancer`, which may be a flat sheet, and what will be done to it.
+    pub(super) fn begin(
+        self,
+        dancer: &Dancer,
+        on_sheet: bool,
+    ) -> Result<(Instrument, Vec<LoggedAction>), Error> {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
         let is_chosen =
             self.show.is_some() || self.preset.is_some() || self.seed.is_some() || self.gallery.is_some();
+        let sand = self.sand.unwrap_or(on_sheet && self.show.is_none() && self.preset.is_none());
         let (mut instrument, script) = match self.show {
             Some(mut show) => {
                 if self.keeps_look {
@@ -50,7 +56,7 @@ impl Beginning {
                 (instrument, Vec::new())
             }
         };
-        if self.sand {
+        if sand {
             let dance = if is_chosen { SAND_MODE.to_vec() } else { experiment(&dancer.classes, bands) };
             apply(&mut instrument, dance)?;
         }

@@ -20,7 +20,7 @@ use chladni_view::{Film as Reel, FilmFormat, FilmSettings, Look};
 use super::body::laplacian;
 use super::dancer::{Dancing, classes};
 use super::{
-    Cast, Error, HARMONICS, Hearing, Scenery, Stance, Warning, Watcher, first_looks, look_named,
+    Cast, Error, HARMONICS, Hearing, Scenery, Stance, Warning, Watcher, first_looks, is_flat, look_named,
     opening_looks, opening_view,
 };
 use animation::Animation;
@@ -142,7 +142,8 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     songs.track_beats(watcher)?;
     seconds.beats = listening.elapsed().as_secs_f64();
 
-    let (instrument, script) = wanted.beginning.begin(&dancer)?;
+    let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+    let (instrument, script) = wanted.beginning.begin(&dancer, is_flat(&rest))?;
     let frames = output.rate.frames_in(songs.film_secs());
     let range = output.range(frames)?;
     let film_secs = output.rate.start_secs(frames);

@@ -11,8 +11,8 @@ mod standing;
 mod suggesting;
 
 use chladni_music::{
-    Action, Ensemble, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Preset, Settings, Show,
-    Switch, Viewpoint,
+    Action, Ensemble, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Parameters, Preset,
+    SAND_MODE, Settings, Show, Switch, Viewpoint, without_sand,
 };
 use chladni_synth::{AutoSynthesizer, Backend, Coefficients, GpuContext, SynthModel, Synthesizer};
 use chladni_view::{Gpu, Rect, RestShape, Topology};
@@ -118,7 +118,7 @@ impl Concert {
         let details = on_device(gpu, vertices, ready.details)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(dancer).with_voices(terms)?;
-        Ok(Self {
+        let mut concert = Self {
             instrument,
             saved: 0,
             ensemble,
@@ -154,7 +154,9 @@ impl Concert {
             harmonics: Harmonics::new(body, symmetry),
             pace: Pace::default(),
             voice_names,
-        })
+        };
+        concert.strew_on_sheets(false)?;
+        Ok(concert)
     }
 
     /// Continues on another device, with the same dances.
@@ -271,6 +273,21 @@ impl Concert {
         self.replay(&Show::of(&before.instrument))?;
         self.saved = before.saved;
         self.viewpoint = viewpoint;
+        self.strew_on_sheets(before.staging.is_flat())
+    }
+
+    /// Sets all up for sand where a flat sheet takes the place of a body, and takes that back where a body takes the place of
+    /// a sheet.
+    fn strew_on_sheets(&mut self, was_flat: bool) -> Result<(), Error> {
+        let lies = self.instrument.parameters().is_on(Switch::Sand);
+        let actions = match (was_flat, self.staging.is_flat()) {
+            (false, true) if !lies => SAND_MODE.to_vec(),
+            (true, false) if lies => without_sand(&Parameters::default()),
+            _ => Vec::new(),
+        };
+        for action in actions {
+            self.instrument.apply(self.moment, action)?;
+        }
         Ok(())
     }
 
