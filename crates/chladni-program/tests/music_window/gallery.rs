@@ -254,3 +254,33 @@ fn children_are_suggested_beside_the_frames_and_what_is_chosen_meanwhile_counts(
     control(&window, "dance/4").click();
     wait(&mut window, "more children", |w| shows(w, "3 / 3"));
 }
+
+#[test]
+fn a_sheet_begins_with_sand_that_goes_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (sheet, ball) = (folder.path().join("sheet.obj"), folder.path().join("ball.obj"));
+    let strip = |i: u32| [f64::from(i % 12) / 11.0, f64::from(i / 12) / 11.0, 0.0];
+    let squares = (0..121).map(|i| i + i / 11);
+    let mesh = chladni_mesh::TriMesh {
+        positions: (0..144).map(strip).collect(),
+        triangles: squares.flat_map(|v| [[v, v + 1, v + 13], [v, v + 13, v + 12]]).collect(),
+        ..chladni_mesh::TriMesh::default()
+    };
+    chladni_mesh::save_mesh(&mesh, &sheet).unwrap();
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &ball).unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
+    click(&mut window, "drawer/knobs");
+    let is_on = |window: &Window| control(window, "sand").accesskit_node().toggled() == Some(Toggled::True);
+    assert!(!is_on(&window));
+    for (file, sandy) in [(&sheet, true), (&ball, false), (&sheet, true)] {
+        answers.add(file.clone());
+        window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+        window.run_steps(2);
+        wait(&mut window, "the other shape", |w| !shows(w, "Opening"));
+        window.run_steps(20);
+        assert_eq!(is_on(&window), sandy);
+    }
+    screenshot(&mut window, "window-music-sheet.png");
+}

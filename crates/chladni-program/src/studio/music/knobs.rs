@@ -30,7 +30,8 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, voices: bool, wishes: &mut Vec
         group(ui, name, |ui| {
             for (switch, name, tip) in *switches {
                 let mut on = parameters.is_on(*switch);
-                if theme::checkbox(ui, &mut on, name).on_hover_text(*tip).changed() {
+                let check = theme::checkbox(ui, &mut on, name).author_id(switch.name());
+                if check.on_hover_text(*tip).changed() {
                     wishes.push(Wish::Do(Action::Switch { switch: *switch, on }));
                 }
                 if *switch == Switch::Sand {
