@@ -49,7 +49,6 @@ impl FunctionalMap {
     ///
     /// # Errors
     /// Fewer eigenvectors than C has columns or rows, or a shape without vertices.
-    /// Fewer eigenvectors than C has columns or rows; nothing to choose from.
     pub fn to_point_map(
         &self,
         source: Eigenvectors,

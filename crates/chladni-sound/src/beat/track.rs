@@ -81,7 +81,6 @@ pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
 ///
 /// # Errors
 /// A rate outside the supported range, or a cancelled task.
-/// A rate out of range, or the task was cancelled.
 pub fn track_beats_causally(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let mut follower = BeatFollower::new(song.rate_hz)?;
     let block = (song.rate_hz / 100) as usize;
